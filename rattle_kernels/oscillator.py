@@ -1,0 +1,133 @@
+"""The backlash oscillator, Eqs. (1, 2) and its impacting limit (4, 5): parameters and the bounds within which P is defined."""
+
+import math
+from typing import NamedTuple
+
+
+class Oscillator(NamedTuple):
+    """Parameters of the gear pair; everything is nondimensional and time counts forcing periods.
+
+    Parameters
+    ----------
+    damping : float
+        delta > 0.
+    eccentricity : float
+        epsilon, amplitude of the order-one forcing, ``0 <= epsilon < epsilon_crit2`` (Eq. 8).
+    half_backlash : float
+        beta > 0.
+    stiffness : float
+        kappa; infinite for the impacting model.
+    """
+
+    damping: float = 0.6
+    eccentricity: float = 0.1
+    half_backlash: float = 0.6
+    stiffness: float = math.inf
+
+
+class OutsideDomain(ValueError):
+    """A parameter lies where the impact map is not defined.
+
+    Attributes
+    ----------
+    parameter : str
+        The field of `Oscillator` at fault.
+    bound : str
+        Name of the bound that it violates.
+    limit : float
+        Value of that bound.
+    """
+
+    def __init__(self, parameter: str, value: float, bound: str, limit: float, message: str) -> None:
+        super().__init__(message)
+        self.parameter = parameter
+        self.value = value
+        self.bound = bound
+        self.limit = limit
+
+    def __reduce__(self) -> tuple[type, tuple[str, float, str, float, str]]:
+        # Raised in workers too: it must survive pickling with all its arguments.
+        return type(self), (self.parameter, self.value, self.bound, self.limit, str(self))
+
+
+def eccentricity_bound_quiet(oscillator: Oscillator) -> float:
+    """Bound epsilon_crit1 below which a quiet solution (permanent linear contact) exists, Eq. (3).
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Its stiffness may be infinite, where the bound tends to that of Eq. (8).
+
+    Returns
+    -------
+    float
+    """
+    damping, stiffness = oscillator.damping, oscillator.stiffness
+    if math.isinf(stiffness):
+        return eccentricity_bound_smooth_maxima(oscillator)
+    stretch = math.hypot(stiffness - 2 * math.pi**2, math.pi * damping) / stiffness
+    return 2 * damping * stretch / math.hypot(2 * math.pi, damping)
+
+
+def eccentricity_bound_smooth_maxima(oscillator: Oscillator) -> float:
+    """Bound epsilon_crit2 below which Phi has no smooth maxima in freeplay, Eq. (8).
+
+    Below it the acceleration that an object at rest feels, ``4 pi delta - 4 pi^2 eps cos - 2 pi delta eps sin``, is positive at
+    every phase. All root-finding of this package rests on that.
+
+    Returns
+    -------
+    float
+    """
+    return 2 * oscillator.damping / math.hypot(2 * math.pi, oscillator.damping)
+
+
+def eccentricity_bound_convexity(oscillator: Oscillator) -> float:
+    """Bound epsilon_crit3 that is sufficient for the paper's convexity argument, Eq. (22).
+
+    Nothing here needs it (the brackets of `impact_map` are proven from Eq. 8 alone); it is given for comparison with the paper.
+
+    Returns
+    -------
+    float
+    """
+    return oscillator.damping / (math.pi + oscillator.damping / 2)
+
+
+def check_domain(oscillator: Oscillator) -> Oscillator:
+    """Return the oscillator with plain float fields, or say why P is not defined for it.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        As a user gave it; integers are welcome.
+
+    Returns
+    -------
+    Oscillator
+        All fields of type float (an integer field would compile every kernel a second time).
+
+    Raises
+    ------
+    OutsideDomain
+        Naming the parameter, the bound and its value.
+    """
+    checked = Oscillator(*(float(value) for value in oscillator))
+    for name in ("damping", "half_backlash"):
+        value = getattr(checked, name)
+        if not (math.isfinite(value) and value > 0.0):
+            raise OutsideDomain(name, value, "positivity", 0.0, f"{name} must be positive and finite, not {value}")
+    if not checked.eccentricity >= 0.0:
+        message = f"eccentricity must be at least 0, not {checked.eccentricity}"
+        raise OutsideDomain("eccentricity", checked.eccentricity, "positivity", 0.0, message)
+    limit = eccentricity_bound_smooth_maxima(checked)
+    if not checked.eccentricity < limit:
+        message = (
+            f"eccentricity must be below epsilon_crit2 = {limit:.6g} at damping {checked.damping:g} (Eq. 8), "
+            f"not {checked.eccentricity:g}: beyond it freeplay has smooth maxima and the impact map is not defined"
+        )
+        raise OutsideDomain("eccentricity", checked.eccentricity, "epsilon_crit2", limit, message)
+    if not math.isinf(checked.stiffness) or checked.stiffness < 0.0:
+        message = f"stiffness must be infinite (the impacting model), not {checked.stiffness:g}: finite stiffness is not served"
+        raise OutsideDomain("stiffness", checked.stiffness, "impacting model", math.inf, message)
+    return checked

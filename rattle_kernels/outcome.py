@@ -1,0 +1,16 @@
+"""Outcome codes that stand beside every result: nothing is raised for a single initial condition."""
+
+from enum import IntEnum
+
+
+class Outcome(IntEnum):
+    """How one initial condition ended. Codes are append-only."""
+
+    RETURNED = 0
+    """Left ``Phi = +beta`` again; time and velocity are those of that departure."""
+    PERMANENT_CONTACT = 1
+    """Never rattles again: captured by ever lower bounces (impacting model)."""
+    NOT_CONVERGED = 2
+    """A root-finder gave up. None is expected; the result is NaN and is counted, never hidden."""
+    OUTSIDE_SECTION = 3
+    """The input is no departure: time or velocity not finite, or the velocity not positive. The result is NaN."""
