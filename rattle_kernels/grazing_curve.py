@@ -23,7 +23,7 @@ from rattle_kernels.flight import (
 )
 from rattle_kernels.jit import kernel, step
 from rattle_kernels.oscillator import Oscillator, check_domain
-from rattle_kernels.roots import find_root
+from rattle_kernels.roots import root_finder
 
 LEAVING = -1.0
 ARRIVING = 1.0
@@ -55,6 +55,9 @@ def _touch_residual(touch, sigma):
     return value, slope
 
 
+_find_touch = root_finder(_touch_residual)
+
+
 @step
 def grazing_flight(oscillator, phase, side):
     """Speed at +beta and duration of the flight that touches -beta, through +beta at `phase`.
@@ -82,7 +85,7 @@ def grazing_flight(oscillator, phase, side):
     while _touch_residual(touch, high)[0] < 0.0:
         low = high
         high *= 2.0
-    sigma, found = find_root(_touch_residual, touch, low, high, 0.5 * (low + high))
+    sigma, found = _find_touch(touch, low, high, 0.5 * (low + high))
     tau = side * sigma
     return abs(velocity_after(_flight_from_touch(touch, sigma), tau, two_beta)), sigma, found
 

@@ -24,11 +24,23 @@ from rattle_kernels.grazing_curve import ARRIVING, LEAVING, grazing_flight
 from rattle_kernels.jit import kernel, step
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.outcome import Outcome
-from rattle_kernels.roots import find_root
+from rattle_kernels.roots import root_finder
 
 RETURNED = int(Outcome.RETURNED)
 NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
 OUTSIDE_SECTION = int(Outcome.OUTSIDE_SECTION)
+UPPER = 1.0
+LOWER = -1.0
+
+
+class Contact(NamedTuple):
+    """End of one flight: the wall met (UPPER or LOWER), phase (not reduced), signed duration, signed velocity of arrival."""
+
+    wall: float
+    phase: float
+    duration: float
+    velocity: float
+    found: bool
 
 
 class Impact(NamedTuple):
@@ -68,6 +80,10 @@ def _reach_residual(problem, tau):
     return displacement - target, velocity_after(flight, tau, displacement)
 
 
+_find_return = root_finder(_return_residual)
+_find_crossing = root_finder(_reach_residual)
+
+
 @step
 def _fly_back(flight, acceleration, direction):
     """Signed time until the wall that was left is met again; `direction` +1 forwards, -1 backwards in time.
@@ -83,7 +99,7 @@ def _fly_back(flight, acceleration, direction):
     below, above = direction * near, direction * far
     if direction < 0.0:  # y/tau has the other sign at tau < 0
         below, above = above, below
-    return find_root(_return_residual, flight, below, above, direction * (near if near > 0.0 else far))
+    return _find_return(flight, below, above, direction * (near if near > 0.0 else far))
 
 
 @step
@@ -94,7 +110,7 @@ def _fly_down(flight, two_beta, graze_duration, direction):
     """
     lands = direction * graze_duration
     start = direction * min(two_beta / abs(flight.velocity), graze_duration)
-    return find_root(_reach_residual, (flight, -two_beta), lands, 0.0, start)
+    return _find_crossing((flight, -two_beta), lands, 0.0, start)
 
 
 @step
@@ -106,46 +122,60 @@ def _fly_up(flight, two_beta, acceleration, direction):
     while direction * far * displacement_rate(flight, direction * far) < two_beta:
         near = far
         far *= 2.0
-    return find_root(_reach_residual, (flight, two_beta), direction * near, direction * far, direction * far)
+    return _find_crossing((flight, two_beta), direction * near, direction * far, direction * far)
 
 
 @step
-def _leave_lower_wall(oscillator, phase, velocity, lower_speed_found, direction):
-    """Second piece of case b, from -beta up to +beta: phase and speed there."""
-    flight = start_flight(oscillator, phase, velocity)
+def next_contact(oscillator, wall, phase, velocity, direction):
+    """Follow one flight from a wall to the next contact with either.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller (Eq. 8 holds).
+    wall : float
+        UPPER or LOWER: the wall that is left.
+    phase, velocity : float
+        Phase (any value) and signed velocity Phi' of the departure.
+    direction : float
+        +1 forwards in time, -1 backwards.
+
+    Returns
+    -------
+    Contact
+    """
+    start = part_turn(phase)
     two_beta = 2.0 * oscillator.half_backlash
-    rise, found = _fly_up(flight, two_beta, rest_acceleration(oscillator, phase), direction)
-    return phase + rise, velocity_after(flight, rise, two_beta), found and lower_speed_found
+    flight = start_flight(oscillator, start, velocity)
+    if wall == LOWER:
+        tau, found = _fly_up(flight, two_beta, rest_acceleration(oscillator, start), direction)
+        return Contact(UPPER, start + tau, tau, velocity_after(flight, tau, two_beta), found)
+    side = LEAVING if direction > 0.0 else ARRIVING
+    graze_speed, graze_duration, graze_found = grazing_flight(oscillator, start, side)
+    if abs(velocity) <= graze_speed:
+        tau, found = _fly_back(flight, rest_acceleration(oscillator, start), direction)
+        return Contact(UPPER, start + tau, tau, velocity_after(flight, tau, 0.0), found and graze_found)
+    tau, found = _fly_down(flight, two_beta, graze_duration, direction)
+    # At a graze round-off may leave the wrong sign of nothing.
+    arrival = direction * min(direction * velocity_after(flight, tau, -two_beta), 0.0)
+    return Contact(LOWER, start + tau, tau, arrival, found and graze_found)
 
 
 @step
 def _apply(oscillator, t, v, direction):
-    """P forwards (direction +1) or backwards (-1): unreduced time is not needed, so phases are reduced as they come."""
+    """P forwards (direction +1) or backwards (-1): one flight, or two by way of -beta, each wall reversing the velocity."""
     if not (math.isfinite(t) and math.isfinite(v) and v > 0.0):
         return Impact(math.nan, math.nan, 0, OUTSIDE_SECTION)
-    side = LEAVING if direction > 0.0 else ARRIVING
-    two_beta = 2.0 * oscillator.half_backlash
-    phase = part_turn(t)
-    graze_speed, graze_duration, found = grazing_flight(oscillator, phase, side)
-    flight = start_flight(oscillator, phase, -direction * v)
-    if v <= graze_speed:
-        tau, found_tau = _fly_back(flight, rest_acceleration(oscillator, phase), direction)
-        reached = phase + tau
-        arrival = velocity_after(flight, tau, 0.0)
-        lower_impacts = 0
-        found = found and found_tau
-    else:
-        drop, found_drop = _fly_down(flight, two_beta, graze_duration, direction)
-        # Elastic: it leaves -beta with the velocity reversed. At a graze round-off may leave the wrong sign of nothing.
-        rebound = -direction * min(direction * velocity_after(flight, drop, -two_beta), 0.0)
-        reached, arrival, found = _leave_lower_wall(
-            oscillator, part_turn(phase + drop), rebound, found and found_drop, direction
-        )
+    contact = next_contact(oscillator, UPPER, t, -direction * v, direction)
+    found = contact.found
+    lower_impacts = 0
+    if contact.wall == LOWER:
         lower_impacts = 1
-    if not found:
+        contact = next_contact(oscillator, LOWER, contact.phase, -contact.velocity, direction)
+    if not (found and contact.found):
         return Impact(math.nan, math.nan, lower_impacts, NOT_CONVERGED)
-    wrapped = reached - math.floor(reached)
-    return Impact(wrapped if wrapped < 1.0 else 0.0, abs(arrival), lower_impacts, RETURNED)
+    wrapped = contact.phase - math.floor(contact.phase)
+    return Impact(wrapped if wrapped < 1.0 else 0.0, abs(contact.velocity), lower_impacts, RETURNED)
 
 
 @step
