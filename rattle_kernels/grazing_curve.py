@@ -121,8 +121,8 @@ def grazing_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarr
     ----------
     Sec. 2.1, Eqs. (9-13), solved for the time between departure and graze.
     """
-    phase = np.ascontiguousarray(t, dtype=np.float64)
+    phase = np.asarray(t, dtype=np.float64)
     velocity = np.empty(phase.size)
     freeplay = check_domain(oscillator)._replace(stiffness=math.inf)
     _grazing_velocities(freeplay, phase.ravel(), velocity)
-    return velocity.reshape(np.shape(t))
+    return velocity.reshape(phase.shape)

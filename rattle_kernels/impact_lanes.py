@@ -1,0 +1,269 @@
+"""Many applications of P to many points: 64 trajectories fly side by side, a lane that is done takes the next point.
+
+A point goes through `applications` of P unless one of two shortcuts ends it early. Neither changes where it lands:
+
+*Lock.* Brent's checkpoints: the state after 16, 32, 64, ... applications is kept, and a later state within 1e-13 of it closes a period p.
+The orbit has then converged: of the applications left only their number modulo p is still to be done. Closing on a checkpoint after n
+applications needs the distance to the orbit to shrink like lambda^n below the tolerance, so ``1 - lambda >= 30/n`` about, and what is left
+of the distance is at most ``1e-13/(1 - lambda) <= 1e-13 n/30``.
+
+*Capture.* A departure in the safe region of `capture` bounces ever lower and never rattles again.
+
+A chaotic trajectory does all of its applications. Each lane's arithmetic is the same whichever lane it is and whatever its neighbours do,
+so a result depends on nothing but its starting point.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.impact_map import NOT_CONVERGED, OUTSIDE_SECTION, RETURNED, Impacts
+from rattle_kernels.jit import lane_kernel, step
+from rattle_kernels.lane_flight import (
+    DROPS,
+    END_ACCELERATION,
+    END_PHASE,
+    END_VELOCITY,
+    FLIGHT_FIELDS,
+    LANES,
+    PHASE,
+    VELOCITY,
+    count_set,
+    fly_carefully,
+    guess_durations,
+    refine_durations,
+)
+from rattle_kernels.lane_tables import LaneTables, lane_tables
+from rattle_kernels.oscillator import Oscillator, check_domain
+from rattle_kernels.outcome import Outcome
+
+CAPTURED = int(Outcome.PERMANENT_CONTACT)
+_LOCK_TOLERANCE = 1e-13
+_FIRST_CHECKPOINT = 16.0
+
+# Fields of the buffer beside those of a flight. Counts are floats so that all loops work on one type.
+_DONE = (FLIGHT_FIELDS + 0) * LANES
+_WANTED = (FLIGHT_FIELDS + 1) * LANES
+_LOWER = (FLIGHT_FIELDS + 2) * LANES
+_CHECK_PHASE = (FLIGHT_FIELDS + 3) * LANES
+_CHECK_SPEED = (FLIGHT_FIELDS + 4) * LANES
+_CHECK_DONE = (FLIGHT_FIELDS + 5) * LANES
+_CHECK_NEXT = (FLIGHT_FIELDS + 6) * LANES
+_EVENT = (FLIGHT_FIELDS + 7) * LANES
+_POINT = (FLIGHT_FIELDS + 8) * LANES
+_FIELDS = FLIGHT_FIELDS + 9
+
+_NOTHING, _FINISHED, _CAPTURE, _LOCK, _LOST = 0.0, 1.0, 2.0, 3.0, 4.0
+_NOBODY = -1.0
+
+
+class LaneRun(NamedTuple):
+    """What a batch did: applications of P and flights that took the careful path."""
+
+    applications: int
+    careful_flights: int
+
+
+@step
+def _advance(lanes, capture_bound, lock_tolerance, speed_scale):
+    """Move every lane to the end of its flight and note what has happened there."""
+    speed_tolerance = lock_tolerance * speed_scale
+    for i in range(LANES):
+        phase, velocity = lanes[END_PHASE + i], lanes[END_VELOCITY + i]
+        drops = lanes[DROPS + i]
+        returns = drops == 0.0
+        done = lanes[_DONE + i] + (1.0 - drops)
+        away = abs(phase - lanes[_CHECK_PHASE + i]) <= lock_tolerance
+        away = away if abs(-velocity - lanes[_CHECK_SPEED + i]) <= speed_tolerance else False
+        event = _LOCK if away else _NOTHING
+        event = _FINISHED if done >= lanes[_WANTED + i] else event
+        low = -velocity * velocity * velocity < capture_bound * lanes[END_ACCELERATION + i]
+        event = _CAPTURE if low else event
+        # A checkpoint is set on a return only, and never where an event is to be handled.
+        sets = (done >= lanes[_CHECK_NEXT + i]) & returns
+        lanes[_CHECK_PHASE + i] = phase if sets else lanes[_CHECK_PHASE + i]
+        lanes[_CHECK_SPEED + i] = -velocity if sets else lanes[_CHECK_SPEED + i]
+        lanes[_CHECK_DONE + i] = done if sets else lanes[_CHECK_DONE + i]
+        lanes[_CHECK_NEXT + i] = 2.0 * done if sets else lanes[_CHECK_NEXT + i]
+        event = event if returns else _NOTHING
+        lanes[_EVENT + i] = event if phase == phase else _LOST  # NaN: a root-finder gave up
+        lanes[_DONE + i] = done
+        lanes[_LOWER + i] += drops
+        lanes[PHASE + i] = phase
+        lanes[VELOCITY + i] = velocity
+    return count_set(lanes, _EVENT)
+
+
+@step
+def _forget_checkpoint(lanes, i, following):
+    lanes[_CHECK_PHASE + i] = math.nan
+    lanes[_CHECK_SPEED + i] = math.nan
+    lanes[_CHECK_DONE + i] = 0.0
+    lanes[_CHECK_NEXT + i] = following
+
+
+@step
+def _load(lanes, i, point, phase, speed, wanted, checkpoint):
+    lanes[PHASE + i] = phase - math.floor(phase)
+    lanes[VELOCITY + i] = -speed
+    lanes[_DONE + i] = 0.0
+    lanes[_WANTED + i] = wanted
+    lanes[_LOWER + i] = 0.0
+    lanes[_POINT + i] = point
+    lanes[_EVENT + i] = _NOTHING
+    _forget_checkpoint(lanes, i, checkpoint)
+
+
+@step
+def _next_point(t, v, outcome, point):
+    """The first point from `point` on that is a departure; others are answered at once."""
+    while point < t.size and not (math.isfinite(t[point]) and math.isfinite(v[point]) and v[point] > 0.0):
+        t[point] = v[point] = math.nan
+        outcome[point] = OUTSIDE_SECTION
+        point += 1
+    return point
+
+
+@step
+def _settle(lanes, i):
+    """Whether lane i is done; a lock leaves it the rest of its applications modulo the period."""
+    if lanes[_EVENT + i] != _LOCK:
+        return True
+    done = lanes[_DONE + i]
+    left = (lanes[_WANTED + i] - done) % (done - lanes[_CHECK_DONE + i])
+    lanes[_WANTED + i] = done + left
+    _forget_checkpoint(lanes, i, math.inf)
+    return left == 0.0
+
+
+@step
+def _refill(lanes, i, tables, applications, points, following):
+    """Give lane i the next point, or let it idle on low bounces, which never take the careful path; return the point after."""
+    t, v, outcome = points
+    point = _next_point(t, v, outcome, following)
+    if point < t.size:
+        _load(lanes, i, point, t[point], v[point], applications, _FIRST_CHECKPOINT)
+        return point + 1
+    _load(lanes, i, _NOBODY, 0.0, 1e-3 * tables.speed_scale, math.inf, math.inf)
+    return point
+
+
+@step
+def _outcome_of(event):
+    if event == _LOST:
+        return NOT_CONVERGED
+    return CAPTURED if event == _CAPTURE else RETURNED
+
+
+@step
+def _land(lanes, i, points, lower_impacts):
+    """Write down where the point of lane i has landed; return the applications it took."""
+    t, v, outcome = points
+    point = int(lanes[_POINT + i])
+    ended = _outcome_of(lanes[_EVENT + i])
+    t[point] = lanes[PHASE + i]
+    v[point] = -lanes[VELOCITY + i] if ended != NOT_CONVERGED else math.nan
+    lower_impacts[point] = int(lanes[_LOWER + i])
+    outcome[point] = ended
+    return lanes[_DONE + i]
+
+
+@lane_kernel
+def _run_lanes(oscillator, tables, applications, capture_bound, lock_tolerance, points, lower_impacts):
+    lanes = np.zeros(_FIELDS * LANES)
+    following = 0
+    flying = 0
+    for i in range(LANES):
+        following = _refill(lanes, i, tables, applications, points, following)
+        flying += 1 if lanes[_POINT + i] != _NOBODY else 0
+    done = 0.0
+    careful = 0
+    while flying > 0:
+        guess_durations(lanes, tables, 2.0 * oscillator.half_backlash)
+        unsure = refine_durations(lanes, oscillator.damping, oscillator.eccentricity)
+        if unsure > 0:
+            careful += unsure
+            fly_carefully(lanes, oscillator)
+        if _advance(lanes, capture_bound, lock_tolerance, tables.speed_scale) == 0:
+            continue
+        flying = 0
+        for i in range(LANES):
+            if lanes[_POINT + i] == _NOBODY:
+                continue
+            if lanes[_EVENT + i] != _NOTHING and _settle(lanes, i):
+                done += _land(lanes, i, points, lower_impacts)
+                following = _refill(lanes, i, tables, applications, points, following)
+            flying += 1 if lanes[_POINT + i] != _NOBODY else 0
+    return LaneRun(int(done), careful)
+
+
+def run_lanes(
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int, *, shortcuts: bool
+) -> tuple[Impacts, LaneRun]:
+    """Apply P many times to many points.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    t, v : ndarray of float64, shape (n,)
+        Phases and speeds of departures from +beta. Not changed.
+    applications : int
+        How often P is applied, at least 1.
+    shortcuts : bool
+        Whether captured points end early (outcome PERMANENT_CONTACT, state at capture) and locked ones skip whole periods.
+        Without, ``lower_impacts`` counts all contacts; with, those of the applications done.
+
+    Returns
+    -------
+    Impacts, LaneRun
+        Landing points, and what it took.
+    """
+    tables = lane_tables(oscillator)
+    phase, speed = t.copy(), v.copy()
+    lower_impacts, outcome = np.zeros(t.size, np.int64), np.zeros(t.size, np.int8)
+    bound, tolerance = (tables.capture_bound, _LOCK_TOLERANCE) if shortcuts else (0.0, -1.0)
+    points = (phase, speed, outcome)
+    run = _run_lanes(oscillator, tables, float(applications), bound, tolerance, points, lower_impacts)
+    return Impacts(phase, speed, lower_impacts, outcome), run
+
+
+def next_impacts(
+    oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.ArrayLike, applications: int = 1
+) -> Impacts:
+    """Apply P to every point.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Impacting model (infinite stiffness).
+    t, v : array_like, broadcast together
+        Phase (forcing periods, any finite value) and speed of departures from +beta.
+    applications : int
+        How often P is applied; all of them, no shortcut.
+
+    Returns
+    -------
+    Impacts
+        ``lower_impacts`` counts the contacts with -beta of all applications.
+
+    Raises
+    ------
+    OutsideDomain
+        Where the oscillator's parameters lie outside the domain of the map.
+    ValueError
+        Where `applications` is below 1.
+
+    Examples
+    --------
+    >>> impacts = next_impacts(Oscillator(damping=0.6, eccentricity=0.1, half_backlash=0.6), [0.25, 0.5], [1.0, 6.0])
+    >>> impacts.lower_impacts
+    array([0, 1])
+    """
+    checked = check_domain(oscillator)
+    if applications < 1:
+        raise ValueError(f"applications must be at least 1, not {applications}")
+    phase, speed = np.broadcast_arrays(np.asarray(t, dtype=np.float64), np.asarray(v, dtype=np.float64))
+    impacts, _ = run_lanes(checked, phase.ravel(), speed.ravel(), applications, shortcuts=False)
+    return Impacts(*(field.reshape(phase.shape) for field in impacts))
