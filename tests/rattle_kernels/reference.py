@@ -1,0 +1,40 @@
+"""Reference values of the impacting map in 28 digits (see data/PROVENANCE.md), and how they are compared."""
+
+import json
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from rattle_kernels import Oscillator
+
+_DATA = Path(__file__).parent / "data"
+
+
+def entries(name, *, inside_domain=True):
+    """Entries of a table; those beyond the bound of Eq. (8) only where asked for."""
+    table = json.loads((_DATA / name).read_text())["entries"]
+    return [entry for entry in table if (entry.get("category") != "beyond_crit2") == inside_domain]
+
+
+def oscillator_of(entry):
+    """Oscillator of an entry."""
+    return Oscillator(float(entry["delta"]), float(entry["eps"]), float(entry["beta"]))
+
+
+def phase_error(t, printed):
+    """Distance of a phase from its printed value, around the circle, without rounding the latter."""
+    error = abs(float(Fraction(float(t)) - Fraction(printed)))
+    return min(error, abs(1.0 - error))
+
+
+def speed_error(v, printed):
+    """Relative error of a speed, with 1e-3 as the least scale."""
+    return abs(float(Fraction(float(v)) - Fraction(printed))) / max(float(printed), 1e-3)
+
+
+def condition(entry):
+    """Largest amplification of an input error by DP, at least 1, for the near-grazing entries; 1 elsewhere."""
+    if entry["category"] != "near_graze":
+        return 1.0
+    return max(1.0, np.abs([float(x) for x in entry["DP"]]).max())

@@ -1,0 +1,23 @@
+"""Hypothesis strategies: oscillators and departures inside the domain of the map."""
+
+from hypothesis import strategies as st
+
+from rattle_kernels import Oscillator, eccentricity_bound_smooth_maxima
+
+phases = st.floats(0.0, 1.0, exclude_max=True)
+
+
+@st.composite
+def oscillators(draw, largest_part_of_bound=0.95):
+    """Impacting oscillators, log-uniform in damping and backlash, eccentricity a part of its bound (Eq. 8)."""
+    damping = 10.0 ** draw(st.floats(-4.0, 0.0))
+    half_backlash = 10.0 ** draw(st.floats(-4.0, 0.2))
+    part = draw(st.floats(0.0, largest_part_of_bound))
+    bare = Oscillator(damping=damping, half_backlash=half_backlash)
+    return bare._replace(eccentricity=part * eccentricity_bound_smooth_maxima(bare))
+
+
+def speeds(oscillator, least=1e-3, most=4.0):
+    """Speeds between `least` and `most` times the natural scale, that of a fall through the backlash."""
+    scale = (8.0 * 3.141592653589793 * oscillator.damping * 2.0 * oscillator.half_backlash) ** 0.5
+    return st.floats(least, most).map(lambda part: part * scale)
