@@ -1,8 +1,12 @@
 """Flights, impact maps and cell mapping of a backlash oscillator: NumPy and Numba, nothing else."""
 
+from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
+from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
+from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells
 from rattle_kernels.grazing_curve import grazing_velocity
 from rattle_kernels.impact_lanes import next_impacts
 from rattle_kernels.impact_map import Impacts, previous_impacts
+from rattle_kernels.iterations import check_iterations
 from rattle_kernels.oscillator import (
     Oscillator,
     OutsideDomain,
@@ -14,15 +18,26 @@ from rattle_kernels.oscillator import (
 from rattle_kernels.outcome import Outcome
 
 __all__ = [
+    "PERMANENT_CONTACT",
+    "SINK",
+    "UNDECIDED",
+    "CellGrid",
+    "CellGroups",
+    "CellImages",
     "Impacts",
     "Oscillator",
     "Outcome",
     "OutsideDomain",
     "check_domain",
+    "check_grid",
+    "check_iterations",
     "eccentricity_bound_convexity",
     "eccentricity_bound_quiet",
     "eccentricity_bound_smooth_maxima",
+    "find_groups",
     "grazing_velocity",
+    "label_cells",
+    "map_cells",
     "next_impacts",
     "previous_impacts",
 ]

@@ -1,0 +1,96 @@
+"""Image of each cell under ``P_corr o P^k`` (Sec. 4, Fig. 5b): the map starts from the cell's centre, and only where ``P^k`` ends is put back
+on the grid."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.capture import is_captured
+from rattle_kernels.cell_grid import SINK, CellGrid, cell_number, check_grid
+from rattle_kernels.impact_lanes import run_lanes
+from rattle_kernels.impact_map import RETURNED
+from rattle_kernels.iterations import check_iterations
+from rattle_kernels.jit import kernel
+from rattle_kernels.lane_tables import lane_tables
+from rattle_kernels.oscillator import Oscillator, check_domain
+from rattle_kernels.outcome import Outcome
+
+PERMANENT_CONTACT = -2
+UNDECIDED = -3
+
+_CAPTURED = int(Outcome.PERMANENT_CONTACT)
+
+
+class CellImages(NamedTuple):
+    """Images of a rectangle of cells, arrays of shape (rows, columns).
+
+    ``image_cell`` (int64) is a cell number or SINK, PERMANENT_CONTACT, UNDECIDED; ``landing_time`` and ``landing_velocity`` (float64) are
+    ``P^k(centre)``, NaN where captured or undecided; ``applications`` counts the applications of P that were computed.
+    """
+
+    image_cell: np.ndarray
+    landing_time: np.ndarray
+    landing_velocity: np.ndarray
+    applications: int
+
+
+@kernel
+def _settle_images(oscillator, bound, grid, outcome, t, v, image_cell):
+    for i in range(t.size):
+        if outcome[i] == _CAPTURED or (outcome[i] == RETURNED and is_captured(oscillator, bound, t[i], v[i])):
+            image_cell[i] = PERMANENT_CONTACT
+        elif outcome[i] == RETURNED:
+            image_cell[i] = cell_number(grid, t[i], v[i])
+        else:
+            image_cell[i] = UNDECIDED
+        if image_cell[i] < SINK:
+            t[i] = v[i] = np.nan
+
+
+def map_cells(
+    oscillator: Oscillator,
+    grid: CellGrid,
+    iterations: int,
+    rows: tuple[int, int],
+    columns: tuple[int, int],
+    *,
+    shortcuts: bool = True,
+) -> CellImages:
+    """Image cells of a rectangle of the grid.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Impacting model.
+    grid : CellGrid
+        The whole grid, not only the rectangle.
+    iterations : int
+        k, 1 or a prime.
+    rows, columns : (int, int)
+        Start and stop of the rectangle along velocity and along time.
+    shortcuts : bool
+        Lock and capture (see `impact_lanes`); without them every cell takes all k applications. No image of a trajectory that is not
+        chaotic depends on them.
+
+    Returns
+    -------
+    CellImages
+
+    Raises
+    ------
+    OutsideDomain
+        Where the oscillator's parameters lie outside the domain of the map.
+    ValueError
+        Where the grid or `iterations` is not valid.
+    """
+    checked = check_domain(oscillator)
+    check_grid(grid)
+    check_iterations(iterations)
+    times, velocities = grid.time_centres()[slice(*columns)], grid.velocity_centres()[slice(*rows)]
+    shape = (velocities.size, times.size)
+    t, v = np.tile(times, velocities.size), np.repeat(velocities, times.size)
+    landing, run = run_lanes(checked, t, v, iterations, shortcuts=shortcuts)
+    image_cell = np.empty(t.size, np.int64)
+    bound = lane_tables(checked).capture_bound
+    _settle_images(checked, bound, grid, landing.outcome, landing.t, landing.v, image_cell)
+    return CellImages(image_cell.reshape(shape), landing.t.reshape(shape), landing.v.reshape(shape), run.applications)
