@@ -1,5 +1,7 @@
 """Flights, impact maps and cell mapping of a backlash oscillator: NumPy and Numba, nothing else."""
 
+from rattle_kernels.attractor import Attractor, AttractorKind
+from rattle_kernels.attractor_search import find_attractors
 from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
 from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells
@@ -16,11 +18,16 @@ from rattle_kernels.oscillator import (
     eccentricity_bound_smooth_maxima,
 )
 from rattle_kernels.outcome import Outcome
+from rattle_kernels.solutions import STRANGER, landing_boxes, name_solutions
+from rattle_kernels.warm_up import warm_up
 
 __all__ = [
     "PERMANENT_CONTACT",
     "SINK",
+    "STRANGER",
     "UNDECIDED",
+    "Attractor",
+    "AttractorKind",
     "CellGrid",
     "CellGroups",
     "CellImages",
@@ -34,10 +41,14 @@ __all__ = [
     "eccentricity_bound_convexity",
     "eccentricity_bound_quiet",
     "eccentricity_bound_smooth_maxima",
+    "find_attractors",
     "find_groups",
     "grazing_velocity",
     "label_cells",
+    "landing_boxes",
     "map_cells",
+    "name_solutions",
     "next_impacts",
     "previous_impacts",
+    "warm_up",
 ]

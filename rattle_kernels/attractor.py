@@ -1,0 +1,48 @@
+"""What a motion that trajectories end in is: permanent contact, a periodic orbit, a chaotic attractor."""
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+
+class AttractorKind(IntEnum):
+    """What a motion is. Codes are append-only."""
+
+    PERIODIC = 1
+    CHAOTIC = 2
+    PERMANENT_CONTACT = 3
+    UNDECIDED = 4
+
+
+class Attractor(NamedTuple):
+    """A motion that trajectories end in.
+
+    ``time`` and ``velocity`` (shape (points,)) are its departures from +beta: one turn of a periodic orbit from its slowest on, some thousand
+    of a chaotic one, none of permanent contact. Exponents are per forcing period, NaN where there is none; ``lyapunov_error`` is
+    the standard error (0 for a periodic orbit, whose exponent comes from its multipliers).
+    """
+
+    kind: AttractorKind
+    forcing_periods: int
+    upper_contacts: int
+    lower_contacts: int
+    lyapunov_exponent: float
+    lyapunov_error: float
+    time: np.ndarray
+    velocity: np.ndarray
+
+    @property
+    def name(self) -> str:
+        """``P(m, n+, n-)`` (Sec. 4), chaotic, permanent contact or undecided."""
+        if self.kind == AttractorKind.PERIODIC:
+            return f"P({self.forcing_periods},{self.upper_contacts},{self.lower_contacts})"
+        return self.kind.name.lower().replace("_", " ")
+
+
+def _without_points(kind: AttractorKind) -> Attractor:
+    return Attractor(kind, 0, 0, 0, np.nan, np.nan, np.empty(0), np.empty(0))
+
+
+PERMANENT_CONTACT_ATTRACTOR = _without_points(AttractorKind.PERMANENT_CONTACT)
+UNDECIDED_ATTRACTOR = _without_points(AttractorKind.UNDECIDED)

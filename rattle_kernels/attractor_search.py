@@ -1,0 +1,161 @@
+"""The catalogue of motions that landing points end in: permanent contact, periodic orbits, chaotic attractors.
+
+A seed (a landing point) is followed by P itself until it is clear where it ends:
+
+1. captured by ever lower bounces: permanent contact;
+2. it lands on an attractor already in the catalogue (`neighbourhoods`): nothing new;
+3. it comes back close to itself after p impacts: the orbit there is polished by Newton and its multipliers decide. Slow convergence is not chaos;
+4. else its largest Lyapunov exponent over a long run is positive by several standard errors: a chaotic attractor;
+5. else it is undecided, and says so.
+
+Seeds are taken in ascending order, so the catalogue depends on the set of seeds alone.
+"""
+
+from collections.abc import Sequence
+import numpy as np
+
+from rattle_kernels.attractor import PERMANENT_CONTACT_ATTRACTOR, UNDECIDED_ATTRACTOR, Attractor, AttractorKind
+from rattle_kernels.impact_lanes import next_impacts, run_lanes
+from rattle_kernels.lane_tables import lane_tables
+from rattle_kernels.lyapunov import lyapunov_exponent
+from rattle_kernels.neighbourhoods import locate, neighbourhoods
+from rattle_kernels.oscillator import Oscillator, check_domain
+from rattle_kernels.outcome import Outcome
+from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
+
+_SETTLING = 4096
+_LONGEST_PERIOD = 512
+_CLOSE_RETURN = 1e-6
+_LYAPUNOV_IMPACTS = 200_000
+# An exponent is called positive when it exceeds both five standard errors and what 200,000 impacts of a regular motion can feign.
+_STANDARD_ERRORS = 5.0
+_LEAST_EXPONENT = 1e-3
+# Transients through a chaotic saddle are given this many rounds of settling before a motion is left undecided.
+_PATIENCE = 4
+
+
+def _periodic(orbit: PeriodicOrbit) -> Attractor:
+    return Attractor(
+        AttractorKind.PERIODIC, orbit.forcing_periods, orbit.upper_contacts, orbit.lower_contacts,
+        orbit.lyapunov_exponent, 0.0, orbit.t, orbit.v,
+    )  # fmt: skip
+
+
+def _closest_return(oscillator: Oscillator, t: float, v: float) -> tuple[int, float]:
+    """Impact period after which the trajectory first comes back within 1e-6 of its start, or else closest; and that distance."""
+    scale = lane_tables(oscillator).speed_scale
+    distances = np.empty(_LONGEST_PERIOD)
+    here_t, here_v = np.array([t]), np.array([v])
+    for period in range(_LONGEST_PERIOD):
+        here_t, here_v, _, _ = next_impacts(oscillator, here_t, here_v)
+        apart = here_t[0] - t
+        distances[period] = np.hypot(apart - np.rint(apart), (here_v[0] - v) / scale)
+    close = np.flatnonzero(distances < _CLOSE_RETURN)
+    period = int(close[0] if close.size else np.argmin(distances))
+    return period + 1, float(distances[period])
+
+
+def _orbit_of(oscillator: Oscillator, t: float, v: float) -> PeriodicOrbit | None:
+    """The attracting periodic orbit that a settled trajectory approaches, or none."""
+    scale = lane_tables(oscillator).speed_scale
+    period, distance = _closest_return(oscillator, t, v)
+    if distance > 1e-3:
+        return None
+    orbit = find_periodic_orbit(oscillator, t, v, period, scale)
+    if orbit is None or not orbit.attracts:
+        return None
+    apart = orbit.t - t
+    near = np.hypot(apart - np.rint(apart), (orbit.v - v) / scale).min()
+    # Converging like lambda^n, a trajectory that moves by d in one turn is d/(1 - lambda) away.
+    allowed = 10.0 * distance / (1.0 - np.abs(orbit.multipliers).max()) + 1e-9
+    return orbit if near <= allowed else None
+
+
+def _motion_of(oscillator: Oscillator, t: float, v: float) -> Attractor:
+    """Motion that one trajectory ends in, whatever the catalogue holds."""
+    for _ in range(_PATIENCE):
+        orbit = _orbit_of(oscillator, t, v)
+        if orbit is not None:
+            return _periodic(orbit)
+        run = lyapunov_exponent(oscillator, t, v, _LYAPUNOV_IMPACTS)
+        if run.captured:
+            return PERMANENT_CONTACT_ATTRACTOR
+        t, v = float(run.t[-1]), float(run.v[-1])
+        # A transient that settled on the way has a positive mean exponent too: the end of the run must still be irregular.
+        settled = _orbit_of(oscillator, t, v)
+        if settled is not None:
+            return _periodic(settled)
+        if run.exponent > max(_STANDARD_ERRORS * run.error, _LEAST_EXPONENT):
+            return Attractor(AttractorKind.CHAOTIC, 0, 0, 0, run.exponent, run.error, run.t, run.v)
+    return UNDECIDED_ATTRACTOR
+
+
+def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> bool:
+    """Whether a motion is in the catalogue: by itself where it has no points, else by where its last point arrives."""
+    if not motion.time.size:
+        return any(motion is listed for listed in catalogue)
+    return bool(locate(oscillator, neighbourhoods(oscillator, catalogue), motion.time[-1:], motion.velocity[-1:])[0] >= 0)
+
+
+def _settle(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int) -> tuple[np.ndarray, np.ndarray]:
+    """Where points are after many applications, those captured left out."""
+    settled, _ = run_lanes(oscillator, t, v, applications, shortcuts=True)
+    left = settled.outcome == Outcome.RETURNED
+    return settled.t[left], settled.v[left]
+
+
+def _canonical(found: Sequence[Attractor]) -> tuple[Attractor, ...]:
+    def key(attractor: Attractor) -> tuple[float, ...]:
+        place = {AttractorKind.PERMANENT_CONTACT: 0, AttractorKind.PERIODIC: 1, AttractorKind.CHAOTIC: 2}
+        contacts = attractor.upper_contacts, attractor.forcing_periods, attractor.lower_contacts
+        lowest = (round(float(attractor.velocity.min()), 9), float(attractor.time[0])) if attractor.time.size else ()
+        return (place.get(attractor.kind, 3), *contacts, *lowest)
+
+    return tuple(sorted(found, key=key))
+
+
+def find_attractors(
+    oscillator: Oscillator,
+    t: np.typing.ArrayLike,
+    v: np.typing.ArrayLike,
+    known: Sequence[Attractor] = (),
+) -> tuple[Attractor, ...]:
+    """Catalogue of the motions that seeds end in.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Impacting model.
+    t, v : array_like, shape (n,)
+        Seeds: phases and speeds of departures from +beta, such as one landing point of every part of the plane.
+    known : sequence of Attractor
+        A catalogue to extend.
+
+    Returns
+    -------
+    tuple of Attractor
+        Permanent contact first, always; then periodic orbits by (n+, m, n-) and lowest speed, then chaotic attractors; UNDECIDED last and
+        only where some seed is.
+
+    Raises
+    ------
+    OutsideDomain
+        Where the oscillator's parameters lie outside the domain of the map.
+    """
+    checked = check_domain(oscillator)
+    catalogue = list(known) or [PERMANENT_CONTACT_ATTRACTOR]
+    seeds = np.unique(np.column_stack([np.asarray(t, np.float64), np.asarray(v, np.float64)]), axis=0)
+    t_left, v_left = _settle(checked, seeds[:, 0].copy(), seeds[:, 1].copy(), _SETTLING)
+    while t_left.size:
+        places = locate(checked, neighbourhoods(checked, catalogue), t_left, v_left)
+        t_left, v_left = t_left[places < 0], v_left[places < 0]
+        if not t_left.size:
+            break
+        motion = _motion_of(checked, float(t_left[0]), float(v_left[0]))
+        t_left, v_left = t_left[1:], v_left[1:]
+        if not _is_known(checked, motion, catalogue):
+            catalogue.append(motion)
+        else:
+            # A long transient: the others are likely on one too, and lanes follow them a hundred times faster than one by one.
+            t_left, v_left = _settle(checked, t_left, v_left, 16 * _SETTLING)
+    return _canonical(catalogue)

@@ -1,0 +1,218 @@
+"""When a trajectory may be said to have arrived at an attractor.
+
+*Periodic orbit*: an ellipse around each of its points in which P^p contracts. The quadratic form solves the discrete Lyapunov
+equation of DP^p (which exists because both multipliers lie inside the unit circle), and the ellipse is shrunk until P^p itself brings points on
+four rings in it closer, in that norm. Grazing inside the ellipse would break that and so shrinks it.
+
+*Chaotic attractor*: a lattice of boxes, 2048 to a period and to the natural speed, marked by a million of its points. A trajectory has arrived
+when it has hit marked boxes of one attractor on 24 impacts in a row. A trajectory of a neighbouring basin can pass through marked boxes, but to do
+so 24 times it would have to start within 2048^-1 e^(-24 lambda) or so of the attractor's own orbits, lambda its exponent per impact: the
+sets are told apart far below the size of any cell.
+
+*Capture* by ever lower bounces is decided by `capture`.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.attractor import Attractor, AttractorKind
+from rattle_kernels.capture import is_captured
+from rattle_kernels.impact_lanes import next_impacts, run_lanes
+from rattle_kernels.jit import kernel
+from rattle_kernels.lane_tables import lane_tables
+from rattle_kernels.oscillator import Oscillator
+from rattle_kernels.outcome import Outcome
+from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
+
+BOXES = 2048
+_ARRIVAL_STREAK = 24
+_MARKING_ROUNDS = 256
+_ROUNDS = 200
+_SHARED_BOX = -2
+_UNMARKED = -1
+
+_LARGEST_ELLIPSE = 0.05
+_SMALLEST_ELLIPSE = 1e-9
+_DIRECTIONS = 48
+_RINGS = (1.0, 0.5, 0.25, 0.125)
+
+
+class Neighbourhoods(NamedTuple):
+    """Where each attractor of a catalogue is recognised.
+
+    ``centre`` (shape (n, 2)): points of periodic orbits, phase and speed; ``form`` (n, 3): the ellipse ``form0 dt^2 + 2 form1 dt dv + form2 dv^2
+    <= 1`` around each; ``owner`` (n,): index of the attractor. ``box_owner`` (rows, BOXES) int16: index of the chaotic attractor that
+    marked a box. ``speed_scale``: the speed that BOXES rows make up.
+    """
+
+    centre: np.ndarray
+    form: np.ndarray
+    owner: np.ndarray
+    box_owner: np.ndarray
+    speed_scale: float
+
+
+def _contracting_form(jacobian: np.ndarray, speed_scale: float) -> tuple[np.ndarray, float]:
+    """Quadratic form in (dt, dv/speed_scale) that DP^p contracts, and the factor per turn."""
+    scaling = np.diag([1.0, 1.0 / speed_scale])
+    scaled = scaling @ jacobian @ np.linalg.inv(scaling)
+    factor = 0.5 * (1.0 + np.abs(np.linalg.eigvals(scaled)).max())
+    slow = scaled / factor
+    form = np.linalg.solve(np.eye(4) - np.kron(slow.T, slow.T), np.eye(2).ravel()).reshape(2, 2)
+    return form / np.linalg.eigvalsh(form).min(), factor
+
+
+def _ellipse(oscillator: Oscillator, orbit: PeriodicOrbit, at: int, speed_scale: float) -> np.ndarray:
+    """Form of the largest ellipse, by halving, in which P^p contracts around one point of the orbit."""
+    form, factor = _contracting_form(orbit.jacobians[at], speed_scale)
+    angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    # Directions on the unit ellipse of the form: the columns of L^-T map the circle to it.
+    ring = np.linalg.solve(np.linalg.cholesky(form).T, np.array([np.cos(angles), np.sin(angles)]))
+    rings = np.concatenate([part * ring for part in _RINGS], axis=1)
+    parts = np.repeat(_RINGS, _DIRECTIONS)
+    size = _LARGEST_ELLIPSE
+    while size > _SMALLEST_ELLIPSE:
+        t, v = orbit.t[at] + size * rings[0], orbit.v[at] + size * rings[1] * speed_scale
+        if v.min() > 0.0:
+            landed = next_impacts(oscillator, t, v, orbit.upper_contacts)
+            apart = landed.t - orbit.t[at]
+            offset = np.array([apart - np.rint(apart), (landed.v - orbit.v[at]) / speed_scale])
+            norm = np.sqrt(np.einsum("in,ij,jn->n", offset, form, offset))
+            if (norm <= 0.5 * (1.0 + factor) * size * parts).all():
+                break
+        size *= 0.5
+    scaling = np.diag([1.0, 1.0 / speed_scale])
+    return scaling @ form @ scaling / size**2
+
+
+def _mark_boxes(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, index: int, boxes: np.ndarray) -> np.ndarray:
+    """Mark the boxes that the attractor's points and their next iterates hit; grows the lattice upwards as needed."""
+    scale = lane_tables(oscillator).speed_scale
+    for _ in range(_MARKING_ROUNDS):
+        rows, columns = (v / scale * BOXES).astype(np.int64), (t * BOXES).astype(np.int64)
+        if rows.max() >= boxes.shape[0]:
+            boxes = np.pad(boxes, ((0, rows.max() + 1 - boxes.shape[0]), (0, 0)), constant_values=_UNMARKED)
+        hit = boxes[rows, columns]
+        boxes[rows, columns] = np.where((hit == _UNMARKED) | (hit == index), index, _SHARED_BOX)
+        t, v, _, _ = next_impacts(oscillator, t, v)
+    return boxes
+
+
+@lru_cache(maxsize=8)
+def _build(oscillator: Oscillator, motions: tuple[tuple[AttractorKind, bytes, bytes], ...]) -> Neighbourhoods:
+    scale = lane_tables(oscillator).speed_scale
+    centre, form, owner = [], [], []
+    boxes = np.full((1, BOXES), _UNMARKED, np.int16)
+    for index, (kind, times, speeds) in enumerate(motions):
+        t, v = np.frombuffer(times), np.frombuffer(speeds)
+        if kind == AttractorKind.CHAOTIC:
+            boxes = _mark_boxes(oscillator, t, v, index, boxes)
+        if kind != AttractorKind.PERIODIC:
+            continue
+        orbit = find_periodic_orbit(oscillator, float(t[0]), float(v[0]), t.size, scale)
+        if orbit is None:
+            raise ValueError(f"the catalogue's orbit at t = {t[0]}, v = {v[0]} is no orbit of {oscillator}")
+        for at in range(orbit.upper_contacts):
+            ellipse = _ellipse(oscillator, orbit, at, scale)
+            centre.append((orbit.t[at], orbit.v[at]))
+            form.append((ellipse[0, 0], ellipse[0, 1], ellipse[1, 1]))
+            owner.append(index)
+    return Neighbourhoods(
+        np.array(centre, np.float64).reshape(-1, 2), np.array(form, np.float64).reshape(-1, 3), np.array(owner, np.int64),
+        boxes, scale,
+    )  # fmt: skip
+
+
+def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> Neighbourhoods:
+    """Neighbourhoods of a catalogue, built once per process and kept for the last few.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    attractors : sequence of Attractor
+        Permanent contact first.
+
+    Returns
+    -------
+    Neighbourhoods
+    """
+    return _build(oscillator, tuple((a.kind, a.time.tobytes(), a.velocity.tobytes()) for a in attractors))
+
+
+@kernel
+def _look(oscillator, bound, around, t, v, streak, candidate, place):
+    """Note where points have arrived: place is set to the attractor's index, 0 for permanent contact."""
+    for i in range(t.size):
+        if is_captured(oscillator, bound, t[i], v[i]):
+            place[i] = 0
+            continue
+        for j in range(around.owner.size):
+            dt = t[i] - around.centre[j, 0]
+            dt -= np.floor(dt + 0.5)
+            dv = v[i] - around.centre[j, 1]
+            if around.form[j, 0] * dt * dt + 2.0 * around.form[j, 1] * dt * dv + around.form[j, 2] * dv * dv <= 1.0:
+                place[i] = around.owner[j]
+                break
+        if place[i] >= 0:
+            continue
+        row = int(v[i] / around.speed_scale * BOXES)
+        hit = around.box_owner[row, int(t[i] * BOXES)] if row < around.box_owner.shape[0] else _UNMARKED
+        streak[i] = streak[i] + 1 if hit >= 0 and hit == candidate[i] else (1 if hit >= 0 else 0)
+        candidate[i] = hit
+        if streak[i] >= _ARRIVAL_STREAK:
+            place[i] = hit
+
+
+def locate(oscillator: Oscillator, around: Neighbourhoods, t: np.ndarray, v: np.ndarray, legs: int = 0) -> np.ndarray:
+    """Follow points by P until each has arrived at an attractor.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    around : Neighbourhoods
+        Of the catalogue.
+    t, v : ndarray of float64, shape (n,)
+        Departures from +beta.
+    legs : int
+        How often a point that has not arrived within 200 impacts is carried another 4093 and looked at again (transients).
+
+    Returns
+    -------
+    ndarray of int64, shape (n,)
+        Index of the attractor, -1 where it arrived at none. Each point's answer is independent of the others.
+    """
+    bound = lane_tables(oscillator).capture_bound
+    place = np.full(t.size, -1, np.int64)
+    left = np.arange(t.size)
+    for leg in range(legs + 1):
+        if leg > 0:
+            carried, _ = run_lanes(oscillator, t, v, 4093, shortcuts=True)
+            place[left[carried.outcome == Outcome.PERMANENT_CONTACT]] = 0
+            going = carried.outcome == Outcome.RETURNED
+            left, t, v = left[going], carried.t[going], carried.v[going]
+        left, t, v = _follow(oscillator, bound, around, left, t, v, place)
+        if not left.size:
+            break
+    return place
+
+
+def _follow(oscillator, bound, around, left, t, v, place):  # type: ignore[no-untyped-def]
+    """Follow points for 200 impacts, looking at each; return those that have not arrived."""
+    streak, candidate = np.zeros(left.size, np.int64), np.full(left.size, _UNMARKED, np.int64)
+    for round_ in range(_ROUNDS):
+        arrived = np.full(left.size, -1, np.int64)
+        _look(oscillator, bound, around, t, v, streak, candidate, arrived)
+        place[left] = arrived
+        going = arrived < 0
+        if not going.all():
+            left, t, v, streak, candidate = (field[going] for field in (left, t, v, streak, candidate))
+        if not left.size or round_ == _ROUNDS - 1:
+            break
+        moved, _ = run_lanes(oscillator, t, v, 1, shortcuts=False)
+        t, v = moved.t, moved.v
+    return left, t, v

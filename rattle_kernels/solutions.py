@@ -1,0 +1,64 @@
+"""Solution of each landing point: the motion it truly ends in, whatever window it was seen in."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rattle_kernels.attractor import Attractor
+from rattle_kernels.lane_tables import lane_tables
+from rattle_kernels.neighbourhoods import locate, neighbourhoods
+from rattle_kernels.oscillator import Oscillator, check_domain
+
+STRANGER = -1
+# Transients of chaotic saddles: eight more legs of 4093 impacts before a point is called a stranger.
+_LEGS = 8
+_LATTICE = 512
+
+
+def name_solutions(
+    oscillator: Oscillator, attractors: Sequence[Attractor], t: np.typing.ArrayLike, v: np.typing.ArrayLike
+) -> np.ndarray:
+    """Index of the attractor that each landing point ends in, found by following P from it.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Impacting model.
+    attractors : sequence of Attractor
+        A catalogue of `find_attractors`: permanent contact first.
+    t, v : array_like, shape (n,)
+        Landing points: finite phases and speeds of departures from +beta.
+
+    Returns
+    -------
+    ndarray of int16, shape (n,)
+        STRANGER (-1) where a point arrived at no attractor of the catalogue within some 35,000 impacts.
+    """
+    checked = check_domain(oscillator)
+    times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
+    return locate(checked, neighbourhoods(checked, attractors), times, speeds, legs=_LEGS).astype(np.int16)
+
+
+def landing_boxes(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.ArrayLike) -> np.ndarray:
+    """Box of a coarse lattice in which each landing point lies: 512 to a period and to the natural speed.
+
+    One landing point of every box is seed enough for a catalogue, however many cells there are.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Impacting model.
+    t, v : array_like, shape (n,)
+        Landing points; NaN where a cell has none.
+
+    Returns
+    -------
+    ndarray of int64, shape (n,)
+        Box numbers, -1 for NaN.
+    """
+    scale = lane_tables(check_domain(oscillator)).speed_scale
+    times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
+    known = np.isfinite(times) & np.isfinite(speeds)
+    columns = np.minimum((np.where(known, times, 0.0) * _LATTICE).astype(np.int64), _LATTICE - 1)
+    rows = (np.where(known, speeds, 0.0) / scale * _LATTICE).astype(np.int64)
+    return np.where(known, rows * _LATTICE + columns, -1)

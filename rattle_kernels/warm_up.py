@@ -1,0 +1,22 @@
+"""Compile, or load from the disk cache, every kernel that a basin needs: done once before work arrives."""
+
+import numpy as np
+
+from rattle_kernels.attractor_search import find_attractors
+from rattle_kernels.cell_grid import CellGrid
+from rattle_kernels.cell_groups import find_groups, label_cells
+from rattle_kernels.cell_map import map_cells
+from rattle_kernels.oscillator import Oscillator
+from rattle_kernels.solutions import name_solutions
+
+
+def warm_up() -> None:
+    """Run every kernel once on a basin of a few cells."""
+    oscillator = Oscillator()
+    grid = CellGrid(time_cells=4, velocity_cells=4)
+    images = map_cells(oscillator, grid, 1, (0, 4), (0, 4))
+    # Seeds that settle on the periodic orbit and on the chaotic attractor: both ways of being named.
+    attractors = find_attractors(oscillator, [0.89829, 0.553], [3.76991, 4.703])
+    name_solutions(oscillator, attractors, [0.9], [3.77])
+    cells = np.unique(images.image_cell[images.image_cell >= 0])
+    label_cells(find_groups(cells, np.full(cells.size, -1)), np.arange(grid.cells), images.image_cell.ravel())
