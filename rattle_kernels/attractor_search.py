@@ -26,8 +26,8 @@ from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 _SETTLING = 4096
 _LONGEST_PERIOD = 512
 _CLOSE_RETURN = 1e-6
-_LYAPUNOV_IMPACTS = 200_000
-# An exponent is called positive when it exceeds both five standard errors and what 200,000 impacts of a regular motion can feign.
+_LYAPUNOV_IMPACTS = 65_536
+# An exponent is called positive when it exceeds both five standard errors and what so many impacts of a regular motion can feign.
 _STANDARD_ERRORS = 5.0
 _LEAST_EXPONENT = 1e-3
 # Transients through a chaotic saddle are given this many rounds of settling before a motion is left undecided.
