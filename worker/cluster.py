@@ -1,0 +1,87 @@
+"""The Dask cluster: two local worker processes by default, or any scheduler by its address."""
+
+import contextlib
+import logging
+import os
+from collections.abc import Iterator
+
+import dask
+from distributed import Client, LocalCluster, WorkerPlugin
+
+from rattle_kernels import warm_up
+from worker.errors import ClusterFailed
+
+_CONNECT_SECONDS = 10
+# Workers yield to the service, which must answer while both cores compute.
+_NICENESS = 10
+
+
+class WarmKernels(WorkerPlugin):
+    """Loads the compiled kernels before a worker takes its first tile, also after a nanny has restarted it."""
+
+    name = "warm-kernels"
+
+    def __init__(self, niceness: int = 0) -> None:
+        self.niceness = niceness
+
+    def setup(self, worker: object) -> None:
+        """Load kernels and lower the priority of the worker's process."""
+        if self.niceness:
+            os.nice(self.niceness)
+        warm_up()
+
+
+@contextlib.contextmanager
+def local_cluster(workers: int = 2) -> Iterator[Client]:
+    """Client of an embedded cluster of single-threaded worker processes, which ends with the context.
+
+    Parameters
+    ----------
+    workers : int
+
+    Yields
+    ------
+    distributed.Client
+    """
+    # One process fills the disk cache of compiled kernels; the workers then find it filled.
+    warm_up()
+    quiet = {"distributed.worker.daemon": True, "distributed.comm.timeouts.connect": f"{_CONNECT_SECONDS}s"}
+    with dask.config.set(quiet):
+        cluster = LocalCluster(
+            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0",
+            silence_logs=logging.CRITICAL, host="127.0.0.1",
+        )  # fmt: skip
+    try:
+        with Client(cluster) as client:
+            client.register_plugin(WarmKernels(_NICENESS))
+            yield client
+    finally:
+        cluster.close(timeout=3)
+
+
+@contextlib.contextmanager
+def remote_cluster(address: str) -> Iterator[Client]:
+    """Client of a scheduler that runs elsewhere.
+
+    Parameters
+    ----------
+    address : str
+        As in ``tcp://host:8786``.
+
+    Raises
+    ------
+    ClusterFailed
+        Where nothing answers there.
+    """
+    try:
+        client = Client(address, timeout=_CONNECT_SECONDS)
+    except (OSError, ValueError) as error:
+        raise ClusterFailed(f"no Dask scheduler answers at {address}: {error}") from error
+    with client:
+        client.register_plugin(WarmKernels())
+        yield client
+
+
+def connect(address: str | None, workers: int) -> contextlib.AbstractContextManager[Client]:
+    """Client of the scheduler at `address`, or of an embedded cluster of `workers` where there is none."""
+    return remote_cluster(address) if address else local_cluster(workers)

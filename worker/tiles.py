@@ -1,0 +1,93 @@
+"""Tiles: the rectangles of cells that are computed, stored and retried as one. Pure arithmetic.
+
+A tile's size follows from the request alone, never from the cluster: the same request gives the same chunks, hence the same bytes.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from rattle_kernels import CellGrid
+
+# One application of P costs some 20 ns, and lock and capture leave about a third of the k applications.
+_SECONDS_PER_APPLICATION = 7e-9
+_TILE_SECONDS = 0.25
+_BAND_SECONDS = 0.1
+# At least 16 tiles, four for each of four workers, as long as a tile is worth its overhead of a few milliseconds.
+_LEAST_TILES = 16
+_LEAST_CELLS = 64 * 64
+# A tile of 1024 x 1024 is 24 MB in memory while it is computed.
+_MOST_CELLS = 1024 * 1024
+
+
+class Tile(NamedTuple):
+    """Rectangle of cells: its place in the grid of tiles, and its rows and columns of cells as (start, stop)."""
+
+    row: int
+    column: int
+    rows: tuple[int, int]
+    columns: tuple[int, int]
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return (self.rows[1] - self.rows[0]) * (self.columns[1] - self.columns[0])
+
+
+class Tiling(NamedTuple):
+    """How a grid is cut: cells of a full tile each way; tiles at the upper edges may be smaller."""
+
+    grid: CellGrid
+    tile_rows: int
+    tile_columns: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Tiles along velocity and along time."""
+        return (
+            math.ceil(self.grid.velocity_cells / self.tile_rows),
+            math.ceil(self.grid.time_cells / self.tile_columns),
+        )
+
+    @property
+    def tiles(self) -> int:
+        """Number of tiles."""
+        return self.shape[0] * self.shape[1]
+
+    def tile(self, number: int) -> Tile:
+        """Tile by number, counted along time first."""
+        row, column = divmod(number, self.shape[1])
+        rows = row * self.tile_rows, min((row + 1) * self.tile_rows, self.grid.velocity_cells)
+        columns = column * self.tile_columns, min((column + 1) * self.tile_columns, self.grid.time_cells)
+        return Tile(row, column, rows, columns)
+
+
+
+def cut(grid: CellGrid, iterations: int) -> Tiling:
+    """Cut a grid into tiles of about a quarter of a second of work each.
+
+    Parameters
+    ----------
+    grid : CellGrid
+    iterations : int
+        k.
+
+    Returns
+    -------
+    Tiling
+    """
+    by_work = _TILE_SECONDS / (_SECONDS_PER_APPLICATION * iterations)
+    wanted = min(by_work, grid.cells / _LEAST_TILES, _MOST_CELLS)
+    side = math.sqrt(max(wanted, _LEAST_CELLS))
+    # Equal parts each way: 1000 cells in four times 250, not three times 267 and a rest.
+    down = max(1, round(grid.velocity_cells / side))
+    across = max(1, round(grid.time_cells / side))
+    return Tiling(grid, math.ceil(grid.velocity_cells / down), math.ceil(grid.time_cells / across))
+
+
+def bands(tile: Tile, iterations: int) -> Iterator[tuple[int, int]]:
+    """Runs of rows of a tile, each about a tenth of a second of work: between them a cancelled tile stops."""
+    width = tile.columns[1] - tile.columns[0]
+    rows = max(1, int(_BAND_SECONDS / (_SECONDS_PER_APPLICATION * iterations * width)))
+    for start in range(tile.rows[0], tile.rows[1], rows):
+        yield start, min(start + rows, tile.rows[1])
