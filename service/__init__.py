@@ -1,1 +1,1 @@
-"""x."""
+"""The HTTP service and the command line: validate, record, answer; no mathematics."""

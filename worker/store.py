@@ -7,6 +7,7 @@ The ledger and the attributes have one writer, the driver. Metadata are consolid
 
 import contextlib
 import json
+import shutil
 import subprocess
 import warnings
 from collections.abc import Iterator
@@ -276,3 +277,44 @@ def _holds_something(path: Path) -> bool:
         return True
     return any(path.iterdir()) and not (path / "zarr.json").exists()
 
+
+def result_location(folder: str, job_id: str) -> str:
+    """Place of a job's store in a folder of results."""
+    return f"{folder.rstrip('/')}/{job_id}.zarr"
+
+
+def remove_result(location: str) -> None:
+    """Remove a store, whole or not; nothing happens where there is none.
+
+    Raises
+    ------
+    StoreFailed
+        Where it cannot be removed.
+    """
+    if Path(location).exists():
+        with _told_as_store_failure(location):
+            shutil.rmtree(location)
+
+
+def file_of_store(location: str, path: str) -> Path | None:
+    """File of a store by its path within, or none; a path that leads out of the store is none of its files."""
+    root = Path(location).resolve()
+    if "\0" in path:
+        return None
+    file = (root / path).resolve()
+    return file if file.is_relative_to(root) and file.is_file() else None
+
+
+def consolidated_metadata(location: str) -> dict[str, Any]:
+    """Metadata of the root with those of its arrays inlined, as consolidation leaves them: also while the job runs."""
+    root = Path(location)
+    with _told_as_store_failure(location):
+        metadata: dict[str, Any] = json.loads((root / "zarr.json").read_text())
+        members = {
+            folder.name: json.loads((folder / "zarr.json").read_text())
+            for folder in sorted(root.iterdir())
+            if (folder / "zarr.json").is_file()
+        }
+    inlined = {name: member for name, member in members.items() if member["node_type"] == "array"}
+    metadata["consolidated_metadata"] = {"kind": "inline", "must_understand": False, "metadata": inlined}
+    return metadata

@@ -1,0 +1,74 @@
+"""What the commands say and how: progress bars on a terminal, plain lines elsewhere; errors in one line, with the next step."""
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any, NoReturn
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+out = Console()
+err = Console(stderr=True)
+_PLAIN_LINE_SECONDS = 2.0
+
+
+def give_up(message: str, code: int = 1) -> NoReturn:
+    """Say what is wrong and leave: code 2 where the command was at fault, 1 where the work was."""
+    err.print(f"[bold red]error:[/] {message}", highlight=False, soft_wrap=True)
+    raise typer.Exit(code)
+
+
+class ProgressLine:
+    """Shows the stages of a job as they pass."""
+
+    def __init__(self, bar: Progress | None) -> None:
+        self.bar = bar
+        self.task = bar.add_task("waiting", total=None, pace="") if bar else None
+        self.stage, self.said = "", 0.0
+
+    def show(self, stage: str, tiles_done: int, tiles_total: int, cells_per_second: float) -> None:
+        """Show how far a stage is."""
+        pace = f"{cells_per_second / 1e3:,.0f} thousand cells/s" if cells_per_second else ""
+        if self.bar is not None and self.task is not None:
+            self.bar.update(self.task, description=stage, completed=tiles_done, total=tiles_total, pace=pace)
+        elif stage != self.stage or time.monotonic() - self.said > _PLAIN_LINE_SECONDS:
+            self.said = time.monotonic()
+            out.print(f"{stage}: {tiles_done} of {tiles_total} tiles {pace}".rstrip(), highlight=False)
+        self.stage = stage
+
+
+@contextmanager
+def progress_line() -> Iterator[ProgressLine]:
+    """Progress bar on a terminal, a plain line every other second elsewhere."""
+    if not out.is_terminal:
+        yield ProgressLine(None)
+        return
+    columns = (
+        TextColumn("{task.description:<11}"), BarColumn(), MofNCompleteColumn(), TextColumn("tiles"),
+        TimeRemainingColumn(), TextColumn("{task.fields[pace]}"),
+    )  # fmt: skip
+    with Progress(*columns, console=out) as bar:
+        yield ProgressLine(bar)
+
+
+def print_solutions(rows: Sequence[tuple[str, float | None, float | None, Sequence[tuple[float, float]]]]) -> None:
+    """Table of solutions: name, share, Lyapunov exponent, first point."""
+    table = Table("solution", "share", "Lyapunov exponent", "a departure (t, v)")
+    for name, share, exponent, points in rows:
+        table.add_row(
+            name,
+            "not known yet" if share is None else f"{100 * share:.3f} %",
+            "" if exponent is None else f"{exponent:.4f}",
+            f"({points[0][0]:.6f}, {points[0][1]:.6f})" if points else "",
+        )
+    out.print(table)
+
+
+def print_seconds(seconds: Mapping[str, Any]) -> None:
+    """Say how long each stage took."""
+    if seconds:
+        stages = ", ".join(f"{name.replace('_', ' ')} {value:.2f} s" for name, value in seconds.items())
+        out.print(stages, highlight=False, soft_wrap=True)

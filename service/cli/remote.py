@@ -1,0 +1,97 @@
+"""Commands that speak to a running service."""
+
+import json
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import httpx2 as httpx
+import typer
+from rich.table import Table
+
+from service.cli.console import ProgressLine, give_up, out, print_seconds, print_solutions, progress_line
+
+Url = Annotated[str, typer.Option(envvar="RATTLE_URL", help="Address of the service")]
+_HERE = "http://127.0.0.1:8000"
+_POLL_SECONDS = 0.2
+
+
+def _ask(method: str, url: str, path: str, **options: Any) -> Any:
+    """JSON answer of the service; an error in words where there is none."""
+    try:
+        response = httpx.request(method, url.rstrip("/") + path, timeout=30.0, **options)
+    except httpx.HTTPError as error:
+        give_up(f"no service answers at {url} ({error}); start one with `rattle serve`, or name another with --url")
+    if response.is_error:
+        problem = response.json()
+        give_up(problem["detail"], 2 if response.status_code in (400, 404, 422) else 1)
+    return response.json()
+
+
+def submit(
+    request: Annotated[Path, typer.Argument(help="JSON file of a basin request; - reads standard input")],
+    wait: Annotated[bool, typer.Option("--wait", help="Follow the job to its end")] = False,
+    url: Url = _HERE,
+) -> None:
+    """Submit a request to a service; the same request again is the same job."""
+    try:
+        body = typer.get_text_stream("stdin").read() if str(request) == "-" else request.read_text()
+    except OSError as error:
+        give_up(f"{request} cannot be read: {error.strerror}", 2)
+    job = _ask("POST", url, "/v1/basins", content=body, headers={"content-type": "application/json"})
+    out.print(f"job {job['id']} is {job['state']}", highlight=False)
+    if wait:
+        _follow(url, job["id"])
+
+
+def _follow(url: str, job_id: str) -> None:
+    try:
+        with progress_line() as line:
+            job = _until_the_end(url, job_id, line)
+    except KeyboardInterrupt:
+        out.print(f"no longer following; the job goes on. Look with `rattle jobs`, stop it with `rattle cancel {job_id}`")
+        raise typer.Exit(130) from None
+    if job["state"] != "succeeded":
+        detail = f": {job['error']['detail']}" if job["error"] else ""
+        give_up(f"job {job_id} is {job['state']}{detail}")
+    result = _ask("GET", url, f"/v1/jobs/{job_id}/result")
+    print_solutions([(s["name"], s["share"], s["lyapunov_exponent"], s["points"][:1]) for s in result["solutions"]])
+    print_seconds(result["seconds"])
+    out.print(f"xarray.open_zarr({(url.rstrip('/') + result['zarr'])!r})", highlight=False, soft_wrap=True)
+
+
+def _until_the_end(url: str, job_id: str, line: ProgressLine) -> dict[str, Any]:
+    while True:
+        job: dict[str, Any] = _ask("GET", url, f"/v1/jobs/{job_id}")
+        progress = job["progress"]
+        if progress:
+            line.show(progress["stage"], progress["tiles_done"], progress["tiles_total"], progress["cells_per_second"])
+        if job["state"] in ("succeeded", "failed", "cancelled"):
+            return job
+        time.sleep(_POLL_SECONDS)
+
+
+def jobs(
+    url: Url = _HERE,
+    limit: Annotated[int, typer.Option(min=1, max=200, help="How many")] = 20,
+    as_json: Annotated[bool, typer.Option("--json", help="As JSON")] = False,
+) -> None:
+    """List the service's jobs, newest first."""
+    page = _ask("GET", url, f"/v1/jobs?size={limit}")
+    if as_json:
+        typer.echo(json.dumps(page["jobs"], indent=2))
+        return
+    table = Table("job", "state", "stage", "tiles", "submitted", "oscillator")
+    for job in page["jobs"]:
+        progress = job["progress"] or {}
+        oscillator = job["request"]["oscillator"]
+        tiles = f"{progress['tiles_done']}/{progress['tiles_total']}" if progress else ""
+        parameters = ", ".join(f"{name} {value:g}" for name, value in oscillator.items() if name != "model")
+        table.add_row(job["id"], job["state"], progress.get("stage", ""), tiles, job["created"][:19], parameters)
+    out.print(table)
+
+
+def cancel(job_id: Annotated[str, typer.Argument(help="Id of the job")], url: Url = _HERE) -> None:
+    """Stop a job; what it has computed stays readable."""
+    job = _ask("POST", url, f"/v1/jobs/{job_id}/cancel")
+    out.print(f"job {job['id']} is {job['state']}", highlight=False)

@@ -1,0 +1,116 @@
+"""Every error that a client can see, in one table: exception -> status and stable kind; all as problem+json (RFC 9457)."""
+
+import logging
+import uuid
+from collections.abc import Sequence
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+
+from rattle_kernels import OutsideDomain
+from worker.errors import ClusterFailed, InvalidJob, JobCancelled, StoreConflict, StoreFailed, TileFailed
+
+_log = logging.getLogger("rattle.service")
+
+
+class JobNotFound(Exception):
+    """There is no such job."""
+
+
+class NotReady(Exception):
+    """What was asked for is not there yet."""
+
+
+class LimitExceeded(Exception):
+    """The request is larger than this service allows."""
+
+
+class Unstoppable(Exception):
+    """A job did not stop in time."""
+
+
+_TABLE: dict[type[Exception], tuple[int, str]] = {
+    OutsideDomain: (422, "outside-domain"),
+    InvalidJob: (422, "invalid-request"),
+    LimitExceeded: (422, "limit-exceeded"),
+    JobNotFound: (404, "not-found"),
+    NotReady: (404, "not-ready"),
+    StoreConflict: (409, "store-conflict"),
+    Unstoppable: (409, "still-stopping"),
+    StoreFailed: (503, "store-failed"),
+    ClusterFailed: (503, "cluster-failed"),
+    TileFailed: (500, "tile-failed"),
+    JobCancelled: (409, "cancelled"),
+}
+
+_KIND_OF_STATUS = {
+    400: "malformed-request", 404: "not-found", 405: "method-not-allowed", 413: "body-too-large", 415: "unsupported-media-type",
+    416: "range-not-satisfiable", 422: "invalid-request",
+}  # fmt: skip
+
+
+def kind_of(error: Exception) -> str:
+    """Stable kind of an error, as in ``type`` of a problem and in a failed job's record."""
+    return next((kind for known, (_, kind) in _TABLE.items() if isinstance(error, known)), "internal")
+
+
+def problem(
+    status: int, kind: str, detail: str, instance: str, errors: Sequence[dict[str, Any]] = (), headers: Any = None
+) -> JSONResponse:
+    """Problem document."""
+    body = {
+        "type": f"/problems/{kind}",
+        "title": HTTPStatus(status).phrase,
+        "status": status,
+        "detail": detail,
+        "instance": instance,
+        "errors": list(errors),
+    }
+    return JSONResponse(body, status, headers=headers, media_type="application/problem+json")
+
+
+async def _known(request: Request, error: Exception) -> JSONResponse:
+    status, kind = next(entry for known, entry in _TABLE.items() if isinstance(error, known))
+    errors = []
+    if isinstance(error, OutsideDomain):
+        errors = [{"location": ["body", "oscillator", error.parameter], "message": str(error)}]
+    return problem(status, kind, str(error), request.url.path, errors)
+
+
+async def _invalid(request: Request, error: Exception) -> JSONResponse:
+    """Refuse what pydantic refused, without echoing the input: it may hold NaN, which JSON cannot carry."""
+    assert isinstance(error, RequestValidationError)
+    errors = [{"location": list(item["loc"]), "message": item["msg"]} for item in error.errors()]
+    detail = "; ".join(f"{'.'.join(str(part) for part in item['location'])}: {item['message']}" for item in errors)
+    malformed = any(item["type"] == "json_invalid" for item in error.errors())
+    status, kind = (400, "malformed-request") if malformed else (422, "invalid-request")
+    return problem(status, kind, detail, request.url.path, errors)
+
+
+async def _http(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, HTTPException)
+    detail = str(error.detail)
+    if error.status_code == 404 and detail == "Not Found":
+        detail = f"there is nothing at {request.url.path}; see /docs for what is there"
+    kind = _KIND_OF_STATUS.get(error.status_code, "error")
+    return problem(error.status_code, kind, detail, request.url.path, headers=error.headers)
+
+
+async def _unexpected(request: Request, error: Exception) -> JSONResponse:
+    identifier = uuid.uuid4().hex
+    _log.error("unexpected error %s at %s", identifier, request.url.path, exc_info=error)
+    return problem(500, "internal", f"unexpected error; its identifier in the log is {identifier}", request.url.path)
+
+
+def install_error_handlers(app: FastAPI) -> None:
+    """Answer every error of `app` as a problem document."""
+    for known in _TABLE:
+        app.add_exception_handler(known, _known)
+    app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(Exception, _unexpected)
+

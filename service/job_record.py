@@ -1,0 +1,57 @@
+"""Job records: the one truth about a job's life.
+
+    queued --> running --> succeeded | failed
+       |          |
+       |          +--> cancelling --> cancelled
+       +--> cancelled
+
+A running job goes back to queued when the service stops under it, and is resumed from its store. The last three states never change
+again. Every change of state is a compare-and-swap in the database.
+"""
+
+from datetime import datetime
+from enum import StrEnum
+from typing import Any
+
+from sqlalchemy import JSON, DateTime, String
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+
+
+class JobState(StrEnum):
+    """State of a job."""
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    CANCELLING = "cancelling"
+    SUCCEEDED = "succeeded"
+    FAILED = "failed"
+    CANCELLED = "cancelled"
+
+    @property
+    def final(self) -> bool:
+        """Whether the state never changes again."""
+        return self in (JobState.SUCCEEDED, JobState.FAILED, JobState.CANCELLED)
+
+
+class Base(DeclarativeBase):
+    """Tables of the service."""
+
+
+class JobRecord(Base):
+    """One job."""
+
+    __tablename__ = "jobs"
+
+    number: Mapped[int] = mapped_column(primary_key=True, autoincrement=True)
+    id: Mapped[str] = mapped_column(String(32), unique=True)
+    digest: Mapped[str] = mapped_column(String(64))
+    # The digest while the job can still answer a request, NULL once it has failed or was cancelled: unique, so that the same
+    # request is the same job, whoever sends it at whatever moment.
+    answering: Mapped[str | None] = mapped_column(String(64), unique=True)
+    state: Mapped[JobState] = mapped_column(String(16), index=True)
+    request: Mapped[dict[str, Any]] = mapped_column(JSON)
+    progress: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+    error: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+    created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
+    started: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
+    finished: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))

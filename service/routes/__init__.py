@@ -1,0 +1,1 @@
+"""Routes: validate, call one function, translate."""

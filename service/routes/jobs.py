@@ -1,0 +1,68 @@
+"""Jobs: list, state, cancel, delete."""
+
+import time
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Response
+
+from service.dependencies import JobsHere, RunnerHere, SettingsHere, problems
+from service.errors import Unstoppable
+from service.job_record import JobState
+from service.models import JobPage, JobView
+from worker.store import remove_result, result_location
+
+router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
+
+_STOP_SECONDS = 10.0
+_NO_JOB = problems(s404="there is no such job")
+
+
+@router.get("", summary="List jobs", responses=problems(s422="a parameter is out of range"))
+def list_jobs(
+    jobs: JobsHere,
+    size: Annotated[int, Query(ge=1, le=200, description="Jobs a page")] = 50,
+    before: Annotated[int | None, Query(ge=1, description="Cursor of a `next` link")] = None,
+    state: JobState | None = None,
+) -> JobPage:
+    """Jobs, newest first."""
+    records = jobs.page(before, size + 1, state)
+    shown = records[:size]
+    following = None
+    if len(records) > size:
+        only = f"&state={state}" if state else ""
+        following = f"/v1/jobs?size={size}&before={shown[-1].number}{only}"
+    return JobPage(jobs=[JobView.from_record(record) for record in shown], next=following)
+
+
+@router.get("/{job_id}", summary="State of a job", responses=_NO_JOB)
+def get_job(job_id: str, jobs: JobsHere) -> JobView:
+    """State, progress and links of a job."""
+    return JobView.from_record(jobs.get(job_id))
+
+
+@router.post("/{job_id}/cancel", status_code=202, summary="Cancel a job", responses=_NO_JOB)
+def cancel_job(job_id: str, jobs: JobsHere, runner: RunnerHere) -> JobView:
+    """Stop a job. What it has computed stays readable; a job that has ended stays as it is."""
+    record = jobs.request_cancel(job_id)
+    runner.cancel(job_id)
+    return JobView.from_record(record)
+
+
+@router.delete(
+    "/{job_id}",
+    status_code=204,
+    summary="Delete a job and its result",
+    responses=_NO_JOB | problems(s409="the job did not stop in time: try again"),
+)
+def delete_job(job_id: str, jobs: JobsHere, runner: RunnerHere, settings: SettingsHere) -> Response:
+    """Stop a job if it is running, then remove its result and its record."""
+    jobs.request_cancel(job_id)
+    runner.cancel(job_id)
+    patience = time.monotonic() + _STOP_SECONDS
+    while not jobs.get(job_id).state.final:
+        if time.monotonic() > patience:
+            raise Unstoppable(f"job {job_id} has not stopped within {_STOP_SECONDS:.0f} s: try again")
+        time.sleep(0.05)
+    remove_result(result_location(settings.results, job_id))
+    jobs.delete(job_id)
+    return Response(status_code=204)

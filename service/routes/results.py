@@ -1,0 +1,67 @@
+"""Results: summary, picture, and the Zarr store itself over HTTP."""
+
+import io
+import json
+
+from fastapi import APIRouter, Response
+from fastapi.responses import FileResponse
+
+from service.dependencies import JobsHere, SettingsHere, problems
+from service.errors import JobNotFound, NotReady
+from service.models import ResultView
+from worker.picture import Layer, draw_basin
+from worker.results import summarise
+from worker.store import consolidated_metadata, file_of_store, holds_basin, result_location
+
+router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
+
+_NOTHING_YET = problems(s404="there is no such job, or it has not begun")
+
+
+def _location(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
+    """Place of a job's store, once there is one."""
+    record = jobs.get(job_id)
+    location = result_location(settings.results, job_id)
+    if not holds_basin(location):
+        raise NotReady(f"job {job_id} is {record.state} and has no result yet")
+    return location
+
+
+@router.get("/result", summary="Summary of a result", responses=_NOTHING_YET)
+def get_result(job_id: str, jobs: JobsHere, settings: SettingsHere) -> ResultView:
+    """Solutions, shares and attractors; also while the job runs, and then it says that it is not complete."""
+    return ResultView.from_summary(summarise(_location(job_id, jobs, settings)), f"/v1/jobs/{job_id}/result.zarr")
+
+
+@router.get(
+    "/picture.png",
+    summary="Picture of a result",
+    response_class=Response,
+    responses={200: {"content": {"image/png": {}}}, **_NOTHING_YET},
+)
+def get_picture(job_id: str, jobs: JobsHere, settings: SettingsHere, layer: Layer = Layer.SOLUTION) -> Response:
+    """Draw the basin, also while tiles are still coming: what is missing is hatched."""
+    buffer = io.BytesIO()
+    draw_basin(_location(job_id, jobs, settings), buffer, layer=layer)
+    return Response(buffer.getvalue(), media_type="image/png")
+
+
+@router.api_route(
+    "/result.zarr/{path:path}",
+    methods=["GET", "HEAD"],
+    summary="The Zarr store",
+    response_class=FileResponse,
+    responses={200: {"content": {"application/octet-stream": {}}}, **_NOTHING_YET},
+)
+def get_store(job_id: str, path: str, jobs: JobsHere, settings: SettingsHere) -> Response:
+    """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`.
+
+    The metadata at its root are consolidated for the reader, also while the job runs, because HTTP cannot list a folder.
+    """
+    location = _location(job_id, jobs, settings)
+    if path == "zarr.json":
+        return Response(json.dumps(consolidated_metadata(location)), media_type="application/json")
+    file = file_of_store(location, path)
+    if file is None:
+        raise JobNotFound(f"the store of job {job_id} holds no {path!r}")
+    return FileResponse(file, media_type="application/octet-stream")

@@ -1,0 +1,143 @@
+"""Takes queued jobs in order and runs them on the cluster, one at a time."""
+
+import contextlib
+import dataclasses
+import logging
+import threading
+import time
+from typing import Any
+
+from distributed import Client
+
+from service.errors import kind_of
+from service.job_record import JobRecord, JobState
+from service.jobs import Jobs
+from worker.basin_job import BasinJob
+from worker.errors import JobCancelled, WorkerError
+from worker.pipeline import run_basin
+from worker.progress import Progress, Stage
+from worker.store import result_location
+
+_log = logging.getLogger("rattle.runner")
+# Other replicas submit to the same database, and nobody rings here for them.
+_POLL_SECONDS = 1.0
+_PROGRESS_SECONDS = 0.25
+_STOP_SECONDS = 4.0
+
+
+class Runner:
+    """A thread that runs jobs.
+
+    Guarantees. A job that this runner has claimed ends in a final state, or goes back to queued when the runner is stopped under it;
+    cancelling is noticed within a fifth of a second, and tiles stop between two bands.
+
+    Parameters
+    ----------
+    jobs : Jobs
+    client : distributed.Client
+    results : str
+        Folder of the Zarr stores.
+    """
+
+    def __init__(self, jobs: Jobs, client: Client, results: str) -> None:
+        self.jobs, self.client, self.results = jobs, client, results
+        self._bell = threading.Event()
+        self._stopping = threading.Event()
+        self._lock = threading.Lock()
+        self._cancel: dict[str, threading.Event] = {}
+        self._thread = threading.Thread(target=self._work, name="rattle-runner", daemon=True)
+
+    def start(self) -> None:
+        """Recover jobs that a crash has left, and begin."""
+        self.jobs.recover()
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Stop: the running job goes back to queued."""
+        self._stopping.set()
+        self._bell.set()
+        with self._lock:
+            for cancel in self._cancel.values():
+                cancel.set()
+        self._thread.join(_STOP_SECONDS)
+
+    def ring(self) -> None:
+        """Say that a job has been submitted."""
+        self._bell.set()
+
+    def cancel(self, job_id: str) -> None:
+        """Tell the running job, if it is this one, to stop."""
+        with self._lock:
+            if job_id in self._cancel:
+                self._cancel[job_id].set()
+
+    def workers(self) -> int:
+        """Workers that the scheduler knows; 0 where it does not answer."""
+        with contextlib.suppress(Exception):
+            return len(self.client.nthreads())
+        return 0
+
+    def _work(self) -> None:
+        while not self._stopping.is_set():
+            self._bell.clear()
+            try:
+                record = self.jobs.claim()
+            except Exception:
+                _log.exception("the database did not answer; trying again")
+                record = None
+            if record is None:
+                self._bell.wait(_POLL_SECONDS)
+                continue
+            self._run(record)
+
+    def _run(self, record: JobRecord) -> None:
+        cancel = threading.Event()
+        with self._lock:
+            self._cancel[record.id] = cancel
+        if self._stopping.is_set() or self.jobs.get(record.id).state == JobState.CANCELLING:
+            cancel.set()
+        try:
+            self._compute(record, cancel)
+        finally:
+            with self._lock:
+                del self._cancel[record.id]
+
+    def _compute(self, record: JobRecord, cancel: threading.Event) -> None:
+        try:
+            job = BasinJob.from_request(record.request)
+            report = _Throttled(self.jobs, record.id)
+            run_basin(job, result_location(self.results, record.id), self.client, report=report, cancel=cancel)
+        except JobCancelled:
+            self._stopped(record.id)
+        except Exception as error:
+            if not isinstance(error, WorkerError):
+                _log.exception("job %s failed", record.id)
+            told = {"kind": kind_of(error), "detail": f"{error}" if isinstance(error, WorkerError) else repr(error)}
+            self._end(record.id, JobState.FAILED, error=told)
+        else:
+            self._end(record.id, JobState.SUCCEEDED)
+
+    def _stopped(self, job_id: str) -> None:
+        if not self.jobs.move(job_id, JobState.CANCELLING, JobState.CANCELLED):
+            self.jobs.move(job_id, JobState.RUNNING, JobState.QUEUED)
+
+    def _end(self, job_id: str, state: JobState, **values: Any) -> None:
+        # Somebody may have asked for cancellation after the last tile: the result is there, and that is what counts.
+        if not self.jobs.move(job_id, JobState.RUNNING, state, **values):
+            self.jobs.move(job_id, JobState.CANCELLING, state, **values)
+
+
+class _Throttled:
+    """Writes progress to the job's record a few times a second; a new stage at once."""
+
+    def __init__(self, jobs: Jobs, job_id: str) -> None:
+        self.jobs, self.job_id = jobs, job_id
+        self.stage: Stage | None = None
+        self.written = 0.0
+
+    def __call__(self, progress: Progress) -> None:
+        now = time.monotonic()
+        if progress.stage == self.stage and now - self.written < _PROGRESS_SECONDS:
+            return
+        self.stage, self.written = progress.stage, now
+        self.jobs.record_progress(self.job_id, dataclasses.asdict(progress))

@@ -1,0 +1,35 @@
+"""Settings of the service: one class, read once, passed in."""
+
+from pathlib import Path
+
+from pydantic import Field, PositiveInt
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+
+class Settings(BaseSettings):
+    """What can be set by ``RATTLE_...`` variables of the environment, or by options of ``rattle serve``."""
+
+    model_config = SettingsConfigDict(env_prefix="RATTLE_", extra="ignore")
+
+    data: Path = Field(Path("rattle-data"), description="Folder of the database and the results")
+    database_url: str | None = Field(None, description="SQLAlchemy URL; SQLite in the data folder by default")
+    store: str | None = Field(None, description="Folder of the Zarr stores; in the data folder by default")
+    scheduler: str | None = Field(None, description="Address of a Dask scheduler; an embedded cluster by default")
+    workers: PositiveInt = Field(2, description="Worker processes of the embedded cluster")
+    host: str = Field("127.0.0.1", description="Address to listen on: loopback only, as there is no log-in")
+    port: int = Field(8000, ge=0, le=65535, description="Port to listen on")
+
+    max_body_bytes: PositiveInt = Field(1_048_576, description="Largest request body")
+    max_cells: PositiveInt = Field(25_000_000, description="Most cells of one basin")
+    max_iterations: PositiveInt = Field(1_000_003, description="Largest k")
+    max_applications: PositiveInt = Field(100_000_000_000, description="Most cells times k of one basin")
+
+    @property
+    def database(self) -> str:
+        """SQLAlchemy URL of the job records."""
+        return self.database_url or f"sqlite:///{(self.data / 'jobs.sqlite').resolve()}"
+
+    @property
+    def results(self) -> str:
+        """Folder of the Zarr stores."""
+        return self.store or str((self.data / "results").resolve())

@@ -1,0 +1,64 @@
+"""One colour a kind of motion, the same in every picture (Sec. 4): permanent contact dark blue, shorter itineraries bluer, chaos dark red."""
+
+import colorsys
+
+from rattle_kernels import Attractor, AttractorKind
+
+Colour = tuple[float, float, float]
+
+PERMANENT_CONTACT: Colour = (0.0, 0.0, 0.5)
+CHAOTIC: Colour = (0.5, 0.0, 0.0)
+UNDECIDED: Colour = (1.0, 0.0, 1.0)
+MISSING: Colour = (0.85, 0.85, 0.85)
+
+# Places on the scale from blue to red that the paper's text names: P(1,1,0) pale blue, P(1,2,0) blue, P(2,2,1) yellow,
+# P(3,3,2) orange. Other itineraries find theirs by length, between green and red.
+_NAMED: dict[str, Colour] = {
+    "P(1,1,0)": (0.55, 0.85, 1.0),
+    "P(1,2,0)": (0.1, 0.45, 1.0),
+    "P(1,3,0)": (0.0, 0.75, 0.75),
+    "P(2,2,1)": (1.0, 0.9, 0.1),
+    "P(4,4,2)": (1.0, 0.78, 0.1),
+    "P(3,3,2)": (1.0, 0.6, 0.1),
+}
+_GREEN_HUE, _RED_HUE = 0.36, 0.02
+_LONG_ITINERARY = 24
+
+
+def _by_length(attractor: Attractor) -> Colour:
+    """Hue that runs from green to red with the number of contacts a turn; the balance of walls shifts it a little."""
+    contacts = attractor.upper_contacts + attractor.lower_contacts
+    part = min(contacts, _LONG_ITINERARY) / _LONG_ITINERARY
+    hue = _GREEN_HUE + (_RED_HUE - _GREEN_HUE) * part
+    value = 0.95 - 0.25 * attractor.lower_contacts / max(contacts, 1)
+    return colorsys.hsv_to_rgb(hue, 0.85, value)
+
+
+def _lighter(colour: Colour, part: float) -> Colour:
+    return tuple(channel + (1.0 - channel) * part for channel in colour)  # type: ignore[return-value]
+
+
+def colours_of(attractors: tuple[Attractor, ...]) -> list[Colour]:
+    """Colour of each attractor; those that share a name get lighter shades of one colour, by their order.
+
+    Parameters
+    ----------
+    attractors : tuple of Attractor
+
+    Returns
+    -------
+    list of (red, green, blue)
+    """
+    kinds = {
+        AttractorKind.PERMANENT_CONTACT: PERMANENT_CONTACT,
+        AttractorKind.CHAOTIC: CHAOTIC,
+        AttractorKind.UNDECIDED: UNDECIDED,
+    }
+    seen: dict[str, int] = {}
+    colours = []
+    for attractor in attractors:
+        colour = kinds.get(attractor.kind) or _NAMED.get(attractor.name) or _by_length(attractor)
+        twins = seen.get(attractor.name, 0)
+        seen[attractor.name] = twins + 1
+        colours.append(_lighter(colour, 1.0 - 0.7**twins))
+    return colours
