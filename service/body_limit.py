@@ -1,12 +1,9 @@
 """No request body larger than the limit is ever read, announced or not."""
 
+from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.errors import problem
-
-
-class _BodyTooLarge(Exception):
-    pass
 
 
 class BodyLimit:
@@ -21,6 +18,7 @@ class BodyLimit:
 
     def __init__(self, app: ASGIApp, most: int) -> None:
         self.app, self.most = app, most
+        self._detail = f"a request body may have at most {most} bytes"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
@@ -38,16 +36,13 @@ class BodyLimit:
             message = await receive()
             read += len(message.get("body", b""))
             if read > self.most:
-                raise _BodyTooLarge
+                # Raised inside the application, whose handler answers it as a problem document.
+                raise HTTPException(413, self._detail, headers={"connection": "close"})
             return message
 
-        try:
-            await self.app(scope, counted, send)
-        except _BodyTooLarge:
-            await self._refuse(scope, receive, send)
+        await self.app(scope, counted, send)
 
     async def _refuse(self, scope: Scope, receive: Receive, send: Send) -> None:
-        detail = f"a request body may have at most {self.most} bytes"
         # The rest of the body is not waited for: the connection ends with the answer.
-        response = problem(413, "body-too-large", detail, scope["path"], headers={"connection": "close"})
+        response = problem(413, "body-too-large", self._detail, scope["path"], headers={"connection": "close"})
         await response(scope, receive, send)

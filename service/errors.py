@@ -81,10 +81,19 @@ async def _known(request: Request, error: Exception) -> JSONResponse:
     return problem(status, kind, str(error), request.url.path, errors)
 
 
+def _field_error(item: dict[str, Any]) -> dict[str, Any]:
+    message = item["msg"]
+    if item["type"] == "json_invalid":
+        return {"location": ["body"], "message": f"not valid JSON at character {item['loc'][-1]}"}
+    if tuple(item["loc"]) == ("body",):
+        message = "send a JSON object, with the header content-type: application/json"
+    return {"location": list(item["loc"]), "message": message}
+
+
 async def _invalid(request: Request, error: Exception) -> JSONResponse:
     """Refuse what pydantic refused, without echoing the input: it may hold NaN, which JSON cannot carry."""
     assert isinstance(error, RequestValidationError)
-    errors = [{"location": list(item["loc"]), "message": item["msg"]} for item in error.errors()]
+    errors = [_field_error(item) for item in error.errors()]
     detail = "; ".join(f"{'.'.join(str(part) for part in item['location'])}: {item['message']}" for item in errors)
     malformed = any(item["type"] == "json_invalid" for item in error.errors())
     status, kind = (400, "malformed-request") if malformed else (422, "invalid-request")

@@ -13,7 +13,7 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
-from sqlalchemy import JSON, DateTime, String
+from sqlalchemy import JSON, DateTime, Enum, String
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 
@@ -48,7 +48,10 @@ class JobRecord(Base):
     # The digest while the job can still answer a request, NULL once it has failed or was cancelled: unique, so that the same
     # request is the same job, whoever sends it at whatever moment.
     answering: Mapped[str | None] = mapped_column(String(64), unique=True)
-    state: Mapped[JobState] = mapped_column(String(16), index=True)
+    state: Mapped[JobState] = mapped_column(
+        Enum(JobState, native_enum=False, length=16, values_callable=lambda states: [state.value for state in states]),
+        index=True,
+    )
     request: Mapped[dict[str, Any]] = mapped_column(JSON)
     progress: Mapped[dict[str, Any] | None] = mapped_column(JSON)
     error: Mapped[dict[str, Any] | None] = mapped_column(JSON)

@@ -52,11 +52,20 @@ def local_cluster(workers: int = 2) -> Iterator[Client]:
             silence_logs=logging.CRITICAL, host="127.0.0.1",
         )  # fmt: skip
     try:
-        with Client(cluster) as client:
+        with _closing(Client(cluster, set_as_default=False)) as client:
             client.register_plugin(WarmKernels(_NICENESS))
             yield client
     finally:
         cluster.close(timeout=3)
+
+
+@contextlib.contextmanager
+def _closing(client: Client) -> Iterator[Client]:
+    # Not `with client`: that enters a context variable, and a service opens and closes its client in different threads.
+    try:
+        yield client
+    finally:
+        client.close(timeout=3)
 
 
 @contextlib.contextmanager
@@ -74,10 +83,10 @@ def remote_cluster(address: str) -> Iterator[Client]:
         Where nothing answers there.
     """
     try:
-        client = Client(address, timeout=_CONNECT_SECONDS)
+        client = Client(address, timeout=_CONNECT_SECONDS, set_as_default=False)
     except (OSError, ValueError) as error:
         raise ClusterFailed(f"no Dask scheduler answers at {address}: {error}") from error
-    with client:
+    with _closing(client):
         client.register_plugin(WarmKernels())
         yield client
 

@@ -299,10 +299,11 @@ def remove_result(location: str) -> None:
 def file_of_store(location: str, path: str) -> Path | None:
     """File of a store by its path within, or none; a path that leads out of the store is none of its files."""
     root = Path(location).resolve()
-    if "\0" in path:
+    try:
+        file = (root / path).resolve()
+        return file if file.is_relative_to(root) and file.is_file() else None
+    except (OSError, ValueError):  # a name that no file can have
         return None
-    file = (root / path).resolve()
-    return file if file.is_relative_to(root) and file.is_file() else None
 
 
 def consolidated_metadata(location: str) -> dict[str, Any]:

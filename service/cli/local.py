@@ -1,5 +1,6 @@
 """Commands that need no service: start one, compute a basin here, draw one."""
 
+import signal
 import threading
 from pathlib import Path
 from typing import Annotated
@@ -34,6 +35,9 @@ def serve(
     if settings.host not in _LOOPBACK:
         give_up(f"{settings.host} is no loopback address: the service has no log-in and listens on 127.0.0.1 only", 2)
     err.print(f"starting on http://{settings.host}:{settings.port} (the first start compiles kernels for some seconds)")
+    # Uvicorn stops gracefully, then raises the signal that it caught again: a service that was asked to stop has not failed.
+    for asked in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(asked, lambda *_: None)
     # A stream that a client holds open must not keep the service from stopping.
     uvicorn.run(
         create_app(settings), host=settings.host, port=settings.port, log_level="warning", timeout_graceful_shutdown=2

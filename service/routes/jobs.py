@@ -21,7 +21,7 @@ _NO_JOB = problems(s404="there is no such job")
 def list_jobs(
     jobs: JobsHere,
     size: Annotated[int, Query(ge=1, le=200, description="Jobs a page")] = 50,
-    before: Annotated[int | None, Query(ge=1, description="Cursor of a `next` link")] = None,
+    before: Annotated[int | None, Query(ge=1, le=2**62, description="Cursor of a `next` link")] = None,
     state: JobState | None = None,
 ) -> JobPage:
     """Jobs, newest first."""

@@ -46,9 +46,9 @@ def get_picture(job_id: str, jobs: JobsHere, settings: SettingsHere, layer: Laye
     return Response(buffer.getvalue(), media_type="image/png")
 
 
-@router.api_route(
+@router.head("/result.zarr/{path:path}", include_in_schema=False)
+@router.get(
     "/result.zarr/{path:path}",
-    methods=["GET", "HEAD"],
     summary="The Zarr store",
     response_class=FileResponse,
     responses={200: {"content": {"application/octet-stream": {}}}, **_NOTHING_YET},

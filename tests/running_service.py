@@ -1,0 +1,79 @@
+"""A real service in a process of its own, for tests that speak HTTP."""
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import httpx2 as httpx
+
+
+@dataclass
+class RunningService:
+    """Where it is and what it keeps."""
+
+    url: str
+    data: Path
+    process: subprocess.Popen
+
+    def request(self, method, path, **options):
+        """Answer to a request."""
+        return httpx.request(method, self.url + path, timeout=30.0, **options)
+
+    def submit(self, body):
+        """Job of a basin request."""
+        answer = self.request("POST", "/v1/basins", json=body)
+        assert answer.status_code == 202, answer.text
+        return answer.json()
+
+    def wait(self, job_id, until=lambda job: job["state"] in ("succeeded", "failed", "cancelled"), seconds=60.0):
+        """State of a job once a condition holds."""
+        patience = time.monotonic() + seconds
+        while True:
+            job = self.request("GET", f"/v1/jobs/{job_id}").json()
+            if until(job):
+                return job
+            assert time.monotonic() < patience, f"still {job}"
+            time.sleep(0.05)
+
+
+def free_port():
+    """A port that was free a moment ago."""
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return listener.getsockname()[1]
+
+
+@contextlib.contextmanager
+def running_service(data, **environment):
+    """Run ``rattle serve`` with two workers until the context ends."""
+    port = free_port()
+    command = [sys.executable, "-c", "from service.cli import app; app()", "serve", "--port", str(port), "--data", str(data)]
+    variables = os.environ | {name: str(value) for name, value in environment.items()}
+    log = open(Path(data) / "serve.log", "ab")
+    process = subprocess.Popen(command, env=variables, stdout=log, stderr=log)
+    service = RunningService(f"http://127.0.0.1:{port}", Path(data), process)
+    try:
+        _wait_until_ready(service)
+        yield service
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGTERM)
+            process.wait(30)
+        log.close()
+
+
+def _wait_until_ready(service):
+    patience = time.monotonic() + 90.0
+    while True:
+        with contextlib.suppress(httpx.TransportError):
+            if service.request("GET", "/readyz").status_code == 200:
+                return
+        log = (service.data / "serve.log").read_text()
+        assert service.process.poll() is None and time.monotonic() < patience, f"the service does not start: {log}"
+        time.sleep(0.1)

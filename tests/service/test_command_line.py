@@ -1,0 +1,81 @@
+"""The commands as a user types them."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+from service.cli import app
+
+SMALL = ["--cells", "24", "20", "--iterations", "101"]
+
+
+def rattle(*arguments):
+    """A command in a process of its own."""
+    command = [sys.executable, "-c", "from service.cli import app; app()", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=90)
+
+
+@pytest.mark.parametrize("command", ["serve", "basin", "submit", "jobs", "cancel", "plot"])
+def test_every_command_explains_itself(command):
+    answer = CliRunner().invoke(app, [command, "--help"])
+    assert answer.exit_code == 0 and len(answer.output) > 200
+
+
+def test_a_basin_is_computed_resumed_and_drawn_without_a_service(tmp_path):
+    store, picture = tmp_path / "basin.zarr", tmp_path / "basin.png"
+    done = rattle("basin", *SMALL, "--velocity", 0, 6, "--out", store)
+    assert done.returncode == 0, done.stderr
+    assert "permanent contact" in done.stdout and "P(1,1,0)" in done.stdout and "mapping: " in done.stdout
+    with xr.open_zarr(store) as basin:
+        assert basin.solution.shape == (20, 24) and float(basin.velocity[-1]) < 6.0
+    assert "permanent contact" in rattle("basin", *SMALL, "--velocity", 0, 6, "--out", store).stdout
+    other = rattle("basin", *SMALL, "--velocity", 0, 5, "--out", store)
+    assert other.returncode == 1 and "holds the store of another request" in other.stderr
+    assert rattle("plot", store, "--out", picture).returncode == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "told"),
+    [
+        (["basin", "--eccentricity", "0.3", "--out", "x.zarr"], 2, "epsilon_crit2 = 0.190121"),
+        (["basin", "--iterations", "1500", "--out", "x.zarr"], 2, "nearest: 1499 or 1511"),
+        (["basin", "--velocity", "3", "2", "--out", "x.zarr"], 2, "velocity_stop must be above"),
+        (["basin", "--damping", "nan", "--out", "x.zarr"], 2, "damping must be positive"),
+        (["basin"], 2, "--out"),
+        (["plot", "nowhere.zarr", "--out", "x.png"], 1, "nowhere.zarr is no basin store"),
+        (["submit", "nowhere.json"], 2, "nowhere.json cannot be read"),
+        (["jobs", "--url", "http://127.0.0.1:9"], 1, "start one with `rattle serve`"),
+        (["serve", "--host", "0.0.0.0"], 2, "no loopback address"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_one_line_without_a_traceback(tmp_path, monkeypatch, arguments, code, told):
+    monkeypatch.chdir(tmp_path)
+    answer = CliRunner().invoke(app, arguments)
+    assert answer.exit_code == code, answer.output
+    assert told in " ".join(answer.output.split()) and "Traceback" not in answer.output
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_service_is_asked_followed_and_listed(service, tmp_path):
+    request = tmp_path / "request.json"
+    request.write_text(json.dumps({"grid": {"time": {"cells": 16}, "velocity": {"cells": 16}}, "iterations": 211}))
+    answer = CliRunner().invoke(app, ["submit", str(request), "--wait", "--url", service.url])
+    assert answer.exit_code == 0, answer.output
+    assert "permanent contact" in answer.output and "xarray.open_zarr(" in answer.output
+    listed = CliRunner().invoke(app, ["jobs", "--json", "--url", service.url])
+    newest = json.loads(listed.output)[0]
+    assert newest["request"]["iterations"] == 211 and newest["state"] == "succeeded"
+    stopped = CliRunner().invoke(app, ["cancel", newest["id"], "--url", service.url])
+    assert stopped.exit_code == 0 and "succeeded" in stopped.output
+
+
+def test_a_refused_request_is_explained(service, tmp_path):
+    request = tmp_path / "request.json"
+    request.write_text('{"oscillator": {"eccentricity": 0.2}}')
+    answer = CliRunner().invoke(app, ["submit", str(request), "--url", service.url])
+    assert answer.exit_code == 2 and "epsilon_crit2" in answer.output

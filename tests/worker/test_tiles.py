@@ -1,0 +1,44 @@
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rattle_kernels import CellGrid
+from worker.tiles import bands, cut
+
+grids = st.builds(
+    lambda columns, rows: CellGrid(time_cells=columns, velocity_cells=rows), st.integers(1, 400), st.integers(1, 400)
+)
+
+
+@given(grids, st.sampled_from([1, 7, 1499, 100_003]))
+def test_tiles_and_their_bands_cover_every_cell_once(grid, iterations):
+    covered = np.zeros(grid.shape, np.int64)
+    tiling = cut(grid, iterations)
+    for number in range(tiling.tiles):
+        tile = tiling.tile(number)
+        assert (tile.row, tile.column) == divmod(number, tiling.shape[1])
+        for rows in bands(tile, iterations):
+            covered[slice(*rows), slice(*tile.columns)] += 1
+    assert (covered == 1).all()
+
+
+@given(grids, st.sampled_from([1, 1499]))
+def test_every_tile_begins_at_a_chunk_border(grid, iterations):
+    tiling = cut(grid, iterations)
+    for number in range(tiling.tiles):
+        tile = tiling.tile(number)
+        assert tile.rows[0] % tiling.tile_rows == 0 and tile.columns[0] % tiling.tile_columns == 0
+
+
+def test_the_papers_map_is_cut_into_enough_tiles_for_several_workers():
+    assert 16 <= cut(CellGrid(), 1499).tiles <= 64
+    assert 16 <= cut(CellGrid(), 1).tiles <= 64
+
+
+def test_a_few_cells_are_one_tile():
+    assert cut(CellGrid(time_cells=20, velocity_cells=20), 1499).tiles == 1
+
+
+def test_a_very_large_map_has_tiles_that_fit_in_memory():
+    tiling = cut(CellGrid(time_cells=20_000, velocity_cells=20_000), 1)
+    assert tiling.tile_rows * tiling.tile_columns <= 1.2 * 1024 * 1024
