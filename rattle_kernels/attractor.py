@@ -18,9 +18,10 @@ class AttractorKind(IntEnum):
 class Attractor(NamedTuple):
     """A motion that trajectories end in.
 
-    ``time`` and ``velocity`` (shape (points,)) are its departures from +beta: one turn of a periodic orbit from its slowest on, some thousand
-    of a chaotic one, none of permanent contact. Exponents are per forcing period, NaN where there is none; ``lyapunov_error`` is
-    the standard error (0 for a periodic orbit, whose exponent comes from its multipliers).
+    ``time`` and ``velocity`` (shape (points,)) are its departures from +beta: one turn of a periodic orbit from its
+    slowest on, some thousand of a chaotic one, none of permanent contact. Exponents are per forcing period, NaN where
+    there is none; ``lyapunov_error`` is the standard error (0 for a periodic orbit, whose exponent comes from its
+    multipliers).
     """
 
     kind: AttractorKind

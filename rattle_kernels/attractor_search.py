@@ -4,7 +4,8 @@ A seed (a landing point) is followed by P itself until it is clear where it ends
 
 1. captured by ever lower bounces: permanent contact;
 2. it lands on an attractor already in the catalogue (`neighbourhoods`): nothing new;
-3. it comes back close to itself after p impacts: the orbit there is polished by Newton and its multipliers decide. Slow convergence is not chaos;
+3. it comes back close to itself after p impacts: the orbit there is polished by Newton and its multipliers decide.
+   Slow convergence is not chaos;
 4. else its largest Lyapunov exponent over a long run is positive by several standard errors: a chaotic attractor;
 5. else it is undecided, and says so.
 
@@ -12,6 +13,7 @@ Seeds are taken in ascending order, so the catalogue depends on the set of seeds
 """
 
 from collections.abc import Sequence
+
 import numpy as np
 
 from rattle_kernels.attractor import PERMANENT_CONTACT_ATTRACTOR, UNDECIDED_ATTRACTOR, Attractor, AttractorKind
@@ -27,7 +29,8 @@ _SETTLING = 4096
 _LONGEST_PERIOD = 512
 _CLOSE_RETURN = 1e-6
 _LYAPUNOV_IMPACTS = 65_536
-# An exponent is called positive when it exceeds both five standard errors and what so many impacts of a regular motion can feign.
+# An exponent is called positive when it exceeds both five standard errors and what so many impacts of a regular motion
+# can feign.
 _STANDARD_ERRORS = 5.0
 _LEAST_EXPONENT = 1e-3
 # Transients through a chaotic saddle are given this many rounds of settling before a motion is left undecided.
@@ -42,7 +45,7 @@ def _periodic(orbit: PeriodicOrbit) -> Attractor:
 
 
 def _closest_return(oscillator: Oscillator, t: float, v: float) -> tuple[int, float]:
-    """Impact period after which the trajectory first comes back within 1e-6 of its start, or else closest; and that distance."""
+    """Impact period after which a trajectory first comes back within 1e-6, or else closest; and that distance."""
     scale = lane_tables(oscillator).speed_scale
     distances = np.empty(_LONGEST_PERIOD)
     here_t, here_v = np.array([t]), np.array([v])
@@ -81,7 +84,8 @@ def _motion_of(oscillator: Oscillator, t: float, v: float) -> Attractor:
         if run.captured:
             return PERMANENT_CONTACT_ATTRACTOR
         t, v = float(run.t[-1]), float(run.v[-1])
-        # A transient that settled on the way has a positive mean exponent too: the end of the run must still be irregular.
+        # A transient that settled on the way has a positive mean exponent too: the end of the run must still be
+        # irregular.
         settled = _orbit_of(oscillator, t, v)
         if settled is not None:
             return _periodic(settled)
@@ -94,7 +98,9 @@ def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Att
     """Whether a motion is in the catalogue: by itself where it has no points, else by where its last point arrives."""
     if not motion.time.size:
         return any(motion is listed for listed in catalogue)
-    return bool(locate(oscillator, neighbourhoods(oscillator, catalogue), motion.time[-1:], motion.velocity[-1:])[0] >= 0)
+    return bool(
+        locate(oscillator, neighbourhoods(oscillator, catalogue), motion.time[-1:], motion.velocity[-1:])[0] >= 0
+    )
 
 
 def _settle(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int) -> tuple[np.ndarray, np.ndarray]:
@@ -134,8 +140,8 @@ def find_attractors(
     Returns
     -------
     tuple of Attractor
-        Permanent contact first, always; then periodic orbits by (n+, m, n-) and lowest speed, then chaotic attractors; UNDECIDED last and
-        only where some seed is.
+        Permanent contact first, always; then periodic orbits by (n+, m, n-) and lowest speed, then chaotic attractors;
+        UNDECIDED last and only where some seed is.
 
     Raises
     ------
@@ -156,6 +162,7 @@ def find_attractors(
         if not _is_known(checked, motion, catalogue):
             catalogue.append(motion)
         else:
-            # A long transient: the others are likely on one too, and lanes follow them a hundred times faster than one by one.
+            # A long transient: the others are likely on one too, and lanes follow them a hundred times faster than one
+            # by one.
             t_left, v_left = _settle(checked, t_left, v_left, 16 * _SETTLING)
     return _canonical(catalogue)

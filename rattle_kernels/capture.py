@@ -1,16 +1,18 @@
 """Capture by ever lower bounces: the impacting model's permanent contact.
 
-A ball that bounces low on ground whose acceleration a(t) varies slowly keeps ``v^3/a`` nearly constant; expanding P to second order
-in v gives
+A ball that bounces low on ground whose acceleration a(t) varies slowly keeps ``v^3/a`` nearly constant; expanding P to
+second order in v gives
 
     ln(v1^3/a1) - ln(v0^3/a0) = -2 delta v0/a0 + O(v0^2),
 
-so damping can only lower it once v is small enough. The region ``v^3 < bound * a(t)`` is safe when P lowers ``v^3/a`` at every point
-of it: then it is never left, v^3/a falls for ever and v tends to zero; such a motion never rattles again.
+so damping can only lower it once v is small enough. The region ``v^3 < bound * a(t)`` is safe when P lowers ``v^3/a``
+at every point of it: then it is never left, v^3/a falls for ever and v tends to zero; such a motion never rattles
+again.
 
-The bound is not guessed. The *descent* q = (change of ln v^3/a) a/(2 delta v) is a smooth function on the region with q -> -1 as
-v -> 0. `capture_bound` computes q with P itself on a mesh over the region and takes the largest bound, by steps of 0.8, at which q <= -1/2 at all
-nodes while neighbouring nodes differ by less than 1/4: q stays below -1/4 in between. A -beta contact shows as a jump of q and fails the test.
+The bound is not guessed. The *descent* q = (change of ln v^3/a) a/(2 delta v) is a smooth function on the region with q
+-> -1 as v -> 0. `capture_bound` computes q with P itself on a mesh over the region and takes the largest bound, by
+steps of 0.8, at which q <= -1/2 at all nodes while neighbouring nodes differ by less than 1/4: q stays below -1/4 in
+between. A -beta contact shows as a jump of q and fails the test.
 """
 
 import math

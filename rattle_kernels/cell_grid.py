@@ -14,8 +14,8 @@ SINK = -1
 class CellGrid(NamedTuple):
     """Equal cells over ``[time_start, time_stop) x [velocity_start, velocity_stop)``.
 
-    Cell number is ``i_v * time_cells + i_t``. Time is a phase (forcing periods): the window may cross phase 0, as from 0.9 to 1.1, and wraps
-    where it spans the whole period. The defaults are the paper's.
+    Cell number is ``i_v * time_cells + i_t``. Time is a phase (forcing periods): the window may cross phase 0, as from
+    0.9 to 1.1, and wraps where it spans the whole period. The defaults are the paper's.
     """
 
     time_start: float = 0.0
@@ -72,9 +72,13 @@ def check_grid(grid: CellGrid) -> CellGrid:
     if not (checked.velocity_start >= 0.0 and math.isfinite(checked.velocity_stop)):
         raise ValueError(f"velocities must be finite and not negative, not {checked.velocity_start}")
     if not checked.velocity_start < checked.velocity_stop:
-        raise ValueError(f"velocity_stop must be above velocity_start = {checked.velocity_start}, not {checked.velocity_stop}")
+        raise ValueError(
+            f"velocity_stop must be above velocity_start = {checked.velocity_start}, not {checked.velocity_stop}"
+        )
     if checked.time_cells < 1 or checked.velocity_cells < 1:
-        raise ValueError(f"a grid needs at least one cell each way, not {checked.time_cells} x {checked.velocity_cells}")
+        raise ValueError(
+            f"a grid needs at least one cell each way, not {checked.time_cells} x {checked.velocity_cells}"
+        )
     return checked
 
 

@@ -1,9 +1,10 @@
 """Group, period and step of every cell, as Hsu (1980, 1987) defines them, from the image set alone.
 
-A cell map sends each cell to one image, so following images from any cell ends on a cycle of cells (a group; its length is the period) or in
-a reserved image. The *image set* R, the distinct images of all cells, is closed under the map and holds every cycle. So
-`find_groups` runs Hsu's algorithm on R only, which for ``P^k`` with a large k is far smaller than the grid, and `label_cells` then
-labels any cells by looking up their images: ``group(c) = group(image(c))``, and ``step(c) = step(image(c)) + 1`` unless c is on a cycle.
+A cell map sends each cell to one image, so following images from any cell ends on a cycle of cells (a group; its length
+is the period) or in a reserved image. The *image set* R, the distinct images of all cells, is closed under the map and
+holds every cycle. So `find_groups` runs Hsu's algorithm on R only, which for ``P^k`` with a large k is far smaller than
+the grid, and `label_cells` then labels any cells by looking up their images: ``group(c) = group(image(c))``, and
+``step(c) = step(image(c)) + 1`` unless c is on a cycle.
 """
 
 from typing import NamedTuple
@@ -19,9 +20,9 @@ _ON_PATH = np.int32(-2_000_000_001)
 class CellGroups(NamedTuple):
     """Hsu's numbers on the image set, arrays of one length.
 
-    ``cells`` (int64, ascending) are the cells of R; ``group`` (int32) is 1, 2, ... by each cycle's lowest cell number, 0 the sink, -1 permanent
-    contact, -2 undecided; ``period`` (int32) the length of the cycle, 0 where there is none; ``step`` (int32) the applications to reach the
-    cycle, 0 on it, or to get into the reserved image.
+    ``cells`` (int64, ascending) are the cells of R; ``group`` (int32) is 1, 2, ... by each cycle's lowest cell number,
+    0 the sink, -1 permanent contact, -2 undecided; ``period`` (int32) the length of the cycle, 0 where there is none;
+    ``step`` (int32) the applications to reach the cycle, 0 on it, or to get into the reserved image.
     """
 
     cells: np.ndarray
@@ -34,8 +35,8 @@ class CellGroups(NamedTuple):
 def _follow(position, group, period, step):
     """Hsu's pass over cells given by position: `position` is where the image lies, or a reserved negative image.
 
-    Each start walks until it meets its own path (a new cycle), a cell already settled or a reserved image, then settles the path
-    backwards. Every cell is walked once.
+    Each start walks until it meets its own path (a new cycle), a cell already settled or a reserved image, then settles
+    the path backwards. Every cell is walked once.
     """
     path = np.empty(position.size, np.int64)
     arrived = np.empty(position.size, np.int64)

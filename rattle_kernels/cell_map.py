@@ -1,5 +1,7 @@
-"""Image of each cell under ``P_corr o P^k`` (Sec. 4, Fig. 5b): the map starts from the cell's centre, and only where ``P^k`` ends is put back
-on the grid."""
+"""Image of each cell under ``P_corr o P^k`` (Sec. 4, Fig. 5b).
+
+The map starts from the cell's centre; only where ``P^k`` ends is put back on the grid.
+"""
 
 from typing import NamedTuple
 
@@ -24,8 +26,9 @@ _CAPTURED = int(Outcome.PERMANENT_CONTACT)
 class CellImages(NamedTuple):
     """Images of a rectangle of cells, arrays of shape (rows, columns).
 
-    ``image_cell`` (int64) is a cell number or SINK, PERMANENT_CONTACT, UNDECIDED; ``landing_time`` and ``landing_velocity`` (float64) are
-    ``P^k(centre)``, NaN where captured or undecided; ``applications`` counts the applications of P that were computed.
+    ``image_cell`` (int64) is a cell number or SINK, PERMANENT_CONTACT, UNDECIDED; ``landing_time`` and
+    ``landing_velocity`` (float64) are ``P^k(centre)``, NaN where captured or undecided; ``applications`` counts the
+    applications of P that were computed.
     """
 
     image_cell: np.ndarray
@@ -69,8 +72,8 @@ def map_cells(
     rows, columns : (int, int)
         Start and stop of the rectangle along velocity and along time.
     shortcuts : bool
-        Lock and capture (see `impact_lanes`); without them every cell takes all k applications. No image of a trajectory that is not
-        chaotic depends on them.
+        Lock and capture (see `impact_lanes`); without them every cell takes all k applications. No image of a
+        trajectory that is not chaotic depends on them.
 
     Returns
     -------

@@ -1,13 +1,14 @@
 """One flight in freeplay, Eq. (6), in a form in which nothing cancels.
 
-A flight leaves a wall at phase t0 with signed velocity w (negative from +beta, positive from -beta). With x = delta tau,
-h = 2 pi tau, phi1 = (1 - e^-x)/x, phi2 = (1 - phi1)/x and s0, c0 = sin, cos(2 pi t0), its displacement from that wall is
+A flight leaves a wall at phase t0 with signed velocity w (negative from +beta, positive from -beta). With x = delta
+tau, h = 2 pi tau, phi1 = (1 - e^-x)/x, phi2 = (1 - phi1)/x and s0, c0 = sin, cos(2 pi t0), its displacement from that
+wall is
 
     y(tau) = tau (w phi1 + tau A),
     A = delta (4 pi - 2 pi eps s0) phi2 - 2 eps c0 (sin(pi tau)/tau)^2 + eps s0 (h - sin h)/tau^2,
 
-which equals Eqs. (18), (24), (30) but keeps full precision as delta, tau or w tend to zero. Everything holds for tau < 0 as well,
-which is the flight backwards in time.
+which equals Eqs. (18), (24), (30) but keeps full precision as delta, tau or w tend to zero. Everything holds for tau <
+0 as well, which is the flight backwards in time.
 """
 
 import math
@@ -99,11 +100,7 @@ def velocity_after(flight, tau, displacement):
     sine_change = 2.0 * sine_half * (flight.cosine * cosine_half - flight.sine * sine_half)
     cosine_change = -2.0 * sine_half * (flight.sine * cosine_half + flight.cosine * sine_half)
     forcing = flight.damping * cosine_change - TWO_PI * sine_change
-    return (
-        flight.velocity
-        + flight.damping * (FOUR_PI * tau - displacement)
-        + flight.eccentricity * forcing
-    )
+    return flight.velocity + flight.damping * (FOUR_PI * tau - displacement) + flight.eccentricity * forcing
 
 
 @step

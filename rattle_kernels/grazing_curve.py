@@ -1,10 +1,11 @@
-"""The grazing curve v*(t): the speed with which a flight from +beta just touches -beta (Sec. 2.1), and the same backwards.
+"""The grazing curve v*(t): the speed with which a flight from +beta just touches -beta (Sec. 2.1), also backwards.
 
-A flight that touches -beta at phase t_hat with zero speed is, seen from there, a flight with w = 0 on either side of the touch. It
-left +beta the time sigma before, where ``y(-sigma) = 2 beta``, and it comes back to +beta the time sigma' after, where
-``y(sigma') = 2 beta``. For a given phase on +beta the unknown is sigma. With t_hat = t0 + sigma, moving the touch later moves
-the flight at t0 by ``a(t_hat) (e^{delta sigma} - 1)/delta`` > 0 (the variation obeys eta'' + delta eta' = 0), so the residual grows
-strictly with sigma: one root, which doubling brackets. The same holds for sigma' with e^{-delta sigma'}.
+A flight that touches -beta at phase t_hat with zero speed is, seen from there, a flight with w = 0 on either side of
+the touch. It left +beta the time sigma before, where ``y(-sigma) = 2 beta``, and it comes back to +beta the time sigma'
+after, where ``y(sigma') = 2 beta``. For a given phase on +beta the unknown is sigma. With t_hat = t0 + sigma, moving
+the touch later moves the flight at t0 by ``a(t_hat) (e^{delta sigma} - 1)/delta`` > 0 (the variation obeys eta'' +
+delta eta' = 0), so the residual grows strictly with sigma: one root, which doubling brackets. The same holds for sigma'
+with e^{-delta sigma'}.
 """
 
 import math

@@ -1,9 +1,9 @@
 """DP, the derivative of the impact map, in closed form.
 
-In freeplay a variation (eta, eta') obeys eta'' + delta eta' = 0. A flight that leaves a wall dt later, with velocity changed by dw, carries at
-the original times the variation eta = -w dt, eta' = dw - Phi'' dt; the wall is met later by -eta/Phi', in which time the velocity changes by
-the acceleration there (saltation). The reflection turns the sign of the velocity. Near grazing Phi' at -beta tends to zero and DP grows
-without bound: the map has a square root there.
+In freeplay a variation (eta, eta') obeys eta'' + delta eta' = 0. A flight that leaves a wall dt later, with velocity
+changed by dw, carries at the original times the variation eta = -w dt, eta' = dw - Phi'' dt; the wall is met later by
+-eta/Phi', in which time the velocity changes by the acceleration there (saltation). The reflection turns the sign of
+the velocity. Near grazing Phi' at -beta tends to zero and DP grows without bound: the map has a square root there.
 """
 
 import math

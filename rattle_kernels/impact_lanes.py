@@ -2,15 +2,16 @@
 
 A point goes through `applications` of P unless one of two shortcuts ends it early. Neither changes where it lands:
 
-*Lock.* Brent's checkpoints: the state after 16, 32, 64, ... applications is kept, and a later state within 1e-13 of it closes a period p.
-The orbit has then converged: of the applications left only their number modulo p is still to be done. Closing on a checkpoint after n
-applications needs the distance to the orbit to shrink like lambda^n below the tolerance, so ``1 - lambda >= 30/n`` about, and what is left
-of the distance is at most ``1e-13/(1 - lambda) <= 1e-13 n/30``.
+*Lock.* Brent's checkpoints: the state after 16, 32, 64, ... applications is kept, and a later state within 1e-13 of it
+closes a period p. The orbit has then converged: of the applications left only their number modulo p is still to be
+done. Closing on a checkpoint after n applications needs the distance to the orbit to shrink like lambda^n below the
+tolerance, so ``1 - lambda >= 30/n`` about, and what is left of the distance is at most ``1e-13/(1 - lambda) <= 1e-13
+n/30``.
 
 *Capture.* A departure in the safe region of `capture` bounces ever lower and never rattles again.
 
-A chaotic trajectory does all of its applications. Each lane's arithmetic is the same whichever lane it is and whatever its neighbours do,
-so a result depends on nothing but its starting point.
+A chaotic trajectory does all of its applications. Each lane's arithmetic is the same whichever lane it is and whatever
+its neighbours do, so a result depends on nothing but its starting point.
 """
 
 import math
@@ -34,7 +35,7 @@ from rattle_kernels.lane_flight import (
     guess_durations,
     refine_durations,
 )
-from rattle_kernels.lane_tables import LaneTables, lane_tables
+from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.outcome import Outcome
 
@@ -139,7 +140,7 @@ def _settle(lanes, i):
 
 @step
 def _refill(lanes, i, tables, applications, points, following):
-    """Give lane i the next point, or let it idle on low bounces, which never take the careful path; return the point after."""
+    """Give lane i the next point, or let it idle on low bounces, which are never unsure; return the point after."""
     t, v, outcome = points
     point = _next_point(t, v, outcome, following)
     if point < t.size:
@@ -212,8 +213,8 @@ def run_lanes(
     applications : int
         How often P is applied, at least 1.
     shortcuts : bool
-        Whether captured points end early (outcome PERMANENT_CONTACT, state at capture) and locked ones skip whole periods.
-        Without, ``lower_impacts`` counts all contacts; with, those of the applications done.
+        Whether captured points end early (outcome PERMANENT_CONTACT, state at capture) and locked ones skip whole
+        periods. Without, ``lower_impacts`` counts all contacts; with, those of the applications done.
 
     Returns
     -------

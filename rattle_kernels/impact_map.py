@@ -1,11 +1,11 @@
 """The impact map P of the impacting model (Eqs. 4, 5; Sec. 2), flight by flight.
 
-Conventions, said once: the section is a departure from ``Phi = +beta`` into freeplay at phase t (forcing periods, [0, 1)) with
-speed v > 0. In the elastic limit v is also the speed of arrival. P goes to the next departure from +beta, either directly (case a)
-or by way of -beta (case b); above the grazing curve v*(t) it is case b.
+Conventions, said once: the section is a departure from ``Phi = +beta`` into freeplay at phase t (forcing periods, [0,
+1)) with speed v > 0. In the elastic limit v is also the speed of arrival. P goes to the next departure from +beta,
+either directly (case a) or by way of -beta (case b); above the grazing curve v*(t) it is case b.
 
-All that is used of the oscillator is Eq. (8): the acceleration at rest is positive at every phase, hence every turning point in
-freeplay is a minimum, and flights cross as the paper's monotonicity argument (Sec. 2) says.
+All that is used of the oscillator is Eq. (8): the acceleration at rest is positive at every phase, hence every turning
+point in freeplay is a minimum, and flights cross as the paper's monotonicity argument (Sec. 2) says.
 """
 
 import math
@@ -34,7 +34,7 @@ LOWER = -1.0
 
 
 class Contact(NamedTuple):
-    """End of one flight: the wall met (UPPER or LOWER), phase (not reduced), signed duration, signed velocity of arrival."""
+    """End of one flight: the wall met (UPPER or LOWER), phase (not reduced), signed duration and velocity there."""
 
     wall: float
     phase: float
@@ -55,8 +55,8 @@ class Impact(NamedTuple):
 class Impacts(NamedTuple):
     """Applications of P to many points, arrays of one shape.
 
-    ``t`` in [0, 1) and ``v`` > 0 describe the departures reached (NaN where `outcome` is neither returned nor captured),
-    ``lower_impacts`` counts contacts with -beta on the way, ``outcome`` holds `Outcome` codes.
+    ``t`` in [0, 1) and ``v`` > 0 describe the departures reached (NaN where `outcome` is neither returned nor
+    captured), ``lower_impacts`` counts contacts with -beta on the way, ``outcome`` holds `Outcome` codes.
     """
 
     t: np.ndarray
@@ -88,8 +88,8 @@ _find_crossing = root_finder(_reach_residual)
 def _fly_back(flight, acceleration, direction):
     """Signed time until the wall that was left is met again; `direction` +1 forwards, -1 backwards in time.
 
-    y starts downwards, has one minimum and then grows without bound, so y/tau has one sign change, which doubling brackets.
-    Backwards the same holds for speeds below the one that grazes -beta, for which alone it is asked.
+    y starts downwards, has one minimum and then grows without bound, so y/tau has one sign change, which doubling
+    brackets. Backwards the same holds for speeds below the one that grazes -beta, for which alone it is asked.
     """
     near = 0.0
     far = 2.0 * abs(flight.velocity) / acceleration
@@ -163,7 +163,7 @@ def next_contact(oscillator, wall, phase, velocity, direction):
 
 @step
 def _apply(oscillator, t, v, direction):
-    """P forwards (direction +1) or backwards (-1): one flight, or two by way of -beta, each wall reversing the velocity."""
+    """P forwards (direction +1) or backwards (-1): one flight, or two by way of -beta; walls reverse the velocity."""
     if not (math.isfinite(t) and math.isfinite(v) and v > 0.0):
         return Impact(math.nan, math.nan, 0, OUTSIDE_SECTION)
     contact = next_contact(oscillator, UPPER, t, -direction * v, direction)

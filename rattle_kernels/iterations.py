@@ -1,14 +1,14 @@
 """The number k of applications in ``P_corr o P^k``: 1, or a prime.
 
-Under ``P^k`` a cycle of impact period p falls apart into gcd(p, k) cycles. With k = 1 or a prime above every period nothing falls apart, so
-that the periods of the cell map are those of the motion (Sec. 4).
+Under ``P^k`` a cycle of impact period p falls apart into gcd(p, k) cycles. With k = 1 or a prime above every period
+nothing falls apart, so that the periods of the cell map are those of the motion (Sec. 4).
 """
 
 import math
 
 
 def is_prime(number: int) -> bool:
-    """Whether `number` is a prime, by trial division (requests are bounded to numbers where this takes a millisecond)."""
+    """Whether `number` is a prime, by trial division (a request bounds it to a millisecond)."""
     if number < 4:
         return number > 1
     return number % 2 == 1 and all(number % divisor for divisor in range(3, math.isqrt(number) + 1, 2))
@@ -36,4 +36,6 @@ def check_iterations(iterations: int) -> int:
     if iterations == 1 or is_prime(iterations):
         return iterations
     nearest = " or ".join(str(prime) for prime in nearest_primes(iterations))
-    raise ValueError(f"iterations must be 1 or a prime, so that periods are not split, not {iterations}; nearest: {nearest}")
+    raise ValueError(
+        f"iterations must be 1 or a prime, so that periods are not split, not {iterations}; nearest: {nearest}"
+    )

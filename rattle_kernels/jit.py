@@ -1,10 +1,12 @@
 """How every kernel is compiled, said once.
 
-Two kinds of compiled function: a *step* is a scalar piece that other kernels call (compiled into its caller, never cached alone);
-a *kernel* is an entry point called from Python (cached on disk, releases the GIL, serial: tiles make the parallelism).
+Two kinds of compiled function: a *step* is a scalar piece that other kernels call (compiled into its caller, never
+cached alone); a *kernel* is an entry point called from Python (cached on disk, releases the GIL, serial: tiles make the
+parallelism).
 
-Numba's disk cache looks only at the file of the cached function: when a step in another module changes, the old machine code
-would be served. So the cache folder carries a hash of all sources of this package, and of the versions that compile them.
+Numba's disk cache looks only at the file of the cached function: when a step in another module changes, the old machine
+code would be served. So the cache folder carries a hash of all sources of this package, and of the versions that
+compile them.
 """
 
 import hashlib

@@ -1,20 +1,19 @@
 """One flight of every lane at once, in loops that LLVM turns into vector code.
 
-The lanes are 64 independent trajectories whose numbers lie in one flat buffer, field after field; a lane carries the wall it leaves in the
-sign of its velocity (negative from +beta), so cases (a) and (b) of Sec. 2 are one code path with a selected target. Three passes:
+The lanes are 64 independent trajectories whose numbers lie in one flat buffer, field after field; a lane carries the
+wall it leaves in the sign of its velocity (negative from +beta), so cases (a) and (b) of Sec. 2 are one code path with
+a selected target. Three passes:
 
 1. `guess_durations` classifies each flight by the series for v*(t) and looks up a first guess;
-2. `refine_durations` evaluates the flight once (sine, cosine and phi2 by polynomials: no library call, no branch) and takes one
-   step of sixth order;
-3. lanes that are not sure (too close to the grazing curve, too large a step) are flown again by the careful scalar path.
+2. `refine_durations` evaluates the flight once (sine, cosine and phi2 by polynomials: no library call, no branch) and
+   takes one step of sixth order;
+3. lanes that are not sure (too close to the grazing curve, too large a step) are flown again by the careful path.
 
-The formulas are those of `flight`, with one difference: ``h - sin h`` is taken directly, whose rounding shifts the end of a flight by
-1e-17 forcing periods, relative to nothing.
+The formulas are those of `flight`, with one difference: ``h - sin h`` is taken directly, whose rounding shifts the end
+of a flight by 1e-17 forcing periods, relative to nothing.
 """
 
 import math
-
-import numpy as np
 
 from rattle_kernels.flight import FOUR_PI, TWO_PI
 from rattle_kernels.impact_map import LOWER, UPPER, next_contact
@@ -23,8 +22,8 @@ from rattle_kernels.lane_tables import ABSCISSAE, BLOCK, DROP, FALL_BACK, HARMON
 
 LANES = 64
 
-# Fields of the buffer. A flight reads PHASE and VELOCITY and leaves its end in END_PHASE and END_VELOCITY, the velocity after
-# the wall has reversed it; DROPS is 1.0 where it ended on -beta, UNSURE 1.0 where the careful path must decide.
+# Fields of the buffer. A flight reads PHASE and VELOCITY and leaves its end in END_PHASE and END_VELOCITY, the velocity
+# after the wall has reversed it; DROPS is 1.0 where it ended on -beta, UNSURE 1.0 where the careful path must decide.
 PHASE = 0 * LANES
 VELOCITY = 1 * LANES
 SINE = 2 * LANES
@@ -39,8 +38,8 @@ UNSURE = 10 * LANES
 GRAZING = 11 * LANES
 FLIGHT_FIELDS = 12
 
-# A flight is taken as sure when the last term of its step is below this part of the duration; what the series leaves out is
-# smaller by a further factor of the step itself.
+# A flight is taken as sure when the last term of its step is below this part of the duration; what the series leaves
+# out is smaller by a further factor of the step itself.
 _LAST_TERM = 1e-13
 _LARGEST_STEP = 4e-3
 
@@ -155,8 +154,7 @@ def guess_durations(lanes, tables, two_beta):
     for i in range(LANES):
         row, column = lanes[END_PHASE + i], lanes[END_VELOCITY + i]
         kind = RISE if lanes[TARGET + i] > 0.0 else (DROP if lanes[DROPS + i] > 0.0 else FALL_BACK)
-        m, n = np.int64(row), np.int64(column)
-        m, n = min(m, PHASES - 1), min(n, ABSCISSAE - 1)
+        m, n = min(int(row), PHASES - 1), min(int(column), ABSCISSAE - 1)
         at = (kind * BLOCK + m * ROW + n) & 0xFFFFFF  # tells the compiler that it is no negative index
         f, g = row - m, column - n
         low = tables.guess[at] + g * (tables.guess[at + 1] - tables.guess[at])
@@ -221,7 +219,8 @@ def refine_durations(lanes, d, e):
 
 @step
 def count_set(lanes, field):
-    """Number of lanes in which a flag field is set (an integer sum: a sum of floats would not vectorise without reassociation)."""
+    """Number of lanes in which a flag field is set."""
+    # An integer sum: one of floats would not vectorise without reassociation.
     total = 0
     for i in range(LANES):
         total += 1 if lanes[field + i] != 0.0 else 0

@@ -1,7 +1,7 @@
 """What the lanes look up: a first guess for the duration of any flight, and a series for the grazing curve.
 
-A lane takes one step of sixth order from the guess, so a coarse bilinear table is enough. Three kinds of flight, each in a variable in
-which its duration is smooth up to the ends (the square root removes the singularity at grazing):
+A lane takes one step of sixth order from the guess, so a coarse bilinear table is enough. Three kinds of flight, each
+in a variable in which its duration is smooth up to the ends (the square root removes the singularity at grazing):
 
     kind           value tabulated       abscissa in [0, 1]      ends
     FALL_BACK      tau / v               v / v*                  2/a  ...  duration at graze / v*
@@ -23,8 +23,9 @@ from rattle_kernels.oscillator import Oscillator
 
 FALL_BACK, DROP, RISE = 0, 1, 2
 
-# Intervals in phase and in the abscissa. Measured at the paper's parameters: with 192 x 64 one flight in 10,000 takes the careful path;
-# with 96 x 64 it is one in 400 (low bounces near the phase of least acceleration), with 192 x 32 one in 17.
+# Intervals in phase and in the abscissa. Measured at the paper's parameters: with 192 x 64 one flight in 10,000 takes
+# the careful path; with 96 x 64 it is one in 400 (low bounces near the phase of least acceleration), with 192 x 32 one
+# in 17.
 PHASES = 192
 ABSCISSAE = 64
 ROW = ABSCISSAE + 1

@@ -1,8 +1,8 @@
 """Largest Lyapunov exponent of a trajectory of P, with its error estimated.
 
-A tangent vector is carried along by DP and rescaled after every impact; the exponent is the mean growth of its logarithm per forcing
-period. The run is cut into blocks long enough to be nearly independent; the scatter of their means gives the standard error
-(batch means). Benettin et al. (1980); Flegal and Jones (2010) for the batches.
+A tangent vector is carried along by DP and rescaled after every impact; the exponent is the mean growth of its
+logarithm per forcing period. The run is cut into blocks long enough to be nearly independent; the scatter of their
+means gives the standard error (batch means). Benettin et al. (1980); Flegal and Jones (2010) for the batches.
 """
 
 import math
@@ -20,7 +20,7 @@ BLOCKS = 64
 
 
 class LyapunovRun(NamedTuple):
-    """Exponent per forcing period, its standard error, whether the trajectory was captured on the way, and its last points."""
+    """Exponent per forcing period, its standard error, whether the trajectory was captured, and its last points."""
 
     exponent: float
     error: float

@@ -1,13 +1,15 @@
 """When a trajectory may be said to have arrived at an attractor.
 
-*Periodic orbit*: an ellipse around each of its points in which P^p contracts. The quadratic form solves the discrete Lyapunov
-equation of DP^p (which exists because both multipliers lie inside the unit circle), and the ellipse is shrunk until P^p itself brings points on
-four rings in it closer, in that norm. Grazing inside the ellipse would break that and so shrinks it.
+*Periodic orbit*: an ellipse around each of its points in which P^p contracts. The quadratic form solves the discrete
+Lyapunov equation of DP^p (which exists because both multipliers lie inside the unit circle), and the ellipse is shrunk
+until P^p itself brings points on four rings in it closer, in that norm. Grazing inside the ellipse would break that and
+so shrinks it.
 
-*Chaotic attractor*: a lattice of boxes, 2048 to a period and to the natural speed, marked by a million of its points. A trajectory has arrived
-when it has hit marked boxes of one attractor on 24 impacts in a row. A trajectory of a neighbouring basin can pass through marked boxes, but to do
-so 24 times it would have to start within 2048^-1 e^(-24 lambda) or so of the attractor's own orbits, lambda its exponent per impact: the
-sets are told apart far below the size of any cell.
+*Chaotic attractor*: a lattice of boxes, 2048 to a period and to the natural speed, marked by a million of its points. A
+trajectory has arrived when it has hit marked boxes of one attractor on 24 impacts in a row. A trajectory of a
+neighbouring basin can pass through marked boxes, but to do so 24 times it would have to start within 2048^-1 e^(-24
+lambda) or so of the attractor's own orbits, lambda its exponent per impact: the sets are told apart far below the size
+of any cell.
 
 *Capture* by ever lower bounces is decided by `capture`.
 """
@@ -43,9 +45,9 @@ _RINGS = (1.0, 0.5, 0.25, 0.125)
 class Neighbourhoods(NamedTuple):
     """Where each attractor of a catalogue is recognised.
 
-    ``centre`` (shape (n, 2)): points of periodic orbits, phase and speed; ``form`` (n, 3): the ellipse ``form0 dt^2 + 2 form1 dt dv + form2 dv^2
-    <= 1`` around each; ``owner`` (n,): index of the attractor. ``box_owner`` (rows, BOXES) int16: index of the chaotic attractor that
-    marked a box. ``speed_scale``: the speed that BOXES rows make up.
+    ``centre`` (shape (n, 2)): points of periodic orbits, phase and speed; ``form`` (n, 3): the ellipse ``form0 dt^2 + 2
+    form1 dt dv + form2 dv^2 <= 1`` around each; ``owner`` (n,): index of the attractor. ``box_owner`` (rows, BOXES)
+    int16: index of the chaotic attractor that marked a box. ``speed_scale``: the speed that BOXES rows make up.
     """
 
     centre: np.ndarray
@@ -121,8 +123,8 @@ def _build(oscillator: Oscillator, motions: tuple[tuple[AttractorKind, bytes, by
             form.append((ellipse[0, 0], ellipse[0, 1], ellipse[1, 1]))
             owner.append(index)
     return Neighbourhoods(
-        np.array(centre, np.float64).reshape(-1, 2), np.array(form, np.float64).reshape(-1, 3), np.array(owner, np.int64),
-        boxes, scale,
+        np.array(centre, np.float64).reshape(-1, 2), np.array(form, np.float64).reshape(-1, 3), np.array(owner,
+        np.int64), boxes, scale,
     )  # fmt: skip
 
 
@@ -179,7 +181,8 @@ def locate(oscillator: Oscillator, around: Neighbourhoods, t: np.ndarray, v: np.
     t, v : ndarray of float64, shape (n,)
         Departures from +beta.
     legs : int
-        How often a point that has not arrived within 200 impacts is carried another 4093 and looked at again (transients).
+        How often a point that has not arrived within 200 impacts is carried another 4093 and looked at again
+        (transients).
 
     Returns
     -------
@@ -201,7 +204,7 @@ def locate(oscillator: Oscillator, around: Neighbourhoods, t: np.ndarray, v: np.
     return place
 
 
-def _follow(oscillator, bound, around, left, t, v, place):  # type: ignore[no-untyped-def]
+def _follow(oscillator, bound, around, left, t, v, place):
     """Follow points for 200 impacts, looking at each; return those that have not arrived."""
     streak, candidate = np.zeros(left.size, np.int64), np.full(left.size, _UNMARKED, np.int64)
     for round_ in range(_ROUNDS):

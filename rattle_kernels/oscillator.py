@@ -1,4 +1,4 @@
-"""The backlash oscillator, Eqs. (1, 2) and its impacting limit (4, 5): parameters and the bounds within which P is defined."""
+"""The backlash oscillator, Eqs. (1, 2), and its impacting limit (4, 5): parameters, and where P is defined."""
 
 import math
 from typing import NamedTuple
@@ -72,8 +72,8 @@ def eccentricity_bound_quiet(oscillator: Oscillator) -> float:
 def eccentricity_bound_smooth_maxima(oscillator: Oscillator) -> float:
     """Bound epsilon_crit2 below which Phi has no smooth maxima in freeplay, Eq. (8).
 
-    Below it the acceleration that an object at rest feels, ``4 pi delta - 4 pi^2 eps cos - 2 pi delta eps sin``, is positive at
-    every phase. All root-finding of this package rests on that.
+    Below it the acceleration that an object at rest feels, ``4 pi delta - 4 pi^2 eps cos - 2 pi delta eps sin``, is
+    positive at every phase. All root-finding of this package rests on that.
 
     Returns
     -------
@@ -85,7 +85,8 @@ def eccentricity_bound_smooth_maxima(oscillator: Oscillator) -> float:
 def eccentricity_bound_convexity(oscillator: Oscillator) -> float:
     """Bound epsilon_crit3 that is sufficient for the paper's convexity argument, Eq. (22).
 
-    Nothing here needs it (the brackets of `impact_map` are proven from Eq. 8 alone); it is given for comparison with the paper.
+    Nothing here needs it (the brackets of `impact_map` are proven from Eq. 8 alone); it is given for comparison with
+    the paper.
 
     Returns
     -------
@@ -128,6 +129,6 @@ def check_domain(oscillator: Oscillator) -> Oscillator:
         )
         raise OutsideDomain("eccentricity", checked.eccentricity, "epsilon_crit2", limit, message)
     if not math.isinf(checked.stiffness) or checked.stiffness < 0.0:
-        message = f"stiffness must be infinite (the impacting model), not {checked.stiffness:g}: finite stiffness is not served"
+        message = f"stiffness must be infinite, not {checked.stiffness:g}: only the impacting model is served"
         raise OutsideDomain("stiffness", checked.stiffness, "impacting model", math.inf, message)
     return checked

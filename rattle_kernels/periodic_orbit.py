@@ -1,6 +1,7 @@
 """Periodic orbits of P: Newton's method on P^p, multipliers, itinerary P(m, n+, n-).
 
-An orbit of impact period p returns to +beta p times (n+ = p) while the forcing runs through m whole periods; n- counts its contacts with
+An orbit of impact period p returns to +beta p times (n+ = p) while the forcing runs through m whole periods; n- counts
+its contacts with
 -beta. Its multipliers are the eigenvalues of DP^p; it attracts where both lie inside the unit circle.
 """
 
@@ -20,8 +21,8 @@ _RESIDUAL = 1e-11
 class PeriodicOrbit(NamedTuple):
     """A periodic orbit, polished.
 
-    ``t``, ``v`` (shape (upper_contacts,)) are its departures from +beta in order of time, starting with the slowest; ``jacobians`` (shape
-    (upper_contacts, 2, 2)) are DP^p at each of them; ``residual`` is |P^p(x) - x|.
+    ``t``, ``v`` (shape (upper_contacts,)) are its departures from +beta in order of time, starting with the slowest;
+    ``jacobians`` (shape (upper_contacts, 2, 2)) are DP^p at each of them; ``residual`` is |P^p(x) - x|.
     """
 
     t: np.ndarray
@@ -64,7 +65,7 @@ def _iterate(oscillator, t, v, period):
 
 @kernel
 def _newton(oscillator, t, v, period, speed_scale):
-    """Newton's method on P^p(x) - x, halving steps that would leave v > 0; the residual tells whether it ended on an orbit."""
+    """Newton's method on P^p(x) - x, halving steps that would leave v > 0; the residual tells how it ended."""
     residual = math.inf
     for _ in range(_NEWTON_STEPS):
         t1, v1, jacobian, _, _ = _iterate(oscillator, t, v, period)

@@ -1,7 +1,8 @@
 """One root-finder: Newton's method kept inside a bracket.
 
-Every caller proves its bracket (exactly one sign change between the two ends) and says so where it builds it. Newton's steps that
-leave the bracket are replaced by bisection; so the root is found whatever the guess, and in a few steps where the guess is good.
+Every caller proves its bracket (exactly one sign change between the two ends) and says so where it builds it. Newton's
+steps that leave the bracket are replaced by bisection; so the root is found whatever the guess, and in a few steps
+where the guess is good.
 """
 
 from rattle_kernels.jit import step
@@ -10,7 +11,6 @@ _NEWTON_STEPS = 60
 # From any bracket of doubles, some 60 + 11 halvings reach neighbouring numbers; the rest is margin.
 _ALL_STEPS = 160
 _ROUNDING = 4.5e-16
-
 
 
 def root_finder(residual):
@@ -26,8 +26,8 @@ def root_finder(residual):
     Returns
     -------
     compiled function
-        ``find_root(problem, negative, positive, guess)`` returns the root between `negative` (where the residual is < 0) and
-        `positive` (where it is > 0), ends of a bracket in either order, and whether it was found to rounding.
+        ``find_root(problem, negative, positive, guess)`` returns the root between `negative` (where the residual is <
+        0) and `positive` (where it is > 0), ends of a bracket in either order, and whether it was found to rounding.
     """
 
     @step

@@ -1,4 +1,4 @@
-"""Every error that a client can see, in one table: exception -> status and stable kind; all as problem+json (RFC 9457)."""
+"""Every error that a client can see, in one table: exception -> status and stable kind, as problem+json (RFC 9457)."""
 
 import logging
 import uuid
@@ -48,8 +48,8 @@ _TABLE: dict[type[Exception], tuple[int, str]] = {
 }
 
 _KIND_OF_STATUS = {
-    400: "malformed-request", 404: "not-found", 405: "method-not-allowed", 413: "body-too-large", 415: "unsupported-media-type",
-    416: "range-not-satisfiable", 422: "invalid-request",
+    400: "malformed-request", 404: "not-found", 405: "method-not-allowed", 413: "body-too-large", 415:
+    "unsupported-media-type", 416: "range-not-satisfiable", 422: "invalid-request",
 }  # fmt: skip
 
 
@@ -122,4 +122,3 @@ def install_error_handlers(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(Exception, _unexpected)
-

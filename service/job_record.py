@@ -5,8 +5,8 @@
        |          +--> cancelling --> cancelled
        +--> cancelled
 
-A running job goes back to queued when the service stops under it, and is resumed from its store. The last three states never change
-again. Every change of state is a compare-and-swap in the database.
+A running job goes back to queued when the service stops under it, and is resumed from its store. The last three states
+never change again. Every change of state is a compare-and-swap in the database.
 """
 
 from datetime import datetime
@@ -45,8 +45,8 @@ class JobRecord(Base):
     number: Mapped[int] = mapped_column(primary_key=True, autoincrement=True)
     id: Mapped[str] = mapped_column(String(32), unique=True)
     digest: Mapped[str] = mapped_column(String(64))
-    # The digest while the job can still answer a request, NULL once it has failed or was cancelled: unique, so that the same
-    # request is the same job, whoever sends it at whatever moment.
+    # The digest while the job can still answer a request, NULL once it has failed or was cancelled: unique, so that the
+    # same request is the same job, whoever sends it at whatever moment.
     answering: Mapped[str | None] = mapped_column(String(64), unique=True)
     state: Mapped[JobState] = mapped_column(
         Enum(JobState, native_enum=False, length=16, values_callable=lambda states: [state.value for state in states]),

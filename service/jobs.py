@@ -23,8 +23,8 @@ def _now() -> datetime:
 class Jobs:
     """The job records.
 
-    Guarantees. The same request is answered with the same job as long as that job can answer it; after a failure or a cancellation a new
-    one is made. A state changes only from the state it is expected in, and a final state never.
+    Guarantees. The same request is answered with the same job as long as that job can answer it; after a failure or a
+    cancellation a new one is made. A state changes only from the state it is expected in, and a final state never.
 
     Parameters
     ----------

@@ -166,7 +166,9 @@ class SolutionView(BaseModel):
     upper_contacts: int
     lower_contacts: int
     lyapunov_exponent: float | None = Field(description="Per forcing period")
-    points: list[tuple[float, float]] = Field(description="(t, v) of its departures; the first hundred of a chaotic one")
+    points: list[tuple[float, float]] = Field(
+        description="(t, v) of its departures; the first hundred of a chaotic one"
+    )
 
     @classmethod
     def from_attractor(cls, attractor: Attractor, share: float) -> "SolutionView":
@@ -178,7 +180,7 @@ class SolutionView(BaseModel):
             forcing_periods=attractor.forcing_periods, upper_contacts=attractor.upper_contacts,
             lower_contacts=attractor.lower_contacts, lyapunov_exponent=exponent if exponent == exponent else None,
             points=list(points),
-        )  # type: ignore[arg-type]  # fmt: skip
+        )  # fmt: skip
 
 
 class ResultView(BaseModel):
@@ -190,7 +192,9 @@ class ResultView(BaseModel):
     tiles_computed: int
     tiles_assembled: int
     solutions: list[SolutionView]
-    seconds: dict[str, float] = Field(description="Wall time of each stage, and the kernels' own time summed over tiles")
+    seconds: dict[str, float] = Field(
+        description="Wall time of each stage, and the kernels' own time summed over tiles"
+    )
     zarr: str
 
     @classmethod

@@ -7,12 +7,11 @@ import threading
 import time
 from typing import Any
 
-from distributed import Client
-
 from service.errors import kind_of
 from service.job_record import JobRecord, JobState
 from service.jobs import Jobs
 from worker.basin_job import BasinJob
+from worker.cluster import Client
 from worker.errors import JobCancelled, WorkerError
 from worker.pipeline import run_basin
 from worker.progress import Progress, Stage
@@ -28,13 +27,14 @@ _STOP_SECONDS = 4.0
 class Runner:
     """A thread that runs jobs.
 
-    Guarantees. A job that this runner has claimed ends in a final state, or goes back to queued when the runner is stopped under it;
-    cancelling is noticed within a fifth of a second, and tiles stop between two bands.
+    Guarantees. A job that this runner has claimed ends in a final state, or goes back to queued when the runner is
+    stopped under it; cancelling is noticed within a fifth of a second, and tiles stop between two bands.
 
     Parameters
     ----------
     jobs : Jobs
-    client : distributed.Client
+    client : Client
+        Of the Dask scheduler.
     results : str
         Folder of the Zarr stores.
     """

@@ -53,7 +53,16 @@ def free_port():
 def running_service(data, **environment):
     """Run ``rattle serve`` with two workers until the context ends."""
     port = free_port()
-    command = [sys.executable, "-c", "from service.cli import app; app()", "serve", "--port", str(port), "--data", str(data)]
+    command = [
+        sys.executable,
+        "-c",
+        "from service.cli import app; app()",
+        "serve",
+        "--port",
+        str(port),
+        "--data",
+        str(data),
+    ]
     variables = os.environ | {name: str(value) for name, value in environment.items()}
     log = open(Path(data) / "serve.log", "ab")
     process = subprocess.Popen(command, env=variables, stdout=log, stderr=log)

@@ -1,8 +1,8 @@
 """Assembly scales with the image set, not with the grid.
 
-Under ``P^k`` with a large k all cells are sent into few. Let R be the set of distinct image cells: it is closed under the map and holds every
-cycle. So the tiles report their images, the map is read on R alone, Hsu's algorithm runs on R in memory, and then every tile
-labels its own cells by look-up. No array is ever whole in one memory.
+Under ``P^k`` with a large k all cells are sent into few. Let R be the set of distinct image cells: it is closed under
+the map and holds every cycle. So the tiles report their images, the map is read on R alone, Hsu's algorithm runs on R
+in memory, and then every tile labels its own cells by look-up. No array is ever whole in one memory.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,7 @@
-"""One colour a kind of motion, the same in every picture (Sec. 4): permanent contact dark blue, shorter itineraries bluer, chaos dark red."""
+"""One colour a kind of motion, the same in every picture (Sec. 4).
+
+Permanent contact is dark blue, shorter itineraries are bluer, chaos is dark red.
+"""
 
 import colorsys
 

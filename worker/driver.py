@@ -1,9 +1,9 @@
 """Runs many small tasks on a cluster with a small window in flight.
 
-Why not one ``client.map``: with every future held, each killed worker made the scheduler compute again what was on disk already, and
-marked innocent tiles as killers. So: about two tasks a thread are in flight; a future is released as soon as its receipt is here; a lost
-task is submitted again under a new key (a known key would be answered with its old, cancelled future); and after a few failures of its own a
-tile fails the job.
+Why not one ``client.map``: with every future held, each killed worker made the scheduler compute again what was on disk
+already, and marked innocent tiles as killers. So: about two tasks a thread are in flight; a future is released as soon
+as its receipt is here; a lost task is submitted again under a new key (a known key would be answered with its old,
+cancelled future); and after a few failures of its own a tile fails the job.
 """
 
 import threading

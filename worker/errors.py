@@ -1,12 +1,9 @@
 """What can go wrong with work, grouped by what a caller would do about it.
 
-    WorkerError
-    +-- InvalidJob       the request is at fault: correct it (also a ValueError)
-    +-- StoreConflict    something else lies at the location: choose another, or delete it
-    +-- StoreFailed      the store could not be read or written: the message holds the system's reason; resume when it is mended
-    +-- TileFailed       a tile kept failing: the message names it and its last error
-    +-- ClusterFailed    no scheduler or no worker answered
-    +-- JobCancelled     somebody asked for it
+WorkerError +-- InvalidJob       the request is at fault: correct it (also a ValueError) +-- StoreConflict    something
+else lies at the location: choose another, or delete it +-- StoreFailed      the store could not be read or written: the
+message holds the system's reason; resume when it is mended +-- TileFailed       a tile kept failing: the message names
+it and its last error +-- ClusterFailed    no scheduler or no worker answered +-- JobCancelled     somebody asked for it
 """
 
 

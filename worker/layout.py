@@ -1,7 +1,7 @@
 """The Zarr layout, every array once: name, dimensions, type, fill value, meaning.
 
-Fill values are no legal values, so that what is missing never looks like data; but what is missing is told by ``tile_state``, never
-guessed from values. Leading dimensions of swept parameters go before those named here.
+Fill values are no legal values, so that what is missing never looks like data; but what is missing is told by
+``tile_state``, never guessed from values. Leading dimensions of swept parameters go before those named here.
 """
 
 from dataclasses import dataclass, field

@@ -96,7 +96,9 @@ def _draw_legend(axes: Axes, store: BasinStore) -> None:
 def _draw_numbers(figure: Figure, axes: Axes, store: BasinStore, layer: Layer) -> None:
     values = _read(store, layer)
     shown = np.ma.masked_equal(values, MISSING)
-    image = axes.imshow(shown, origin="lower", extent=_extent(store), aspect="auto", interpolation="nearest", cmap="turbo")
+    image = axes.imshow(
+        shown, origin="lower", extent=_extent(store), aspect="auto", interpolation="nearest", cmap="turbo"
+    )
     axes.set_facecolor(colours.MISSING)
     figure.colorbar(image, ax=axes, label=f"Hsu's {layer}")
 
@@ -112,7 +114,9 @@ def _hatch_missing(axes: Axes, store: BasinStore) -> None:
         corner = grid.time_start + tile.columns[0] * width, grid.velocity_start + tile.rows[0] * height
         size = (tile.columns[1] - tile.columns[0]) * width, (tile.rows[1] - tile.rows[0]) * height
         hatch = "xxx" if states[number] == TileState.PENDING else "//"
-        axes.add_patch(Rectangle(corner, *size, facecolor=colours.MISSING, edgecolor="gray", hatch=hatch, linewidth=0.0))
+        axes.add_patch(
+            Rectangle(corner, *size, facecolor=colours.MISSING, edgecolor="gray", hatch=hatch, linewidth=0.0)
+        )
 
 
 def _draw_grazing_curve(axes: Axes, store: BasinStore) -> None:

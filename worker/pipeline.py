@@ -1,7 +1,7 @@
 """One basin, from a job to a complete store: map tiles, assemble, label tiles, consolidate.
 
-Truth is in the store: a tile counts as done when the ledger says so, and the ledger is written after the tile. After any crash the same
-call computes only what is missing, and the result is the same to the byte.
+Truth is in the store: a tile counts as done when the ledger says so, and the ledger is written after the tile. After
+any crash the same call computes only what is missing, and the result is the same to the byte.
 """
 
 import threading
@@ -27,7 +27,8 @@ from worker.tasks import LabelReceipt, MapReceipt, label_tile, map_tile, survey_
 _T = TypeVar("_T")
 
 _LEDGER_SECONDS = 0.5
-# How often the catalogue is extended by landing points that arrived at none of its attractors, before they are called undecided.
+# How often the catalogue is extended by landing points that arrived at none of its attractors, before they are called
+# undecided.
 _CATALOGUE_ROUNDS = 3
 
 
@@ -65,9 +66,7 @@ class _Run:
         self.report(Progress(stage, done, total, round(share * cells), cells, pace * cells / total, left))
 
 
-def run_basin(
-    job: BasinJob, location: str, client: Client, *, report: Report, cancel: threading.Event
-) -> BasinSummary:
+def run_basin(job: BasinJob, location: str, client: Client, *, report: Report, cancel: threading.Event) -> BasinSummary:
     """Compute a basin into a store, or finish one that was begun.
 
     Parameters
@@ -144,7 +143,7 @@ def _with_undecided(attractors: tuple[Attractor, ...]) -> tuple[Attractor, ...]:
 
 
 def _label(run: _Run) -> None:
-    """Label every tile; where landing points arrive at no known attractor, extend the catalogue by them and label again."""
+    """Label every tile; where points arrive at no known attractor, extend the catalogue by them and label again."""
     run.seconds["label_kernels"] = 0.0
     for round_ in range(_CATALOGUE_ROUNDS + 1):
         receipts = _label_once(run)
@@ -173,7 +172,7 @@ def _label_once(run: _Run) -> list[LabelReceipt]:
 def _extended(
     store: BasinStore, attractors: tuple[Attractor, ...], receipts: list[LabelReceipt], *, last: bool
 ) -> tuple[Attractor, ...]:
-    """The catalogue with what strangers end in; with the undecided motion where they end in nothing that can be found."""
+    """The catalogue with what strangers end in; with the undecided motion where that cannot be found."""
     times = np.concatenate([receipt.stranger_time for receipt in receipts])
     velocities = np.concatenate([receipt.stranger_velocity for receipt in receipts])
     if not times.size:

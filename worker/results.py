@@ -14,7 +14,8 @@ from worker.store import BasinStore
 class BasinSummary:
     """Answer of one job: its motions with their shares, and how complete it is.
 
-    ``shares`` are NaN until every tile is labelled; ``seconds`` has the wall time of each stage and the kernels' own time.
+    ``shares`` are NaN until every tile is labelled; ``seconds`` has the wall time of each stage and the kernels' own
+    time.
     """
 
     request: dict[str, Any]

@@ -1,8 +1,9 @@
 """The Zarr store of one job: the only module that speaks to Zarr.
 
-Guarantees. One tile is one chunk of every array and one writer writes it, so writers never meet. Chunks are replaced as a whole
-(temporary file and rename), so a killed writer leaves the old chunk or the new one. Chunks equal to the fill value are written, too.
-The ledger and the attributes have one writer, the driver. Metadata are consolidated once, when the job is complete.
+Guarantees. One tile is one chunk of every array and one writer writes it, so writers never meet. Chunks are replaced as
+a whole (temporary file and rename), so a killed writer leaves the old chunk or the new one. Chunks equal to the fill
+value are written, too. The ledger and the attributes have one writer, the driver. Metadata are consolidated once, when
+the job is complete.
 """
 
 import contextlib
@@ -193,7 +194,8 @@ class BasinStore:
             self._group.attrs.update({"complete": True, "finished": _now(), "seconds": seconds})
             self.sweep_orphans()
             with warnings.catch_warnings():
-                # Consolidated metadata are Zarr-Python's own, not yet part of the specification: other readers ignore them.
+                # Consolidated metadata are Zarr-Python's own, not yet part of the specification: other readers ignore
+                # them.
                 warnings.simplefilter("ignore", ZarrUserWarning)
                 zarr.consolidate_metadata(self.location, zarr_format=3)
 
@@ -212,17 +214,15 @@ class BasinStore:
 def _words(names: list[str]) -> list[str]:
     """CF flag meanings: blank-separated words, one of them for each solution, so names that recur are numbered."""
     words = [name.replace(" ", "_") for name in names]
-    return [
-        word if words.count(word) == 1 else f"{word}_{words[: i + 1].count(word)}" for i, word in enumerate(words)
-    ]
+    return [word if words.count(word) == 1 else f"{word}_{words[: i + 1].count(word)}" for i, word in enumerate(words)]
 
 
 def _write_whole(group: Any, variable: Variable, values: np.ndarray) -> None:
     """Create (or replace) a small array in one chunk."""
     array = group.create_array(
-        variable.name, shape=values.shape, chunks=tuple(max(1, length) for length in values.shape), dtype=variable.dtype,
-        fill_value=variable.fill, dimension_names=variable.dims, attributes=variable.attrs(), overwrite=True,
-        config=_CONFIG,
+        variable.name, shape=values.shape, chunks=tuple(max(1, length) for length in values.shape),
+        dtype=variable.dtype, fill_value=variable.fill, dimension_names=variable.dims, attributes=variable.attrs(),
+        overwrite=True, config=_CONFIG,
     )  # fmt: skip
     array[...] = values.astype(variable.dtype) if variable.dtype is not str else values
 
@@ -272,7 +272,7 @@ def holds_basin(location: str) -> bool:
 
 
 def _holds_something(path: Path) -> bool:
-    """Whether a path is a file, or a folder with anything in it but the beginnings of a store that was never finished."""
+    """Whether a path is a file, or a folder with anything but the beginnings of a store in it."""
     if not path.is_dir():
         return True
     return any(path.iterdir()) and not (path / "zarr.json").exists()

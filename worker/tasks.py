@@ -32,8 +32,9 @@ from worker.tiles import Tile, bands
 class MapReceipt:
     """What one tile's images were.
 
-    ``image_set`` are its distinct image cells; ``scout_time``, ``scout_velocity`` one landing point of each box (``scout_box``) of a coarse
-    lattice that it landed in, the seeds of the catalogue. ``seconds`` is the kernels' time, 0 where the tile was read from the store.
+    ``image_set`` are its distinct image cells; ``scout_time``, ``scout_velocity`` one landing point of each box
+    (``scout_box``) of a coarse lattice that it landed in, the seeds of the catalogue. ``seconds`` is the kernels' time,
+    0 where the tile was read from the store.
     """
 
     tile: int
@@ -96,8 +97,12 @@ def _map_in_bands(job: BasinJob, tile: Tile) -> CellImages:
     for rows in bands(tile, job.iterations):
         _stop_if_cancelled()
         parts.append(map_cells(job.oscillator, job.grid, job.iterations, rows, tile.columns))
-    images = (np.concatenate([part[i] for part in parts]) for i in range(3))
-    return CellImages(*images, sum(part.applications for part in parts))
+    return CellImages(
+        np.concatenate([part.image_cell for part in parts]),
+        np.concatenate([part.landing_time for part in parts]),
+        np.concatenate([part.landing_velocity for part in parts]),
+        sum(part.applications for part in parts),
+    )
 
 
 def map_tile(location: str, number: int) -> MapReceipt:
@@ -114,8 +119,8 @@ def map_tile(location: str, number: int) -> MapReceipt:
 def survey_tile(location: str, number: int) -> MapReceipt:
     """Receipt of a tile that is in the store already, from the store."""
     store = BasinStore(location)
-    arrays = store.read_tile(MAPPED, store.tiling.tile(number))
-    return _receipt(store.job, number, CellImages(*arrays, 0), 0.0)
+    image, t, v = store.read_tile(MAPPED, store.tiling.tile(number))
+    return _receipt(store.job, number, CellImages(image, t, v, 0), 0.0)
 
 
 def _solutions(store: BasinStore, image: np.ndarray, t: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Tiles: the rectangles of cells that are computed, stored and retried as one. Pure arithmetic.
 
-A tile's size follows from the request alone, never from the cluster: the same request gives the same chunks, hence the same bytes.
+A tile's size follows from the request alone, never from the cluster: the same request gives the same chunks, hence the
+same bytes.
 """
 
 import math
@@ -60,7 +61,6 @@ class Tiling(NamedTuple):
         rows = row * self.tile_rows, min((row + 1) * self.tile_rows, self.grid.velocity_cells)
         columns = column * self.tile_columns, min((column + 1) * self.tile_columns, self.grid.time_cells)
         return Tile(row, column, rows, columns)
-
 
 
 def cut(grid: CellGrid, iterations: int) -> Tiling:

@@ -1,4 +1,4 @@
-"""What the commands say and how: progress bars on a terminal, plain lines elsewhere; errors in one line, with the next step."""
+"""What commands say: progress bars on a terminal, plain lines elsewhere; errors in one line, with the next step."""
 
 import time
 from collections.abc import Iterator, Mapping, Sequence

@@ -29,13 +29,14 @@ def serve(
     data: Annotated[Path | None, typer.Option(help="Folder of database and results  [default: rattle-data]")] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Local worker processes  [default: 2]")] = None,
 ) -> None:
-    """Start the service, its database and two local workers; Ctrl-C stops it, running jobs are resumed at the next start."""
+    """Start the service, its database and two local workers; Ctrl-C stops it, the next start resumes its jobs."""
     given = {"host": host, "port": port, "data": data, "workers": workers}
     settings = Settings(**{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
     if settings.host not in _LOOPBACK:
         give_up(f"{settings.host} is no loopback address: the service has no log-in and listens on 127.0.0.1 only", 2)
     err.print(f"starting on http://{settings.host}:{settings.port} (the first start compiles kernels for some seconds)")
-    # Uvicorn stops gracefully, then raises the signal that it caught again: a service that was asked to stop has not failed.
+    # Uvicorn stops gracefully, then raises the signal that it caught again: a service that was asked to stop has not
+    # failed.
     for asked in (signal.SIGTERM, signal.SIGINT):
         signal.signal(asked, lambda *_: None)
     # A stream that a client holds open must not keep the service from stopping.
@@ -69,7 +70,12 @@ def basin(
         give_up(str(error))
     print_solutions(
         [
-            (attractor.name, share, _number(attractor.lyapunov_exponent), list(zip(attractor.time[:1], attractor.velocity, strict=False)))
+            (
+                attractor.name,
+                share,
+                _number(attractor.lyapunov_exponent),
+                list(zip(attractor.time[:1], attractor.velocity, strict=False)),
+            )
             for attractor, share in zip(summary.attractors, summary.shares, strict=True)
         ]
     )

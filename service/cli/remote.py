@@ -49,7 +49,9 @@ def _follow(url: str, job_id: str) -> None:
         with progress_line() as line:
             job = _until_the_end(url, job_id, line)
     except KeyboardInterrupt:
-        out.print(f"no longer following; the job goes on. Look with `rattle jobs`, stop it with `rattle cancel {job_id}`")
+        out.print(
+            f"no longer following; the job goes on. Look with `rattle jobs`, stop it with `rattle cancel {job_id}`"
+        )
         raise typer.Exit(130) from None
     if job["state"] != "succeeded":
         detail = f": {job['error']['detail']}" if job["error"] else ""

@@ -26,12 +26,17 @@ def _check_size(request: BasinRequest, settings: Settings) -> None:
     "/basins",
     status_code=202,
     summary="Submit a basin",
-    responses=problems(s400="malformed JSON", s413="body too large", s422="what is wrong with the request, field by field"),
+    responses=problems(
+        s400="malformed JSON", s413="body too large", s422="what is wrong with the request, field by field"
+    ),
 )
 def submit_basin(
     request: BasinRequest, response: Response, jobs: JobsHere, runner: RunnerHere, settings: SettingsHere
 ) -> JobView:
-    """Record a basin to be computed. The same request again answers with the same job; after a failure or a cancellation, with a new one."""
+    """Record a basin to be computed.
+
+    The same request again answers with the same job; after a failure or a cancellation, with a new one.
+    """
     _check_size(request, settings)
     record, new = jobs.submit(request.to_job())
     if new:

@@ -28,7 +28,9 @@ def healthz() -> Health:
     return Health()
 
 
-@router.get("/readyz", summary="Readiness", responses={503: {"model": Readiness, "description": "something is missing"}})
+@router.get(
+    "/readyz", summary="Readiness", responses={503: {"model": Readiness, "description": "something is missing"}}
+)
 def readyz(response: Response, jobs: JobsHere, runner: RunnerHere) -> Readiness:
     """Whether the database, the scheduler and at least one worker answer."""
     database = jobs.answers()

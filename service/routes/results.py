@@ -56,7 +56,8 @@ def get_picture(job_id: str, jobs: JobsHere, settings: SettingsHere, layer: Laye
 def get_store(job_id: str, path: str, jobs: JobsHere, settings: SettingsHere) -> Response:
     """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`.
 
-    The metadata at its root are consolidated for the reader, also while the job runs, because HTTP cannot list a folder.
+    The metadata at its root are consolidated for the reader, also while the job runs, because HTTP cannot list a
+    folder.
     """
     location = _location(job_id, jobs, settings)
     if path == "zarr.json":

@@ -43,7 +43,7 @@ def image_set_hsu(image):
 
 @st.composite
 def maps(draw):
-    """Random maps of up to 60 cells with sinks and reserved images; a narrow range of images makes long tails and cycles."""
+    """Random maps of up to 60 cells with reserved images; a narrow range of images makes long tails and cycles."""
     cells = draw(st.integers(1, 60))
     highest = draw(st.integers(0, cells - 1))
     return draw(st.lists(st.integers(-3, highest), min_size=cells, max_size=cells))

@@ -122,7 +122,8 @@ def test_previous_impact_undoes_next_impact(data):
     forwards = next_impacts(oscillator, t, v)
     back = previous_impacts(oscillator, forwards.t, forwards.v)
     assert back.outcome == Outcome.RETURNED
-    # Next to a graze P^-1 multiplies rounding by the inverse square root of the distance, and may take the other side of it.
+    # Next to a graze P^-1 multiplies rounding by the inverse square root of the distance, and may take the other side
+    # of it.
     allowed = 1e-10 / max(math.sqrt(graze), 1e-7)
     assert phase_error(back.t, repr(t)) <= allowed * max(1.0, abs(float(forwards.v) / v))
     assert abs(back.v - v) <= allowed * max(v, float(forwards.v))

@@ -1,9 +1,8 @@
-"""Whatever is wrong with a request, the answer is a 4xx problem document that says what would be right; nothing is left behind."""
+"""Whatever is wrong with a request, a 4xx problem document says what would be right, and nothing is left behind."""
 
 import itertools
 
 import pytest
-
 
 REFUSED = [
     ({"colour": 1}, 422, "body.colour: Extra inputs are not permitted"),
@@ -23,7 +22,11 @@ REFUSED = [
     ({"iterations": 10**40}, 422, "limit of 1000003"),
     ({"grid": {"time": {"cells": 0}}}, 422, "greater than or equal to 1"),
     ({"grid": {"time": {"cells": 10**6}, "velocity": {"cells": 10**6}}}, 422, "limit of 25000000"),
-    ({"grid": {"time": {"cells": 5000}, "velocity": {"cells": 5000}}, "iterations": 100003}, 422, "cells times iterations"),
+    (
+        {"grid": {"time": {"cells": 5000}, "velocity": {"cells": 5000}}, "iterations": 100003},
+        422,
+        "cells times iterations",
+    ),
     ({"grid": {"velocity": {"start": 5, "stop": 2}}}, 422, "velocity_stop must be above velocity_start = 5.0"),
     ({"grid": {"time": {"start": 0.7, "stop": 0.2}}}, 422, "time_stop must be above time_start = 0.7"),
     ({"grid": {"time": {"start": 0.5, "stop": 1.9}}}, 422, "at most one period"),
@@ -112,15 +115,19 @@ def test_a_wrong_address_is_answered(service, method, path, status, told):
 
 
 @pytest.mark.parametrize(
-    "path",
-    ["%2e%2e/%2e%2e/jobs.sqlite", "..%2f..%2fjobs.sqlite", "group/%2e%2e/%2e%2e/%2e%2e/serve.log", "%2fetc/passwd", "group", "a%00b", "c" * 5000],
+    "path", ["%2e%2e/%2e%2e/jobs.sqlite", "..%2f..%2fjobs.sqlite", "group/%2e%2e/%2e%2e/%2e%2e/serve.log",
+    "%2fetc/passwd", "group", "a%00b", "c" * 5000],
 )  # fmt: skip
 def test_a_path_outside_the_store_is_not_served(service, path):
-    job = service.wait(service.submit({"grid": {"time": {"cells": 4}, "velocity": {"cells": 4}}, "iterations": 1})["id"])
+    job = service.wait(
+        service.submit({"grid": {"time": {"cells": 4}, "velocity": {"cells": 4}}, "iterations": 1})["id"]
+    )
     answer = service.request("GET", f"{job['links']['zarr']}/{path}")
     assert answer.status_code == 404 and answer.headers["content-type"] == "application/problem+json"
 
 
 def test_a_layer_that_there_is_none_of_is_refused(service):
-    job = service.wait(service.submit({"grid": {"time": {"cells": 4}, "velocity": {"cells": 4}}, "iterations": 1})["id"])
+    job = service.wait(
+        service.submit({"grid": {"time": {"cells": 4}, "velocity": {"cells": 4}}, "iterations": 1})["id"]
+    )
     assert_problem(service.request("GET", f"{job['links']['picture']}?layer=taste"), 422, "query.layer")

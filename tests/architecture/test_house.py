@@ -1,0 +1,64 @@
+"""What strangers rely on: the README runs, names are documented, the lock names no host."""
+
+import inspect
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import rattle_kernels
+from service.models import BasinRequest
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text()
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+@pytest.mark.parametrize("code", blocks("python"), ids=lambda code: code.splitlines()[0][:40])
+def test_the_readmes_python_runs(code, service, tmp_path, monkeypatch):
+    """Addresses of the README's examples are replaced by a service that runs here."""
+    monkeypatch.chdir(tmp_path)
+    if "ID" in code:
+        body = {"grid": {"time": {"cells": 30}, "velocity": {"cells": 30}}}
+        job = service.wait(service.submit(body)["id"])
+        code = code.replace("http://127.0.0.1:8000", service.url).replace("/ID/", f"/{job['id']}/")
+    exec(compile(code, "README.md", "exec"), {})
+
+
+def test_the_readmes_request_is_one_that_the_service_takes():
+    requests = [re.search(r"-d '(\{.*?\})'", block, re.DOTALL) for block in blocks("sh")]
+    bodies = [json.loads(found.group(1)) for found in requests if found]
+    assert bodies
+    for body in bodies:
+        BasinRequest.model_validate(body).to_job()
+
+
+def test_every_verb_that_the_readme_names_is_there():
+    makefile = (ROOT / "Makefile").read_text()
+    named = set(re.findall(r"`?make ([a-z-]+)", README))
+    assert named >= {"demo", "test", "check", "serve", "bench", "help"}
+    for verb in named:
+        assert re.search(rf"^{verb}:", makefile, re.MULTILINE), verb
+
+
+def test_pictures_and_files_that_the_readme_links_are_there():
+    for target in re.findall(r"\]\(([^)#]+)\)", README):
+        assert (ROOT / target).exists(), target
+
+
+@pytest.mark.parametrize("name", [name for name in rattle_kernels.__all__ if callable(getattr(rattle_kernels, name))])
+def test_public_names_are_documented(name):
+    documented = inspect.getdoc(getattr(rattle_kernels, name))
+    assert documented and len(documented) > 20
+
+
+def test_the_lock_names_no_host_and_pins_every_package_by_hash():
+    lock = (ROOT / "requirements" / "lock.txt").read_text()
+    assert "://" not in lock and "--index-url" not in lock
+    packages = re.findall(r"^[a-z0-9].*?(?=^[a-z0-9]|\Z)", lock, re.MULTILINE | re.DOTALL)
+    assert len(packages) > 80
+    assert all("==" in package and "--hash=sha256:" in package for package in packages)
