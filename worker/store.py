@@ -2,8 +2,9 @@
 
 Guarantees. One tile is one chunk of every array and one writer writes it, so writers never meet. Chunks are replaced as
 a whole (temporary file and rename), so a killed writer leaves the old chunk or the new one. Chunks equal to the fill
-value are written, too. The ledger and the attributes have one writer, the driver. Metadata are consolidated once, when
-the job is complete.
+value are written, too. The ledger and the metadata have one writer, the driver; metadata are consolidated anew whenever
+they change (three times a job), so that readers that trust the root, such as those over HTTP, which cannot list a
+folder, see all there is at any moment.
 """
 
 import contextlib
@@ -167,6 +168,7 @@ class BasinStore:
             self._group["solution"].attrs.update(
                 {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
             )
+            _consolidate(self.location)
 
     def read_attractors(self) -> tuple[Attractor, ...]:
         """Read the catalogue; empty before assembly."""
@@ -193,11 +195,7 @@ class BasinStore:
         with _told_as_store_failure(self.location):
             self._group.attrs.update({"complete": True, "finished": _now(), "seconds": seconds})
             self.sweep_orphans()
-            with warnings.catch_warnings():
-                # Consolidated metadata are Zarr-Python's own, not yet part of the specification: other readers ignore
-                # them.
-                warnings.simplefilter("ignore", ZarrUserWarning)
-                zarr.consolidate_metadata(self.location, zarr_format=3)
+            _consolidate(self.location)
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -215,6 +213,14 @@ def _words(names: list[str]) -> list[str]:
     """CF flag meanings: blank-separated words, one of them for each solution, so names that recur are numbered."""
     words = [name.replace(" ", "_") for name in names]
     return [word if words.count(word) == 1 else f"{word}_{words[: i + 1].count(word)}" for i, word in enumerate(words)]
+
+
+def _consolidate(location: str) -> None:
+    """Gather all metadata at the root, where readers find them in one piece; done after every change of them."""
+    with warnings.catch_warnings():
+        # Consolidated metadata are Zarr-Python's own, not yet part of the specification: other readers ignore them.
+        warnings.simplefilter("ignore", ZarrUserWarning)
+        zarr.consolidate_metadata(location, zarr_format=3)
 
 
 def _write_whole(group: Any, variable: Variable, values: np.ndarray) -> None:
@@ -243,6 +249,7 @@ def _create(location: str, job: BasinJob) -> None:
     _write_whole(group, layout.GRAZING, grazing_velocity(job.oscillator, job.grid.time_centres()))
     _write_whole(group, layout.LEDGER, np.full(tiling.shape, TileState.PENDING))
     group.attrs.update(_birth_certificate(job, tiling))
+    _consolidate(location)
 
 
 def _birth_certificate(job: BasinJob, tiling: Tiling) -> dict[str, Any]:
@@ -304,18 +311,3 @@ def file_of_store(location: str, path: str) -> Path | None:
         return file if file.is_relative_to(root) and file.is_file() else None
     except (OSError, ValueError):  # a name that no file can have
         return None
-
-
-def consolidated_metadata(location: str) -> dict[str, Any]:
-    """Metadata of the root with those of its arrays inlined, as consolidation leaves them: also while the job runs."""
-    root = Path(location)
-    with _told_as_store_failure(location):
-        metadata: dict[str, Any] = json.loads((root / "zarr.json").read_text())
-        members = {
-            folder.name: json.loads((folder / "zarr.json").read_text())
-            for folder in sorted(root.iterdir())
-            if (folder / "zarr.json").is_file()
-        }
-    inlined = {name: member for name, member in members.items() if member["node_type"] == "array"}
-    metadata["consolidated_metadata"] = {"kind": "inline", "must_understand": False, "metadata": inlined}
-    return metadata

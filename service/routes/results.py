@@ -1,7 +1,6 @@
 """Results: summary, picture, and the Zarr store itself over HTTP."""
 
 import io
-import json
 
 from fastapi import APIRouter, Response
 from fastapi.responses import FileResponse
@@ -11,7 +10,7 @@ from service.errors import JobNotFound, NotReady
 from service.models import ResultView
 from worker.picture import Layer, draw_basin
 from worker.results import summarise
-from worker.store import consolidated_metadata, file_of_store, holds_basin, result_location
+from worker.store import file_of_store, holds_basin, result_location
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
 
@@ -54,15 +53,8 @@ def get_picture(job_id: str, jobs: JobsHere, settings: SettingsHere, layer: Laye
     responses={200: {"content": {"application/octet-stream": {}}}, **_NOTHING_YET},
 )
 def get_store(job_id: str, path: str, jobs: JobsHere, settings: SettingsHere) -> Response:
-    """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`.
-
-    The metadata at its root are consolidated for the reader, also while the job runs, because HTTP cannot list a
-    folder.
-    """
-    location = _location(job_id, jobs, settings)
-    if path == "zarr.json":
-        return Response(json.dumps(consolidated_metadata(location)), media_type="application/json")
-    file = file_of_store(location, path)
+    """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`, also while it grows."""
+    file = file_of_store(_location(job_id, jobs, settings), path)
     if file is None:
         raise JobNotFound(f"the store of job {job_id} holds no {path!r}")
     return FileResponse(file, media_type="application/octet-stream")

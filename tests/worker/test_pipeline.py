@@ -101,7 +101,7 @@ def test_a_cancelled_job_stops_stays_readable_and_resumes_to_the_same_bytes(clie
         run(JOB, location, client, report=cancel_soon, cancel=cancel)
     partial = summarise(str(location))
     assert not partial.complete and 3 <= partial.tiles_computed < partial.tiles and partial.attractors == ()
-    with xr.open_zarr(location, consolidated=False) as basin:
+    with xr.open_zarr(location) as basin:
         assert set(np.unique(basin.tile_state)) == {TileState.PENDING, TileState.COMPUTED}
     seen = []
     run(JOB, location, client, report=seen.append)

@@ -1,0 +1,117 @@
+"""Pictures: right colours in the right places, honest about what is missing."""
+
+import io
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from rattle_kernels import Attractor, AttractorKind, CellGrid
+from worker import colours, layout
+from worker.basin_job import BasinJob
+from worker.errors import StoreConflict
+from worker.layout import LABELLED, TileState
+from worker.picture import Layer, draw_basin
+from worker.store import BasinStore
+
+
+def motion(kind, contacts=(0, 0, 0), t=(), v=()):
+    return Attractor(kind, *contacts, np.nan, np.nan, np.array(t, np.float64), np.array(v, np.float64))
+
+
+QUIET = motion(AttractorKind.PERMANENT_CONTACT)
+RATTLE = motion(AttractorKind.PERIODIC, (1, 1, 0), [0.5], [3.5])
+CHAOS = motion(AttractorKind.CHAOTIC, t=[0.2], v=[1.0])
+
+
+@pytest.fixture
+def store(tmp_path):
+    """Made-up basin: lower half quiet, upper left P(1,1,0), upper right chaotic, in four tiles."""
+    grid = CellGrid(time_cells=128, velocity_cells=128)
+    store = BasinStore.create_or_resume(str(tmp_path / "made_up.zarr"), BasinJob(grid=grid, iterations=1))
+    solution = np.zeros(grid.shape, np.int16)
+    solution[64:, :64], solution[64:, 64:] = 1, 2
+    group = np.where(solution == 2, np.arange(128) % 5, solution)
+    for number in range(store.tiling.tiles):
+        tile = store.tiling.tile(number)
+        inside = slice(*tile.rows), slice(*tile.columns)
+        store.write_tile(LABELLED, tile, (group[inside], group[inside], group[inside], solution[inside]))
+    store.write_attractors((QUIET, RATTLE, CHAOS), np.array([0.5, 0.25, 0.25]))
+    store.write_ledger(np.full(store.tiling.tiles, TileState.ASSEMBLED))
+    return store
+
+
+def drawn(store, layer=Layer.SOLUTION):
+    buffer = io.BytesIO()
+    draw_basin(store.location, buffer, layer=layer)
+    buffer.seek(0)
+    return imread(buffer)[..., :3]
+
+
+def near(pixels, colour, tolerance=0.03):
+    """Share of the pixels that have a colour."""
+    return (np.abs(pixels - np.array(colour)).max(axis=-1) < tolerance).mean()
+
+
+def test_each_motion_has_its_colour(store):
+    picture = drawn(store)
+    assert near(picture, colours.PERMANENT_CONTACT) > 0.2
+    assert near(picture, colours.colours_of((RATTLE,))[0]) > 0.1
+    reddish = (picture[..., 0] > 0.3) & (picture[..., 1] < 0.1) & (picture[..., 2] < 0.1)
+    assert reddish.mean() > 0.1
+    assert near(picture, colours.MISSING) < 0.02
+
+
+def test_chaos_is_speckled_by_group(store):
+    picture = drawn(store)
+    reddish = (picture[..., 0] > 0.3) & (picture[..., 1] < 0.1) & (picture[..., 2] < 0.1)
+    assert len(np.unique(picture[reddish][:, 0].round(2))) >= 3
+
+
+def test_missing_tiles_are_hatched_and_said(store):
+    whole = near(drawn(store), colours.MISSING)
+    states = np.full(store.tiling.tiles, TileState.ASSEMBLED)
+    states[0] = TileState.PENDING
+    store.write_ledger(states)
+    assert near(drawn(store), colours.MISSING) > whole + 0.05
+
+
+def test_a_store_without_any_label_is_drawn(tmp_path):
+    store = BasinStore.create_or_resume(
+        str(tmp_path / "new.zarr"), BasinJob(grid=CellGrid(time_cells=64, velocity_cells=64))
+    )
+    for layer in Layer:
+        assert near(drawn(store, layer), colours.MISSING) > 0.2
+
+
+@pytest.mark.parametrize("layer", [Layer.GROUP, Layer.PERIOD, Layer.STEP])
+def test_the_same_store_gives_the_same_bytes(store, layer):
+    one, other = io.BytesIO(), io.BytesIO()
+    draw_basin(store.location, one, layer=layer)
+    draw_basin(store.location, other, layer=layer)
+    assert one.getvalue() == other.getvalue()
+
+
+def test_a_place_that_is_no_store_is_refused(tmp_path):
+    with pytest.raises(StoreConflict, match="is no basin store"):
+        draw_basin(str(tmp_path), io.BytesIO())
+
+
+def test_motions_of_one_name_are_told_apart_and_kinds_keep_their_colours():
+    twin = motion(AttractorKind.PERIODIC, (1, 1, 0), [0.6], [3.5])
+    first, second = colours.colours_of((RATTLE, twin))
+    assert first != second
+    assert colours.colours_of((CHAOS, QUIET)) == [colours.CHAOTIC, colours.PERMANENT_CONTACT]
+
+
+def test_every_variable_has_dimensions_and_a_fill_that_is_no_value():
+    for variable in (
+        *layout.COORDINATES,
+        *layout.MAPPED,
+        *layout.LABELLED,
+        layout.LEDGER,
+        layout.GRAZING,
+        *layout.ATTRACTORS,
+    ):
+        assert variable.dims and variable.meaning
+        assert variable.fill in (layout.MISSING, np.inf, 0, "")
