@@ -28,7 +28,7 @@ from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 _SETTLING = 4096
 _LONGEST_PERIOD = 512
 _CLOSE_RETURN = 1e-6
-_LYAPUNOV_IMPACTS = 65_536
+_LYAPUNOV_IMPACTS = 32_768
 # An exponent is called positive when it exceeds both five standard errors and what so many impacts of a regular motion
 # can feign.
 _STANDARD_ERRORS = 5.0

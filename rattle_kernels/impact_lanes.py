@@ -173,6 +173,7 @@ def _land(lanes, i, points, lower_impacts):
 @lane_kernel
 def _run_lanes(oscillator, tables, applications, capture_bound, lock_tolerance, points, lower_impacts):
     lanes = np.zeros(_FIELDS * LANES)
+    corners = np.zeros(LANES, np.int64)
     following = 0
     flying = 0
     for i in range(LANES):
@@ -181,7 +182,7 @@ def _run_lanes(oscillator, tables, applications, capture_bound, lock_tolerance, 
     done = 0.0
     careful = 0
     while flying > 0:
-        guess_durations(lanes, tables, 2.0 * oscillator.half_backlash)
+        guess_durations(lanes, corners, tables, 2.0 * oscillator.half_backlash)
         unsure = refine_durations(lanes, oscillator.damping, oscillator.eccentricity)
         if unsure > 0:
             careful += unsure

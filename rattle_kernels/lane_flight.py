@@ -4,9 +4,9 @@ The lanes are 64 independent trajectories whose numbers lie in one flat buffer, 
 wall it leaves in the sign of its velocity (negative from +beta), so cases (a) and (b) of Sec. 2 are one code path with
 a selected target. Three passes:
 
-1. `guess_durations` classifies each flight by the series for v*(t) and looks up a first guess;
+1. `guess_durations` classifies each flight by the table of v*(t) and looks up a first guess;
 2. `refine_durations` evaluates the flight once (sine, cosine and phi2 by polynomials: no library call, no branch) and
-   takes one step of sixth order;
+   takes one step of fifth order;
 3. lanes that are not sure (too close to the grazing curve, too large a step) are flown again by the careful path.
 
 The formulas are those of `flight`, with one difference: ``h - sin h`` is taken directly, whose rounding shifts the end
@@ -18,7 +18,7 @@ import math
 from rattle_kernels.flight import FOUR_PI, TWO_PI
 from rattle_kernels.impact_map import LOWER, UPPER, next_contact
 from rattle_kernels.jit import lane_step, step
-from rattle_kernels.lane_tables import ABSCISSAE, BLOCK, DROP, FALL_BACK, HARMONICS, PHASES, RISE, ROW
+from rattle_kernels.lane_tables import ABSCISSAE, BLOCK, DROP, FALL_BACK, GRAZES, PHASES, RISE, ROW
 
 LANES = 64
 
@@ -36,11 +36,20 @@ END_ACCELERATION = 8 * LANES
 DROPS = 9 * LANES
 UNSURE = 10 * LANES
 GRAZING = 11 * LANES
-FLIGHT_FIELDS = 12
+ROW_PART = 12 * LANES
+COLUMN_PART = 13 * LANES
+LOW_LEFT = 14 * LANES
+LOW_RIGHT = 15 * LANES
+HIGH_LEFT = 16 * LANES
+HIGH_RIGHT = 17 * LANES
+HALF_SINE = 18 * LANES
+HALF_COSINE = 19 * LANES
+PHI2 = 20 * LANES
+FLIGHT_FIELDS = 21
 
-# A flight is taken as sure when the last term of its step is below this part of the duration; what the series leaves
-# out is smaller by a further factor of the step itself.
-_LAST_TERM = 1e-13
+# A flight is sure when the last term of its step, 5 r^4 or so for a guess off by the part r, is below this part of the
+# duration: r < 1.4e-3, and what the series leaves out, 14 r^5, below 1e-13.
+_LAST_TERM = 2e-11
 _LARGEST_STEP = 4e-3
 
 # Chebyshev fits on r^2 in [0, 1/4] of sin(pi r)/r (error 7e-19) and cos(pi r) (4e-18), and on [0, 1] of phi2 (9e-19).
@@ -121,50 +130,68 @@ def _turn_phases(lanes):
 
 
 @step
-def _graze_speeds(lanes, cosine, sine):
-    """v* at every lane's phase: Horner's scheme in e^{2 pi i t}."""
+def _graze_speeds(lanes, graze_speed):
+    """v* at every lane's phase, interpolated in its table."""
     for i in range(LANES):
-        c, s = lanes[COSINE + i], lanes[SINE + i]
-        real, imaginary = cosine[HARMONICS], -sine[HARMONICS]
-        for k in range(HARMONICS - 1, -1, -1):
-            turned = real * c - imaginary * s + cosine[k]
-            imaginary = real * s + imaginary * c - sine[k]
-            real = turned
-        lanes[GRAZING + i] = real
+        place = lanes[PHASE + i] * GRAZES
+        m = min(int(place), GRAZES - 1) & 0xFFFF
+        lanes[GRAZING + i] = graze_speed[m] + (place - m) * (graze_speed[m + 1] - graze_speed[m])
 
 
 @step
-def guess_durations(lanes, tables, two_beta):
-    """First pass: kind of flight, target and first guess."""
-    _turn_phases(lanes)
-    _graze_speeds(lanes, tables.grazing_cosine, tables.grazing_sine)
+def _classify(lanes, corners, tables, two_beta):
+    """Kind of each flight, its target, and where its guess stands in the tables; only selects, no branch."""
     for i in range(LANES):
         velocity = lanes[VELOCITY + i]
         speed, graze = abs(velocity), lanes[GRAZING + i]
         rises = velocity > 0.0
-        drops = (not rises) and speed > graze
-        inverse = 1.0 / (speed + tables.speed_scale if rises else speed)
-        abscissa = speed * inverse if rises else (math.sqrt(abs(1.0 - graze * inverse)) if drops else speed / graze)
-        lanes[DURATION + i] = speed if not (rises or drops) else inverse
-        lanes[TARGET + i] = two_beta if rises else (-two_beta if drops else 0.0)
+        drops = (speed > graze) & (not rises)
+        inverse = 1.0 / (speed + (tables.speed_scale if rises else 0.0))
+        root = math.sqrt(max(1.0 - graze * inverse, 0.0))
+        abscissa = speed * inverse if rises else speed / graze
+        abscissa = root if drops else abscissa
+        falls = not (rises | drops)
+        lanes[DURATION + i] = speed if falls else inverse
+        target = -two_beta if drops else 0.0
+        lanes[TARGET + i] = two_beta if rises else target
         lanes[DROPS + i] = 1.0 if drops else 0.0
-        lanes[UNSURE + i] = 1.0 if (not rises) and abs(speed - graze) <= tables.grazing_error else 0.0
-        lanes[END_PHASE + i] = lanes[PHASE + i] * PHASES
-        lanes[END_VELOCITY + i] = min(abscissa, 1.0) * ABSCISSAE
+        close = (abs(speed - graze) <= tables.grazing_error) & (not rises)
+        lanes[UNSURE + i] = 1.0 if close else 0.0
+        row = lanes[PHASE + i] * PHASES
+        column = min(abscissa, 1.0) * ABSCISSAE
+        m, n = min(math.floor(row), PHASES - 1.0), min(math.floor(column), ABSCISSAE - 1.0)
+        block = DROP * BLOCK if drops else FALL_BACK * BLOCK
+        block = RISE * BLOCK if rises else block
+        lanes[ROW_PART + i], lanes[COLUMN_PART + i] = row - m, column - n
+        corners[i] = int(block + m * ROW + n)
+
+
+@step
+def _look_up(lanes, corners, guess):
+    """Bilinear interpolation; the loads are what it costs, so they stand alone."""
     for i in range(LANES):
-        row, column = lanes[END_PHASE + i], lanes[END_VELOCITY + i]
-        kind = RISE if lanes[TARGET + i] > 0.0 else (DROP if lanes[DROPS + i] > 0.0 else FALL_BACK)
-        m, n = min(int(row), PHASES - 1), min(int(column), ABSCISSAE - 1)
-        at = (kind * BLOCK + m * ROW + n) & 0xFFFFFF  # tells the compiler that it is no negative index
-        f, g = row - m, column - n
-        low = tables.guess[at] + g * (tables.guess[at + 1] - tables.guess[at])
-        high = tables.guess[at + ROW] + g * (tables.guess[at + ROW + 1] - tables.guess[at + ROW])
+        at = corners[i] & 0xFFFFFF  # tells the compiler that it is no negative index
+        lanes[LOW_LEFT + i], lanes[LOW_RIGHT + i] = guess[at], guess[at + 1]
+        lanes[HIGH_LEFT + i], lanes[HIGH_RIGHT + i] = guess[at + ROW], guess[at + ROW + 1]
+    for i in range(LANES):
+        f, g = lanes[ROW_PART + i], lanes[COLUMN_PART + i]
+        low = lanes[LOW_LEFT + i] + g * (lanes[LOW_RIGHT + i] - lanes[LOW_LEFT + i])
+        high = lanes[HIGH_LEFT + i] + g * (lanes[HIGH_RIGHT + i] - lanes[HIGH_LEFT + i])
         lanes[DURATION + i] *= low + f * (high - low)
 
 
 @step
+def guess_durations(lanes, corners, tables, two_beta):
+    """First pass: kind of flight, target and first guess."""
+    _turn_phases(lanes)
+    _graze_speeds(lanes, tables.graze_speed)
+    _classify(lanes, corners, tables, two_beta)
+    _look_up(lanes, corners, tables.guess)
+
+
+@step
 def refine_durations(lanes, d, e):
-    """Second pass: one evaluation of every flight, one step of sixth order, and the state at its end.
+    """Second pass: one evaluation of every flight, one step of fifth order, and the state at its end.
 
     Returns
     -------
@@ -172,12 +199,16 @@ def refine_durations(lanes, d, e):
         Number of lanes that are not sure.
     """
     for i in range(LANES):
+        tau = lanes[DURATION + i]
+        r = tau - math.floor(tau + 0.5)
+        lanes[HALF_SINE + i] = _sine_of_half_turns(r)
+        lanes[HALF_COSINE + i] = _cosine_of_half_turns(r)
+        lanes[PHI2 + i] = _second_phi(d * tau)
+    for i in range(LANES):
         tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
         target = lanes[TARGET + i]
         x = d * tau
-        p2 = _second_phi(x)
-        r = tau - math.floor(tau + 0.5)
-        sh, ch = _sine_of_half_turns(r), _cosine_of_half_turns(r)
+        p2, sh, ch = lanes[PHI2 + i], lanes[HALF_SINE + i], lanes[HALF_COSINE + i]
         ds, dc = 2.0 * sh * (c0 * ch - s0 * sh), -2.0 * sh * (s0 * ch + c0 * sh)
         forced = s0 * (TWO_PI * tau - 2.0 * sh * ch) - 2.0 * c0 * sh * sh
         y = tau * (w * (1.0 - x * p2) + x * (FOUR_PI - TWO_PI * e * s0) * p2) + e * forced
@@ -186,18 +217,15 @@ def refine_durations(lanes, d, e):
         y2 = FOUR_PI * d - d * y1 - TWO_PI * e * (TWO_PI * c + d * s)
         y3 = TWO_PI * TWO_PI * e * (TWO_PI * s - d * c) - d * y2
         y4 = TWO_PI * TWO_PI * TWO_PI * e * (TWO_PI * c + d * s) - d * y3
-        y5 = -TWO_PI * TWO_PI * TWO_PI * TWO_PI * e * (TWO_PI * s - d * c) - d * y4
         inverse = 1.0 / y1
         q = (target - y) * inverse
         b2, b3 = 0.5 * y2 * inverse, y3 * inverse * (1.0 / 6.0)
-        b4, b5 = y4 * inverse * (1.0 / 24.0), y5 * inverse * (1.0 / 120.0)
-        # Reversion of q = Delta + b2 Delta^2 + ... + b5 Delta^5.
+        b4 = y4 * inverse * (1.0 / 24.0)
+        # Reversion of q = Delta + b2 Delta^2 + b3 Delta^3 + b4 Delta^4.
         square = b2 * b2
         t3 = 2.0 * square - b3
-        t4 = b2 * (5.0 * b3 - 5.0 * square) - b4
-        t5 = square * (14.0 * square - 21.0 * b3) + 6.0 * b2 * b4 + 3.0 * b3 * b3 - b5
-        last = t5 * q * q * q * q
-        step_ = q * (1.0 + q * (-b2 + q * (t3 + q * t4)) + last)
+        last = (b2 * (5.0 * b3 - 5.0 * square) - b4) * q * q * q
+        step_ = q * (1.0 + q * (-b2 + q * t3) + last)
         # Three selects, not one condition: a short circuit would be a branch. NaN ends up unsure.
         unsure = lanes[UNSURE + i]
         unsure = unsure if abs(last * q) <= _LAST_TERM * tau else 1.0

@@ -32,8 +32,8 @@ def _threads(client: Client) -> int:
 class _Window:
     """Tasks in flight: which tile each future computes, and how often each tile was tried."""
 
-    def __init__(self, client: Client, function: Callable[..., Any], location: str) -> None:
-        self.client, self.function, self.location = client, function, location
+    def __init__(self, client: Client, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+        self.client, self.function, self.arguments = client, function, arguments
         self.run = uuid.uuid4().hex[:12]
         self.tile_of: dict[Future, int] = {}
         self.tries: dict[int, int] = {}
@@ -41,7 +41,7 @@ class _Window:
     def submit(self, tile: int) -> None:
         attempt = self.tries[tile] = self.tries.get(tile, 0) + 1
         key = f"{self.function.__name__}-{self.run}-{tile}-a{attempt}"
-        self.tile_of[self.client.submit(self.function, self.location, tile, key=key, pure=False)] = tile
+        self.tile_of[self.client.submit(self.function, *self.arguments, tile, key=key, pure=False)] = tile
 
     def take(self, future: Future) -> Any | None:
         """Receipt of a finished future, released at once; None where the tile was submitted again."""
@@ -74,7 +74,11 @@ class _Window:
 
 
 def run_tiles(
-    client: Client, function: Callable[..., Any], location: str, tiles: Iterable[int], cancel: threading.Event
+    client: Client,
+    function: Callable[..., Any],
+    arguments: tuple[Any, ...],
+    tiles: Iterable[int],
+    cancel: threading.Event,
 ) -> Iterator[Any]:
     """Yield the receipt of each tile as it completes.
 
@@ -82,8 +86,9 @@ def run_tiles(
     ----------
     client : distributed.Client
     function : callable
-        ``function(location, tile)``: a task of `worker.tasks`.
-    location : str
+        ``function(*arguments, tile)``: a task of `worker.tasks`.
+    arguments : tuple
+        What all tiles have in common.
     tiles : iterable of int
     cancel : threading.Event
         Set by whoever wants the work to stop.
@@ -94,7 +99,7 @@ def run_tiles(
         Whatever is still in flight has been cancelled then.
     """
     waiting = deque(tiles)
-    window = _Window(client, function, location)
+    window = _Window(client, function, arguments)
     size = 2 * max(1, _threads(client))
     last_seen = time.monotonic()
     try:

@@ -44,6 +44,11 @@ class _Run:
     seconds: dict[str, float] = field(default_factory=dict)
     ledger_written: float = 0.0
 
+    @property
+    def address(self) -> tuple[str, str]:
+        """What tasks find the store by: its location, and the digest of the job they expect there."""
+        return self.store.location, self.store.job.digest
+
     def note(self, tile: int, state: TileState) -> None:
         """Enter a tile in the ledger, which is written at most twice a second."""
         self.states[tile] = state
@@ -113,16 +118,17 @@ def _timed(run: _Run, name: str, stage: Callable[[_Run], _T]) -> _T:
 def _map(run: _Run) -> list[MapReceipt]:
     """Map what is missing, survey what is there; receipts in the order of tiles, so that nothing depends on timing."""
     begun, at_start = time.monotonic(), int((run.states >= TileState.COMPUTED).sum())
-    missing = np.flatnonzero(run.states < TileState.COMPUTED).tolist()
+    # From the top: low departures are captured soon, so that the last tiles are light and the workers end together.
+    missing = np.flatnonzero(run.states < TileState.COMPUTED)[::-1].tolist()
     present = np.flatnonzero(run.states >= TileState.COMPUTED).tolist()
     run.tell(Stage.MAPPING, TileState.COMPUTED, begun, at_start)
     receipts: dict[int, MapReceipt] = {}
-    for receipt in run_tiles(run.client, map_tile, run.store.location, missing, run.cancel):
+    for receipt in run_tiles(run.client, map_tile, run.address, missing, run.cancel):
         receipts[receipt.tile] = receipt
         run.note(receipt.tile, TileState.COMPUTED)
         run.tell(Stage.MAPPING, TileState.COMPUTED, begun, at_start)
     run.save_ledger()
-    for receipt in run_tiles(run.client, survey_tile, run.store.location, present, run.cancel):
+    for receipt in run_tiles(run.client, survey_tile, run.address, present, run.cancel):
         receipts[receipt.tile] = receipt
     run.seconds["map_kernels"] = sum(receipt.seconds for receipt in receipts.values())
     return [receipts[tile] for tile in sorted(receipts)]
@@ -162,7 +168,8 @@ def _label_once(run: _Run) -> list[LabelReceipt]:
     # The catalogue has just been written: labels of an earlier one are void.
     run.states[:] = TileState.COMPUTED
     begun, receipts = time.monotonic(), []
-    for receipt in run_tiles(run.client, label_tile, run.store.location, range(run.states.size), run.cancel):
+    address = *run.address, run.store.catalogue_sha256
+    for receipt in run_tiles(run.client, label_tile, address, reversed(range(run.states.size)), run.cancel):
         receipts.append(receipt)
         run.note(receipt.tile, TileState.ASSEMBLED)
         run.tell(Stage.LABELLING, TileState.ASSEMBLED, begun, 0)

@@ -8,6 +8,7 @@ folder, see all there is at any moment.
 """
 
 import contextlib
+import hashlib
 import json
 import shutil
 import subprocess
@@ -83,6 +84,8 @@ class BasinStore:
             raise StoreConflict(f"{location} is no basin store of layout {layout.LAYOUT_VERSION}")
         self.job = BasinJob.from_request(json.loads(str(self._group.attrs["request"])))
         self.tiling = cut(self.job.grid, self.job.iterations)
+        # Arrays of cells never change their shape: their handles are kept, as opening one costs half as much as a tile.
+        self._handles: dict[str, Any] = {}
 
     @classmethod
     def create_or_resume(cls, location: str, job: BasinJob) -> "BasinStore":
@@ -111,6 +114,11 @@ class BasinStore:
     def _array(self, variable: Variable, group: str = "") -> Any:
         return self._group[f"{group}/{variable.name}" if group else variable.name].with_config(_CONFIG)
 
+    def _cells(self, variable: Variable) -> Any:
+        if variable.name not in self._handles:
+            self._handles[variable.name] = self._array(variable)
+        return self._handles[variable.name]
+
     @property
     def complete(self) -> bool:
         """Whether the job has finished and every array is whole."""
@@ -120,13 +128,13 @@ class BasinStore:
         """Write one tile of some variables."""
         with _told_as_store_failure(self.location):
             for variable, value in zip(variables, values, strict=True):
-                self._array(variable)[slice(*tile.rows), slice(*tile.columns)] = value
+                self._cells(variable)[slice(*tile.rows), slice(*tile.columns)] = value
 
     def read_tile(self, variables: tuple[Variable, ...], tile: Tile) -> tuple[np.ndarray, ...]:
         """Read one tile of some variables."""
         with _told_as_store_failure(self.location):
             return tuple(
-                np.asarray(self._array(variable)[slice(*tile.rows), slice(*tile.columns)]) for variable in variables
+                np.asarray(self._cells(variable)[slice(*tile.rows), slice(*tile.columns)]) for variable in variables
             )
 
     def read_ledger(self) -> np.ndarray:
@@ -168,6 +176,7 @@ class BasinStore:
             self._group["solution"].attrs.update(
                 {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
             )
+            self._group.attrs["catalogue_sha256"] = _catalogue_hash(self.job, attractors)
             _consolidate(self.location)
 
     def read_attractors(self) -> tuple[Attractor, ...]:
@@ -185,6 +194,11 @@ class BasinStore:
             )
             for i in range(kind.size)
         )  # fmt: skip
+
+    @property
+    def catalogue_sha256(self) -> str:
+        """Hash of the catalogue that was written last."""
+        return str(self._group.attrs["catalogue_sha256"])
 
     def read_shares(self) -> np.ndarray:
         """Share of the cells of each attractor; NaN until every tile is labelled."""
@@ -207,6 +221,14 @@ class BasinStore:
         if "://" not in self.location:
             for orphan in Path(self.location).rglob("*.partial"):
                 orphan.unlink(missing_ok=True)
+
+
+def _catalogue_hash(job: BasinJob, attractors: tuple[Attractor, ...]) -> str:
+    """Hash of a job's catalogue: what labels are looked up in is the same wherever it is the same."""
+    digest = hashlib.sha256(job.digest.encode())
+    for attractor in attractors:
+        digest.update(attractor.name.encode() + attractor.time.tobytes() + attractor.velocity.tobytes())
+    return digest.hexdigest()
 
 
 def _words(names: list[str]) -> list[str]:

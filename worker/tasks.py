@@ -5,6 +5,7 @@ Each returns a receipt, never the arrays: those go straight from the worker into
 
 import time
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from distributed import get_worker
@@ -14,7 +15,9 @@ from rattle_kernels import (
     SINK,
     STRANGER,
     UNDECIDED,
+    Attractor,
     AttractorKind,
+    CellGroups,
     CellImages,
     label_cells,
     landing_boxes,
@@ -22,7 +25,7 @@ from rattle_kernels import (
     name_solutions,
 )
 from worker.basin_job import BasinJob
-from worker.errors import JobCancelled
+from worker.errors import JobCancelled, StoreConflict
 from worker.layout import LABELLED, MAPPED
 from worker.store import BasinStore
 from worker.tiles import Tile, bands
@@ -105,9 +108,9 @@ def _map_in_bands(job: BasinJob, tile: Tile) -> CellImages:
     )
 
 
-def map_tile(location: str, number: int) -> MapReceipt:
+def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     """Compute the images of one tile and write them."""
-    store = BasinStore(location)
+    store = _open(location, digest)
     tile = store.tiling.tile(number)
     begin = time.perf_counter()
     images = _map_in_bands(store.job, tile)
@@ -116,15 +119,32 @@ def map_tile(location: str, number: int) -> MapReceipt:
     return _receipt(store.job, number, images, seconds)
 
 
-def survey_tile(location: str, number: int) -> MapReceipt:
+def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
     """Receipt of a tile that is in the store already, from the store."""
-    store = BasinStore(location)
+    store = _open(location, digest)
     image, t, v = store.read_tile(MAPPED, store.tiling.tile(number))
     return _receipt(store.job, number, CellImages(image, t, v, 0), 0.0)
 
 
-def _solutions(store: BasinStore, image: np.ndarray, t: np.ndarray, v: np.ndarray) -> np.ndarray:
-    attractors = store.read_attractors()
+@lru_cache(maxsize=4)
+def _open(location: str, digest: str) -> BasinStore:
+    """Store of the job with this digest, opened once per process: the same digest is the same layout."""
+    store = BasinStore(location)
+    if store.job.digest != digest:
+        raise StoreConflict(f"{location} holds the store of another request by now")
+    return store
+
+
+@lru_cache(maxsize=4)
+def _catalogue(location: str, catalogue_sha256: str) -> tuple[CellGroups, tuple[Attractor, ...]]:
+    """What labels are looked up in, read once per process and catalogue: it costs more than labelling a tile."""
+    store = BasinStore(location)
+    return store.read_image_set(), store.read_attractors()
+
+
+def _solutions(
+    store: BasinStore, attractors: tuple[Attractor, ...], image: np.ndarray, t: np.ndarray, v: np.ndarray
+) -> np.ndarray:
     solution = np.full(image.shape, STRANGER, np.int16)
     solution[image == PERMANENT_CONTACT] = 0
     landed = image >= SINK
@@ -132,19 +152,20 @@ def _solutions(store: BasinStore, image: np.ndarray, t: np.ndarray, v: np.ndarra
     return solution
 
 
-def label_tile(location: str, number: int) -> LabelReceipt:
+def label_tile(location: str, digest: str, catalogue_sha256: str, number: int) -> LabelReceipt:
     """Look up group, period and step of one tile's cells, name their solutions, and write them."""
-    store = BasinStore(location)
+    store = _open(location, digest)
     tile = store.tiling.tile(number)
     _stop_if_cancelled()
     image, t, v = store.read_tile(MAPPED, tile)
+    groups, attractors = _catalogue(location, catalogue_sha256)
     begin = time.perf_counter()
     rows, columns = np.arange(*tile.rows), np.arange(*tile.columns)
     own = rows[:, None] * store.job.grid.time_cells + columns
-    labels = label_cells(store.read_image_set(), own, image)
-    solution = _solutions(store, image, t, v)
+    labels = label_cells(groups, own, image)
+    solution = _solutions(store, attractors, image, t, v)
     strangers = (solution == STRANGER) & (image >= SINK)
-    kinds = [attractor.kind for attractor in store.read_attractors()]
+    kinds = [attractor.kind for attractor in attractors]
     if AttractorKind.UNDECIDED in kinds:
         solution[solution == STRANGER] = kinds.index(AttractorKind.UNDECIDED)
     seconds = time.perf_counter() - begin

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 from rattle_kernels import CellGrid
 
-# One application of P costs some 20 ns, and lock and capture leave about a third of the k applications.
-_SECONDS_PER_APPLICATION = 7e-9
+# One application of P costs some 12 ns, and lock and capture leave about a third of the k applications.
+_SECONDS_PER_APPLICATION = 4e-9
 _TILE_SECONDS = 0.25
 _BAND_SECONDS = 0.1
 # At least 16 tiles, four for each of four workers, as long as a tile is worth its overhead of a few milliseconds.

@@ -63,8 +63,9 @@ def test_no_image_of_a_regular_trajectory_depends_on_shortcuts(oscillator, itera
     np.testing.assert_array_equal(fast.image_cell[regular], image[regular])
     landed = regular & (image >= SINK)
     turn = fast.landing_time[landed] - t[landed]
-    np.testing.assert_allclose(turn - np.rint(turn), 0.0, atol=1e-10)
-    np.testing.assert_allclose(fast.landing_velocity[landed], v[landed], rtol=0.0, atol=1e-9)
+    # Rounding, ten-thousandfold: some 1e-10.
+    np.testing.assert_allclose(turn - np.rint(turn), 0.0, atol=5e-9)
+    np.testing.assert_allclose(fast.landing_velocity[landed], v[landed], rtol=0.0, atol=5e-9)
 
 
 @pytest.mark.parametrize("oscillator", PANELS, ids=lambda o: f"{o.damping}-{o.eccentricity}")

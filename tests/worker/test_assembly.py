@@ -66,7 +66,7 @@ def test_a_survey_of_a_stored_tile_counts_what_is_there(tmp_path):
     store = BasinStore.create_or_resume(str(tmp_path / "b.zarr"), BasinJob(grid=_GRID, iterations=1))
     landing = np.where(image >= -1, 0.5, np.nan)
     store.write_tile(MAPPED, store.tiling.tile(0), (image, landing, landing))
-    receipt = survey_tile(store.location, 0)
+    receipt = survey_tile(store.location, store.job.digest, 0)
     assert (receipt.cells, receipt.sink, receipt.captured, receipt.undecided) == (120, 1, 115, 1)
     assert receipt.image_set.tolist() == [3, 7]
     assert find_groups(np.array([3, 7]), np.array([-1, -2])).group.tolist() == [0, -1]
