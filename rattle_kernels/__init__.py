@@ -9,6 +9,7 @@ from rattle_kernels.grazing_curve import grazing_velocity
 from rattle_kernels.impact_lanes import next_impacts
 from rattle_kernels.impact_map import Impacts, previous_impacts
 from rattle_kernels.iterations import check_iterations
+from rattle_kernels.jit import compiled_before
 from rattle_kernels.oscillator import (
     Oscillator,
     OutsideDomain,
@@ -18,7 +19,7 @@ from rattle_kernels.oscillator import (
     eccentricity_bound_smooth_maxima,
 )
 from rattle_kernels.outcome import Outcome
-from rattle_kernels.solutions import STRANGER, landing_boxes, name_solutions
+from rattle_kernels.solutions import STRANGER, coarser_boxes, landing_boxes, name_solutions
 from rattle_kernels.warm_up import warm_up
 
 __all__ = [
@@ -38,6 +39,8 @@ __all__ = [
     "check_domain",
     "check_grid",
     "check_iterations",
+    "coarser_boxes",
+    "compiled_before",
     "eccentricity_bound_convexity",
     "eccentricity_bound_quiet",
     "eccentricity_bound_smooth_maxima",

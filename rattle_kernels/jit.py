@@ -51,6 +51,11 @@ def cache_folder() -> Path:
 _CACHE_FOLDER = str(cache_folder())
 
 
+def compiled_before() -> bool:
+    """Whether these very kernels have been compiled on this machine before, so that they load in a second or two."""
+    return Path(_CACHE_FOLDER).exists()
+
+
 def step(function: Callable[..., Any]) -> Any:
     """Compile a scalar piece of mathematics that kernels call."""
     return numba.njit(nogil=True, error_model="numpy", fastmath=_CAREFUL)(function)

@@ -10,6 +10,8 @@ from rattle_kernels.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.oscillator import Oscillator, check_domain
 
 STRANGER = -1
+"""No attractor of a catalogue."""
+
 # Transients of chaotic saddles: eight more legs of 4093 impacts before a point is called a stranger.
 _LEGS = 8
 _LATTICE = 512
@@ -62,3 +64,19 @@ def landing_boxes(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.A
     columns = np.minimum((np.where(known, times, 0.0) * _LATTICE).astype(np.int64), _LATTICE - 1)
     rows = (np.where(known, speeds, 0.0) / scale * _LATTICE).astype(np.int64)
     return np.where(known, rows * _LATTICE + columns, -1)
+
+
+def coarser_boxes(boxes: np.ndarray) -> np.ndarray:
+    """Boxes of the lattice that is half as fine each way, in which given ones lie.
+
+    Parameters
+    ----------
+    boxes : ndarray of int64, shape (n,)
+        Numbers of `landing_boxes`, or of this function; not negative.
+
+    Returns
+    -------
+    ndarray of int64, shape (n,)
+    """
+    rows, columns = np.divmod(boxes, _LATTICE)
+    return rows // 2 * _LATTICE + columns // 2

@@ -45,8 +45,12 @@ def local_cluster(workers: int = 2) -> Iterator[Client]:
     """
     # One process fills the disk cache of compiled kernels; the workers then find it filled.
     warm_up()
-    quiet = {"distributed.worker.daemon": True, "distributed.comm.timeouts.connect": f"{_CONNECT_SECONDS}s"}
-    with dask.config.set(quiet):
+    settings = {
+        "distributed.comm.timeouts.connect": f"{_CONNECT_SECONDS}s",
+        # Nobody reads Dask's sampled profiles here, and workers and scheduler share two cores.
+        "distributed.worker.profile.enabled": False,
+    }
+    with dask.config.set(settings):
         cluster = LocalCluster(
             n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0",
             silence_logs=logging.CRITICAL, host="127.0.0.1",

@@ -10,6 +10,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from rattle_kernels import compiled_before
+
 out = Console()
 err = Console(stderr=True)
 _PLAIN_LINE_SECONDS = 2.0
@@ -19,6 +21,12 @@ def give_up(message: str, code: int = 1) -> NoReturn:
     """Say what is wrong and leave: code 2 where the command was at fault, 1 where the work was."""
     err.print(f"[bold red]error:[/] {message}", highlight=False, soft_wrap=True)
     raise typer.Exit(code)
+
+
+def announce_compiling() -> None:
+    """Say why nothing happens for some seconds, where kernels have not been compiled on this machine yet."""
+    if not compiled_before():
+        err.print("compiling the kernels: some ten seconds, the first time only")
 
 
 class ProgressLine:

@@ -10,7 +10,7 @@ import uvicorn
 
 from rattle_kernels import CellGrid, Oscillator, OutsideDomain
 from service.app import create_app
-from service.cli.console import err, give_up, out, print_seconds, print_solutions, progress_line
+from service.cli.console import announce_compiling, err, give_up, out, print_seconds, print_solutions, progress_line
 from service.settings import Settings
 from worker.basin_job import BasinJob
 from worker.cluster import connect
@@ -34,7 +34,8 @@ def serve(
     settings = Settings(**{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
     if settings.host not in _LOOPBACK:
         give_up(f"{settings.host} is no loopback address: the service has no log-in and listens on 127.0.0.1 only", 2)
-    err.print(f"starting on http://{settings.host}:{settings.port} (the first start compiles kernels for some seconds)")
+    err.print(f"starting on http://{settings.host}:{settings.port}")
+    announce_compiling()
     # Uvicorn stops gracefully, then raises the signal that it caught again: a service that was asked to stop has not
     # failed.
     for asked in (signal.SIGTERM, signal.SIGINT):
@@ -89,6 +90,7 @@ def _number(value: float) -> float | None:
 
 def _compute(job: BasinJob, location: str, scheduler: str | None, workers: int) -> BasinSummary:
     """Run a job in a thread, so that Ctrl-C reaches this one and cancels it cleanly."""
+    announce_compiling()
     cancel = threading.Event()
     outcome: list[BasinSummary | BaseException] = []
     with connect(scheduler, workers) as client, progress_line() as line:
