@@ -29,12 +29,10 @@ _SETTLING = 4096
 _LONGEST_PERIOD = 512
 _CLOSE_RETURN = 1e-6
 _LYAPUNOV_IMPACTS = 32_768
-# An exponent is called positive when it exceeds both five standard errors and what so many impacts of a regular motion
-# can feign.
-_STANDARD_ERRORS = 5.0
-_LEAST_EXPONENT = 1e-3
 # Transients through a chaotic saddle are given this many rounds of settling before a motion is left undecided.
 _PATIENCE = 4
+# After so many seeds in a row that led to nothing new, the rest is left to be named, and counted where it cannot be.
+_FRUITLESS_SEEDS = 8
 
 
 def _periodic(orbit: PeriodicOrbit) -> Attractor:
@@ -89,7 +87,7 @@ def _motion_of(oscillator: Oscillator, t: float, v: float) -> Attractor:
         settled = _orbit_of(oscillator, t, v)
         if settled is not None:
             return _periodic(settled)
-        if run.exponent > max(_STANDARD_ERRORS * run.error, _LEAST_EXPONENT):
+        if run.chaotic:
             return Attractor(AttractorKind.CHAOTIC, 0, 0, 0, run.exponent, run.error, run.t, run.v)
     return UNDECIDED_ATTRACTOR
 
@@ -97,7 +95,7 @@ def _motion_of(oscillator: Oscillator, t: float, v: float) -> Attractor:
 def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> bool:
     """Whether a motion is in the catalogue: by itself where it has no points, else by where its last point arrives."""
     if not motion.time.size:
-        return any(motion is listed for listed in catalogue)
+        return any(listed.kind == motion.kind for listed in catalogue)
     return bool(
         locate(oscillator, neighbourhoods(oscillator, catalogue), motion.time[-1:], motion.velocity[-1:])[0] >= 0
     )
@@ -152,7 +150,8 @@ def find_attractors(
     catalogue = list(known) or [PERMANENT_CONTACT_ATTRACTOR]
     seeds = np.unique(np.column_stack([np.asarray(t, np.float64), np.asarray(v, np.float64)]), axis=0)
     t_left, v_left = _settle(checked, seeds[:, 0].copy(), seeds[:, 1].copy(), _SETTLING)
-    while t_left.size:
+    fruitless = 0
+    while t_left.size and fruitless < _FRUITLESS_SEEDS:
         places = locate(checked, neighbourhoods(checked, catalogue), t_left, v_left)
         t_left, v_left = t_left[places < 0], v_left[places < 0]
         if not t_left.size:
@@ -161,7 +160,9 @@ def find_attractors(
         t_left, v_left = t_left[1:], v_left[1:]
         if not _is_known(checked, motion, catalogue):
             catalogue.append(motion)
+            fruitless = 0
         else:
+            fruitless += 1
             # A long transient: the others are likely on one too, and lanes follow them a hundred times faster than one
             # by one.
             t_left, v_left = _settle(checked, t_left, v_left, 16 * _SETTLING)

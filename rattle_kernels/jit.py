@@ -53,7 +53,7 @@ _CACHE_FOLDER = str(cache_folder())
 
 def compiled_before() -> bool:
     """Whether these very kernels have been compiled on this machine before, so that they load in a second or two."""
-    return Path(_CACHE_FOLDER).exists()
+    return any(Path(_CACHE_FOLDER).rglob("*.nbi"))
 
 
 def step(function: Callable[..., Any]) -> Any:

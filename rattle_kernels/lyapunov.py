@@ -17,16 +17,32 @@ from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.oscillator import Oscillator
 
 BLOCKS = 64
+_STANDARD_ERRORS = 5.0
+# A motion that bounces ever lower needs less and less time for an impact; one on an attractor does not.
+_LEAST_PACE = 0.5
 
 
 class LyapunovRun(NamedTuple):
-    """Exponent per forcing period, its standard error, whether the trajectory was captured, and its last points."""
+    """Exponent per forcing period and its standard error, whether the trajectory was captured, and its last points.
+
+    ``pace`` is the time that the last quarter of the run took, as a part of what the first quarter took.
+    """
 
     exponent: float
     error: float
     captured: bool
+    pace: float
     t: np.ndarray
     v: np.ndarray
+
+    @property
+    def chaotic(self) -> bool:
+        """Whether this is chaos on an attractor: an exponent five standard errors above zero, and a steady pace.
+
+        The second matters for low bounces, thousands of which fit into a period: close to the bound of Eq. (8) their
+        tangent vectors grow while they decay, and the exponent alone would take the decay for an attractor.
+        """
+        return self.exponent > _STANDARD_ERRORS * self.error and self.pace > _LEAST_PACE
 
 
 @kernel
@@ -72,7 +88,9 @@ def lyapunov_exponent(oscillator: Oscillator, t: float, v: float, impacts: int, 
     last_t, last_v = np.empty(points), np.empty(points)
     block = max(impacts // BLOCKS, points // BLOCKS + 1)
     if _grow(oscillator, tables.capture_bound, tables.speed_scale, t, v, block, growth, elapsed, last_t, last_v):
-        return LyapunovRun(math.nan, math.nan, True, last_t[:0], last_v[:0])
+        return LyapunovRun(math.nan, math.nan, True, math.nan, last_t[:0], last_v[:0])
     exponent = growth.sum() / elapsed.sum()
     scatter = (growth - exponent * elapsed) / elapsed.mean()
-    return LyapunovRun(float(exponent), float(scatter.std(ddof=1) / math.sqrt(BLOCKS)), False, last_t, last_v)
+    error = scatter.std(ddof=1) / math.sqrt(BLOCKS)
+    pace = elapsed[-BLOCKS // 4 :].sum() / elapsed[: BLOCKS // 4].sum()
+    return LyapunovRun(float(exponent), float(error), False, float(pace), last_t, last_v)

@@ -90,46 +90,42 @@ def _ellipse(oscillator: Oscillator, orbit: PeriodicOrbit, at: int, speed_scale:
     return scaling @ form @ scaling / size**2
 
 
-def _mark_boxes(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, index: int, boxes: np.ndarray) -> np.ndarray:
-    """Mark the boxes that the attractor's points and their next iterates hit; grows the lattice upwards as needed."""
+@lru_cache(maxsize=256)
+def _ellipses(oscillator: Oscillator, times: bytes, speeds: bytes) -> tuple[np.ndarray, np.ndarray]:
+    """Points of a periodic orbit and the forms of the ellipses around them."""
     scale = lane_tables(oscillator).speed_scale
+    t, v = np.frombuffer(times), np.frombuffer(speeds)
+    orbit = find_periodic_orbit(oscillator, float(t[0]), float(v[0]), t.size, scale)
+    if orbit is None:
+        raise ValueError(f"the catalogue's orbit at t = {t[0]}, v = {v[0]} is no orbit of {oscillator}")
+    ellipses = [_ellipse(oscillator, orbit, at, scale) for at in range(orbit.upper_contacts)]
+    forms = np.array([(ellipse[0, 0], ellipse[0, 1], ellipse[1, 1]) for ellipse in ellipses])
+    return np.column_stack([orbit.t, orbit.v]), forms
+
+
+@lru_cache(maxsize=16)
+def _boxes(oscillator: Oscillator, times: bytes, speeds: bytes) -> np.ndarray:
+    """Numbers of the boxes that the points of a chaotic attractor and their next iterates hit, ascending."""
+    scale = lane_tables(oscillator).speed_scale
+    t, v = np.frombuffer(times), np.frombuffer(speeds)
+    hit = []
     for _ in range(_MARKING_ROUNDS):
-        rows, columns = (v / scale * BOXES).astype(np.int64), (t * BOXES).astype(np.int64)
-        if rows.max() >= boxes.shape[0]:
-            boxes = np.pad(boxes, ((0, rows.max() + 1 - boxes.shape[0]), (0, 0)), constant_values=_UNMARKED)
-        hit = boxes[rows, columns]
-        boxes[rows, columns] = np.where((hit == _UNMARKED) | (hit == index), index, _SHARED_BOX)
+        hit.append((v / scale * BOXES).astype(np.int64) * BOXES + (t * BOXES).astype(np.int64))
         t, v, _, _ = next_impacts(oscillator, t, v)
-    return boxes
+    return np.unique(np.concatenate(hit))
 
 
-@lru_cache(maxsize=8)
-def _build(oscillator: Oscillator, motions: tuple[tuple[AttractorKind, bytes, bytes], ...]) -> Neighbourhoods:
-    scale = lane_tables(oscillator).speed_scale
-    centre, form, owner = [], [], []
-    boxes = np.full((1, BOXES), _UNMARKED, np.int16)
-    for index, (kind, times, speeds) in enumerate(motions):
-        t, v = np.frombuffer(times), np.frombuffer(speeds)
-        if kind == AttractorKind.CHAOTIC:
-            boxes = _mark_boxes(oscillator, t, v, index, boxes)
-        if kind != AttractorKind.PERIODIC:
-            continue
-        orbit = find_periodic_orbit(oscillator, float(t[0]), float(v[0]), t.size, scale)
-        if orbit is None:
-            raise ValueError(f"the catalogue's orbit at t = {t[0]}, v = {v[0]} is no orbit of {oscillator}")
-        for at in range(orbit.upper_contacts):
-            ellipse = _ellipse(oscillator, orbit, at, scale)
-            centre.append((orbit.t[at], orbit.v[at]))
-            form.append((ellipse[0, 0], ellipse[0, 1], ellipse[1, 1]))
-            owner.append(index)
-    return Neighbourhoods(
-        np.array(centre, np.float64).reshape(-1, 2), np.array(form, np.float64).reshape(-1, 3), np.array(owner,
-        np.int64), boxes, scale,
-    )  # fmt: skip
+def _own_boxes(marked: dict[int, np.ndarray]) -> np.ndarray:
+    """Lattice of the boxes' owners; a box that two attractors hit tells nothing."""
+    rows = 1 + max((int(boxes[-1]) // BOXES for boxes in marked.values()), default=0)
+    owner = np.full(rows * BOXES, _UNMARKED, np.int16)
+    for index, boxes in marked.items():
+        owner[boxes] = np.where(owner[boxes] == _UNMARKED, index, _SHARED_BOX)
+    return owner.reshape(rows, BOXES)
 
 
 def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> Neighbourhoods:
-    """Neighbourhoods of a catalogue, built once per process and kept for the last few.
+    """Neighbourhoods of a catalogue; what belongs to one attractor is built once per process.
 
     Parameters
     ----------
@@ -142,7 +138,21 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
     -------
     Neighbourhoods
     """
-    return _build(oscillator, tuple((a.kind, a.time.tobytes(), a.velocity.tobytes()) for a in attractors))
+    centre, form, owner = [np.empty((0, 2))], [np.empty((0, 3))], []
+    marked = {}
+    for index, attractor in enumerate(attractors):
+        points = attractor.time.tobytes(), attractor.velocity.tobytes()
+        if attractor.kind == AttractorKind.CHAOTIC:
+            marked[index] = _boxes(oscillator, *points)
+        elif attractor.kind == AttractorKind.PERIODIC:
+            points_of_orbit, forms = _ellipses(oscillator, *points)
+            centre.append(points_of_orbit)
+            form.append(forms)
+            owner += [index] * forms.shape[0]
+    scale = lane_tables(oscillator).speed_scale
+    return Neighbourhoods(
+        np.concatenate(centre), np.concatenate(form), np.array(owner, np.int64), _own_boxes(marked), scale
+    )
 
 
 @kernel

@@ -121,7 +121,7 @@ def find_periodic_orbit(
     Returns
     -------
     PeriodicOrbit or None
-        None where Newton's method does not end with a residual of at most 1e-11.
+        None where Newton's method does not end with a residual of at most 1e-11, or ends at rest on the wall.
     """
     t, v, residual = _newton(oscillator, t, v, period, speed_scale)
     if not residual <= _RESIDUAL:
@@ -129,6 +129,8 @@ def find_periodic_orbit(
     period = _own_period(oscillator, t, v, period, speed_scale)
     times, speeds, jacobians = np.empty(period), np.empty(period), np.empty((period, 2, 2))
     elapsed, lower = _orbit_points(oscillator, t, v, period, speed_scale, times, speeds, jacobians)
+    if round(elapsed) < 1:
+        return None  # not an orbit but the limit v -> 0, where every phase maps onto itself
     first = int(np.argmin(speeds))
     return PeriodicOrbit(
         np.roll(times, -first), np.roll(speeds, -first), round(elapsed), period, int(lower),

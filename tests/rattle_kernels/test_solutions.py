@@ -149,6 +149,19 @@ def test_newton_finds_the_own_period_of_an_orbit():
     assert orbit is not None and (orbit.upper_contacts, orbit.forcing_periods) == (1, 1)
 
 
+def test_rest_on_the_wall_is_no_orbit():
+    assert find_periodic_orbit(Oscillator(), 0.3, 1e-3, 1, 5.5) is None
+
+
+def test_low_bounces_are_not_taken_for_chaos():
+    # Close to the bound of Eq. (8) low bounces are captured late; their tangent vectors grow, but not exponentially.
+    near_the_bound = Oscillator(eccentricity=0.1895)
+    run = lyapunov_exponent(near_the_bound, 0.5, 0.02, 32_768)
+    assert run.captured or not run.chaotic
+    run = lyapunov_exponent(Oscillator(6e-4, 1e-4, 6e-4), 0.5, 3e-5, 32_768)
+    assert run.captured or not run.chaotic
+
+
 def test_the_exponent_of_a_periodic_orbit_is_that_of_its_multipliers():
     orbit = find_periodic_orbit(Oscillator(), 0.898, 3.77, 1, 5.5)
     run = lyapunov_exponent(Oscillator(), float(orbit.t[0]), float(orbit.v[0]), 20_000)
