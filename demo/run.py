@@ -1,7 +1,8 @@
 """Fig. 7 (bottom) of the paper, the way a user would compute it: a service, a request over REST, a store, a picture.
 
 Starts ``rattle serve`` with two workers on a free port, submits demo/request.json, shows progress, copies the result to
-demo/basin.zarr and draws demo/basin.png. The service is stopped whatever happens.
+demo/basin.zarr and draws demo/basin.png. The service is stopped whatever happens, also when this script is told to stop
+or its terminal is closed.
 """
 
 import contextlib
@@ -58,6 +59,11 @@ def wait_until_ready(url: str, process: subprocess.Popen[bytes]) -> None:
     raise SystemExit("the service did not start: see what it said above")
 
 
+def stop_like_ctrl_c(*_: object) -> None:
+    """Answer a signal as Ctrl-C is answered, so that what was started is stopped."""
+    raise KeyboardInterrupt
+
+
 def main() -> None:
     """Submit, follow, draw, and keep the store."""
     data = HERE / "data"
@@ -80,6 +86,8 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    for asked in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(asked, stop_like_ctrl_c)
     try:
         main()
     except KeyboardInterrupt:

@@ -171,8 +171,10 @@ def _look(oscillator, bound, around, t, v, streak, candidate, place):
                 break
         if place[i] >= 0:
             continue
-        row = int(v[i] / around.speed_scale * BOXES)
-        hit = around.box_owner[row, int(t[i] * BOXES)] if row < around.box_owner.shape[0] else _UNMARKED
+        height = v[i] / around.speed_scale * BOXES
+        # Compared before it is cast: no integer holds any speed.
+        below_top = height < around.box_owner.shape[0]
+        hit = around.box_owner[int(height), int(t[i] * BOXES)] if below_top else _UNMARKED
         streak[i] = streak[i] + 1 if hit >= 0 and hit == candidate[i] else (1 if hit >= 0 else 0)
         candidate[i] = hit
         if streak[i] >= _ARRIVAL_STREAK:

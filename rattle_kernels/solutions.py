@@ -35,9 +35,20 @@ def name_solutions(
     -------
     ndarray of int16, shape (n,)
         STRANGER (-1) where a point arrived at no attractor of the catalogue within some 35,000 impacts.
+
+    Raises
+    ------
+    OutsideDomain
+        Where the oscillator's parameters lie outside the domain of the map.
+    ValueError
+        Where a point is no departure: not finite, or not faster than 0.
     """
     checked = check_domain(oscillator)
     times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
+    if not (np.isfinite(times).all() and np.isfinite(speeds).all() and (speeds > 0.0).all()):
+        raise ValueError("landing points must be finite with positive speeds; captured cells have none: leave them out")
+    times = times - np.floor(times)
+    times[times == 1.0] = 0.0  # what a phase just below 0 rounds to
     return locate(checked, neighbourhoods(checked, attractors), times, speeds, legs=_LEGS).astype(np.int16)
 
 

@@ -149,6 +149,21 @@ def test_newton_finds_the_own_period_of_an_orbit():
     assert orbit is not None and (orbit.upper_contacts, orbit.forcing_periods) == (1, 1)
 
 
+@pytest.mark.parametrize("point", [(np.nan, np.nan), (0.3, -1.0), (0.3, 0.0), (np.inf, 1.0)])
+def test_what_is_no_departure_is_not_named(point):
+    catalogue = find_attractors(Oscillator(damping=0.7), [point[0]], [point[1]])
+    with pytest.raises(ValueError, match="positive speeds"):
+        name_solutions(Oscillator(damping=0.7), catalogue, [point[0]], [point[1]])
+
+
+def test_phases_count_modulo_one_and_any_speed_is_followed():
+    catalogue, _ = catalogue_of(Oscillator(), cells=40)
+    named = name_solutions(Oscillator(), catalogue, [0.898, 5.898, -0.102, -1e-20, 0.5], [3.77, 3.77, 3.77, 1.0, 1e30])
+    assert named[:3].tolist() == [1, 1, 1] and named[3] == 0
+    # Each contact costs it some delta times beta of its speed: it is followed, and it never arrives.
+    assert named[4] == -1
+
+
 def test_rest_on_the_wall_is_no_orbit():
     assert find_periodic_orbit(Oscillator(), 0.3, 1e-3, 1, 5.5) is None
 
