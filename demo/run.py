@@ -44,7 +44,7 @@ def service(data: Path) -> Iterator[str]:
         process.send_signal(signal.SIGTERM)
         try:
             process.wait(10)
-        except subprocess.TimeoutExpired:
+        except (subprocess.TimeoutExpired, KeyboardInterrupt):  # too slow, or Ctrl-C once more
             os.killpg(process.pid, signal.SIGKILL)
 
 

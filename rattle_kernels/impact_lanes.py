@@ -82,7 +82,7 @@ def _advance(lanes, capture_bound, lock_tolerance, speed_scale):
         low = -velocity * velocity * velocity < capture_bound * lanes[END_ACCELERATION + i]
         event = _CAPTURE if low else event
         # A checkpoint is set on a return only, and never where an event is to be handled.
-        sets = (done >= lanes[_CHECK_NEXT + i]) & returns
+        sets = (done >= lanes[_CHECK_NEXT + i]) & returns & (event == _NOTHING)
         lanes[_CHECK_PHASE + i] = phase if sets else lanes[_CHECK_PHASE + i]
         lanes[_CHECK_SPEED + i] = -velocity if sets else lanes[_CHECK_SPEED + i]
         lanes[_CHECK_DONE + i] = done if sets else lanes[_CHECK_DONE + i]

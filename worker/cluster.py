@@ -3,6 +3,7 @@
 import contextlib
 import logging
 import os
+import signal
 from collections.abc import Iterator
 
 import dask
@@ -12,6 +13,7 @@ from rattle_kernels import warm_up
 from worker.errors import ClusterFailed
 
 _CONNECT_SECONDS = 10
+_CLOSE_SECONDS = 2
 # Workers yield to the service, which must answer while both cores compute.
 _NICENESS = 10
 
@@ -60,7 +62,18 @@ def local_cluster(workers: int = 2) -> Iterator[Client]:
             client.register_plugin(WarmKernels(_NICENESS))
             yield client
     finally:
-        cluster.close(timeout=3)
+        _end(cluster)
+
+
+def _end(cluster: LocalCluster) -> None:
+    """Close a cluster in order, or kill what is left: a service stops in seconds, and no tile minds being killed."""
+    workers = [nanny.pid for nanny in cluster.workers.values()]
+    try:
+        cluster.close(timeout=_CLOSE_SECONDS)
+    except TimeoutError:
+        for pid in workers:
+            with contextlib.suppress(ProcessLookupError, TypeError):  # gone by itself, or never started
+                os.kill(pid, signal.SIGKILL)
 
 
 @contextlib.contextmanager

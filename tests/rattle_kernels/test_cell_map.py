@@ -7,6 +7,7 @@ from rattle_kernels import PERMANENT_CONTACT, SINK, UNDECIDED, CellGrid, Oscilla
 from rattle_kernels.capture import capture_bound, descent, is_captured
 from rattle_kernels.cell_grid import cell_number
 from rattle_kernels.flight import rest_acceleration
+from rattle_kernels.impact_lanes import run_lanes
 from rattle_kernels.impact_map import next_impact
 from rattle_kernels.jit import step
 from rattle_kernels.lane_tables import lane_tables
@@ -73,6 +74,15 @@ def test_lanes_without_shortcuts_give_the_plain_loops_images(oscillator):
     image, grown, _, _ = plain(oscillator, GRID, 101)
     regular = grown < 1e-5
     np.testing.assert_array_equal(whole(oscillator, GRID, 101, shortcuts=False).image_cell[regular], image[regular])
+
+
+def test_a_lock_at_the_very_application_of_a_checkpoint_ends():
+    # P(16,16,12): the orbit's period is that of the checkpoints, so it locks when the next one is due.
+    oscillator, t, v = Oscillator(damping=0.526), np.array([0.6037261424064686]), np.array([4.500776320171449])
+    for applications in (32, 33, 47, 64, 65):
+        locked, _ = run_lanes(oscillator, t, v, applications, shortcuts=True)
+        plain_run, _ = run_lanes(oscillator, t, v, applications, shortcuts=False)
+        np.testing.assert_allclose([locked.t, locked.v], [plain_run.t, plain_run.v], rtol=0.0, atol=1e-10)
 
 
 def test_shortcuts_save_most_of_the_work():
