@@ -74,22 +74,20 @@ def _orbit_of(oscillator: Oscillator, t: float, v: float) -> PeriodicOrbit | Non
 
 def _motion_of(oscillator: Oscillator, t: float, v: float) -> Attractor:
     """Motion that one trajectory ends in, whatever the catalogue holds."""
+    orbit = _orbit_of(oscillator, t, v)
     for _ in range(_PATIENCE):
-        orbit = _orbit_of(oscillator, t, v)
         if orbit is not None:
-            return _periodic(orbit)
+            break
         run = lyapunov_exponent(oscillator, t, v, _LYAPUNOV_IMPACTS)
         if run.captured:
             return PERMANENT_CONTACT_ATTRACTOR
         t, v = float(run.t[-1]), float(run.v[-1])
         # A transient that settled on the way has a positive mean exponent too: the end of the run must still be
         # irregular.
-        settled = _orbit_of(oscillator, t, v)
-        if settled is not None:
-            return _periodic(settled)
-        if run.chaotic:
+        orbit = _orbit_of(oscillator, t, v)
+        if orbit is None and run.chaotic:
             return Attractor(AttractorKind.CHAOTIC, 0, 0, 0, run.exponent, run.error, run.t, run.v)
-    return UNDECIDED_ATTRACTOR
+    return UNDECIDED_ATTRACTOR if orbit is None else _periodic(orbit)
 
 
 def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> bool:

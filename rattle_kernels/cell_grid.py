@@ -7,6 +7,9 @@ import numpy as np
 
 from rattle_kernels.jit import step
 
+# stop - start of a whole period rounds: 1.001 - 0.001 is not 1.
+_WHOLE_PERIOD = 1.0 - 1e-12
+
 SINK = -1
 """Image of a cell whose landing point lies outside the grid."""
 
@@ -38,7 +41,7 @@ class CellGrid(NamedTuple):
     @property
     def wraps(self) -> bool:
         """Whether the window spans the whole period, so that no point lies outside it in time."""
-        return self.time_stop - self.time_start == 1.0
+        return self.time_stop - self.time_start >= _WHOLE_PERIOD
 
     def time_centres(self) -> np.ndarray:
         """Phases of the cell centres, shape (time_cells,); beyond 1 where the window crosses phase 0."""
@@ -65,7 +68,7 @@ def check_grid(grid: CellGrid) -> CellGrid:
     )  # fmt: skip
     if not 0.0 <= checked.time_start < 1.0:
         raise ValueError(f"time_start must be a phase in [0, 1), not {checked.time_start}")
-    if not 0.0 < checked.time_stop - checked.time_start <= 1.0:
+    if not 0.0 < checked.time_stop - checked.time_start <= 2.0 - _WHOLE_PERIOD:
         raise ValueError(
             f"time_stop must be above time_start = {checked.time_start} by at most one period, not {checked.time_stop}"
         )
@@ -103,7 +106,7 @@ def cell_number(grid, t, v):
     up = v - grid.velocity_start
     height = grid.velocity_stop - grid.velocity_start
     # A whole period has no outside: a phase just below the start may round up to span itself.
-    if (into >= span and span < 1.0) or not 0.0 <= up < height:
+    if (into >= span and span < _WHOLE_PERIOD) or not 0.0 <= up < height:
         return SINK
     # The quotient of a point just inside an upper edge may round up to the number of cells.
     i_t = min(int(into / span * grid.time_cells), grid.time_cells - 1)

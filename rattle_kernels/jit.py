@@ -63,7 +63,7 @@ def step(function: Callable[..., Any]) -> Any:
 
 def lane_step(function: Callable[..., Any]) -> Any:
     """Compile a branch-free piece that LLVM inlines into a loop over lanes and vectorises."""
-    return numba.njit(nogil=True, error_model="numpy", fastmath=_LANES, inline="never")(function)
+    return numba.njit(nogil=True, error_model="numpy", fastmath=_LANES)(function)
 
 
 def kernel(function: Callable[..., Any]) -> Any:

@@ -192,6 +192,7 @@ class ResultView(BaseModel):
     tiles_computed: int
     tiles_assembled: int
     solutions: list[SolutionView]
+    image_counts: dict[str, int] = Field(description="Cells with each reserved image; empty until all are mapped")
     seconds: dict[str, float] = Field(
         description="Wall time of each stage, and the kernels' own time summed over tiles"
     )
@@ -207,7 +208,7 @@ class ResultView(BaseModel):
         return cls(
             complete=summary.complete, request=summary.request, tiles=summary.tiles,
             tiles_computed=summary.tiles_computed, tiles_assembled=summary.tiles_assembled, solutions=solutions,
-            seconds=summary.seconds, zarr=zarr,
+            image_counts=summary.image_counts, seconds=summary.seconds, zarr=zarr,
         )  # fmt: skip
 
 

@@ -131,6 +131,13 @@ def _map(run: _Run) -> list[MapReceipt]:
     for receipt in run_tiles(run.client, survey_tile, run.address, present, run.cancel):
         receipts[receipt.tile] = receipt
     run.seconds["map_kernels"] = sum(receipt.seconds for receipt in receipts.values())
+    run.store.write_image_counts(
+        {
+            "sink": sum(receipt.sink for receipt in receipts.values()),
+            "permanent_contact": sum(receipt.captured for receipt in receipts.values()),
+            "undecided": sum(receipt.undecided for receipt in receipts.values()),
+        }
+    )
     return [receipts[tile] for tile in sorted(receipts)]
 
 
@@ -155,11 +162,10 @@ def _label(run: _Run) -> None:
         receipts = _label_once(run)
         run.seconds["label_kernels"] += sum(receipt.seconds for receipt in receipts)
         attractors = run.store.read_attractors()
-        extended = _extended(run.store, attractors, receipts, last=round_ == _CATALOGUE_ROUNDS - 1)
+        extended = _extended(run.store, attractors, receipts, last=round_ >= _CATALOGUE_ROUNDS - 1)
         if len(extended) == len(attractors):
             break
         run.store.write_attractors(extended, np.full(len(extended), np.nan))
-        run.states[:] = TileState.COMPUTED
     counts = np.sum([receipt.counts for receipt in receipts], axis=0)
     run.store.write_attractors(attractors, counts / run.store.job.grid.cells)
 

@@ -14,7 +14,8 @@ from worker.store import BasinStore
 class BasinSummary:
     """Answer of one job: its motions with their shares, and how complete it is.
 
-    ``shares`` are NaN until every tile is labelled; ``seconds`` has the wall time of each stage and the kernels' own
+    ``shares`` are NaN until every tile is labelled; ``image_counts`` says how many cells
+    have each reserved image, once all are mapped; ``seconds`` has the wall time of each stage and the kernels' own
     time.
     """
 
@@ -25,6 +26,7 @@ class BasinSummary:
     tiles_assembled: int
     attractors: tuple[Attractor, ...]
     shares: tuple[float, ...]
+    image_counts: dict[str, int]
     seconds: dict[str, float]
 
 
@@ -47,5 +49,6 @@ def summarise(location: str) -> BasinSummary:
         tiles_assembled=int((states == TileState.ASSEMBLED).sum()),
         attractors=attractors,
         shares=tuple(np.asarray(store.read_shares(), np.float64).tolist()) if attractors else (),
+        image_counts=store.attributes.get("image_counts", {}),
         seconds=store.attributes.get("seconds", {}),
     )

@@ -147,6 +147,11 @@ class BasinStore:
         with _told_as_store_failure(self.location):
             self._array(layout.LEDGER)[...] = states.reshape(self.tiling.shape)
 
+    def write_image_counts(self, counts: dict[str, int]) -> None:
+        """Note how many cells have each reserved image (driver only)."""
+        with _told_as_store_failure(self.location):
+            self._group.attrs["image_counts"] = counts
+
     def write_image_set(self, groups: CellGroups) -> None:
         """Write Hsu's numbers on the image set, for tiles to look up."""
         with _told_as_store_failure(self.location):

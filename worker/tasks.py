@@ -41,11 +41,9 @@ class MapReceipt:
     """
 
     tile: int
-    cells: int
     sink: int
     captured: int
     undecided: int
-    applications: int
     seconds: float
     image_set: np.ndarray
     scout_box: np.ndarray
@@ -82,11 +80,9 @@ def _receipt(job: BasinJob, number: int, images: CellImages, seconds: float) -> 
     scouts = first[numbers >= 0]
     return MapReceipt(
         tile=number,
-        cells=cells.size,
         sink=int((cells == SINK).sum()),
         captured=int((cells == PERMANENT_CONTACT).sum()),
         undecided=int((cells == UNDECIDED).sum()),
-        applications=images.applications,
         seconds=seconds,
         image_set=np.unique(cells[cells >= 0]),
         scout_box=numbers[numbers >= 0],

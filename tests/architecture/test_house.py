@@ -19,7 +19,7 @@ def blocks(language):
 
 
 @pytest.mark.parametrize("code", blocks("python"), ids=lambda code: code.splitlines()[0][:40])
-def test_the_readmes_python_runs(code, service, tmp_path, monkeypatch):
+def test_the_readmes_python_runs(code, service, tmp_path, monkeypatch, capsys):
     """Addresses of the README's examples are replaced by a service that runs here."""
     monkeypatch.chdir(tmp_path)
     if "ID" in code:
@@ -27,6 +27,7 @@ def test_the_readmes_python_runs(code, service, tmp_path, monkeypatch):
         job = service.wait(service.submit(body)["id"])
         code = code.replace("http://127.0.0.1:8000", service.url).replace("/ID/", f"/{job['id']}/")
     exec(compile(code, "README.md", "exec"), {})
+    assert capsys.readouterr().out.strip()
 
 
 def test_the_readmes_request_is_one_that_the_service_takes():

@@ -62,6 +62,13 @@ def test_a_whole_period_has_no_outside_in_time():
     assert number_of(grid, np.nextafter(0.3, 0.0), 0.5) in (0, 9)
 
 
+@given(st.floats(0.0, 1.0, exclude_max=True), st.floats(0.0, 1.0, exclude_max=True))
+def test_every_whole_period_wraps_wherever_it_starts(start, t):
+    grid = check_grid(CellGrid(start, start + 1.0, 10, 0.0, 1.0, 1))
+    assert grid.wraps and number_of(grid, t, 0.5) != SINK
+    assert number_of(grid, np.nextafter(start, -1.0) % 1.0, 0.5) != SINK
+
+
 def test_a_window_across_phase_zero_holds_both_sides():
     grid = CellGrid(0.9, 1.1, 2, 0.0, 1.0, 1)
     assert [number_of(grid, t, 0.5) for t in (0.95, 0.05, 0.5)] == [0, 1, SINK]

@@ -63,6 +63,8 @@ def test_the_result_names_solutions_with_shares_and_points(service, finished):
     solutions = {solution["name"]: solution for solution in result["solutions"]}
     assert result["complete"] and solutions.keys() == {"permanent contact", "P(1,1,0)", "chaotic"}
     assert sum(solution["share"] for solution in solutions.values()) == pytest.approx(1.0)
+    captured = round(solutions["permanent contact"]["share"] * 120 * 120)
+    assert result["image_counts"] == {"sink": 0, "permanent_contact": captured, "undecided": 0}
     assert solutions["P(1,1,0)"]["points"][0][1] == pytest.approx(1.2 * np.pi, abs=1e-10)
     assert solutions["permanent contact"]["lyapunov_exponent"] is None
     assert len(solutions["chaotic"]["points"]) == 100
