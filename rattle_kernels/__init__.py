@@ -6,6 +6,16 @@ from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
 from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells
 from rattle_kernels.grazing_curve import grazing_velocity
+from rattle_kernels.image_set import (
+    ImageSet,
+    MarkedWords,
+    has_members,
+    mark_images,
+    members_of,
+    place_images,
+    unite,
+    with_counts,
+)
 from rattle_kernels.impact_lanes import next_impacts
 from rattle_kernels.impact_map import Impacts, previous_impacts
 from rattle_kernels.iterations import check_iterations
@@ -32,7 +42,9 @@ __all__ = [
     "CellGrid",
     "CellGroups",
     "CellImages",
+    "ImageSet",
     "Impacts",
+    "MarkedWords",
     "Oscillator",
     "Outcome",
     "OutsideDomain",
@@ -47,11 +59,17 @@ __all__ = [
     "find_attractors",
     "find_groups",
     "grazing_velocity",
+    "has_members",
     "label_cells",
     "landing_boxes",
     "map_cells",
+    "mark_images",
+    "members_of",
     "name_solutions",
     "next_impacts",
     "previous_impacts",
+    "place_images",
+    "unite",
     "warm_up",
+    "with_counts",
 ]

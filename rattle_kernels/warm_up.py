@@ -6,6 +6,7 @@ from rattle_kernels.attractor_search import find_attractors
 from rattle_kernels.cell_grid import CellGrid
 from rattle_kernels.cell_groups import find_groups, label_cells
 from rattle_kernels.cell_map import map_cells
+from rattle_kernels.image_set import has_members, mark_images, place_images, unite
 from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.solutions import name_solutions
 
@@ -18,5 +19,8 @@ def warm_up() -> None:
     # Seeds that settle on the periodic orbit and on the chaotic attractor: both ways of being named.
     attractors = find_attractors(oscillator, [0.89829, 0.553], [3.76991, 4.703])
     name_solutions(oscillator, attractors, [0.9], [3.77])
-    cells = np.unique(images.image_cell[images.image_cell >= 0])
-    label_cells(find_groups(cells, np.full(cells.size, -1)), np.arange(grid.cells), images.image_cell.ravel())
+    members = unite(grid.cells, [mark_images(grid.cells, images.image_cell)])
+    place = np.empty(members.size, np.int32)
+    if has_members(members, (0, 4), (0, 4), grid.time_cells):
+        place_images(members, (0, 0), grid.time_cells, images.image_cell, place)
+    label_cells(find_groups(members, place), np.arange(grid.cells), images.image_cell.ravel())

@@ -9,7 +9,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rattle_kernels import Attractor, CellGroups, coarser_boxes, find_attractors, find_groups
+from rattle_kernels import (
+    Attractor,
+    CellGroups,
+    ImageSet,
+    coarser_boxes,
+    find_attractors,
+    find_groups,
+    has_members,
+    place_images,
+    unite,
+)
 from worker.layout import MAPPED
 from worker.store import BasinStore
 from worker.tasks import MapReceipt
@@ -19,29 +29,22 @@ _IMAGE_CELL = MAPPED[:1]
 _MOST_SCOUTS = 4096
 
 
-def image_set(receipts: Sequence[MapReceipt]) -> np.ndarray:
-    """R, the distinct image cells of the whole map, ascending."""
-    return np.unique(np.concatenate([receipt.image_set for receipt in receipts]))
-
-
-def images_of(store: BasinStore, cells: np.ndarray) -> np.ndarray:
-    """Images of some cells, read tile by tile: only tiles that hold one of them are opened."""
-    grid, tiling = store.job.grid, store.tiling
-    i_v, i_t = np.divmod(cells, grid.time_cells)
-    tile_of = (i_v // tiling.tile_rows) * tiling.shape[1] + i_t // tiling.tile_columns
-    images = np.empty_like(cells)
-    for number in np.unique(tile_of):
-        tile = tiling.tile(int(number))
-        inside = tile_of == number
-        (tile_images,) = store.read_tile(_IMAGE_CELL, tile)
-        images[inside] = tile_images[i_v[inside] - tile.rows[0], i_t[inside] - tile.columns[0]]
-    return images
+def places_of_images(store: BasinStore, members: ImageSet) -> np.ndarray:
+    """Where each member's image stands, read tile by tile: only tiles that hold members are opened."""
+    place = np.empty(members.size, np.int32)
+    time_cells = store.job.grid.time_cells
+    for number in range(store.tiling.tiles):
+        tile = store.tiling.tile(number)
+        if has_members(members, tile.rows, tile.columns, time_cells):
+            (tile_images,) = store.read_tile(_IMAGE_CELL, tile)
+            place_images(members, (tile.rows[0], tile.columns[0]), time_cells, tile_images, place)
+    return place
 
 
 def assemble_groups(store: BasinStore, receipts: Sequence[MapReceipt]) -> CellGroups:
     """Hsu's group, period and step on the image set."""
-    cells = image_set(receipts)
-    return find_groups(cells, images_of(store, cells))
+    members = unite(store.job.grid.cells, [receipt.image_set for receipt in receipts])
+    return find_groups(members, places_of_images(store, members))
 
 
 def assemble_attractors(store: BasinStore, receipts: Sequence[MapReceipt]) -> tuple[Attractor, ...]:

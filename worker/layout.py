@@ -105,9 +105,9 @@ ATTRACTORS = (
 
 IMAGE_SET_GROUP = "image_set"
 IMAGE_SET = (
-    Variable("cells", ("member",), np.int64, MISSING, "distinct image cells of the whole map, ascending"),
-    Variable("group", ("member",), np.int32, MISSING, "their groups"),
-    Variable("period", ("member",), np.int32, MISSING, "their periods"),
+    Variable("words", ("word",), np.uint64, 0, "distinct image cells: bit cell % 64 of word cell // 64 marks a member"),
+    Variable("group", ("member",), np.int32, MISSING, "groups of the members, in ascending order of their cells"),
     Variable("step", ("member",), np.int32, MISSING, "their steps"),
+    Variable("period", ("group_number",), np.int32, MISSING, "period of each group, 0 for group 0"),
 )
 """In a subgroup of its own: what tiles look their labels up in."""

@@ -23,7 +23,7 @@ import numpy as np
 import zarr
 from zarr.errors import ZarrUserWarning
 
-from rattle_kernels import Attractor, AttractorKind, CellGroups, grazing_velocity
+from rattle_kernels import Attractor, AttractorKind, CellGroups, grazing_velocity, with_counts
 from worker import layout
 from worker.basin_job import BasinJob
 from worker.errors import StoreConflict, StoreFailed
@@ -32,6 +32,8 @@ from worker.tiles import Tile, Tiling, cut
 
 # Not kept by Zarr: a handle opened without it would delete chunks that equal the fill value.
 _CONFIG = {"write_empty_chunks": True}
+# Arrays that are written whole are small, but for the image set of a map of 1e8 cells.
+_LONGEST_CHUNK = 1 << 22
 _PACKAGES = ("gear-rattle", "numpy", "numba", "zarr", "dask", "distributed")
 
 
@@ -156,14 +158,17 @@ class BasinStore:
         """Write Hsu's numbers on the image set, for tiles to look up."""
         with _told_as_store_failure(self.location):
             group = self._group.require_group(layout.IMAGE_SET_GROUP)
-            for variable, values in zip(layout.IMAGE_SET, groups, strict=True):
+            values_of = (groups.members.words, groups.group, groups.step, groups.period_of_group)
+            for variable, values in zip(layout.IMAGE_SET, values_of, strict=True):
                 _write_whole(group, variable, values)
 
     def read_image_set(self) -> CellGroups:
         """Read Hsu's numbers on the image set."""
         with _told_as_store_failure(self.location):
-            arrays = (self._array(variable, layout.IMAGE_SET_GROUP)[...] for variable in layout.IMAGE_SET)
-            return CellGroups(*(np.asarray(array) for array in arrays))
+            words, *numbers = (
+                np.asarray(self._array(variable, layout.IMAGE_SET_GROUP)[...]) for variable in layout.IMAGE_SET
+            )
+            return CellGroups(with_counts(words), *numbers)
 
     def write_attractors(self, attractors: tuple[Attractor, ...], shares: np.ndarray) -> None:
         """Write the catalogue, and the meaning of ``solution`` (driver only)."""
@@ -251,9 +256,9 @@ def _consolidate(location: str) -> None:
 
 
 def _write_whole(group: Any, variable: Variable, values: np.ndarray) -> None:
-    """Create (or replace) a small array in one chunk."""
+    """Create (or replace) an array that one writer writes at once."""
     array = group.create_array(
-        variable.name, shape=values.shape, chunks=tuple(max(1, length) for length in values.shape),
+        variable.name, shape=values.shape, chunks=tuple(min(max(1, length), _LONGEST_CHUNK) for length in values.shape),
         dtype=variable.dtype, fill_value=variable.fill, dimension_names=variable.dims, attributes=variable.attrs(),
         overwrite=True, config=_CONFIG,
     )  # fmt: skip

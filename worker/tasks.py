@@ -19,9 +19,11 @@ from rattle_kernels import (
     AttractorKind,
     CellGroups,
     CellImages,
+    MarkedWords,
     label_cells,
     landing_boxes,
     map_cells,
+    mark_images,
     name_solutions,
 )
 from worker.basin_job import BasinJob
@@ -45,7 +47,7 @@ class MapReceipt:
     captured: int
     undecided: int
     seconds: float
-    image_set: np.ndarray
+    image_set: MarkedWords
     scout_box: np.ndarray
     scout_time: np.ndarray
     scout_velocity: np.ndarray
@@ -84,7 +86,7 @@ def _receipt(job: BasinJob, number: int, images: CellImages, seconds: float) -> 
         captured=int((cells == PERMANENT_CONTACT).sum()),
         undecided=int((cells == UNDECIDED).sum()),
         seconds=seconds,
-        image_set=np.unique(cells[cells >= 0]),
+        image_set=mark_images(job.grid.cells, cells),
         scout_box=numbers[numbers >= 0],
         scout_time=images.landing_time.ravel()[scouts],
         scout_velocity=images.landing_velocity.ravel()[scouts],

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rattle_kernels import find_groups, label_cells
+from rattle_kernels import find_groups, has_members, label_cells, mark_images, members_of, place_images, unite
 
 
 def direct_hsu(image):
@@ -37,8 +37,14 @@ def direct_hsu(image):
 
 def image_set_hsu(image):
     image = np.array(image, np.int64)
-    cells = np.unique(image[image >= 0])
-    return label_cells(find_groups(cells, image[cells]), np.arange(image.size), image)
+    members = unite(image.size, [mark_images(image.size, image)])
+    return label_cells(groups_of(members, image), np.arange(image.size), image)
+
+
+def groups_of(members, image):
+    place = np.empty(members.size, np.int32)
+    place_images(members, (0, 0), image.size, image.reshape(1, -1), place)
+    return find_groups(members, place)
 
 
 @st.composite
@@ -81,19 +87,39 @@ def test_a_long_tail_is_walked_without_recursion():
     np.testing.assert_array_equal(step, np.arange(image.size)[::-1])
 
 
-def test_cells_far_apart_are_found():
-    cells = np.array([3, 10**6, 10**12])
-    groups = find_groups(cells, np.array([10**12, 10**6, 3]))
-    assert groups.group.tolist() == [1, 2, 1]
-    group, _, step = label_cells(groups, np.array([3, 4, 10**12]), np.array([10**12, 10**6, 3]))
-    assert group.tolist() == [1, 2, 1] and step.tolist() == [0, 1, 0]
+def image_set(cells, members):
+    return unite(cells, [mark_images(cells, np.array(members, np.int64))])
 
 
-def test_an_image_set_that_is_not_closed_is_refused():
-    with pytest.raises(ValueError, match="not closed"):
-        find_groups(np.array([1, 2]), np.array([2, 5]))
-    with pytest.raises(ValueError, match="ascending"):
-        find_groups(np.array([2, 1]), np.array([2, 1]))
+@given(st.lists(st.integers(-3, 299), max_size=40), st.lists(st.integers(-3, 299), max_size=40))
+def test_the_image_set_holds_each_image_once(some, others):
+    parts = [mark_images(300, np.array(part, np.int64)) for part in (some, others)]
+    members = members_of(unite(300, parts))
+    assert members.tolist() == sorted({cell for cell in some + others if cell >= 0})
+
+
+@given(st.sets(st.integers(0, 299)), st.integers(0, 19), st.integers(1, 20), st.integers(0, 14), st.integers(1, 15))
+def test_a_rectangle_of_the_grid_knows_its_members(cells, row, rows, column, columns):
+    members = image_set(300, sorted(cells))
+    rectangle = (row, min(row + rows, 20)), (column, min(column + columns, 15))
+    image = np.arange(300).reshape(20, 15)[slice(*rectangle[0]), slice(*rectangle[1])]
+    inside = set(image.ravel().tolist()) & cells
+    assert has_members(members, *rectangle, 15) == bool(inside)
+    place = np.full(members.size, -9, np.int32)
+    place_images(members, rectangle_start(rectangle), 15, np.where(np.isin(image, list(cells)), image, -1), place)
+    of_inside = members_of(members)[place != -9]
+    assert set(of_inside.tolist()) == inside
+    np.testing.assert_array_equal(members_of(members)[place[place != -9]], of_inside)
+
+
+def rectangle_start(rectangle):
+    return tuple(start for start, _ in rectangle)
+
+
+@pytest.mark.parametrize("stranger", [5, 64_000])
+def test_an_image_set_that_is_not_closed_is_refused(stranger):
+    with pytest.raises(ValueError, match=f"image {stranger} is no member"):
+        groups_of(image_set(9, [1, 2]), np.array([-1, 2, stranger]))
 
 
 def test_a_map_without_periodic_cells_has_only_reserved_groups():

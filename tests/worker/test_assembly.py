@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rattle_kernels import CellGrid, CellImages, find_groups, label_cells
+from rattle_kernels import CellGrid, CellImages, find_groups, label_cells, members_of, unite
 from tests.rattle_kernels.test_cell_groups import direct_hsu
 from worker.assembly import assemble_groups
 from worker.basin_job import BasinJob
@@ -68,5 +68,6 @@ def test_a_survey_of_a_stored_tile_counts_what_is_there(tmp_path):
     store.write_tile(MAPPED, store.tiling.tile(0), (image, landing, landing))
     receipt = survey_tile(store.location, store.job.digest, 0)
     assert (receipt.sink, receipt.captured, receipt.undecided) == (1, 115, 1)
-    assert receipt.image_set.tolist() == [3, 7]
-    assert find_groups(np.array([3, 7]), np.array([-1, -2])).group.tolist() == [0, -1]
+    members = unite(_GRID.cells, [receipt.image_set])
+    assert members_of(members).tolist() == [3, 7]
+    assert find_groups(members, np.array([-1, -2], np.int32)).group.tolist() == [0, -1]
