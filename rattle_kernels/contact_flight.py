@@ -46,6 +46,9 @@ class Stay(NamedTuple):
     outcome: int
 
 
+_ENDLESS = Stay(math.nan, math.nan, _PERMANENT_CONTACT)
+
+
 class _Contact(NamedTuple):
     """A stay as its root-finder sees it: p = mean + here cos(2 pi tau) + quarter sin(2 pi tau), and the ringing."""
 
@@ -90,9 +93,8 @@ def _enter(oscillator, side, phase, speed):
     mean = side * FOUR_PI * damping / square
     quadrature = (speed - TWO_PI * quarter - 0.5 * damping * (mean + here)) / frequency
     ringing = math.hypot(mean + here, quadrature)
-    return _Contact(
-        damping, square, frequency, speed, mean, here, quarter, math.hypot(cosine, sine), ringing
-    )  # fmt: skip
+    swing = math.hypot(cosine, sine)
+    return _Contact(damping, square, frequency, speed, mean, here, quarter, swing, ringing)
 
 
 @step
@@ -123,17 +125,6 @@ def _motion(contact, tau):
 
 
 @step
-def _first_step(contact, acceleration):
-    """Step from x = 0, where x/h >= u + x'' h/2 - M h^2/6 > 0 up to the positive root."""
-    third = _jerk_bound(contact, contact.ringing) / 6.0
-    half = 0.5 * acceleration
-    root = math.sqrt(half * half + 4.0 * third * contact.speed)
-    if half > 0.0:
-        return 0.5 * (half + root) / third
-    return 2.0 * contact.speed / (root - half)
-
-
-@step
 def _bend_bound(contact, ringing):
     return TWO_PI * TWO_PI * contact.swing + contact.square * ringing
 
@@ -141,6 +132,17 @@ def _bend_bound(contact, ringing):
 @step
 def _jerk_bound(contact, ringing):
     return TWO_PI * TWO_PI * TWO_PI * contact.swing + contact.square * math.sqrt(contact.square) * ringing
+
+
+@step
+def _step_from_wall(contact, rate, acceleration, ringing):
+    """Step from x = 0, x' >= 0: x/h is at least x' + x'' h/2 - M h^2/6, positive up to its one positive root."""
+    third = _jerk_bound(contact, ringing) / 6.0
+    half = 0.5 * acceleration
+    root = math.sqrt(half * half + 4.0 * third * rate)
+    if half > 0.0:
+        return 0.5 * (half + root) / third
+    return 2.0 * rate / (root - half) if rate > 0.0 else 0.0
 
 
 @step
@@ -188,18 +190,16 @@ def _is_within_reach(contact, motion, ahead):
 
 @step
 def _land(tau, motion):
-    """End of a stay a short step from `motion`: zero of Taylor's cubic, and the speed there."""
-    ahead = 0.0
-    if motion.rate < 0.0:
-        for _ in range(3):
-            slope = motion.rate + ahead * (motion.acceleration + 0.5 * ahead * motion.jerk)
-            value = motion.depth + ahead * (
-                motion.rate + 0.5 * ahead * (motion.acceleration + ahead * motion.jerk / 3.0)
-            )
-            ahead -= value / slope
-    speed = -(motion.rate + ahead * (motion.acceleration + 0.5 * ahead * motion.jerk))
-    # At a graze round-off may leave the wrong sign of nothing.
-    return Stay(tau + ahead, max(speed, 0.0), _RETURNED)
+    """End of a stay at the zero of Taylor's cubic a short step from `motion`, or just before it by round-off."""
+    reach = math.sqrt(max(motion.rate * motion.rate - 2.0 * motion.depth * motion.acceleration, 0.0)) - motion.rate
+    ahead = 2.0 * motion.depth / reach if reach > 0.0 else 0.0
+    slope = motion.rate + ahead * (motion.acceleration + 0.5 * ahead * motion.jerk)
+    if slope < 0.0:
+        bend = motion.acceleration + ahead * motion.jerk / 3.0
+        change = -(motion.depth + ahead * (motion.rate + 0.5 * ahead * bend)) / slope
+        ahead += change
+        slope += change * motion.acceleration
+    return Stay(tau + ahead, max(-slope, 0.0), _RETURNED)
 
 
 @step
@@ -225,18 +225,22 @@ def stay_in_contact(oscillator, side, phase, speed, permanent_after):
     """
     contact = _enter(oscillator, side, phase, speed)
     least = contact.mean - contact.swing
-    if contact.ringing < least:
-        return Stay(math.nan, math.nan, _PERMANENT_CONTACT)
-    tau = _first_step(contact, _motion(contact, 0.0).acceleration)
-    for _ in range(_ALL_STEPS):
-        if tau > permanent_after:
-            return Stay(math.nan, math.nan, _PERMANENT_CONTACT)
+    tau = 0.0
+    for steps in range(_ALL_STEPS):
         motion = _motion(contact, tau)
         if motion.ringing < least:
-            return Stay(math.nan, math.nan, _PERMANENT_CONTACT)
-        ahead = max(_sure_step(contact, motion), _clear_ahead(contact, motion))
-        if _is_within_reach(contact, motion, ahead):
-            stay = _land(tau, motion)
-            return stay if stay.duration <= permanent_after else Stay(math.nan, math.nan, _PERMANENT_CONTACT)
+            break
+        if steps == 0 or (motion.depth <= 0.0 and motion.rate >= 0.0 and motion.acceleration > 0.0):
+            # The start, or a graze from inside that round-off put on the wall: contact goes on.
+            ahead = _step_from_wall(contact, motion.rate, motion.acceleration, motion.ringing)
+        else:
+            ahead = max(_sure_step(contact, motion), _clear_ahead(contact, motion))
+            if _is_within_reach(contact, motion, ahead):
+                stay = _land(tau, motion)
+                return stay if stay.duration <= permanent_after else _ENDLESS
         tau += ahead
-    return Stay(math.nan, math.nan, _NOT_CONVERGED)
+        if tau > permanent_after:
+            break
+    else:
+        return Stay(math.nan, math.nan, _NOT_CONVERGED)
+    return _ENDLESS
