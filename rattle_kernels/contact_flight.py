@@ -32,9 +32,9 @@ _NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
 
 # A step as short as this, in radians of the ringing, leaves Taylor's cubic exact to rounding.
 _SHORT = 1e-5
-# How far beyond the second-order step the third-order one looks; measured: 2 to 4 cost the same.
-_LOOK_AHEAD = 2.5
-# A stay at damping 1e-4 may take 1e5 forcing periods of a few steps each before its envelope decides.
+# How far beyond the second-order step the third-order one looks; 1.5 to 3 take the same number of steps.
+_LOOK_AHEAD = 2.0
+# Most stays take 4 to 6 steps; 4e5 random ones at damping 1e-4 to 1 and kappa 10 to 1e7 took 3,903 at most.
 _ALL_STEPS = 2_000_000
 
 
