@@ -9,7 +9,7 @@ q^2 = omega^2 - delta^2/4 (Eqs. 33-37 with their errata). From x(0) = 0, x'(0) =
 
     x = u S + p(0) C + p(tau) - p(0) - p'(0) S,    S = E sin(q tau)/q,    C = 1 - S' - delta S,
 
-in which nothing cancels for short or gentle stays.
+whose terms vanish with tau one by one: short and gentle stays keep their digits.
 
 The end is the first zero of x after 0. It is reached by steps that provably jump over none: from a point with x > 0, x
 stays positive while Taylor's polynomial less a bound on its remainder does. The derivatives of x are bounded, over all
@@ -199,7 +199,8 @@ def _land(tau, motion):
         change = -(motion.depth + ahead * (motion.rate + 0.5 * ahead * bend)) / slope
         ahead += change
         slope += change * motion.acceleration
-    return Stay(tau + ahead, max(-slope, 0.0), _RETURNED)
+    # Round-off may give stays of hardly any speed the wrong sign of nothing.
+    return Stay(max(tau + ahead, 0.0), max(-slope, 0.0), _RETURNED)
 
 
 @step

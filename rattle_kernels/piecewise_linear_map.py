@@ -1,8 +1,8 @@
 """The impact map P of the piecewise linear model (Eqs. 1, 2; Sec. 3): flights and stays in contact, in turn.
 
-The section is that of `impact_map`: a departure from ``Phi = +beta`` into freeplay at phase t with speed v > 0. Freeplay
-is the same in both models, so the flights are those of `impact_map`; where that one reverses the velocity at a wall,
-here the gears stay beyond it for a while (`contact_flight`), and may stay for ever beyond +beta.
+The section is that of `impact_map`: a departure from ``Phi = +beta`` into freeplay at phase t with speed v > 0.
+Freeplay is the same in both models, and so are the flights. Where the impacting model reverses the velocity at a wall,
+here the gears stay beyond it for a while (`contact_flight`), beyond +beta perhaps for ever.
 
 Every stay beyond -beta ends, and the flight after it reaches +beta: between them the acceleration at every turning
 point is positive (Eqs. 8, 31), so one application meets -beta at most once.

@@ -1,4 +1,4 @@
-"""P of the piecewise linear model against 50-digit values, an ODE integrator, dense sampling and what must hold of it."""
+"""P of the piecewise linear model against 50-digit values, an ODE integrator, dense sampling and what must hold."""
 
 import math
 
@@ -23,6 +23,7 @@ from tests.rattle_kernels.reference import entries, oscillator_of, phase_error, 
 from tests.strategies import oscillators, phases
 
 ENVELOPE, ONE_ROTATION = math.inf, 1.0
+_CASES = 45
 
 
 @step
@@ -40,6 +41,11 @@ def impacting(oscillator, t, v):
     return next_impact(oscillator, t, v)
 
 
+def graze_of(oscillator, t):
+    """Grazing speed: freeplay's alone."""
+    return float(grazing_velocity(oscillator._replace(stiffness=math.inf), t))
+
+
 def test_the_table_covers_every_category_and_both_answers_of_both_rules():
     table = entries("map_pwl.json")
     categories = {entry["category"] for entry in table}
@@ -51,7 +57,9 @@ def test_the_table_covers_every_category_and_both_answers_of_both_rules():
 
 
 @pytest.mark.parametrize(
-    ("permanent_after", "rule"), [(ENVELOPE, "plc_rigorous"), (ONE_ROTATION, "plc_one_rotation")], ids=["exact", "paper"]
+    ("permanent_after", "rule"),
+    [(ENVELOPE, "plc_rigorous"), (ONE_ROTATION, "plc_one_rotation")],
+    ids=["exact", "paper"],
 )
 @pytest.mark.parametrize("entry", entries("map_pwl.json"), ids=lambda entry: entry["category"])
 def test_next_departure_agrees_with_the_reference(entry, permanent_after, rule):
@@ -73,7 +81,7 @@ def _force(oscillator, time):
 
 
 def _integrate(oscillator, start, state, spring, crossings, longest):
-    """Follow Eq. (1) on one branch of Eq. (2) to the first of some crossings (level, direction), by an ODE integrator."""
+    """Follow Eq. (1) on one branch of Eq. (2) to the first of some crossings (level, direction), step by step."""
 
     def motion(time, state):
         restoring = 0.0 if spring is None else 2.0 * oscillator.stiffness * (state[0] - spring)
@@ -117,10 +125,17 @@ def _random_case(seed):
     t = rng.random()
     # Every third case so slow that it may stay for good.
     factor = 10.0 ** rng.uniform(-3.0, -1.0) if seed % 3 == 0 else rng.uniform(0.1, 2.0)
-    return oscillator, t, float(factor * grazing_velocity(oscillator, t))
+    return oscillator, t, factor * graze_of(oscillator, t)
 
 
-@pytest.mark.parametrize("seed", range(45))
+def test_the_cases_for_the_integrator_end_in_every_way():
+    cases = [_random_case(seed) for seed in range(_CASES)]
+    impacts = [departure(*case, ENVELOPE) for case in cases]
+    assert min(sum(impact.lower_impacts == n for impact in impacts) for n in (0, 1)) >= 10
+    assert sum(impact.outcome == Outcome.PERMANENT_CONTACT for impact in impacts) >= 3
+
+
+@pytest.mark.parametrize("seed", range(_CASES))
 def test_next_departure_agrees_with_an_ode_integrator(seed):
     oscillator, t, v = _random_case(seed)
     impact = departure(oscillator, t, v, ENVELOPE)
@@ -132,8 +147,8 @@ def test_next_departure_agrees_with_an_ode_integrator(seed):
     time, speed, lower = integrated
     assert impact.outcome == Outcome.RETURNED
     assert impact.lower_impacts == lower
-    assert phase_error(impact.t, repr(float(time))) < 1e-8
-    assert abs(impact.v - speed) < 1e-8 * v + 1e-10
+    assert phase_error(impact.t, repr(float(time % 1.0))) < 1e-9
+    assert abs(impact.v - speed) < 1e-8 * v
 
 
 @st.composite
@@ -202,13 +217,11 @@ def test_every_stay_ends_where_there_is_no_quiet_solution(case):
 
 @given(stays(side=UPPER))
 @settings(max_examples=100)
-def test_entering_as_the_quiet_solution_does_is_permanent(case):
-    """Far below epsilon_crit1 the gentlest contact on a soft spring rings less than the slow part's least depth."""
+def test_without_eccentricity_a_stay_begun_at_rest_never_ends(case):
+    """It swings about the depth at rest, from 0 to a little less than twice that, and what is left of it decays."""
     oscillator, side, phase, _ = case
-    oscillator = oscillator._replace(eccentricity=0.0, half_backlash=1.0)
-    # x(0) = 0 leaves a ringing at least as large as the depth at rest: a damped first oscillation decides.
-    least = stay_of(oscillator, side, phase, 0.0, ENVELOPE)
-    assert least.outcome == Outcome.PERMANENT_CONTACT
+    stay = stay_of(oscillator._replace(eccentricity=0.0), side, phase, 0.0, ENVELOPE)
+    assert stay.outcome == Outcome.PERMANENT_CONTACT
 
 
 @pytest.mark.parametrize("side", [UPPER, LOWER])
@@ -242,7 +255,7 @@ def test_the_stiff_limit_is_the_impacting_map():
 @settings(max_examples=100)
 def test_the_map_commutes_with_a_shift_by_one_period(data):
     oscillator, _, t, _ = data.draw(stays())
-    v = data.draw(st.floats(0.01, 3.0)) * float(grazing_velocity(oscillator, t))
+    v = data.draw(st.floats(0.01, 3.0)) * graze_of(oscillator, t)
     t = round(t * 2**20) / 2**20  # a phase that keeps all its digits when a period is added
     here, later = departure(oscillator, t, v, ENVELOPE), departure(oscillator, t + 1.0, v, ENVELOPE)
     np.testing.assert_array_equal(here, later)
