@@ -51,6 +51,7 @@ def _closest_return(oscillator: Oscillator, t: float, v: float) -> tuple[int, fl
         here_t, here_v, _, _ = next_impacts(oscillator, here_t, here_v)
         apart = here_t[0] - t
         distances[period] = np.hypot(apart - np.rint(apart), (here_v[0] - v) / scale)
+    distances[np.isnan(distances)] = np.inf  # contact became permanent on the way
     close = np.flatnonzero(distances < _CLOSE_RETURN)
     period = int(close[0] if close.size else np.argmin(distances))
     return period + 1, float(distances[period])

@@ -75,22 +75,47 @@ class _Motion(NamedTuple):
     ringing: float
 
 
+class SlowPart(NamedTuple):
+    """Slow part of a stay above: mean + cosine cos(2 pi t) + sine sin(2 pi t), and the ringing's frequency q, squared.
+
+    ``square`` is omega^2 = 2 kappa. Below, the slow part has the opposite sign.
+    """
+
+    square: float
+    frequency: float
+    mean: float
+    cosine: float
+    sine: float
+
+
+@step
+def slow_part(oscillator):
+    """Amplitudes of the slow part, (34-37) without their angles; all 0 for infinite stiffness."""
+    damping = oscillator.damping
+    square = 2.0 * oscillator.stiffness
+    if math.isinf(square):
+        return SlowPart(square, square, 0.0, 0.0, 0.0)
+    detuning, drag = square - TWO_PI * TWO_PI, TWO_PI * damping
+    strength = -TWO_PI * oscillator.eccentricity / (detuning * detuning + drag * drag)
+    return SlowPart(
+        square,
+        math.sqrt(square - 0.25 * damping * damping),
+        FOUR_PI * damping / square,
+        strength * (TWO_PI * detuning - damping * drag),
+        strength * (damping * detuning + TWO_PI * drag),
+    )
+
+
 @step
 def _enter(oscillator, side, phase, speed):
     """Stay that begins at `phase` with `speed` into the wall."""
     damping = oscillator.damping
-    square = 2.0 * oscillator.stiffness
-    frequency = math.sqrt(square - 0.25 * damping * damping)
-    # Amplitudes of cos and sin in the slow part: (34-37) without their angles.
-    detuning, drag = square - TWO_PI * TWO_PI, TWO_PI * damping
-    strength = -side * TWO_PI * oscillator.eccentricity / (detuning * detuning + drag * drag)
-    cosine = strength * (TWO_PI * detuning - damping * drag)
-    sine = strength * (damping * detuning + TWO_PI * drag)
+    square, frequency, mean, cosine, sine = slow_part(oscillator)
+    mean, cosine, sine = side * mean, side * cosine, side * sine
     angle = TWO_PI * part_turn(phase)
     sine_here, cosine_here = math.sin(angle), math.cos(angle)
     here = cosine * cosine_here + sine * sine_here
     quarter = sine * cosine_here - cosine * sine_here
-    mean = side * FOUR_PI * damping / square
     quadrature = (speed - TWO_PI * quarter - 0.5 * damping * (mean + here)) / frequency
     ringing = math.hypot(mean + here, quadrature)
     swing = math.hypot(cosine, sine)
@@ -204,26 +229,27 @@ def _land(tau, motion):
 
 
 @step
-def stay_in_contact(oscillator, side, phase, speed, permanent_after):
+def stay_in_contact(oscillator, side, phase, speed):
     """Follow one stay in contact to its first end.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Checked by the caller; its stiffness is finite and exceeds ``damping**2/8``.
+        Checked by the caller. Where its stiffness is infinite, the stay is an elastic impact.
     side : float
         UPPER for linear contact (Phi >= +beta), LOWER for torque reversal (Phi <= -beta).
     phase, speed : float
         Phase (any value) of entering, and speed into the wall, not negative.
-    permanent_after : float
-        A stay that lasts longer counts as permanent: 1.0 is the paper's rule of one gross rotation, ``inf`` the exact
-        one (the envelope).
 
     Returns
     -------
     Stay
         Outcome RETURNED, PERMANENT_CONTACT or NOT_CONVERGED.
     """
+    if math.isinf(oscillator.stiffness):
+        return Stay(0.0, speed, _RETURNED)
+    # Torque reversal always ends, and no rule of the paper's cuts it short.
+    permanent_after = oscillator.permanent_after if side > 0.0 else math.inf
     contact = _enter(oscillator, side, phase, speed)
     least = contact.mean - contact.swing
     tau = 0.0

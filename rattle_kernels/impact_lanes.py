@@ -8,7 +8,8 @@ done. Closing on a checkpoint after n applications needs the distance to the orb
 tolerance, so ``1 - lambda >= 30/n`` about, and what is left of the distance is at most ``1e-13/(1 - lambda) <= 1e-13
 n/30``.
 
-*Capture.* A departure in the safe region of `capture` bounces ever lower and never rattles again.
+*Capture.* A departure in the safe region of `capture` bounces ever lower and never rattles again. (A stay in contact
+that does not end is no shortcut: there is no next departure.)
 
 A chaotic trajectory does all of its applications. Each lane's arithmetic is the same whichever lane it is and whatever
 its neighbours do, so a result depends on nothing but its starting point.
@@ -19,8 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.capture import level_bound, stay_time
+from rattle_kernels.contact_flight import slow_part
 from rattle_kernels.impact_map import NOT_CONVERGED, OUTSIDE_SECTION, RETURNED, Impacts
 from rattle_kernels.jit import lane_kernel, step
+from rattle_kernels.lane_contact import guess_stays, refine_stays, stay_carefully
 from rattle_kernels.lane_flight import (
     DROPS,
     END_ACCELERATION,
@@ -60,14 +64,14 @@ _NOBODY = -1.0
 
 
 class LaneRun(NamedTuple):
-    """What a batch did: applications of P and flights that took the careful path."""
+    """What a batch did: applications of P, and flights and stays that took the careful path."""
 
     applications: int
     careful_flights: int
 
 
 @step
-def _advance(lanes, capture_bound, lock_tolerance, speed_scale):
+def _advance(lanes, capture_bound, radian, lock_tolerance, speed_scale):
     """Move every lane to the end of its flight and note what has happened there."""
     speed_tolerance = lock_tolerance * speed_scale
     for i in range(LANES):
@@ -79,8 +83,9 @@ def _advance(lanes, capture_bound, lock_tolerance, speed_scale):
         away = away if abs(-velocity - lanes[_CHECK_SPEED + i]) <= speed_tolerance else False
         event = _LOCK if away else _NOTHING
         event = _FINISHED if done >= lanes[_WANTED + i] else event
-        low = -velocity * velocity * velocity < capture_bound * lanes[END_ACCELERATION + i]
-        event = _CAPTURE if low else event
+        acceleration = lanes[END_ACCELERATION + i]
+        event = _CAPTURE if level_bound(radian, acceleration, -velocity) < capture_bound * acceleration else event
+        event = _CAPTURE if velocity == 0.0 else event  # a stay that does not end
         # A checkpoint is set on a return only, and never where an event is to be handled.
         sets = (done >= lanes[_CHECK_NEXT + i]) & returns & (event == _NOTHING)
         lanes[_CHECK_PHASE + i] = phase if sets else lanes[_CHECK_PHASE + i]
@@ -140,13 +145,13 @@ def _settle(lanes, i):
 
 @step
 def _refill(lanes, i, tables, applications, points, following):
-    """Give lane i the next point, or let it idle on low bounces, which are never unsure; return the point after."""
+    """Give lane i the next point, or let it idle at a speed at which it is never unsure; return the point after."""
     t, v, outcome = points
     point = _next_point(t, v, outcome, following)
     if point < t.size:
         _load(lanes, i, point, t[point], v[point], applications, _FIRST_CHECKPOINT)
         return point + 1
-    _load(lanes, i, _NOBODY, 0.0, 1e-3 * tables.speed_scale, math.inf, math.inf)
+    _load(lanes, i, _NOBODY, 0.0, 1e6 * tables.speed_scale, math.inf, math.inf)
     return point
 
 
@@ -163,8 +168,9 @@ def _land(lanes, i, points, lower_impacts):
     t, v, outcome = points
     point = int(lanes[_POINT + i])
     ended = _outcome_of(lanes[_EVENT + i])
-    t[point] = lanes[PHASE + i]
-    v[point] = -lanes[VELOCITY + i] if ended != NOT_CONVERGED else math.nan
+    departs = ended != NOT_CONVERGED and lanes[VELOCITY + i] != 0.0
+    t[point] = lanes[PHASE + i] if departs else math.nan
+    v[point] = -lanes[VELOCITY + i] if departs else math.nan
     lower_impacts[point] = int(lanes[_LOWER + i])
     outcome[point] = ended
     return lanes[_DONE + i]
@@ -179,6 +185,7 @@ def _run_lanes(oscillator, tables, applications, capture_bound, lock_tolerance, 
     for i in range(LANES):
         following = _refill(lanes, i, tables, applications, points, following)
         flying += 1 if lanes[_POINT + i] != _NOBODY else 0
+    stiff, radian, slow = math.isfinite(oscillator.stiffness), stay_time(oscillator), slow_part(oscillator)
     done = 0.0
     careful = 0
     while flying > 0:
@@ -187,7 +194,13 @@ def _run_lanes(oscillator, tables, applications, capture_bound, lock_tolerance, 
         if unsure > 0:
             careful += unsure
             fly_carefully(lanes, oscillator)
-        if _advance(lanes, capture_bound, lock_tolerance, tables.speed_scale) == 0:
+        if stiff:
+            guess_stays(lanes, corners, tables)
+            unsure = refine_stays(lanes, oscillator.damping, slow)
+            if unsure > 0:
+                careful += unsure
+                stay_carefully(lanes, oscillator)
+        if _advance(lanes, capture_bound, radian, lock_tolerance, tables.speed_scale) == 0:
             continue
         flying = 0
         for i in range(LANES):
@@ -239,7 +252,6 @@ def next_impacts(
     Parameters
     ----------
     oscillator : Oscillator
-        Impacting model (infinite stiffness).
     t, v : array_like, broadcast together
         Phase (forcing periods, any finite value) and speed of departures from +beta.
     applications : int

@@ -1,11 +1,16 @@
-"""The impact map P of the impacting model (Eqs. 4, 5; Sec. 2), flight by flight.
+"""The impact map P of both models (Eqs. 1, 2, 4, 5; Secs. 2, 3): flights and stays in contact, in turn.
 
 Conventions, said once: the section is a departure from ``Phi = +beta`` into freeplay at phase t (forcing periods, [0,
-1)) with speed v > 0. In the elastic limit v is also the speed of arrival. P goes to the next departure from +beta,
+1)) with speed v > 0. In the impacting model v is also the speed of arrival. P goes to the next departure from +beta,
 either directly (case a) or by way of -beta (case b); above the grazing curve v*(t) it is case b.
 
+Freeplay is the same in both models, and so are the flights. Where the impacting model reverses the velocity at a wall,
+in the piecewise linear one the gears stay beyond it for a while (`contact_flight`), beyond +beta perhaps for ever.
+
 All that is used of the oscillator is Eq. (8): the acceleration at rest is positive at every phase, hence every turning
-point in freeplay is a minimum, and flights cross as the paper's monotonicity argument (Sec. 2) says.
+point in freeplay is a minimum, and flights cross as the paper's monotonicity argument (Sec. 2) says. By Eq. (31) the
+same holds beyond -beta: every stay there ends, the flight after it reaches +beta, and one application meets -beta at
+most once.
 """
 
 import math
@@ -13,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.contact_flight import Stay, stay_in_contact
 from rattle_kernels.flight import (
     displacement_rate,
     part_turn,
@@ -22,11 +28,12 @@ from rattle_kernels.flight import (
 )
 from rattle_kernels.grazing_curve import ARRIVING, LEAVING, grazing_flight
 from rattle_kernels.jit import kernel, step
-from rattle_kernels.oscillator import Oscillator, check_domain
+from rattle_kernels.oscillator import Oscillator, OutsideDomain, check_domain
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.roots import root_finder
 
 RETURNED = int(Outcome.RETURNED)
+PERMANENT_CONTACT = int(Outcome.PERMANENT_CONTACT)
 NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
 OUTSIDE_SECTION = int(Outcome.OUTSIDE_SECTION)
 UPPER = 1.0
@@ -44,19 +51,23 @@ class Contact(NamedTuple):
 
 
 class Impact(NamedTuple):
-    """One application of P to one point: next departure, contacts with -beta on the way, and how it ended."""
+    """One application of P to one point: next departure, contacts with -beta on the way, how it ended, how long.
+
+    ``t``, ``v`` and ``duration`` (forcing periods) are NaN unless the outcome is RETURNED.
+    """
 
     t: float
     v: float
     lower_impacts: int
     outcome: int
+    duration: float
 
 
 class Impacts(NamedTuple):
     """Applications of P to many points, arrays of one shape.
 
-    ``t`` in [0, 1) and ``v`` > 0 describe the departures reached (NaN where `outcome` is neither returned nor
-    captured), ``lower_impacts`` counts contacts with -beta on the way, ``outcome`` holds `Outcome` codes.
+    ``t`` in [0, 1) and ``v`` > 0 describe the departures reached (NaN where there is none), ``lower_impacts`` counts
+    contacts with -beta on the way, ``outcome`` holds `Outcome` codes.
     """
 
     t: np.ndarray
@@ -162,25 +173,47 @@ def next_contact(oscillator, wall, phase, velocity, direction):
 
 
 @step
+def _no_departure(lower_impacts, outcome):
+    return Impact(math.nan, math.nan, lower_impacts, outcome, math.nan)
+
+
+@step
+def _beyond(oscillator, contact, direction):
+    """What happens beyond the wall that a flight has met: an elastic impact, or a stay (forwards in time only)."""
+    if direction < 0.0:
+        return Stay(0.0, abs(contact.velocity), RETURNED)
+    speed = max(contact.wall * contact.velocity, 0.0)
+    return stay_in_contact(oscillator, contact.wall, contact.phase, speed)
+
+
+@step
 def _apply(oscillator, t, v, direction):
-    """P forwards (direction +1) or backwards (-1): one flight, or two by way of -beta; walls reverse the velocity."""
+    """P forwards (direction +1) or backwards (-1, impacting model): one flight, or two by way of -beta."""
     if not (math.isfinite(t) and math.isfinite(v) and v > 0.0):
-        return Impact(math.nan, math.nan, 0, OUTSIDE_SECTION)
+        return _no_departure(0, OUTSIDE_SECTION)
     contact = next_contact(oscillator, UPPER, t, -direction * v, direction)
-    found = contact.found
-    lower_impacts = 0
+    lower_impacts, duration = 0, contact.duration
     if contact.wall == LOWER:
         lower_impacts = 1
-        contact = next_contact(oscillator, LOWER, contact.phase, -contact.velocity, direction)
-    if not (found and contact.found):
-        return Impact(math.nan, math.nan, lower_impacts, NOT_CONVERGED)
-    wrapped = contact.phase - math.floor(contact.phase)
-    return Impact(wrapped if wrapped < 1.0 else 0.0, abs(contact.velocity), lower_impacts, RETURNED)
+        stay = _beyond(oscillator, contact, direction)
+        if not (contact.found and stay.outcome == RETURNED):
+            return _no_departure(lower_impacts, NOT_CONVERGED)
+        phase = part_turn(contact.phase) + stay.duration
+        contact = next_contact(oscillator, LOWER, phase, direction * stay.speed, direction)
+        duration += stay.duration + contact.duration
+    if not contact.found:
+        return _no_departure(lower_impacts, NOT_CONVERGED)
+    stay = _beyond(oscillator, contact, direction)
+    if stay.outcome != RETURNED:
+        return _no_departure(lower_impacts, stay.outcome)
+    phase = part_turn(contact.phase) + stay.duration
+    wrapped = phase - math.floor(phase)
+    return Impact(wrapped if wrapped < 1.0 else 0.0, stay.speed, lower_impacts, RETURNED, duration + stay.duration)
 
 
 @step
 def next_impact(oscillator, t, v):
-    """One application of P, the careful scalar path (Secs. 2.2, 2.3).
+    """One application of P, the careful scalar path.
 
     Parameters
     ----------
@@ -206,7 +239,7 @@ def previous_impact(oscillator, t, v):
 def _apply_to_all(oscillator, direction, t, v, lower_impacts, outcome):
     for i in range(t.size):
         impact = _apply(oscillator, t[i], v[i], direction)
-        t[i], v[i], lower_impacts[i], outcome[i] = impact
+        t[i], v[i], lower_impacts[i], outcome[i] = impact.t, impact.v, impact.lower_impacts, impact.outcome
 
 
 def previous_impacts(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.ArrayLike) -> Impacts:
@@ -230,6 +263,9 @@ def previous_impacts(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typin
         Where the oscillator's parameters lie outside the domain of the map.
     """
     checked = check_domain(oscillator)
+    if not math.isinf(checked.stiffness):
+        message = f"stiffness must be infinite, not {checked.stiffness:g}: only the impacting model goes backwards"
+        raise OutsideDomain("stiffness", checked.stiffness, "impacting model", math.inf, message)
     phase, speed = (np.array(a, dtype=np.float64) for a in np.broadcast_arrays(t, v))
     lower_impacts, outcome = np.zeros(phase.shape, np.int64), np.zeros(phase.shape, np.int8)
     _apply_to_all(checked, -1.0, phase.ravel(), speed.ravel(), lower_impacts.ravel(), outcome.ravel())

@@ -45,12 +45,15 @@ HIGH_RIGHT = 17 * LANES
 HALF_SINE = 18 * LANES
 HALF_COSINE = 19 * LANES
 PHI2 = 20 * LANES
-FLIGHT_FIELDS = 21
+RING_SINE = 21 * LANES
+RING_COSINE = 22 * LANES
+FLIGHT_FIELDS = 23
 
 # A flight is sure when the last term of its step, 5 r^4 or so for a guess off by the part r, is below this part of the
 # duration: r < 1.4e-3, and what the series leaves out, 14 r^5, below 1e-13.
-_LAST_TERM = 2e-11
+LAST_TERM = 2e-11
 _LARGEST_STEP = 4e-3
+_NO_SPEED = 1e-300
 
 # Chebyshev fits on r^2 in [0, 1/4] of sin(pi r)/r (error 7e-19) and cos(pi r) (4e-18), and on [0, 1] of phi2 (9e-19).
 _S = (
@@ -69,7 +72,7 @@ _P = (
 
 
 @lane_step
-def _sine_of_half_turns(r):
+def sine_of_half_turns(r):
     """sin(pi r) for |r| <= 1/2."""
     z = r * r
     even = _S[8]
@@ -85,7 +88,7 @@ def _sine_of_half_turns(r):
 
 
 @lane_step
-def _cosine_of_half_turns(r):
+def cosine_of_half_turns(r):
     """cos(pi r) for |r| <= 1/2."""
     z = r * r
     even = _C[8]
@@ -100,7 +103,7 @@ def _cosine_of_half_turns(r):
 
 
 @lane_step
-def _second_phi(x):
+def second_phi_of_part(x):
     """phi2(x) for 0 <= x <= 1."""
     total = _P[11]
     total = total * x + _P[10]
@@ -116,17 +119,26 @@ def _second_phi(x):
     return total * x + _P[0]
 
 
+@lane_step
+def fifth_order_step(q, bend, jerk, snap):
+    """Root of ``q = D + bend D^2/2 + jerk D^3/6 + snap D^4/24`` by reversion of the series, and its last term."""
+    b2, b3, b4 = 0.5 * bend, jerk * (1.0 / 6.0), snap * (1.0 / 24.0)
+    square = b2 * b2
+    last = (b2 * (5.0 * b3 - 5.0 * square) - b4) * q * q * q
+    return q * (1.0 + q * (-b2 + q * (2.0 * square - b3)) + last), last * q
+
+
 @step
-def _turn_phases(lanes):
-    """Sine and cosine of every lane's phase; the reduction to a quarter turn is exact."""
+def turn_phases(lanes, field):
+    """Sine and cosine of every lane's phase in a field; the reduction to a quarter turn is exact."""
     for i in range(LANES):
-        phase = lanes[PHASE + i]
+        phase = lanes[field + i]
         halves = math.floor(2.0 * phase + 0.5)
         r = 2.0 * phase - halves
         odd = halves - 2.0 * math.floor(0.5 * halves)
         sign = 1.0 - 2.0 * odd
-        lanes[SINE + i] = sign * _sine_of_half_turns(r)
-        lanes[COSINE + i] = sign * _cosine_of_half_turns(r)
+        lanes[SINE + i] = sign * sine_of_half_turns(r)
+        lanes[COSINE + i] = sign * cosine_of_half_turns(r)
 
 
 @step
@@ -167,7 +179,7 @@ def _classify(lanes, corners, tables, two_beta):
 
 
 @step
-def _look_up(lanes, corners, guess):
+def look_up(lanes, corners, guess):
     """Bilinear interpolation; the loads are what it costs, so they stand alone."""
     for i in range(LANES):
         at = corners[i] & 0xFFFFFF  # tells the compiler that it is no negative index
@@ -183,10 +195,10 @@ def _look_up(lanes, corners, guess):
 @step
 def guess_durations(lanes, corners, tables, two_beta):
     """First pass: kind of flight, target and first guess."""
-    _turn_phases(lanes)
+    turn_phases(lanes, PHASE)
     _graze_speeds(lanes, tables.graze_speed)
     _classify(lanes, corners, tables, two_beta)
-    _look_up(lanes, corners, tables.guess)
+    look_up(lanes, corners, tables.guess)
 
 
 @step
@@ -201,9 +213,9 @@ def refine_durations(lanes, d, e):
     for i in range(LANES):
         tau = lanes[DURATION + i]
         r = tau - math.floor(tau + 0.5)
-        lanes[HALF_SINE + i] = _sine_of_half_turns(r)
-        lanes[HALF_COSINE + i] = _cosine_of_half_turns(r)
-        lanes[PHI2 + i] = _second_phi(d * tau)
+        lanes[HALF_SINE + i] = sine_of_half_turns(r)
+        lanes[HALF_COSINE + i] = cosine_of_half_turns(r)
+        lanes[PHI2 + i] = second_phi_of_part(d * tau)
     for i in range(LANES):
         tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
         target = lanes[TARGET + i]
@@ -218,17 +230,10 @@ def refine_durations(lanes, d, e):
         y3 = TWO_PI * TWO_PI * e * (TWO_PI * s - d * c) - d * y2
         y4 = TWO_PI * TWO_PI * TWO_PI * e * (TWO_PI * c + d * s) - d * y3
         inverse = 1.0 / y1
-        q = (target - y) * inverse
-        b2, b3 = 0.5 * y2 * inverse, y3 * inverse * (1.0 / 6.0)
-        b4 = y4 * inverse * (1.0 / 24.0)
-        # Reversion of q = Delta + b2 Delta^2 + b3 Delta^3 + b4 Delta^4.
-        square = b2 * b2
-        t3 = 2.0 * square - b3
-        last = (b2 * (5.0 * b3 - 5.0 * square) - b4) * q * q * q
-        step_ = q * (1.0 + q * (-b2 + q * t3) + last)
+        step_, last = fifth_order_step((target - y) * inverse, y2 * inverse, y3 * inverse, y4 * inverse)
         # Three selects, not one condition: a short circuit would be a branch. NaN ends up unsure.
         unsure = lanes[UNSURE + i]
-        unsure = unsure if abs(last * q) <= _LAST_TERM * tau else 1.0
+        unsure = unsure if abs(last) <= LAST_TERM * tau else 1.0
         unsure = unsure if abs(step_) <= _LARGEST_STEP else 1.0
         lanes[UNSURE + i] = unsure if x <= 1.0 else 1.0
         # The step turns the phase by a small angle; its sine and cosine to rounding for |step| <= 4e-3.
@@ -273,7 +278,8 @@ def fly_carefully(lanes, oscillator):
         all_found = all_found and contact.found
         phase = contact.phase - math.floor(contact.phase)
         lanes[END_PHASE + i] = phase if contact.found else math.nan
-        lanes[END_VELOCITY + i] = -contact.velocity
+        # The sign tells the wall that is left, even after an exact graze.
+        lanes[END_VELOCITY + i] = max(-contact.velocity, _NO_SPEED) if contact.wall == LOWER else -contact.velocity
         lanes[DROPS + i] = 1.0 if contact.wall == LOWER else 0.0
         angle = TWO_PI * phase
         forcing = TWO_PI * math.cos(angle) + oscillator.damping * math.sin(angle)

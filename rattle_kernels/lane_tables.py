@@ -7,21 +7,29 @@ in a variable in which its duration is smooth up to the ends (the square root re
     FALL_BACK      tau / v               v / v*                  2/a  ...  duration at graze / v*
     DROP           tau v                 sqrt(1 - v*/v)          graze  ...  2 beta
     RISE           tau (u + u_ref)       u / (u + u_ref)         from rest  ...  2 beta
+    STAY_ABOVE     tau                   u / (u + u_con)         half a swing at the upper end
+    STAY_BELOW     tau (u + u_con)/u     u / (u + u_con)         from rest  ...  half a swing
+
+The last two are stays in contact (piecewise linear model), u_con = 4 pi delta/sqrt(2 kappa). A stay above may last for
+longer than one swing, or for ever; which, changes by jumps. There, and one node around, the table holds NaN.
 """
 
+import math
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from rattle_kernels.capture import capture_bound
-from rattle_kernels.flight import rest_acceleration
+from rattle_kernels.contact_flight import stay_in_contact
+from rattle_kernels.flight import TWO_PI, rest_acceleration
 from rattle_kernels.grazing_curve import LEAVING, grazing_flight, grazing_velocity
-from rattle_kernels.impact_map import LOWER, UPPER, next_contact
+from rattle_kernels.impact_map import LOWER, RETURNED, UPPER, next_contact
 from rattle_kernels.jit import kernel
 from rattle_kernels.oscillator import Oscillator
 
 FALL_BACK, DROP, RISE = 0, 1, 2
+STAY_ABOVE, STAY_BELOW = 0, 1
 
 # Intervals in phase and in the abscissa. Measured at the paper's parameters: with 192 x 96 one flight in 5,000 takes
 # the careful path; with 192 x 48 it is one in 80, which doubles the time of a flight.
@@ -33,6 +41,9 @@ BLOCK = (PHASES + 1) * ROW
 # Intervals of the grazing curve's own table, interpolated linearly: only flights within some 1e-5 of the curve are
 # unsure.
 GRAZES = 1024
+
+# What is left of the abscissa at the upper end of stays: speeds there are some 1e6 times u_con.
+_FASTEST = 1e-6
 
 
 class LaneTables(NamedTuple):
@@ -48,14 +59,20 @@ class LaneTables(NamedTuple):
         Bound on the error of interpolation there; closer to the curve a lane takes the careful path.
     speed_scale : float
         u_ref: the largest v*.
+    stay : ndarray of float64, shape (2 * BLOCK,)
+        The tables of STAY_ABOVE and STAY_BELOW, row by phase; of no meaning in the impacting model.
+    stay_speed : float
+        u_con: the speed with which contact at rest swings.
     capture_bound : float
-        Safe bound on v^3/a (see `capture`).
+        Safe bound on the level of a bounce (see `capture`).
     """
 
     guess: np.ndarray
     graze_speed: np.ndarray
     grazing_error: float
     speed_scale: float
+    stay: np.ndarray
+    stay_speed: float
     capture_bound: float
 
 
@@ -84,6 +101,45 @@ def _fill_guess(oscillator, speed_scale, guess):
         guess[RISE * BLOCK + at + ABSCISSAE] = two_beta
 
 
+@kernel
+def _fill_stay(oscillator, stay_speed, stay):
+    # A stay of one swing lasts at most a turn of the ringing; those that graze the wall from inside come close to it.
+    longest = 0.95 * TWO_PI / math.sqrt(2.0 * oscillator.stiffness)
+    for i in range(PHASES + 1):
+        phase = (i % PHASES) / PHASES
+        at = i * ROW
+        stay[STAY_BELOW * BLOCK + at] = 2.0 * stay_speed / rest_acceleration(oscillator, phase)
+        stay[STAY_ABOVE * BLOCK + at] = math.nan
+        for j in range(1, ABSCISSAE + 1):
+            abscissa = j / ABSCISSAE
+            # The upper end stands for infinite speed; half a swing, whose correction falls as 1/speed.
+            speed = stay_speed * abscissa / max(1.0 - abscissa, _FASTEST)
+            above = stay_in_contact(oscillator, UPPER, phase, speed)
+            single = above.outcome == RETURNED and above.duration < longest
+            stay[STAY_ABOVE * BLOCK + at + j] = above.duration if single else math.nan
+            below = stay_in_contact(oscillator, LOWER, phase, speed)
+            stay[STAY_BELOW * BLOCK + at + j] = below.duration / abscissa
+
+
+def _widen_gaps(table: np.ndarray) -> np.ndarray:
+    """The table with every node beside a NaN set to NaN, the last row being the first."""
+    gaps = np.isnan(table[:-1])
+    unknown = gaps | np.roll(gaps, 1, axis=0) | np.roll(gaps, -1, axis=0)
+    unknown[:, 1:] |= gaps[:, :-1]
+    unknown[:, :-1] |= gaps[:, 1:]
+    return np.where(np.vstack([unknown, unknown[:1]]), np.nan, table)
+
+
+def _stay_table(oscillator: Oscillator) -> tuple[np.ndarray, float]:
+    stay = np.full(2 * BLOCK, np.nan)
+    stay_speed = 4.0 * math.pi * oscillator.damping / math.sqrt(2.0 * oscillator.stiffness)
+    if stay_speed > 0.0:
+        _fill_stay(oscillator, stay_speed, stay)
+        above = stay[STAY_ABOVE * BLOCK :][:BLOCK].reshape(-1, ROW)
+        above[:] = _widen_gaps(above)
+    return stay, stay_speed
+
+
 def _graze_table(oscillator: Oscillator) -> tuple[np.ndarray, float, float]:
     speed = grazing_velocity(oscillator, np.arange(2 * GRAZES + 1) / (2 * GRAZES))
     # Linear interpolation errs most about the middle of an interval; twice the largest error seen there bounds it.
@@ -108,4 +164,4 @@ def lane_tables(oscillator: Oscillator) -> LaneTables:
     guess = np.empty(3 * BLOCK)
     _fill_guess(oscillator, speed_scale, guess)
     bound = capture_bound(oscillator, np.empty(12), np.empty(12))
-    return LaneTables(guess, graze_speed, error, speed_scale, bound)
+    return LaneTables(guess, graze_speed, error, speed_scale, *_stay_table(oscillator), bound)

@@ -12,6 +12,7 @@ import numpy as np
 
 from rattle_kernels.capture import is_captured
 from rattle_kernels.impact_jacobian import next_impact_with_jacobian
+from rattle_kernels.impact_map import RETURNED
 from rattle_kernels.jit import kernel
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.oscillator import Oscillator
@@ -52,11 +53,13 @@ def _grow(oscillator, bound, speed_scale, t, v, block, growth, elapsed, last_t, 
     for n in range(total):
         if is_captured(oscillator, bound, t, v):
             return True
-        impact, jacobian, duration = next_impact_with_jacobian(oscillator, t, v)
+        impact, jacobian = next_impact_with_jacobian(oscillator, t, v)
+        if impact.outcome != RETURNED:
+            return True
         dt, dv = jacobian.tt * dt + jacobian.tv * dv * speed_scale, jacobian.vt * dt / speed_scale + jacobian.vv * dv
         norm = math.hypot(dt, dv)
         growth[n // block] += math.log(norm)
-        elapsed[n // block] += duration
+        elapsed[n // block] += impact.duration
         dt, dv = dt / norm, dv / norm
         t, v = impact.t, impact.v
         if n >= total - last_t.size:

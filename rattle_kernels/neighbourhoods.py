@@ -229,5 +229,7 @@ def _follow(oscillator, bound, around, left, t, v, place):
         if not left.size or round_ == _ROUNDS - 1:
             break
         moved, _ = run_lanes(oscillator, t, v, 1, shortcuts=False)
-        t, v = moved.t, moved.v
+        goes = moved.outcome != Outcome.PERMANENT_CONTACT
+        place[left[~goes]] = 0
+        left, t, v, streak, candidate = (field[goes] for field in (left, moved.t, moved.v, streak, candidate))
     return left, t, v

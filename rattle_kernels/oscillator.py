@@ -17,12 +17,17 @@ class Oscillator(NamedTuple):
         beta > 0.
     stiffness : float
         kappa; infinite for the impacting model.
+    permanent_after : float
+        A stay in linear contact that lasts longer counts as permanent (forcing periods): infinite for the exact
+        statement that contact is never left, 1 for the paper's rule of one gross rotation (Sec. 3). Of no account in
+        the impacting model.
     """
 
     damping: float = 0.6
     eccentricity: float = 0.1
     half_backlash: float = 0.6
     stiffness: float = math.inf
+    permanent_after: float = math.inf
 
 
 class OutsideDomain(ValueError):
@@ -128,7 +133,13 @@ def check_domain(oscillator: Oscillator) -> Oscillator:
             f"not {checked.eccentricity:g}: beyond it freeplay has smooth maxima and the impact map is not defined"
         )
         raise OutsideDomain("eccentricity", checked.eccentricity, "epsilon_crit2", limit, message)
-    if not math.isinf(checked.stiffness) or checked.stiffness < 0.0:
-        message = f"stiffness must be infinite, not {checked.stiffness:g}: only the impacting model is served"
-        raise OutsideDomain("stiffness", checked.stiffness, "impacting model", math.inf, message)
+    if not checked.stiffness > checked.damping**2 / 8:
+        message = (
+            f"stiffness must exceed damping^2/8 = {checked.damping**2 / 8:.6g}, not {checked.stiffness:g}: "
+            "below it the gears do not ring in contact"
+        )
+        raise OutsideDomain("stiffness", checked.stiffness, "ringing", checked.damping**2 / 8, message)
+    if not checked.permanent_after > 0.0:
+        message = f"permanent_after must be positive or infinite, not {checked.permanent_after:g}"
+        raise OutsideDomain("permanent_after", checked.permanent_after, "positivity", 0.0, message)
     return checked

@@ -55,10 +55,10 @@ def _iterate(oscillator, t, v, period):
     jacobian = Jacobian(1.0, 0.0, 0.0, 1.0)
     elapsed, lower = 0.0, 0
     for _ in range(period):
-        impact, one, duration = next_impact_with_jacobian(oscillator, t, v)
+        impact, one = next_impact_with_jacobian(oscillator, t, v)
         jacobian = multiply(one, jacobian)
         t, v = impact.t, impact.v
-        elapsed += duration
+        elapsed += impact.duration
         lower += impact.lower_impacts
     return t, v, jacobian, elapsed, lower
 
@@ -97,7 +97,7 @@ def _orbit_points(oscillator, t, v, period, speed_scale, times, speeds, jacobian
         _, _, jacobian, elapsed_turn, lower_turn = _iterate(oscillator, t, v, period)
         jacobians[i, 0, 0], jacobians[i, 0, 1] = jacobian.tt, jacobian.tv
         jacobians[i, 1, 0], jacobians[i, 1, 1] = jacobian.vt, jacobian.vv
-        impact, _, _ = next_impact_with_jacobian(oscillator, t, v)
+        impact, _ = next_impact_with_jacobian(oscillator, t, v)
         t, v = impact.t, impact.v
     return elapsed_turn, lower_turn
 

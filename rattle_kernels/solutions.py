@@ -12,8 +12,8 @@ from rattle_kernels.oscillator import Oscillator, check_domain
 STRANGER = -1
 """No attractor of a catalogue."""
 
-# Transients of chaotic saddles: eight more legs of 4093 impacts before a point is called a stranger.
-_LEGS = 8
+# Transients of chaotic saddles: 32 more legs of 4093 impacts before a point is called a stranger.
+_LEGS = 32
 _LATTICE = 512
 
 
@@ -34,7 +34,7 @@ def name_solutions(
     Returns
     -------
     ndarray of int16, shape (n,)
-        STRANGER (-1) where a point arrived at no attractor of the catalogue within some 35,000 impacts.
+        STRANGER (-1) where a point arrived at no attractor of the catalogue within some 130,000 impacts.
 
     Raises
     ------

@@ -1,5 +1,7 @@
 """Hypothesis strategies: oscillators and departures inside the domain of the map."""
 
+import math
+
 from hypothesis import strategies as st
 
 from rattle_kernels import Oscillator, eccentricity_bound_smooth_maxima
@@ -15,6 +17,14 @@ def oscillators(draw, largest_part_of_bound=0.95):
     part = draw(st.floats(0.0, largest_part_of_bound))
     bare = Oscillator(damping=damping, half_backlash=half_backlash)
     return bare._replace(eccentricity=part * eccentricity_bound_smooth_maxima(bare))
+
+
+@st.composite
+def stiff_oscillators(draw):
+    """Piecewise linear oscillators of either rule, below the bound of Eq. (3) and somewhat beyond it."""
+    oscillator = draw(oscillators(largest_part_of_bound=0.97))
+    stiffness, permanent_after = 10.0 ** draw(st.floats(1.0, 7.0)), draw(st.sampled_from([math.inf, 1.0]))
+    return oscillator._replace(stiffness=stiffness, permanent_after=permanent_after)
 
 
 def speeds(oscillator, least=1e-3, most=4.0):

@@ -6,7 +6,15 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from rattle_kernels import CellGrid, Oscillator, OutsideDomain, check_domain, check_grid, check_iterations
+from rattle_kernels import (
+    CellGrid,
+    Oscillator,
+    OutsideDomain,
+    check_domain,
+    check_grid,
+    check_iterations,
+    eccentricity_bound_quiet,
+)
 from worker.errors import InvalidJob
 
 # Part of every digest: a store of another layout, or of kernels that answer otherwise, is another result.
@@ -20,7 +28,7 @@ class BasinJob:
     Parameters
     ----------
     oscillator : Oscillator
-        Impacting model.
+        Its permanent contact by the envelope (``permanent_after`` infinite) or by one rotation (1).
     grid : CellGrid
         The paper's by default.
     iterations : int
@@ -48,13 +56,18 @@ class BasinJob:
 
     def request(self) -> dict[str, Any]:
         """Request that asks for this job, in the JSON shape of ``POST /v1/basins``."""
-        damping, eccentricity, half_backlash, stiffness = self.oscillator
-        oscillator = {
+        damping, eccentricity, half_backlash, stiffness, permanent_after = self.oscillator
+        oscillator: dict[str, Any] = {
             "model": "impacting" if math.isinf(stiffness) else "piecewise_linear",
             "damping": damping,
             "eccentricity": eccentricity,
             "half_backlash": half_backlash,
         }
+        if not math.isinf(stiffness):
+            rule = "envelope" if math.isinf(permanent_after) else "one_rotation"
+            oscillator |= {"stiffness": stiffness, "permanent_contact": rule}
+            if eccentricity >= eccentricity_bound_quiet(self.oscillator):
+                oscillator["allow_no_quiet_solution"] = True
         grid = self.grid
         time = {"start": grid.time_start, "stop": grid.time_stop, "cells": grid.time_cells}
         velocity = {"start": grid.velocity_start, "stop": grid.velocity_stop, "cells": grid.velocity_cells}
@@ -69,7 +82,9 @@ class BasinJob:
     @classmethod
     def from_request(cls, request: dict[str, Any]) -> "BasinJob":
         """Job that a request in the shape of `request` asks for."""
-        oscillator = {name: value for name, value in request["oscillator"].items() if name != "model"}
+        oscillator = {name: value for name, value in request["oscillator"].items() if name in Oscillator._fields}
+        if request["oscillator"].get("permanent_contact") == "one_rotation":
+            oscillator["permanent_after"] = 1.0
         time, velocity = request["grid"]["time"], request["grid"]["velocity"]
         grid = CellGrid(
             time["start"], time["stop"], time["cells"], velocity["start"], velocity["stop"], velocity["cells"]

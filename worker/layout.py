@@ -12,7 +12,7 @@ import numpy as np
 
 from rattle_kernels import AttractorKind
 
-LAYOUT_VERSION = 1
+LAYOUT_VERSION = 2
 MISSING = -9
 """Fill value of all integer arrays: no cell number, group, period, step or index."""
 

@@ -1,5 +1,6 @@
 """Pictures of a basin in the paper's axes and colours (Figs. 6 to 16), also while tiles are still coming."""
 
+import math
 from enum import StrEnum
 from pathlib import Path
 from typing import IO
@@ -125,8 +126,9 @@ def _draw_grazing_curve(axes: Axes, store: BasinStore) -> None:
 
 
 def _title(store: BasinStore) -> str:
-    damping, eccentricity, half_backlash, _ = store.job.oscillator
-    title = f"impacting model, δ = {damping:g}, ε = {eccentricity:g}, β = {half_backlash:g}, k = {store.job.iterations}"
+    damping, eccentricity, half_backlash, stiffness, _ = store.job.oscillator
+    model = "impacting model" if math.isinf(stiffness) else f"piecewise linear model, κ = {stiffness:g}"
+    title = f"{model}, δ = {damping:g}, ε = {eccentricity:g}, β = {half_backlash:g}, k = {store.job.iterations}"
     states = store.read_ledger()
     if not store.complete:
         done = int((states == TileState.ASSEMBLED).sum())
