@@ -21,7 +21,7 @@ from rattle_kernels.impact_lanes import next_impacts, run_lanes
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.lyapunov import lyapunov_exponent
 from rattle_kernels.neighbourhoods import locate, neighbourhoods
-from rattle_kernels.oscillator import Oscillator, check_domain
+from rattle_kernels.oscillator import Oscillator, check_impacting
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 
@@ -144,7 +144,7 @@ def find_attractors(
     OutsideDomain
         Where the oscillator's parameters lie outside the domain of the map.
     """
-    checked = check_domain(oscillator)
+    checked = check_impacting(oscillator)
     catalogue = list(known) or [PERMANENT_CONTACT_ATTRACTOR]
     seeds = np.unique(np.column_stack([np.asarray(t, np.float64), np.asarray(v, np.float64)]), axis=0)
     t_left, v_left = _settle(checked, seeds[:, 0].copy(), seeds[:, 1].copy(), _SETTLING)

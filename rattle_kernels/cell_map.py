@@ -14,7 +14,7 @@ from rattle_kernels.impact_map import RETURNED
 from rattle_kernels.iterations import check_iterations
 from rattle_kernels.jit import kernel
 from rattle_kernels.lane_tables import lane_tables
-from rattle_kernels.oscillator import Oscillator, check_domain
+from rattle_kernels.oscillator import Oscillator, check_impacting
 from rattle_kernels.outcome import Outcome
 
 PERMANENT_CONTACT = -2
@@ -86,7 +86,7 @@ def map_cells(
     ValueError
         Where the grid or `iterations` is not valid.
     """
-    checked = check_domain(oscillator)
+    checked = check_impacting(oscillator)
     check_grid(grid)
     check_iterations(iterations)
     times, velocities = grid.time_centres()[slice(*columns)], grid.velocity_centres()[slice(*rows)]

@@ -36,7 +36,7 @@ from rattle_kernels.lane_flight import (
     refine_durations,
 )
 from rattle_kernels.lane_tables import lane_tables
-from rattle_kernels.oscillator import Oscillator, check_domain
+from rattle_kernels.oscillator import Oscillator, check_impacting
 from rattle_kernels.outcome import Outcome
 
 CAPTURED = int(Outcome.PERMANENT_CONTACT)
@@ -263,7 +263,7 @@ def next_impacts(
     >>> impacts.lower_impacts
     array([0, 1])
     """
-    checked = check_domain(oscillator)
+    checked = check_impacting(oscillator)
     if applications < 1:
         raise ValueError(f"applications must be at least 1, not {applications}")
     phase, speed = np.broadcast_arrays(np.asarray(t, dtype=np.float64), np.asarray(v, dtype=np.float64))

@@ -22,18 +22,16 @@ def _no_departure(lower_impacts, outcome):
 
 
 @step
-def next_departure(oscillator, t, v, permanent_after):
+def next_departure(oscillator, t, v):
     """One application of P, the careful scalar path.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Checked by the caller (Eq. 8 holds); finite stiffness above ``damping**2/8``.
+        Checked by the caller; finite stiffness. Its ``permanent_after`` says when a stay in linear contact counts as
+        permanent.
     t, v : float
         Phase and speed of a departure from +beta.
-    permanent_after : float
-        How long a stay in linear contact counts as permanent: ``inf`` for the exact statement, 1.0 for the paper's
-        rule of one gross rotation.
 
     Returns
     -------
@@ -47,14 +45,14 @@ def next_departure(oscillator, t, v, permanent_after):
     lower_impacts = 0
     if contact.wall == LOWER:
         lower_impacts = 1
-        reversal = stay_in_contact(oscillator, LOWER, contact.phase, -contact.velocity, math.inf)
+        reversal = stay_in_contact(oscillator, LOWER, contact.phase, -contact.velocity)
         found = found and reversal.outcome == RETURNED
         if found:
             phase = part_turn(contact.phase) + reversal.duration
             contact = next_contact(oscillator, LOWER, phase, reversal.speed, 1.0)
     if not (found and contact.found):
         return _no_departure(lower_impacts, NOT_CONVERGED)
-    stay = stay_in_contact(oscillator, UPPER, contact.phase, max(contact.velocity, 0.0), permanent_after)
+    stay = stay_in_contact(oscillator, UPPER, contact.phase, max(contact.velocity, 0.0))
     if stay.outcome != RETURNED:
         return _no_departure(lower_impacts, stay.outcome)
     phase = part_turn(contact.phase) + stay.duration

@@ -7,7 +7,7 @@ import numpy as np
 from rattle_kernels.attractor import Attractor
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.neighbourhoods import locate, neighbourhoods
-from rattle_kernels.oscillator import Oscillator, check_domain
+from rattle_kernels.oscillator import Oscillator, check_impacting
 
 STRANGER = -1
 """No attractor of a catalogue."""
@@ -43,7 +43,7 @@ def name_solutions(
     ValueError
         Where a point is no departure: not finite, or not faster than 0.
     """
-    checked = check_domain(oscillator)
+    checked = check_impacting(oscillator)
     times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
     if not (np.isfinite(times).all() and np.isfinite(speeds).all() and (speeds > 0.0).all()):
         raise ValueError("landing points must be finite with positive speeds; captured cells have none: leave them out")
@@ -69,7 +69,7 @@ def landing_boxes(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.A
     ndarray of int64, shape (n,)
         Box numbers, -1 for NaN.
     """
-    scale = lane_tables(check_domain(oscillator)).speed_scale
+    scale = lane_tables(check_impacting(oscillator)).speed_scale
     times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
     known = np.isfinite(times) & np.isfinite(speeds)
     columns = np.minimum((np.where(known, times, 0.0) * _LATTICE).astype(np.int64), _LATTICE - 1)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from rattle_kernels import CellGrid, Oscillator, OutsideDomain, check_domain, check_grid, check_iterations
+from rattle_kernels import CellGrid, Oscillator, OutsideDomain, check_grid, check_impacting, check_iterations
 from worker.errors import InvalidJob
 
 # Part of every digest: a store of another layout, or of kernels that answer otherwise, is another result.
@@ -38,7 +38,7 @@ class BasinJob:
 
     def __post_init__(self) -> None:
         try:
-            object.__setattr__(self, "oscillator", check_domain(self.oscillator))
+            object.__setattr__(self, "oscillator", check_impacting(self.oscillator))
             object.__setattr__(self, "grid", check_grid(self.grid))
             check_iterations(self.iterations)
         except OutsideDomain:
@@ -48,7 +48,7 @@ class BasinJob:
 
     def request(self) -> dict[str, Any]:
         """Request that asks for this job, in the JSON shape of ``POST /v1/basins``."""
-        damping, eccentricity, half_backlash, stiffness = self.oscillator
+        damping, eccentricity, half_backlash, stiffness, _ = self.oscillator
         oscillator = {
             "model": "impacting" if math.isinf(stiffness) else "piecewise_linear",
             "damping": damping,

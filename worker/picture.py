@@ -125,7 +125,7 @@ def _draw_grazing_curve(axes: Axes, store: BasinStore) -> None:
 
 
 def _title(store: BasinStore) -> str:
-    damping, eccentricity, half_backlash, _ = store.job.oscillator
+    damping, eccentricity, half_backlash, *_ = store.job.oscillator
     title = f"impacting model, δ = {damping:g}, ε = {eccentricity:g}, β = {half_backlash:g}, k = {store.job.iterations}"
     states = store.read_ledger()
     if not store.complete:

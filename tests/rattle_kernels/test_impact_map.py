@@ -55,7 +55,8 @@ def test_parameters_beyond_the_bound_are_refused_with_its_value(entry):
 @pytest.mark.parametrize(
     ("field", "value"),
     [("damping", 0.0), ("damping", -1.0), ("damping", math.nan), ("damping", math.inf), ("half_backlash", 0.0),
-     ("eccentricity", -0.1), ("eccentricity", math.nan), ("stiffness", 1000.0), ("stiffness", math.nan)],
+     ("eccentricity", -0.1), ("eccentricity", math.nan), ("stiffness", 1000.0), ("stiffness", math.nan),
+     ("permanent_after", 0.0)],
 )  # fmt: skip
 def test_parameters_outside_the_domain_are_refused_by_name(field, value):
     with pytest.raises(OutsideDomain, match=field) as refusal:
@@ -171,7 +172,7 @@ def test_several_applications_are_repeated_single_ones():
 
 def _integrated_impact(oscillator, t, v):
     """One application of P by an ODE integrator with events, an oracle that shares nothing with the kernels."""
-    damping, eccentricity, beta, _ = oscillator
+    damping, eccentricity, beta, *_ = oscillator
 
     def motion(time, state):
         angle = 2.0 * math.pi * time
