@@ -5,11 +5,12 @@ With x >= 0 the depth beyond the wall, omega^2 = 2 kappa and s = +1 above, -1 be
     x'' + delta x' + omega^2 x = s a(t),    a the acceleration at rest in freeplay, Eq. (7),
 
 whose solution is a slow part p of the forcing's period plus a ringing E r cos(q tau + zeta), E = e^{-delta tau/2},
-q^2 = omega^2 - delta^2/4 (Eqs. 33-37 with their errata). From x(0) = 0, x'(0) = u it is evaluated as
+q^2 = omega^2 - delta^2/4 (Eqs. 33-37 with their errata). From x(0) = d, x'(0) = u it is evaluated as
 
-    x = u S + p(0) C + p(tau) - p(0) - p'(0) S,    S = E sin(q tau)/q,    C = 1 - S' - delta S,
+    x = d + u S + (p(0) - d) C + p(tau) - p(0) - p'(0) S,    S = E sin(q tau)/q,    C = 1 - S' - delta S,
 
-whose terms vanish with tau one by one: short and gentle stays keep their digits.
+whose terms beside d vanish with tau one by one: short and gentle stays keep their digits. A stay begins at the
+wall (d = 0); one that is met inside (d > 0) is the same motion from there on.
 
 The end is the first zero of x after 0. It is reached by steps that provably jump over none: from a point with x > 0, x
 stays positive while Taylor's polynomial less a bound on its remainder does. The derivatives of x are bounded, over all
@@ -49,12 +50,13 @@ class Stay(NamedTuple):
 _ENDLESS = Stay(math.nan, math.nan, _PERMANENT_CONTACT)
 
 
-class _Contact(NamedTuple):
+class Contact(NamedTuple):
     """A stay as its root-finder sees it: p = mean + here cos(2 pi tau) + quarter sin(2 pi tau), and the ringing."""
 
     damping: float
     square: float
     frequency: float
+    depth: float
     speed: float
     mean: float
     here: float
@@ -63,7 +65,7 @@ class _Contact(NamedTuple):
     ringing: float
 
 
-class _Motion(NamedTuple):
+class Motion(NamedTuple):
     """Depth and its derivatives, the slow part less its mean and its rate, and the ringing that is left."""
 
     depth: float
@@ -76,7 +78,7 @@ class _Motion(NamedTuple):
 
 
 class SlowPart(NamedTuple):
-    """Slow part of a stay above: mean + cosine cos(2 pi t) + sine sin(2 pi t), and the ringing's frequency q, squared.
+    """Slow part of a stay above: mean + cosine cos(2 pi t) + sine sin(2 pi t), and the ringing's frequency q.
 
     ``square`` is omega^2 = 2 kappa. Below, the slow part has the opposite sign.
     """
@@ -107,8 +109,8 @@ def slow_part(oscillator):
 
 
 @step
-def _enter(oscillator, side, phase, speed):
-    """Stay that begins at `phase` with `speed` into the wall."""
+def enter_contact(oscillator, side, phase, depth, speed):
+    """Stay met at `phase`, `depth` beyond the wall of `side`, with signed `speed` into the wall."""
     damping = oscillator.damping
     square, frequency, mean, cosine, sine = slow_part(oscillator)
     mean, cosine, sine = side * mean, side * cosine, side * sine
@@ -116,14 +118,15 @@ def _enter(oscillator, side, phase, speed):
     sine_here, cosine_here = math.sin(angle), math.cos(angle)
     here = cosine * cosine_here + sine * sine_here
     quarter = sine * cosine_here - cosine * sine_here
-    quadrature = (speed - TWO_PI * quarter - 0.5 * damping * (mean + here)) / frequency
-    ringing = math.hypot(mean + here, quadrature)
+    lag = mean + here - depth
+    quadrature = (speed - TWO_PI * quarter - 0.5 * damping * lag) / frequency
+    ringing = math.hypot(lag, quadrature)
     swing = math.hypot(cosine, sine)
-    return _Contact(damping, square, frequency, speed, mean, here, quarter, swing, ringing)
+    return Contact(damping, square, frequency, depth, speed, mean, here, quarter, swing, ringing)
 
 
 @step
-def _motion(contact, tau):
+def motion_in_contact(contact, tau):
     """Where the stay is at tau."""
     damping = contact.damping
     half_angle = math.pi * part_turn(tau)
@@ -138,15 +141,15 @@ def _motion(contact, tau):
     lag = lost + 2.0 * left * sine_ring * sine_ring  # 1 - E cos
     settled = lag - 0.5 * damping * pulse
     pulse_drop = lag + 0.5 * damping * pulse  # 1 - S'
-    level, slow_rate_here = contact.mean + contact.here, TWO_PI * contact.quarter
-    depth = contact.speed * pulse + level * settled + (slow_change - slow_rate_here * pulse)
+    level, slow_rate_here = contact.mean + contact.here - contact.depth, TWO_PI * contact.quarter
+    depth = contact.speed * pulse + level * settled + (slow_change - slow_rate_here * pulse) + contact.depth
     rate = contact.speed * (1.0 - pulse_drop) + level * contact.square * pulse
     rate += slow_rate_change + slow_rate_here * pulse_drop
     slow, slow_rate = contact.here + slow_change, slow_rate_here + slow_rate_change
     bend = TWO_PI * TWO_PI * slow
     acceleration = contact.square * (contact.mean + slow - depth) + damping * (slow_rate - rate) - bend
     jerk = contact.square * (slow_rate - rate) - damping * (bend + acceleration) - TWO_PI * TWO_PI * slow_rate
-    return _Motion(depth, rate, acceleration, jerk, slow, slow_rate, contact.ringing * left)
+    return Motion(depth, rate, acceleration, jerk, slow, slow_rate, contact.ringing * left)
 
 
 @step
@@ -230,7 +233,7 @@ def _land(tau, motion):
 
 @step
 def stay_in_contact(oscillator, side, phase, speed):
-    """Follow one stay in contact to its first end.
+    """Follow one stay in contact from its beginning at the wall to its first end.
 
     Parameters
     ----------
@@ -248,16 +251,39 @@ def stay_in_contact(oscillator, side, phase, speed):
     """
     if math.isinf(oscillator.stiffness):
         return Stay(0.0, speed, _RETURNED)
-    # Torque reversal always ends, and no rule of the paper's cuts it short.
+    return rest_of_stay(oscillator, side, phase, 0.0, speed)
+
+
+@step
+def rest_of_stay(oscillator, side, phase, depth, speed):
+    """Follow a stay in contact from anywhere inside it to its first end.
+
+    The bounds on the derivatives of x come from the motion itself, not from where it began, so the steps are as sure
+    from inside as from the wall.
+
+    Parameters
+    ----------
+    oscillator, side, phase
+        As in `stay_in_contact`.
+    depth, speed : float
+        Depth beyond the wall, not negative, and signed speed into the wall; where the depth is 0, not negative.
+
+    Returns
+    -------
+    Stay
+        As in `stay_in_contact`; its duration counts from here, also for what counts as permanent.
+    """
+    contact = enter_contact(oscillator, side, phase, depth, speed)
+    # Torque reversal always ends (Eq. 31), however long it takes.
     permanent_after = oscillator.permanent_after if side > 0.0 else math.inf
-    contact = _enter(oscillator, side, phase, speed)
     least = contact.mean - contact.swing
     tau = 0.0
     for steps in range(_ALL_STEPS):
-        motion = _motion(contact, tau)
+        motion = motion_in_contact(contact, tau)
         if motion.ringing < least:
             break
-        if steps == 0 or (motion.depth <= 0.0 and motion.rate >= 0.0 and motion.acceleration > 0.0):
+        begins = steps == 0 and depth <= 0.0
+        if begins or (motion.depth <= 0.0 and motion.rate >= 0.0 and motion.acceleration > 0.0):
             # The start, or a graze from inside that round-off put on the wall: contact goes on.
             ahead = _step_from_wall(contact, motion.rate, motion.acceleration, motion.ringing)
         else:

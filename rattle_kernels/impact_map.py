@@ -28,7 +28,7 @@ from rattle_kernels.flight import (
 )
 from rattle_kernels.grazing_curve import ARRIVING, LEAVING, grazing_flight
 from rattle_kernels.jit import kernel, step
-from rattle_kernels.oscillator import Oscillator, OutsideDomain, check_domain
+from rattle_kernels.oscillator import Oscillator, check_impacting
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.roots import root_finder
 
@@ -262,10 +262,7 @@ def previous_impacts(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typin
     OutsideDomain
         Where the oscillator's parameters lie outside the domain of the map.
     """
-    checked = check_domain(oscillator)
-    if not math.isinf(checked.stiffness):
-        message = f"stiffness must be infinite, not {checked.stiffness:g}: only the impacting model goes backwards"
-        raise OutsideDomain("stiffness", checked.stiffness, "impacting model", math.inf, message)
+    checked = check_impacting(oscillator)
     phase, speed = (np.array(a, dtype=np.float64) for a in np.broadcast_arrays(t, v))
     lower_impacts, outcome = np.zeros(phase.shape, np.int64), np.zeros(phase.shape, np.int8)
     _apply_to_all(checked, -1.0, phase.ravel(), speed.ravel(), lower_impacts.ravel(), outcome.ravel())

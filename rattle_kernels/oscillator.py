@@ -18,9 +18,8 @@ class Oscillator(NamedTuple):
     stiffness : float
         kappa; infinite for the impacting model.
     permanent_after : float
-        A stay in linear contact that lasts longer counts as permanent (forcing periods): infinite for the exact
-        statement that contact is never left, 1 for the paper's rule of one gross rotation (Sec. 3). Of no account in
-        the impacting model.
+        A contact beyond +beta that lasts longer than this many forcing periods counts as permanent. Infinite: the
+        exact rule (the ringing's envelope). 1.0: the paper's, one gross rotation. Nothing to the impacting model.
     """
 
     damping: float = 0.6
@@ -106,7 +105,7 @@ def check_domain(oscillator: Oscillator) -> Oscillator:
     Parameters
     ----------
     oscillator : Oscillator
-        As a user gave it; integers are welcome.
+        As a user gave it; integers are welcome. Either model.
 
     Returns
     -------
@@ -123,6 +122,15 @@ def check_domain(oscillator: Oscillator) -> Oscillator:
         value = getattr(checked, name)
         if not (math.isfinite(value) and value > 0.0):
             raise OutsideDomain(name, value, "positivity", 0.0, f"{name} must be positive and finite, not {value}")
+    if not checked.permanent_after > 0.0:
+        message = f"permanent_after must be positive, not {checked.permanent_after}"
+        raise OutsideDomain("permanent_after", checked.permanent_after, "positivity", 0.0, message)
+    _check_eccentricity(checked)
+    _check_stiffness(checked)
+    return checked
+
+
+def _check_eccentricity(checked: Oscillator) -> None:
     if not checked.eccentricity >= 0.0:
         message = f"eccentricity must be at least 0, not {checked.eccentricity}"
         raise OutsideDomain("eccentricity", checked.eccentricity, "positivity", 0.0, message)
@@ -133,13 +141,72 @@ def check_domain(oscillator: Oscillator) -> Oscillator:
             f"not {checked.eccentricity:g}: beyond it freeplay has smooth maxima and the impact map is not defined"
         )
         raise OutsideDomain("eccentricity", checked.eccentricity, "epsilon_crit2", limit, message)
-    if not checked.stiffness > checked.damping**2 / 8:
+
+
+def _check_stiffness(checked: Oscillator) -> None:
+    """Refuse a contact that does not ring: Eq. (35) needs ``2 kappa > delta^2/4``.
+
+    Nothing more is needed. At a turning point beyond -beta the acceleration is that at rest plus the spring's, positive
+    below epsilon_crit2 alone (Eqs. 8, 31). ``kappa > pi^2 + delta^2/4``, where epsilon_crit1 < epsilon_crit2, only
+    tells which of the two bounds a quiet solution meets first.
+    """
+    limit = checked.damping**2 / 8.0
+    if not checked.stiffness > limit:
         message = (
-            f"stiffness must exceed damping^2/8 = {checked.damping**2 / 8:.6g}, not {checked.stiffness:g}: "
-            "below it the gears do not ring in contact"
+            f"stiffness must be above damping^2/8 = {limit:.6g}, not {checked.stiffness:g}: contacts ring only above "
+            "that (Eq. 35); infinite stiffness is the impacting model"
         )
-        raise OutsideDomain("stiffness", checked.stiffness, "ringing", checked.damping**2 / 8, message)
-    if not checked.permanent_after > 0.0:
-        message = f"permanent_after must be positive or infinite, not {checked.permanent_after:g}"
-        raise OutsideDomain("permanent_after", checked.permanent_after, "positivity", 0.0, message)
+        raise OutsideDomain("stiffness", checked.stiffness, "ringing", limit, message)
+
+
+def check_impacting(oscillator: Oscillator) -> Oscillator:
+    """Return the oscillator as `check_domain` does, or refuse one of finite stiffness.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        As a user gave it.
+
+    Returns
+    -------
+    Oscillator
+        Of the impacting model.
+
+    Raises
+    ------
+    OutsideDomain
+        Naming the parameter, the bound and its value.
+    """
+    checked = check_domain(oscillator)
+    if not math.isinf(checked.stiffness):
+        message = f"stiffness must be infinite here, not {checked.stiffness:g}: only the impacting model is computed"
+        raise OutsideDomain("stiffness", checked.stiffness, "impacting model", math.inf, message)
+    return checked
+
+
+def check_quiet(oscillator: Oscillator) -> Oscillator:
+    """Return the oscillator as `check_domain` does, or refuse one that has no quiet solution (Eq. 3).
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        As a user gave it. The impacting model's bound is that of Eq. (8).
+
+    Returns
+    -------
+    Oscillator
+
+    Raises
+    ------
+    OutsideDomain
+        Naming the parameter, the bound and its value.
+    """
+    checked = check_domain(oscillator)
+    limit = eccentricity_bound_quiet(checked)
+    if not checked.eccentricity < limit:
+        message = (
+            f"eccentricity must be below epsilon_crit1 = {limit:.6g} at damping {checked.damping:g} and stiffness "
+            f"{checked.stiffness:g} (Eq. 3), not {checked.eccentricity:g}: beyond it there is no quiet solution"
+        )
+        raise OutsideDomain("eccentricity", checked.eccentricity, "epsilon_crit1", limit, message)
     return checked

@@ -6,6 +6,9 @@ import pytest
 
 from rattle_kernels import (
     Oscillator,
+    OutsideDomain,
+    check_domain,
+    check_quiet,
     eccentricity_bound_convexity,
     eccentricity_bound_quiet,
     eccentricity_bound_smooth_maxima,
@@ -36,3 +39,23 @@ def test_the_quiet_bound_is_the_lower_one_above_a_stiffness(times, quiet_is_lowe
 
 def test_the_quiet_bound_tends_to_that_of_the_impacting_model():
     assert eccentricity_bound_quiet(Oscillator()) == eccentricity_bound_smooth_maxima(Oscillator())
+
+
+@pytest.mark.parametrize("stiffness", [0.0, -100.0, -math.inf, math.nan, 0.6**2 / 8.0])
+def test_a_stiffness_at_which_contacts_do_not_ring_is_refused(stiffness):
+    with pytest.raises(OutsideDomain, match="stiffness must be above damping\\^2/8 = 0.045") as refusal:
+        check_domain(Oscillator(stiffness=stiffness))
+    assert refusal.value.parameter == "stiffness"
+
+
+def test_a_soft_spring_is_in_the_domain():
+    soft = Oscillator(stiffness=1, permanent_after=1)
+    assert [type(value) for value in check_domain(soft)] == [float] * 5
+
+
+def test_a_quiet_solution_is_demanded_with_its_bound():
+    oscillator = Oscillator(eccentricity=0.16, stiffness=100.0)
+    assert check_domain(oscillator) == oscillator and check_quiet(Oscillator(stiffness=100.0))
+    with pytest.raises(OutsideDomain, match="epsilon_crit1 = 0.15263") as refusal:
+        check_quiet(oscillator)
+    assert (refusal.value.parameter, refusal.value.bound) == ("eccentricity", "epsilon_crit1")
