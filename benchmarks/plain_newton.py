@@ -15,8 +15,8 @@ _TOLERANCE = 1e-13
 
 
 @numba.njit(nogil=True)
-def _solve(lead, delta, eps, t0, offset, guess):
-    """Newton on lead (e^(-delta tau) - 1)/delta + eps (cos 2 pi t - cos 2 pi t0) + 4 pi tau + offset = 0."""
+def solve_flight(lead, delta, eps, t0, offset, guess):
+    """End of a flight: Newton on lead (e^(-delta tau) - 1)/delta + eps (cos 2 pi t - c0) + 4 pi tau + offset = 0."""
     t = guess
     cosine = math.cos(2.0 * math.pi * t0)
     for _ in range(_STEPS):
@@ -31,25 +31,31 @@ def _solve(lead, delta, eps, t0, offset, guess):
 
 
 @numba.njit(nogil=True)
-def _speed(lead, delta, eps, t0, t):
+def speed_of_flight(lead, delta, eps, t0, t):
+    """Signed velocity at time t of a flight."""
     return -lead * math.exp(-delta * (t - t0)) - 2.0 * math.pi * eps * math.sin(2.0 * math.pi * t) + 4.0 * math.pi
 
 
 @numba.njit(nogil=True)
-def _impact(delta, eps, beta, grazing, t0, v0):
+def interpolate(grazing, t0):
+    """Grazing curve at a phase, linearly between the entries of its table."""
     place = t0 * (grazing.size - 1)
     i = int(place)
-    graze = grazing[i] + (place - i) * (grazing[i + 1] - grazing[i])
+    return grazing[i] + (place - i) * (grazing[i + 1] - grazing[i])
+
+
+@numba.njit(nogil=True)
+def _impact(delta, eps, beta, grazing, t0, v0):
     lead = 4.0 * math.pi + v0 - 2.0 * math.pi * eps * math.sin(2.0 * math.pi * t0)
-    if v0 < graze:
+    if v0 < interpolate(grazing, t0):
         acceleration = 4.0 * math.pi * delta - 4.0 * math.pi**2 * eps * math.cos(2.0 * math.pi * t0)
-        t1 = _solve(lead, delta, eps, t0, 0.0, t0 + 2.5 * v0 / acceleration)
-        return t1, _speed(lead, delta, eps, t0, t1)
-    t_hat = _solve(lead, delta, eps, t0, 2.0 * beta, t0 + 2.0 * beta / v0)
-    u = -_speed(lead, delta, eps, t0, t_hat)
+        t1 = solve_flight(lead, delta, eps, t0, 0.0, t0 + 2.5 * v0 / acceleration)
+        return t1, speed_of_flight(lead, delta, eps, t0, t1)
+    t_hat = solve_flight(lead, delta, eps, t0, 2.0 * beta, t0 + 2.0 * beta / v0)
+    u = -speed_of_flight(lead, delta, eps, t0, t_hat)
     lead = 4.0 * math.pi - u - 2.0 * math.pi * eps * math.sin(2.0 * math.pi * t_hat)
-    t1 = _solve(lead, delta, eps, t_hat, -2.0 * beta, 2.0 * t_hat - t0)
-    return t1, _speed(lead, delta, eps, t_hat, t1)
+    t1 = solve_flight(lead, delta, eps, t_hat, -2.0 * beta, 2.0 * t_hat - t0)
+    return t1, speed_of_flight(lead, delta, eps, t_hat, t1)
 
 
 @numba.njit(nogil=True)

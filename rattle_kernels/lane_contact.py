@@ -12,6 +12,7 @@ import math
 
 from rattle_kernels.contact_flight import stay_in_contact
 from rattle_kernels.flight import TWO_PI, rest_acceleration
+from rattle_kernels.half_turns import cosine_of_half_turns, second_phi_of_part, sine_of_half_turns
 from rattle_kernels.impact_map import LOWER, PERMANENT_CONTACT, RETURNED, UPPER
 from rattle_kernels.jit import step
 from rattle_kernels.lane_flight import (
@@ -31,12 +32,9 @@ from rattle_kernels.lane_flight import (
     ROW_PART,
     SINE,
     UNSURE,
-    cosine_of_half_turns,
     count_set,
     fifth_order_step,
     look_up,
-    second_phi_of_part,
-    sine_of_half_turns,
     turn_phases,
 )
 from rattle_kernels.lane_tables import ABSCISSAE, BLOCK, PHASES, ROW, STAY_ABOVE, STAY_BELOW

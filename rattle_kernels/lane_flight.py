@@ -9,13 +9,19 @@ a selected target. Three passes:
    takes one step of fifth order;
 3. lanes that are not sure (too close to the grazing curve, too large a step) are flown again by the careful path.
 
-The formulas are those of `flight`, with one difference: ``h - sin h`` is taken directly, whose rounding shifts the end
-of a flight by 1e-17 forcing periods, relative to nothing.
+The formulas are those of `flight`.
 """
 
 import math
 
 from rattle_kernels.flight import FOUR_PI, TWO_PI
+from rattle_kernels.half_turns import (
+    cosine_of_half_turns,
+    second_phi_of_part,
+    sine_of_half_turns,
+    sine_rest_of_half_turns,
+    versine_of_half_turns,
+)
 from rattle_kernels.impact_map import LOWER, UPPER, next_contact
 from rattle_kernels.jit import lane_step, step
 from rattle_kernels.lane_tables import ABSCISSAE, BLOCK, DROP, FALL_BACK, GRAZES, PHASES, RISE, ROW
@@ -47,76 +53,14 @@ HALF_COSINE = 19 * LANES
 PHI2 = 20 * LANES
 RING_SINE = 21 * LANES
 RING_COSINE = 22 * LANES
-FLIGHT_FIELDS = 23
+CUBIC = 23 * LANES
+FLIGHT_FIELDS = 24
 
 # A flight is sure when the last term of its step, 5 r^4 or so for a guess off by the part r, is below this part of the
 # duration: r < 1.4e-3, and what the series leaves out, 14 r^5, below 1e-13.
 LAST_TERM = 2e-11
 _LARGEST_STEP = 4e-3
 _NO_SPEED = 1e-300
-
-# Chebyshev fits on r^2 in [0, 1/4] of sin(pi r)/r (error 7e-19) and cos(pi r) (4e-18), and on [0, 1] of phi2 (9e-19).
-_S = (
-    3.141592653589793, -5.167712780049969, 2.5501640398773007, -0.5992645293189447, 0.0821458865731029,
-    -0.007370430505916944, 0.0004662998161898394, -2.1903497074626018e-05, 7.697826768224191e-07,
-)  # fmt: skip
-_C = (
-    1.0, -4.934802200544676, 4.058712126416497, -1.335262768843447, 0.23533063012953284,
-    -0.025806888737002202, 0.0019295562724817132, -0.00010456655338748738, 4.149564353942586e-06,
-)  # fmt: skip
-_P = (
-    0.5, -0.1666666666666664, 0.04166666666665401, -0.008333333333096557, 0.0013888888865978557, -0.0001984126853148021,
-    2.4801539739718985e-05, -2.7556179049708925e-06, 2.753900275371731e-07, -2.4856214837612005e-08,
-    1.952715306431462e-09, -1.0509453754979482e-10,
-)  # fmt: skip
-
-
-@lane_step
-def sine_of_half_turns(r):
-    """sin(pi r) for |r| <= 1/2."""
-    z = r * r
-    even = _S[8]
-    even = even * z + _S[7]
-    even = even * z + _S[6]
-    even = even * z + _S[5]
-    even = even * z + _S[4]
-    even = even * z + _S[3]
-    even = even * z + _S[2]
-    even = even * z + _S[1]
-    even = even * z + _S[0]
-    return r * even
-
-
-@lane_step
-def cosine_of_half_turns(r):
-    """cos(pi r) for |r| <= 1/2."""
-    z = r * r
-    even = _C[8]
-    even = even * z + _C[7]
-    even = even * z + _C[6]
-    even = even * z + _C[5]
-    even = even * z + _C[4]
-    even = even * z + _C[3]
-    even = even * z + _C[2]
-    even = even * z + _C[1]
-    return even * z + _C[0]
-
-
-@lane_step
-def second_phi_of_part(x):
-    """phi2(x) for 0 <= x <= 1."""
-    total = _P[11]
-    total = total * x + _P[10]
-    total = total * x + _P[9]
-    total = total * x + _P[8]
-    total = total * x + _P[7]
-    total = total * x + _P[6]
-    total = total * x + _P[5]
-    total = total * x + _P[4]
-    total = total * x + _P[3]
-    total = total * x + _P[2]
-    total = total * x + _P[1]
-    return total * x + _P[0]
 
 
 @lane_step
@@ -213,8 +157,11 @@ def refine_durations(lanes, d, e):
     for i in range(LANES):
         tau = lanes[DURATION + i]
         r = tau - math.floor(tau + 0.5)
-        lanes[HALF_SINE + i] = sine_of_half_turns(r)
-        lanes[HALF_COSINE + i] = cosine_of_half_turns(r)
+        rest, versine = sine_rest_of_half_turns(r), versine_of_half_turns(r)
+        lanes[HALF_SINE + i] = math.pi * r + rest
+        lanes[HALF_COSINE + i] = 1.0 - versine
+        # h - sin h for h = 2 pi tau, in terms of one sign: short flights keep their digits.
+        lanes[CUBIC + i] = TWO_PI * (tau - r) + 2.0 * (math.pi * r * versine - rest * (1.0 - versine))
         lanes[PHI2 + i] = second_phi_of_part(d * tau)
     for i in range(LANES):
         tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
@@ -222,7 +169,7 @@ def refine_durations(lanes, d, e):
         x = d * tau
         p2, sh, ch = lanes[PHI2 + i], lanes[HALF_SINE + i], lanes[HALF_COSINE + i]
         ds, dc = 2.0 * sh * (c0 * ch - s0 * sh), -2.0 * sh * (s0 * ch + c0 * sh)
-        forced = s0 * (TWO_PI * tau - 2.0 * sh * ch) - 2.0 * c0 * sh * sh
+        forced = s0 * lanes[CUBIC + i] - 2.0 * c0 * sh * sh
         y = tau * (w * (1.0 - x * p2) + x * (FOUR_PI - TWO_PI * e * s0) * p2) + e * forced
         s, c = s0 + ds, c0 + dc
         y1 = w - d * y + FOUR_PI * x + e * (d * dc - TWO_PI * ds)
