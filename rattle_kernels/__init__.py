@@ -2,6 +2,7 @@
 
 from rattle_kernels.attractor import Attractor, AttractorKind
 from rattle_kernels.attractor_search import find_attractors
+from rattle_kernels.basin_entropy import BasinEntropy, basin_entropy
 from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
 from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells
@@ -39,6 +40,7 @@ __all__ = [
     "UNDECIDED",
     "Attractor",
     "AttractorKind",
+    "BasinEntropy",
     "CellGrid",
     "CellGroups",
     "CellImages",
@@ -48,6 +50,7 @@ __all__ = [
     "Oscillator",
     "Outcome",
     "OutsideDomain",
+    "basin_entropy",
     "check_domain",
     "check_grid",
     "check_iterations",
@@ -67,8 +70,8 @@ __all__ = [
     "members_of",
     "name_solutions",
     "next_impacts",
-    "previous_impacts",
     "place_images",
+    "previous_impacts",
     "unite",
     "warm_up",
     "with_counts",
