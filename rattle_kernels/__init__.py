@@ -31,6 +31,7 @@ from rattle_kernels.oscillator import (
 )
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.solutions import STRANGER, coarser_boxes, landing_boxes, name_solutions
+from rattle_kernels.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
 from rattle_kernels.warm_up import warm_up
 
 __all__ = [
@@ -50,6 +51,7 @@ __all__ = [
     "Oscillator",
     "Outcome",
     "OutsideDomain",
+    "UncertaintyExponent",
     "basin_entropy",
     "check_domain",
     "check_grid",
@@ -72,6 +74,7 @@ __all__ = [
     "next_impacts",
     "place_images",
     "previous_impacts",
+    "uncertainty_exponent",
     "unite",
     "warm_up",
     "with_counts",
