@@ -3,6 +3,12 @@
 from rattle_kernels.attractor import Attractor, AttractorKind
 from rattle_kernels.attractor_search import find_attractors
 from rattle_kernels.basin_entropy import BasinEntropy, basin_entropy
+from rattle_kernels.basin_integrity import (
+    LargestDisc,
+    global_integrity_measure,
+    integrity_factor,
+    local_integrity_measure,
+)
 from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
 from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells
@@ -47,6 +53,7 @@ __all__ = [
     "CellImages",
     "ImageSet",
     "Impacts",
+    "LargestDisc",
     "MarkedWords",
     "Oscillator",
     "Outcome",
@@ -63,10 +70,13 @@ __all__ = [
     "eccentricity_bound_smooth_maxima",
     "find_attractors",
     "find_groups",
+    "global_integrity_measure",
     "grazing_velocity",
     "has_members",
+    "integrity_factor",
     "label_cells",
     "landing_boxes",
+    "local_integrity_measure",
     "map_cells",
     "mark_images",
     "members_of",
