@@ -27,6 +27,7 @@ from rattle_kernels.impact_lanes import next_impacts
 from rattle_kernels.impact_map import Impacts, previous_impacts
 from rattle_kernels.iterations import check_iterations
 from rattle_kernels.jit import compiled_before
+from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
 from rattle_kernels.oscillator import (
     Oscillator,
     OutsideDomain,
@@ -54,6 +55,7 @@ __all__ = [
     "ImageSet",
     "Impacts",
     "LargestDisc",
+    "LeastDisturbance",
     "MarkedWords",
     "Oscillator",
     "Outcome",
@@ -76,6 +78,7 @@ __all__ = [
     "integrity_factor",
     "label_cells",
     "landing_boxes",
+    "least_disturbance",
     "local_integrity_measure",
     "map_cells",
     "mark_images",
