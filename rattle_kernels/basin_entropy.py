@@ -10,7 +10,7 @@ Where boundaries are smooth, nearly every boundary box is cut into two parts by 
 *ln 2 criterion*: S_bb > ln 2 implies fractal boundaries. It is sufficient, not necessary: with two motions S_i <= ln 2
 whatever the boundary.
 
-Daza, Wagemakers, Georgeot, Guery-Odelin and Sanjuan, Basin entropy: a new tool to analyze uncertainty in dynamical
+Daza, Wagemakers, Georgeot, Guéry-Odelin and Sanjuán, Basin entropy: a new tool to analyze uncertainty in dynamical
 systems, Sci. Rep. 6, 31416 (2016).
 """
 

@@ -8,6 +8,9 @@ in another motion. The share of such cells goes as
 with d the box dimension of the boundary in the plane. A smooth boundary has alpha = 1: knowing the initial condition
 ten times better makes ten times fewer cells uncertain. For a fractal one alpha < 1.
 
+A picture shows alpha at the scale of its cells. Stripes without end that thin out towards a curve, f ~ e ln(1/e), look
+fractal in any one picture, though their alpha tends to 1: compare grids before calling a boundary fractal.
+
 Grebogi, McDonald, Ott and Yorke, Final state sensitivity: an obstruction to predictability, Phys. Lett. A 99, 415
 (1983); McDonald, Grebogi, Ott and Yorke, Fractal basin boundaries, Physica D 17, 125 (1985).
 """
