@@ -2,6 +2,13 @@
 
 from rattle_kernels.attractor import Attractor, AttractorKind
 from rattle_kernels.attractor_search import find_attractors
+from rattle_kernels.basin_entropy import BasinEntropy, basin_entropy
+from rattle_kernels.basin_integrity import (
+    LargestDisc,
+    global_integrity_measure,
+    integrity_factor,
+    local_integrity_measure,
+)
 from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
 from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells
@@ -20,6 +27,7 @@ from rattle_kernels.impact_lanes import next_impacts
 from rattle_kernels.impact_map import Impacts, previous_impacts
 from rattle_kernels.iterations import check_iterations
 from rattle_kernels.jit import compiled_before
+from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
 from rattle_kernels.oscillator import (
     Oscillator,
     OutsideDomain,
@@ -32,6 +40,7 @@ from rattle_kernels.oscillator import (
 )
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.solutions import STRANGER, coarser_boxes, landing_boxes, name_solutions
+from rattle_kernels.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
 from rattle_kernels.warm_up import warm_up
 
 __all__ = [
@@ -41,15 +50,20 @@ __all__ = [
     "UNDECIDED",
     "Attractor",
     "AttractorKind",
+    "BasinEntropy",
     "CellGrid",
     "CellGroups",
     "CellImages",
     "ImageSet",
     "Impacts",
+    "LargestDisc",
+    "LeastDisturbance",
     "MarkedWords",
     "Oscillator",
     "Outcome",
     "OutsideDomain",
+    "UncertaintyExponent",
+    "basin_entropy",
     "check_domain",
     "check_grid",
     "check_impacting",
@@ -62,17 +76,22 @@ __all__ = [
     "eccentricity_bound_smooth_maxima",
     "find_attractors",
     "find_groups",
+    "global_integrity_measure",
     "grazing_velocity",
     "has_members",
+    "integrity_factor",
     "label_cells",
     "landing_boxes",
+    "least_disturbance",
+    "local_integrity_measure",
     "map_cells",
     "mark_images",
     "members_of",
     "name_solutions",
     "next_impacts",
-    "previous_impacts",
     "place_images",
+    "previous_impacts",
+    "uncertainty_exponent",
     "unite",
     "warm_up",
     "with_counts",

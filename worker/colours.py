@@ -5,6 +5,8 @@ Permanent contact is dark blue, shorter itineraries are bluer, chaos is dark red
 
 import colorsys
 
+import numpy as np
+
 from rattle_kernels import Attractor, AttractorKind
 
 Colour = tuple[float, float, float]
@@ -65,3 +67,27 @@ def colours_of(attractors: tuple[Attractor, ...]) -> list[Colour]:
         seen[attractor.name] = twins + 1
         colours.append(_lighter(colour, 1.0 - 0.7**twins))
     return colours
+
+
+def paint_cells(solution: np.ndarray, group: np.ndarray, attractors: tuple[Attractor, ...]) -> np.ndarray:
+    """Colours of cells; chaos is speckled by Hsu's groups, as in the paper.
+
+    Parameters
+    ----------
+    solution, group : ndarray of int, one shape
+        Of each cell; a cell with a negative solution is missing.
+    attractors : tuple of Attractor
+        The catalogue that `solution` points into.
+
+    Returns
+    -------
+    ndarray of float64, that shape and 3
+        Red, green, blue in [0, 1].
+    """
+    palette = np.array([*colours_of(attractors), MISSING])
+    image = palette[np.where(solution >= 0, solution, len(attractors))]
+    chaotic = [i for i, attractor in enumerate(attractors) if attractor.kind == AttractorKind.CHAOTIC]
+    inside = np.isin(solution, chaotic)
+    speckle = 0.85 + 0.2 * (group[inside] % 4)
+    image[inside] = np.minimum(image[inside] * speckle[:, None], 1.0)
+    return image

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from rattle_kernels import AttractorKind, grazing_velocity
+from rattle_kernels import Attractor, AttractorKind, Oscillator, grazing_velocity
 from worker import colours
 from worker.layout import LABELLED, MISSING, TileState
 from worker.store import BasinStore
@@ -49,40 +49,32 @@ def _read(store: BasinStore, layer: Layer) -> np.ndarray:
     return picture
 
 
-def _colour_solutions(store: BasinStore) -> np.ndarray:
-    """Colours of the cells; chaos is speckled by Hsu's groups, as in the paper."""
-    solution = _read(store, Layer.SOLUTION)
-    attractors = store.read_attractors()
-    palette = np.array([*colours.colours_of(attractors), colours.MISSING])
-    image = palette[np.where(solution >= 0, solution, len(attractors))]
-    chaotic = [i for i, attractor in enumerate(attractors) if attractor.kind == AttractorKind.CHAOTIC]
-    if chaotic:
-        speckle = 0.85 + 0.2 * (_read(store, Layer.GROUP) % 4)
-        inside = np.isin(solution, chaotic)
-        image[inside] = np.minimum(image[inside] * speckle[inside, None], 1.0)
-    return image
-
-
 def _extent(store: BasinStore) -> tuple[float, float, float, float]:
     grid = store.job.grid
     return grid.time_start, grid.time_stop, grid.velocity_start, grid.velocity_stop
 
 
 def _draw_solutions(axes: Axes, store: BasinStore) -> None:
-    axes.imshow(_colour_solutions(store), origin="lower", extent=_extent(store), aspect="auto", interpolation="nearest")
     attractors = store.read_attractors()
+    image = colours.paint_cells(_read(store, Layer.SOLUTION), _read(store, Layer.GROUP), attractors)
+    axes.imshow(image, origin="lower", extent=_extent(store), aspect="auto", interpolation="nearest")
+    draw_attractors(axes, attractors, store.job.grid.time_start)
+    if attractors:
+        draw_legend(axes, attractors, store.read_shares())
+
+
+def draw_attractors(axes: Axes, attractors: tuple[Attractor, ...], time_start: float) -> None:
+    """Mark the states of attractors at phases from `time_start` on: white crosses, black dots for chaos."""
     for attractor in attractors:
-        t = store.job.grid.time_start + (attractor.time - store.job.grid.time_start) % 1.0
+        t = time_start + (attractor.time - time_start) % 1.0
         if attractor.kind == AttractorKind.PERIODIC:
             axes.plot(t, attractor.velocity, "x", color="white", markersize=7, markeredgewidth=1.6)
         elif attractor.kind == AttractorKind.CHAOTIC:
             axes.plot(t, attractor.velocity, ".", color="black", markersize=1.0, markeredgewidth=0.0)
-    if attractors:
-        _draw_legend(axes, store)
 
 
-def _draw_legend(axes: Axes, store: BasinStore) -> None:
-    attractors, shares = store.read_attractors(), store.read_shares()
+def draw_legend(axes: Axes, attractors: tuple[Attractor, ...], shares: np.ndarray) -> None:
+    """List attractors with colour and share beside the axes, permanent contact first, the others by share."""
     order = [0, *sorted(range(1, len(attractors)), key=lambda i: -np.nan_to_num(shares[i]))]
     palette = colours.colours_of(attractors)
     handles = []
@@ -120,9 +112,18 @@ def _hatch_missing(axes: Axes, store: BasinStore) -> None:
         )
 
 
-def _draw_grazing_curve(axes: Axes, store: BasinStore) -> None:
-    t = np.linspace(store.job.grid.time_start, store.job.grid.time_stop, 512)
-    axes.plot(t, grazing_velocity(store.job.oscillator, t), color="white", linewidth=1.4)
+def draw_grazing_curve(axes: Axes, oscillator: Oscillator, time_start: float, time_stop: float) -> None:
+    """Draw v*(t) between two phases in white."""
+    t = np.linspace(time_start, time_stop, 512)
+    axes.plot(t, grazing_velocity(oscillator, t), color="white", linewidth=1.4)
+
+
+def frame(axes: Axes, extent: tuple[float, float, float, float]) -> None:
+    """Limit axes to a window (least and largest t, least and largest v) and say what they show."""
+    axes.set_xlim(*extent[:2])
+    axes.set_ylim(*extent[2:])
+    axes.set_xlabel("time t of departure (forcing periods)")
+    axes.set_ylabel("velocity v of departure")
 
 
 def _title(store: BasinStore) -> str:
@@ -162,12 +163,9 @@ def draw_basin(location: str, target: str | Path | IO[bytes], *, layer: Layer = 
     else:
         _draw_numbers(figure, axes, store, layer)
     _hatch_missing(axes, store)
-    _draw_grazing_curve(axes, store)
     grid = store.job.grid
-    axes.set_xlim(grid.time_start, grid.time_stop)
-    axes.set_ylim(grid.velocity_start, grid.velocity_stop)
-    axes.set_xlabel("time t of departure (forcing periods)")
-    axes.set_ylabel("velocity v of departure")
+    draw_grazing_curve(axes, store.job.oscillator, grid.time_start, grid.time_stop)
+    frame(axes, _extent(store))
     axes.set_title(_title(store))
     # No date in the file: the same store gives the same bytes.
     figure.savefig(target, format="png", metadata={"Software": None})

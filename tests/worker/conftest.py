@@ -1,11 +1,34 @@
-"""A cluster shared by the worker's tests."""
+"""A cluster shared by the worker's tests, and a store without one."""
 
+import numpy as np
 import pytest
 
+from rattle_kernels import CellGrid
+from tests.worker.made_up import CHAOS, QUIET, RATTLE
+from worker.basin_job import BasinJob
 from worker.cluster import local_cluster
+from worker.layout import LABELLED, TileState
+from worker.store import BasinStore
 
 
 @pytest.fixture(scope="session")
 def client():
     with local_cluster(workers=2) as client:
         yield client
+
+
+@pytest.fixture
+def store(tmp_path):
+    """Made-up basin: lower half quiet, upper left P(1,1,0), upper right chaotic, in four tiles."""
+    grid = CellGrid(time_cells=128, velocity_cells=128)
+    store = BasinStore.create_or_resume(str(tmp_path / "made_up.zarr"), BasinJob(grid=grid, iterations=1))
+    solution = np.zeros(grid.shape, np.int16)
+    solution[64:, :64], solution[64:, 64:] = 1, 2
+    group = np.where(solution == 2, np.arange(128) % 5, solution)
+    for number in range(store.tiling.tiles):
+        tile = store.tiling.tile(number)
+        inside = slice(*tile.rows), slice(*tile.columns)
+        store.write_tile(LABELLED, tile, (group[inside], group[inside], group[inside], solution[inside]))
+    store.write_attractors((QUIET, RATTLE, CHAOS), np.array([0.5, 0.25, 0.25]))
+    store.write_ledger(np.full(store.tiling.tiles, TileState.ASSEMBLED))
+    return store

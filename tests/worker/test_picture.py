@@ -6,39 +6,14 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from rattle_kernels import Attractor, AttractorKind, CellGrid
+from rattle_kernels import AttractorKind, CellGrid
+from tests.worker.made_up import CHAOS, QUIET, RATTLE, motion, near
 from worker import colours, layout
 from worker.basin_job import BasinJob
 from worker.errors import StoreConflict
-from worker.layout import LABELLED, TileState
+from worker.layout import TileState
 from worker.picture import Layer, draw_basin
 from worker.store import BasinStore
-
-
-def motion(kind, contacts=(0, 0, 0), t=(), v=()):
-    return Attractor(kind, *contacts, np.nan, np.nan, np.array(t, np.float64), np.array(v, np.float64))
-
-
-QUIET = motion(AttractorKind.PERMANENT_CONTACT)
-RATTLE = motion(AttractorKind.PERIODIC, (1, 1, 0), [0.5], [3.5])
-CHAOS = motion(AttractorKind.CHAOTIC, t=[0.2], v=[1.0])
-
-
-@pytest.fixture
-def store(tmp_path):
-    """Made-up basin: lower half quiet, upper left P(1,1,0), upper right chaotic, in four tiles."""
-    grid = CellGrid(time_cells=128, velocity_cells=128)
-    store = BasinStore.create_or_resume(str(tmp_path / "made_up.zarr"), BasinJob(grid=grid, iterations=1))
-    solution = np.zeros(grid.shape, np.int16)
-    solution[64:, :64], solution[64:, 64:] = 1, 2
-    group = np.where(solution == 2, np.arange(128) % 5, solution)
-    for number in range(store.tiling.tiles):
-        tile = store.tiling.tile(number)
-        inside = slice(*tile.rows), slice(*tile.columns)
-        store.write_tile(LABELLED, tile, (group[inside], group[inside], group[inside], solution[inside]))
-    store.write_attractors((QUIET, RATTLE, CHAOS), np.array([0.5, 0.25, 0.25]))
-    store.write_ledger(np.full(store.tiling.tiles, TileState.ASSEMBLED))
-    return store
 
 
 def drawn(store, layer=Layer.SOLUTION):
@@ -46,11 +21,6 @@ def drawn(store, layer=Layer.SOLUTION):
     draw_basin(store.location, buffer, layer=layer)
     buffer.seek(0)
     return imread(buffer)[..., :3]
-
-
-def near(pixels, colour, tolerance=0.03):
-    """Share of the pixels that have a colour."""
-    return (np.abs(pixels - np.array(colour)).max(axis=-1) < tolerance).mean()
 
 
 def test_each_motion_has_its_colour(store):

@@ -1,0 +1,131 @@
+"""A basin in a notebook: opened as an xarray dataset, by path or over HTTP, and drawn on axes.
+
+    basin = open_basin("basin.zarr")            # or "http://127.0.0.1:8000/v1/jobs/ID/result.zarr"
+    plot_basin(basin)
+    basin_entropy(basin.solution)               # the measures of `rattle_kernels` take its arrays as they are
+    integrity_factor(basin.solution, job_of(basin).grid, velocity_scale=1.0)
+    least_disturbance(job_of(basin).oscillator, attractors_of(basin), basin.solution, job_of(basin).grid)
+
+`worker.picture` draws the same as a PNG without a notebook.
+"""
+
+import json
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rattle_kernels import Attractor, AttractorKind
+from worker import colours
+from worker.basin_job import BasinJob
+from worker.errors import StoreConflict
+from worker.layout import LAYOUT_VERSION
+from worker.picture import draw_attractors, draw_grazing_curve, draw_legend, frame
+
+# Cells drawn each way at the most: a notebook's picture is smaller than a PNG that is asked for.
+_MOST_CELLS = 1000
+
+
+def open_basin(location: str | Path) -> xr.Dataset:
+    """Open a basin's store, finished or not.
+
+    Parameters
+    ----------
+    location : str or path
+        A folder, or the address of a service's ``result.zarr``. Its metadata may be consolidated (as this project's
+        stores are, and as HTTP needs) or plain.
+
+    Returns
+    -------
+    xarray.Dataset
+        Read lazily, tile by tile; ``worker.layout`` says what each variable means.
+
+    Raises
+    ------
+    StoreConflict
+        Where there is no basin's store of this layout.
+    OSError
+        Where an address does not answer.
+    """
+    try:
+        dataset = _open(str(location))
+    except (FileNotFoundError, KeyError, ValueError) as error:
+        raise StoreConflict(f"{location} is no basin store: nothing there that Zarr can open") from error
+    if dataset.attrs.get("layout_version") != LAYOUT_VERSION:
+        raise StoreConflict(f"{location} is no basin store of layout {LAYOUT_VERSION}")
+    return dataset
+
+
+def _open(location: str) -> xr.Dataset:
+    try:
+        return xr.open_zarr(location, consolidated=True)
+    except ValueError:  # plain metadata: slower, one request an array
+        return xr.open_zarr(location, consolidated=False)
+
+
+def job_of(dataset: xr.Dataset) -> BasinJob:
+    """Job that a dataset of `open_basin` answers: its oscillator, grid and iterations."""
+    return BasinJob.from_request(json.loads(dataset.attrs["request"]))
+
+
+def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
+    """Catalogue of attractors that ``solution`` points into; empty before assembly."""
+    if "kind" not in dataset:
+        return ()
+    names = ("kind", "forcing_periods", "upper_contacts", "lower_contacts", "lyapunov_exponent", "lyapunov_error")
+    numbers = zip(*(dataset[name].values.tolist() for name in names), strict=True)
+    points = zip(dataset.attractor_time.values, dataset.attractor_velocity.values, strict=True)
+    return tuple(
+        Attractor(AttractorKind(kind), periods, upper, lower, exponent, error, t[np.isfinite(t)], v[np.isfinite(v)])
+        for (kind, periods, upper, lower, exponent, error), (t, v) in zip(numbers, points, strict=True)
+    )
+
+
+def _edges(centres: np.ndarray, width: float) -> tuple[float, float]:
+    """Outer edges of cells, by the distance of their centres; `width` is that of a cell that stands alone."""
+    half = 0.5 * (float(centres[1] - centres[0]) if centres.size > 1 else width)
+    return float(centres[0]) - half, float(centres[-1]) + half
+
+
+def _extent(dataset: xr.Dataset) -> tuple[float, float, float, float]:
+    grid = job_of(dataset).grid
+    width = (grid.time_stop - grid.time_start) / grid.time_cells
+    height = (grid.velocity_stop - grid.velocity_start) / grid.velocity_cells
+    return *_edges(dataset.time.values, width), *_edges(dataset.velocity.values, height)
+
+
+def plot_basin(dataset: xr.Dataset, ax: Axes | None = None, *, legend: bool = True) -> Axes:
+    """Draw the solutions of a basin in the project's colours, with the grazing curve and the attractors over them.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of `open_basin`, whole or a part of it (``basin.sel(time=slice(0.5, 0.7))``). Cells that are not computed yet
+        are grey.
+    ax : matplotlib.axes.Axes
+        Where to draw; the current axes by default.
+    legend : bool
+        Whether the motions are listed beside the axes, with their shares of all cells.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Notes
+    -----
+    Beyond 1000 cells either way every n-th stands for its neighbours: labels cannot be averaged.
+    """
+    axes = plt.gca() if ax is None else ax
+    attractors, extent = attractors_of(dataset), _extent(dataset)
+    every = slice(None, None, max(1, -(-max(dataset.solution.shape) // _MOST_CELLS)))
+    thinned = dataset[["solution", "group"]].isel(time=every, velocity=every)
+    image = colours.paint_cells(thinned.solution.values, thinned.group.values, attractors)
+    axes.imshow(image, origin="lower", extent=extent, aspect="auto", interpolation="nearest")
+    draw_attractors(axes, attractors, extent[0])
+    draw_grazing_curve(axes, job_of(dataset).oscillator, *extent[:2])
+    if legend and attractors:
+        draw_legend(axes, attractors, dataset.share.values)
+    frame(axes, extent)
+    return axes
