@@ -36,8 +36,9 @@ check: $(READY)  ## formatting, lint, types, import layers, spelling
 	$(BIN)/lint-imports
 	$(BIN)/codespell rattle_kernels worker service tests docs demo README.md CHANGELOG.md
 
-bench: $(READY)  ## time the kernels against a plain Newton kernel
-	$(BIN)/python -m pytest benchmarks -m '' --benchmark-columns=min,median,ops --benchmark-sort=name
+bench: $(READY)  ## time kernels, assembly and panels; docs/performance.json and the table in docs/performance.md
+	$(BIN)/python -m pytest benchmarks -m '' --benchmark-columns=min,median,ops --benchmark-sort=name --benchmark-json=.benchmarks/run.json
+	$(BIN)/python -m benchmarks.table .benchmarks/run.json
 
 serve: $(READY)  ## the service with two local workers on 127.0.0.1:8000
 	$(BIN)/rattle serve

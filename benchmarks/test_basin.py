@@ -1,14 +1,16 @@
-"""A panel of the paper, in one process and through the worker; assembly alone."""
+"""A panel of the paper, in one process and through the worker; what a tile costs beside its kernels."""
 
 import threading
 
-import numpy as np
 import pytest
 
-from rattle_kernels import CellGrid, Oscillator, find_groups, label_cells, map_cells
+from rattle_kernels import CellGrid, Oscillator, map_cells
 from worker.basin_job import BasinJob
 from worker.cluster import local_cluster
+from worker.driver import run_tiles
 from worker.pipeline import run_basin
+from worker.store import BasinStore
+from worker.tasks import map_tile
 
 PANELS = [
     Oscillator(),
@@ -16,10 +18,14 @@ PANELS = [
     Oscillator(0.55, 0.1, 0.6),
     Oscillator(0.65, 0.1, 0.6),
     Oscillator(0.6, 0.067, 0.6),
+    Oscillator(stiffness=1e2),
+    Oscillator(stiffness=1e3),
+    Oscillator(stiffness=1e4),
+    Oscillator(stiffness=1e6),
 ]
 
 
-@pytest.mark.parametrize("oscillator", PANELS, ids=lambda o: f"{o.damping:g}-{o.eccentricity:g}")
+@pytest.mark.parametrize("oscillator", PANELS, ids=lambda o: f"{o.damping:g}-{o.eccentricity:g}-{o.stiffness:g}")
 def test_panel_kernel_on_one_core(benchmark, oscillator):
     """Seconds for 1000 x 1000 cells, k = 1499, on one core."""
     grid = CellGrid()
@@ -46,18 +52,14 @@ def test_panel_through_the_worker(benchmark, tmp_path, workers):
     benchmark.extra_info["wall_over_kernels"] = benchmark.stats.stats.min / kernels
 
 
-def test_labels_of_a_map_by_look_up(benchmark):
-    """Cells a second that `label_cells` unravels, of a map of 4 million cells with 100,000 images."""
-    rng = np.random.default_rng(0)
-    cells = np.unique(rng.integers(0, 4_000_000, 100_000))
-    image = cells[rng.integers(0, cells.size, 4_000_000)]
-    groups = find_groups(cells, image[cells])
-    benchmark(label_cells, groups, np.arange(image.size), image)
-    benchmark.extra_info["million_cells_per_second"] = image.size / benchmark.stats.stats.min / 1e6
-
-
-def test_groups_of_an_image_set(benchmark):
-    """Cells a second that `find_groups` unravels, when every cell is an image."""
-    image = np.random.default_rng(0).permutation(2_000_000)
-    benchmark.pedantic(find_groups, (np.arange(image.size), image), rounds=3)
-    benchmark.extra_info["million_cells_per_second"] = image.size / benchmark.stats.stats.min / 1e6
+def test_a_tile_without_work(benchmark, tmp_path):
+    """Seconds that a tile of 64 x 64 cells, k = 1, costs: submission, two chunks' writing, receipt."""
+    job = BasinJob(grid=CellGrid(time_cells=64 * 16, velocity_cells=64 * 16), iterations=1)
+    with local_cluster(2) as client:
+        location = str(tmp_path / "small.zarr")
+        tiles = BasinStore.create_or_resume(location, job).tiling.tiles
+        list(run_tiles(client, map_tile, (location, job.digest), range(tiles), threading.Event()))
+        benchmark.pedantic(
+            lambda: list(run_tiles(client, map_tile, (location, job.digest), range(tiles), threading.Event())), rounds=3
+        )
+    benchmark.extra_info["milliseconds_per_tile"] = 1e3 * benchmark.stats.stats.min / tiles
