@@ -22,6 +22,7 @@ from rattle_kernels.oscillator import (
 )
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.solutions import STRANGER, coarser_boxes, landing_boxes, name_solutions
+from rattle_kernels.time_history import Contacts, Direction, TimeHistory, time_history
 from rattle_kernels.warm_up import warm_up
 
 __all__ = [
@@ -34,10 +35,13 @@ __all__ = [
     "CellGrid",
     "CellGroups",
     "CellImages",
+    "Contacts",
+    "Direction",
     "Impacts",
     "Oscillator",
     "Outcome",
     "OutsideDomain",
+    "TimeHistory",
     "check_domain",
     "check_grid",
     "check_impacting",
@@ -57,5 +61,6 @@ __all__ = [
     "name_solutions",
     "next_impacts",
     "previous_impacts",
+    "time_history",
     "warm_up",
 ]

@@ -153,8 +153,8 @@ def _check_stiffness(checked: Oscillator) -> None:
     limit = checked.damping**2 / 8.0
     if not checked.stiffness > limit:
         message = (
-            f"stiffness must be above damping^2/8 = {limit:.6g}, not {checked.stiffness:g}: contacts ring only above it "
-            "(Eq. 35); infinite stiffness is the impacting model"
+            f"stiffness must be above damping^2/8 = {limit:.6g}, not {checked.stiffness:g}: contacts ring only above "
+            "it (Eq. 35); infinite stiffness is the impacting model"
         )
         raise OutsideDomain("stiffness", checked.stiffness, "ringing", limit, message)
 

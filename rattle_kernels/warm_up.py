@@ -1,4 +1,4 @@
-"""Compile, or load from the disk cache, every kernel that a basin needs: done once before work arrives."""
+"""Compile, or load from the disk cache, every kernel that the service needs: done once before work arrives."""
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from rattle_kernels.cell_groups import find_groups, label_cells
 from rattle_kernels.cell_map import map_cells
 from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.solutions import name_solutions
+from rattle_kernels.time_history import time_history
 
 
 def warm_up() -> None:
@@ -20,3 +21,4 @@ def warm_up() -> None:
     name_solutions(oscillator, attractors, [0.9], [3.77])
     cells = np.unique(images.image_cell[images.image_cell >= 0])
     label_cells(find_groups(cells, np.full(cells.size, -1)), np.arange(grid.cells), images.image_cell.ravel())
+    time_history(oscillator, 0.0, 0.0, 0.0, periods=1.0)
