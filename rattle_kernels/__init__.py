@@ -40,6 +40,7 @@ from rattle_kernels.oscillator import (
 )
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.solutions import STRANGER, coarser_boxes, landing_boxes, name_solutions
+from rattle_kernels.time_history import Contacts, Direction, TimeHistory, time_history
 from rattle_kernels.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
 from rattle_kernels.warm_up import warm_up
 
@@ -55,6 +56,8 @@ __all__ = [
     "CellGroups",
     "CellImages",
     "ImageSet",
+    "Contacts",
+    "Direction",
     "Impacts",
     "LargestDisc",
     "LeastDisturbance",
@@ -64,6 +67,7 @@ __all__ = [
     "OutsideDomain",
     "UncertaintyExponent",
     "basin_entropy",
+    "TimeHistory",
     "check_domain",
     "check_grid",
     "check_impacting",
@@ -93,6 +97,7 @@ __all__ = [
     "previous_impacts",
     "uncertainty_exponent",
     "unite",
+    "time_history",
     "warm_up",
     "with_counts",
 ]

@@ -150,11 +150,11 @@ def _check_stiffness(checked: Oscillator) -> None:
     below epsilon_crit2 alone (Eqs. 8, 31). ``kappa > pi^2 + delta^2/4``, where epsilon_crit1 < epsilon_crit2, only
     tells which of the two bounds a quiet solution meets first.
     """
-    limit = checked.damping**2 / 8.0
-    if not checked.stiffness > limit:
+    limit = checked.damping * checked.damping / 8.0
+    if checked.stiffness != math.inf and not checked.stiffness > limit:
         message = (
             f"stiffness must be above damping^2/8 = {limit:.6g}, not {checked.stiffness:g}: contacts ring only above "
-            "that (Eq. 35); infinite stiffness is the impacting model"
+            "it (Eq. 35); infinite stiffness is the impacting model"
         )
         raise OutsideDomain("stiffness", checked.stiffness, "ringing", limit, message)
 
@@ -179,7 +179,10 @@ def check_impacting(oscillator: Oscillator) -> Oscillator:
     """
     checked = check_domain(oscillator)
     if not math.isinf(checked.stiffness):
-        message = f"stiffness must be infinite here, not {checked.stiffness:g}: only the impacting model is computed"
+        message = (
+            f"stiffness must be infinite, not {checked.stiffness:g}: here only the impacting model is computed, "
+            "whose request has none"
+        )
         raise OutsideDomain("stiffness", checked.stiffness, "impacting model", math.inf, message)
     return checked
 

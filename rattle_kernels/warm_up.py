@@ -1,4 +1,4 @@
-"""Compile, or load from the disk cache, every kernel that a basin needs: done once before work arrives."""
+"""Compile, or load from the disk cache, every kernel that the service needs: done once before work arrives."""
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from rattle_kernels.cell_map import map_cells
 from rattle_kernels.image_set import has_members, mark_images, place_images, unite
 from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.solutions import name_solutions
+from rattle_kernels.time_history import time_history
 
 
 def warm_up() -> None:
@@ -24,3 +25,4 @@ def warm_up() -> None:
     if has_members(members, (0, 4), (0, 4), grid.time_cells):
         place_images(members, (0, 0), grid.time_cells, images.image_cell, place)
     label_cells(find_groups(members, place), np.arange(grid.cells), images.image_cell.ravel())
+    time_history(oscillator, 0.0, 0.0, 0.0, periods=1.0)

@@ -12,6 +12,7 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
 from rattle_kernels import OutsideDomain
+from service.oscillator_model import IMPACTING, PIECEWISE_LINEAR
 from worker.errors import ClusterFailed, InvalidJob, JobCancelled, StoreConflict, StoreFailed, TileFailed
 
 _log = logging.getLogger("rattle.service")
@@ -83,11 +84,13 @@ async def _known(request: Request, error: Exception) -> JSONResponse:
 
 def _field_error(item: dict[str, Any]) -> dict[str, Any]:
     message = item["msg"]
+    # Which of the oscillator's models was meant is said by its field, not by a step of the path.
+    location = [part for part in item["loc"] if part not in (IMPACTING, PIECEWISE_LINEAR)]
     if item["type"] == "json_invalid":
         return {"location": ["body"], "message": f"not valid JSON at character {item['loc'][-1]}"}
     if tuple(item["loc"]) == ("body",):
         message = "send a JSON object, with the header content-type: application/json"
-    return {"location": list(item["loc"]), "message": message}
+    return {"location": location, "message": message}
 
 
 async def _invalid(request: Request, error: Exception) -> JSONResponse:

@@ -1,33 +1,16 @@
 """Shapes of requests and responses over HTTP, built to and from the worker's objects."""
 
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from rattle_kernels import Attractor, CellGrid, Oscillator
+from rattle_kernels import Attractor, CellGrid
 from service.job_record import JobRecord, JobState
+from service.oscillator_model import ImpactingOscillator, OscillatorRequest
+from service.strict import Count, Real, Request
 from worker.basin_job import BasinJob
 from worker.results import BasinSummary
-
-# Strict: JSON's true is no number. Integers are welcome where a real number is asked for.
-Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Count = Annotated[int, Field(strict=True, ge=1)]
-
-
-class Request(BaseModel):
-    """A request: unknown fields are refused, so that a typing error is not taken for a default."""
-
-    model_config = ConfigDict(extra="forbid")
-
-
-class OscillatorRequest(Request):
-    """Parameters of the gear pair, nondimensional; the paper's by default."""
-
-    model: Literal["impacting"] = Field("impacting", description="Model of contact: elastic impacts (Eqs. 4, 5)")
-    damping: Real = Field(0.6, gt=0, description="delta")
-    eccentricity: Real = Field(0.1, ge=0, description="epsilon, below the bound of Eq. (8)")
-    half_backlash: Real = Field(0.6, gt=0, description="beta")
 
 
 class TimeWindow(Request):
@@ -72,7 +55,7 @@ class BasinRequest(Request):
         },
     )
 
-    oscillator: OscillatorRequest = Field(default_factory=OscillatorRequest)
+    oscillator: OscillatorRequest = Field(default_factory=ImpactingOscillator)
     grid: GridRequest = Field(default_factory=GridRequest)
     iterations: Count = Field(1499, description="k of P_corr o P^k: 1 or a prime")
 
@@ -84,10 +67,9 @@ class BasinRequest(Request):
         OutsideDomain, InvalidJob
             Saying what is wrong.
         """
-        parameters = self.oscillator.model_dump(exclude={"model"})
         time, velocity = self.grid.time, self.grid.velocity
         grid = CellGrid(time.start, time.stop, time.cells, velocity.start, velocity.stop, velocity.cells)
-        return BasinJob(Oscillator(**parameters), grid, self.iterations)
+        return BasinJob(self.oscillator.to_oscillator(), grid, self.iterations)
 
 
 class ProgressView(BaseModel):

@@ -8,9 +8,19 @@ from typing import Annotated
 import typer
 import uvicorn
 
-from rattle_kernels import CellGrid, Oscillator, OutsideDomain
+from rattle_kernels import CellGrid, OutsideDomain
 from service.app import create_app
 from service.cli.console import announce_compiling, err, give_up, out, print_seconds, print_solutions, progress_line
+from service.cli.oscillator import (
+    AllowNoQuietSolution,
+    Damping,
+    Eccentricity,
+    HalfBacklash,
+    Rule,
+    Stiffness,
+    oscillator_of,
+)
+from service.oscillator_model import PermanentContact
 from service.settings import Settings
 from worker.basin_job import BasinJob
 from worker.cluster import connect
@@ -48,9 +58,12 @@ def serve(
 
 def basin(
     out_: Annotated[Path, typer.Option("--out", help="Zarr store to write; an unfinished one is resumed")],
-    damping: Annotated[float, typer.Option(help="delta")] = 0.6,
-    eccentricity: Annotated[float, typer.Option(help="epsilon, below the bound of Eq. (8)")] = 0.1,
-    half_backlash: Annotated[float, typer.Option(help="beta")] = 0.6,
+    damping: Damping = 0.6,
+    eccentricity: Eccentricity = 0.1,
+    half_backlash: HalfBacklash = 0.6,
+    stiffness: Stiffness = None,
+    rule: Rule = PermanentContact.ENVELOPE,
+    allow_no_quiet_solution: AllowNoQuietSolution = False,
     cells: Annotated[tuple[int, int], typer.Option(help="Cells along time and along velocity")] = (1000, 1000),
     time: Annotated[tuple[float, float], typer.Option(help="Window of phases")] = (0.0, 1.0),
     velocity: Annotated[tuple[float, float], typer.Option(help="Window of speeds")] = (0.0, 7.0),
@@ -60,7 +73,8 @@ def basin(
     """Compute one basin on this machine, without a service."""
     try:
         grid = CellGrid(*time, cells[0], *velocity, cells[1])
-        job = BasinJob(Oscillator(damping, eccentricity, half_backlash), grid, iterations)
+        oscillator = oscillator_of(damping, eccentricity, half_backlash, stiffness, rule, allow_no_quiet_solution)
+        job = BasinJob(oscillator, grid, iterations)
     except (OutsideDomain, InvalidJob) as error:
         give_up(str(error), 2)
     try:

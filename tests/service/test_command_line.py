@@ -19,7 +19,7 @@ def rattle(*arguments):
     return subprocess.run(command, capture_output=True, text=True, timeout=90)
 
 
-@pytest.mark.parametrize("command", ["serve", "basin", "submit", "jobs", "cancel", "plot"])
+@pytest.mark.parametrize("command", ["serve", "basin", "trajectory", "submit", "jobs", "cancel", "plot"])
 def test_every_command_explains_itself(command):
     answer = CliRunner().invoke(app, [command, "--help"])
     assert answer.exit_code == 0 and len(answer.output) > 200
@@ -39,6 +39,21 @@ def test_a_basin_is_computed_resumed_and_drawn_without_a_service(tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_motion_is_drawn_or_written_down_and_its_contacts_are_listed(tmp_path):
+    start = ["trajectory", "--stiffness", "100", "--time", "0.3", "--velocity", "4", "--periods", "2"]
+    drawn = CliRunner().invoke(app, [*start, "--out", str(tmp_path / "history.png")])
+    assert drawn.exit_code == 0, drawn.output
+    assert (tmp_path / "history.png").read_bytes().startswith(b"\x89PNG")
+    lines = [line.split() for line in drawn.output.splitlines() if line.startswith("   ")]
+    assert lines[0] == ["time", "wall", "what", "speed"]
+    assert [line[1:3] for line in lines[1:]] == 2 * [["+1", "in"], ["+1", "out"]]
+    assert "rattles on" in drawn.output
+    written = CliRunner().invoke(app, [*start, "--out", str(tmp_path / "history.csv")])
+    assert written.exit_code == 0, written.output
+    table = (tmp_path / "history.csv").read_text().splitlines()
+    assert table[0] == "time,displacement,velocity" and table[1] == "0.3,0.6,-4.0" and len(table) == 406
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "told"),
     [
@@ -47,6 +62,17 @@ def test_a_basin_is_computed_resumed_and_drawn_without_a_service(tmp_path):
         (["basin", "--velocity", "3", "2", "--out", "x.zarr"], 2, "velocity_stop must be above"),
         (["basin", "--damping", "nan", "--out", "x.zarr"], 2, "damping must be positive"),
         (["basin"], 2, "--out"),
+        (["trajectory", "--velocity", "4", "--out", "x.pdf"], 2, "should end in .png or .csv"),
+        (["trajectory", "--velocity", "-4", "--out", "x.png"], 2, "velocity must be positive"),
+        (["trajectory", "--velocity", "nan", "--out", "x.png"], 2, "velocity must be positive"),
+        (["trajectory", "--velocity", "4", "--periods", "nan", "--out", "x.png"], 2, "more than the limit"),
+        (["trajectory", "--velocity", "4", "--stiffness", "-1", "--out", "x.png"], 2, "above damping^2/8"),
+        (
+            ["trajectory", "--velocity", "4", "--stiffness", "100", "--eccentricity", "0.16", "--out", "x.png"],
+            2,
+            "epsilon_crit1 = 0.15263",
+        ),
+        (["trajectory", "--velocity", "4", "--out", "nowhere/x.png"], 1, "cannot be written"),
         (["plot", "nowhere.zarr", "--out", "x.png"], 1, "nowhere.zarr is no basin store"),
         (["submit", "nowhere.json"], 2, "nowhere.json cannot be read"),
         (["jobs", "--url", "http://127.0.0.1:9"], 1, "start one with `rattle serve`"),

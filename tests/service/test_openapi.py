@@ -5,8 +5,8 @@ from pathlib import Path
 import yaml
 
 from rattle_kernels import Oscillator
-from service.models import OscillatorRequest
 from service.openapi import as_yaml, document
+from service.oscillator_model import ImpactingOscillator, PiecewiseLinearOscillator
 
 
 def test_the_committed_document_is_the_codes():
@@ -24,7 +24,12 @@ def test_every_reference_resolves_and_every_operation_is_described():
             assert operation["summary"] and operation["description"]
 
 
-def test_the_requests_oscillator_has_the_fields_of_the_kernels():
-    assert set(OscillatorRequest.model_fields) - {"model"} == set(Oscillator._fields) - {"stiffness"}
-    request = OscillatorRequest()
-    assert all(getattr(request, name) == value for name, value in Oscillator()._asdict().items() if name != "stiffness")
+def test_the_requests_oscillators_have_the_fields_and_defaults_of_the_kernels():
+    common = {"damping", "eccentricity", "half_backlash"}
+    assert set(ImpactingOscillator.model_fields) == common | {"model"}
+    others = {"model", "permanent_contact", "allow_no_quiet_solution"}
+    assert set(PiecewiseLinearOscillator.model_fields) - others == common | {"stiffness"}
+    assert common | {"stiffness", "permanent_after"} == set(Oscillator._fields)
+    assert ImpactingOscillator().to_oscillator() == Oscillator()
+    stiff = PiecewiseLinearOscillator(model="piecewise_linear", stiffness=100.0)
+    assert stiff.to_oscillator() == Oscillator(stiffness=100.0)

@@ -1,0 +1,80 @@
+"""The command that follows one motion: a picture or a table, and the list of its contacts."""
+
+import csv
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory, time_history
+from service.cli.console import announce_compiling, give_up, out
+from service.cli.oscillator import (
+    AllowNoQuietSolution,
+    Damping,
+    Eccentricity,
+    HalfBacklash,
+    Rule,
+    Stiffness,
+    oscillator_of,
+)
+from service.oscillator_model import PermanentContact
+from service.trajectory_model import initial_state
+from worker.history_picture import draw_history
+
+_OUTCOMES = {
+    Outcome.RETURNED: "rattles on",
+    Outcome.PERMANENT_CONTACT: "permanent contact",
+    Outcome.NOT_CONVERGED: "undecided: a root-finder gave up at the end",
+}
+_MOST_SAMPLES = 2_000_000
+
+
+def _write(oscillator: Oscillator, history: TimeHistory, target: Path) -> None:
+    try:
+        if target.suffix == ".png":
+            draw_history(oscillator, history, target)
+            return
+        with target.open("w", newline="") as file:
+            table = csv.writer(file)
+            table.writerow(("time", "displacement", "velocity"))
+            table.writerows(zip(*(field.tolist() for field in history[:3]), strict=True))
+    except OSError as error:
+        give_up(f"{target} cannot be written: {error.strerror}")
+
+
+def _print_contacts(history: TimeHistory) -> None:
+    typer.echo("       time  wall  what    speed")
+    for time, wall, direction, speed in zip(*history.contacts, strict=True):
+        typer.echo(f"{time:11.6f}  {wall:+4d}  {Direction(direction).name.lower():<6}  {speed:.6g}")
+
+
+def trajectory(
+    velocity: Annotated[float, typer.Option(help="Speed of a departure from +beta; with --displacement, Phi'")],
+    out_: Annotated[Path, typer.Option("--out", help="Picture (.png) or table (.csv) to write")],
+    damping: Damping = 0.6,
+    eccentricity: Eccentricity = 0.1,
+    half_backlash: HalfBacklash = 0.6,
+    stiffness: Stiffness = None,
+    rule: Rule = PermanentContact.ENVELOPE,
+    allow_no_quiet_solution: AllowNoQuietSolution = False,
+    time: Annotated[float, typer.Option(help="Initial time t, forcing periods")] = 0.0,
+    displacement: Annotated[float | None, typer.Option(help="Initial Phi; without it, +beta is left")] = None,
+    periods: Annotated[float, typer.Option(help="Span, forcing periods")] = 20.0,
+    samples_per_period: Annotated[int, typer.Option(min=1, help="Samples beside the contacts")] = 200,
+) -> None:
+    """Follow one motion of either model: draw Phi(t) or write it down, and list its contacts."""
+    if out_.suffix not in (".png", ".csv"):
+        give_up(f"{out_} should end in .png or .csv", 2)
+    if not periods * samples_per_period <= _MOST_SAMPLES:
+        give_up(f"{periods * samples_per_period:.0f} samples are more than the limit of {_MOST_SAMPLES}", 2)
+    announce_compiling()
+    try:
+        oscillator = oscillator_of(damping, eccentricity, half_backlash, stiffness, rule, allow_no_quiet_solution)
+        state = initial_state(oscillator, time, velocity, displacement)
+        history = time_history(oscillator, *state, periods=periods, samples_per_period=samples_per_period)
+    except ValueError as error:
+        give_up(str(error), 2)
+    _write(oscillator, history, out_)
+    _print_contacts(history)
+    ends = f", truncated at {history.contacts.time.size} contacts" if history.truncated else ""
+    out.print(f"t = {history.time[-1]:g}: {_OUTCOMES[history.outcome]}{ends}; {out_} is written", highlight=False)

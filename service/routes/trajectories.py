@@ -1,0 +1,27 @@
+"""Time histories, answered at once."""
+
+from fastapi import APIRouter
+
+from service.dependencies import SettingsHere, problems
+from service.errors import LimitExceeded
+from service.trajectory_model import TrajectoryRequest, TrajectoryView
+
+router = APIRouter(prefix="/v1", tags=["trajectories"])
+
+
+@router.post(
+    "/trajectories",
+    summary="Follow one motion",
+    responses=problems(
+        s400="malformed JSON", s413="body too large", s422="what is wrong with the request, field by field"
+    ),
+)
+def follow_trajectory(request: TrajectoryRequest, settings: SettingsHere) -> TrajectoryView:
+    """Answer with the time history from an initial condition, of either model, and with its contacts."""
+    samples = request.periods * request.samples_per_period
+    if samples > settings.max_samples:
+        raise LimitExceeded(
+            f"{samples:.0f} samples (periods times samples_per_period) are more than the limit of "
+            f"{settings.max_samples}"
+        )
+    return TrajectoryView.from_history(request.follow(settings.max_contacts))

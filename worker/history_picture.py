@@ -1,0 +1,81 @@
+"""Picture of one time history: Phi(t) between the backlash boundaries, as in the paper's Figs. 1 and 7."""
+
+import math
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from rattle_kernels import Direction, Oscillator, TimeHistory
+
+# Contacts marked at the most: more would hide the curve.
+_MOST_MARKS = 400
+_MARKS = {
+    Direction.IMPACT: ("o", "tab:red", "impact"),
+    Direction.IN: ("v", "tab:red", "into contact"),
+    Direction.OUT: ("^", "tab:green", "into freeplay"),
+}
+
+
+def _draw_boundaries(axes: Axes, oscillator: Oscillator) -> None:
+    for wall, name in ((1.0, "+β"), (-1.0, "−β")):
+        axes.axhline(wall * oscillator.half_backlash, color="black", linestyle=":", linewidth=1.0)
+        axes.annotate(
+            name, (1.0, wall * oscillator.half_backlash), xycoords=("axes fraction", "data"), xytext=(4, 0),
+            textcoords="offset points", va="center",
+        )  # fmt: skip
+
+
+def _shade_contacts(axes: Axes, oscillator: Oscillator, history: TimeHistory) -> None:
+    inside = np.clip(history.displacement, -oscillator.half_backlash, oscillator.half_backlash)
+    axes.fill_between(history.time, inside, history.displacement, color="tab:blue", alpha=0.25, linewidth=0.0)
+
+
+def _mark_contacts(axes: Axes, oscillator: Oscillator, history: TimeHistory) -> None:
+    contacts = history.contacts
+    if contacts.time.size > _MOST_MARKS:
+        return
+    for direction, (marker, colour, label) in _MARKS.items():
+        here = contacts.direction == direction
+        if here.any():
+            level = contacts.wall[here] * oscillator.half_backlash
+            axes.plot(contacts.time[here], level, marker, color=colour, markersize=3, linestyle="none", label=label)
+    if contacts.time.size:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.04, 1.0), frameon=False, borderaxespad=0.0)
+
+
+def _title(oscillator: Oscillator, history: TimeHistory) -> str:
+    damping, eccentricity, half_backlash, stiffness, _ = oscillator
+    model = "impacting model" if math.isinf(stiffness) else f"piecewise linear model, κ = {stiffness:g}"
+    title = f"{model}, δ = {damping:g}, ε = {eccentricity:g}, β = {half_backlash:g}"
+    return f"{title}\ntruncated at {history.contacts.time.size} contacts" if history.truncated else title
+
+
+def draw_history(oscillator: Oscillator, history: TimeHistory, target: str | Path | IO[bytes]) -> None:
+    """Draw a time history as a PNG.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        The one whose motion it is.
+    history : TimeHistory
+    target : path or binary file
+        Where the PNG goes.
+    """
+    figure = Figure(figsize=(11.0, 4.5), dpi=110, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    _draw_boundaries(axes, oscillator)
+    _shade_contacts(axes, oscillator, history)
+    axes.plot(history.time, history.displacement, color="tab:blue", linewidth=1.0)
+    _mark_contacts(axes, oscillator, history)
+    if history.time[-1] > history.time[0]:
+        axes.set_xlim(history.time[0], history.time[-1])
+    axes.set_xlabel("time t (forcing periods)")
+    axes.set_ylabel("displacement Φ")
+    axes.set_title(_title(oscillator, history))
+    # No date in the file: the same history gives the same bytes.
+    figure.savefig(target, format="png", metadata={"Software": None})
