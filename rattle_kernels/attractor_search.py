@@ -12,12 +12,15 @@ A seed (a landing point) is followed by P itself until it is clear where it ends
 Seeds are taken in ascending order, so the catalogue depends on the set of seeds alone.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from rattle_kernels.attractor import PERMANENT_CONTACT_ATTRACTOR, UNDECIDED_ATTRACTOR, Attractor, AttractorKind
-from rattle_kernels.impact_lanes import next_impacts, run_lanes
+from rattle_kernels.impact_lanes import run_lanes
+from rattle_kernels.impact_map import RETURNED, next_impact
+from rattle_kernels.jit import kernel
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.lyapunov import lyapunov_exponent
 from rattle_kernels.neighbourhoods import locate, neighbourhoods
@@ -42,16 +45,24 @@ def _periodic(orbit: PeriodicOrbit) -> Attractor:
     )  # fmt: skip
 
 
+@kernel
+def _distances_on_return(oscillator, t, v, speed_scale, distances):
+    """Distance from a departure after 1, 2, ... impacts; infinite from where contact is permanent."""
+    here_t, here_v = t, v
+    distances[:] = math.inf
+    for i in range(distances.size):
+        impact = next_impact(oscillator, here_t, here_v)
+        if impact.outcome != RETURNED:
+            return
+        here_t, here_v = impact.t, impact.v
+        apart = here_t - t
+        distances[i] = math.hypot(apart - math.floor(apart + 0.5), (here_v - v) / speed_scale)
+
+
 def _closest_return(oscillator: Oscillator, t: float, v: float) -> tuple[int, float]:
     """Impact period after which a trajectory first comes back within 1e-6, or else closest; and that distance."""
-    scale = lane_tables(oscillator).speed_scale
     distances = np.empty(_LONGEST_PERIOD)
-    here_t, here_v = np.array([t]), np.array([v])
-    for period in range(_LONGEST_PERIOD):
-        here_t, here_v, _, _ = next_impacts(oscillator, here_t, here_v)
-        apart = here_t[0] - t
-        distances[period] = np.hypot(apart - np.rint(apart), (here_v[0] - v) / scale)
-    distances[np.isnan(distances)] = np.inf  # contact became permanent on the way
+    _distances_on_return(oscillator, t, v, lane_tables(oscillator).speed_scale, distances)
     close = np.flatnonzero(distances < _CLOSE_RETURN)
     period = int(close[0] if close.size else np.argmin(distances))
     return period + 1, float(distances[period])
