@@ -4,7 +4,8 @@ from rattle_kernels.attractor import Attractor, AttractorKind
 from rattle_kernels.attractor_search import find_attractors
 from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
-from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells
+from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells, map_points
+from rattle_kernels.continuation import attractor_distance, continue_attractor
 from rattle_kernels.grazing_curve import grazing_velocity
 from rattle_kernels.image_set import (
     ImageSet,
@@ -48,11 +49,13 @@ __all__ = [
     "Oscillator",
     "Outcome",
     "OutsideDomain",
+    "attractor_distance",
     "check_domain",
     "check_grid",
     "check_iterations",
     "coarser_boxes",
     "compiled_before",
+    "continue_attractor",
     "eccentricity_bound_convexity",
     "eccentricity_bound_quiet",
     "eccentricity_bound_smooth_maxima",
@@ -63,6 +66,7 @@ __all__ = [
     "label_cells",
     "landing_boxes",
     "map_cells",
+    "map_points",
     "mark_images",
     "members_of",
     "name_solutions",

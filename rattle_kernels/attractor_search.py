@@ -35,7 +35,8 @@ _PATIENCE = 4
 _FRUITLESS_SEEDS = 8
 
 
-def _periodic(orbit: PeriodicOrbit) -> Attractor:
+def attractor_of(orbit: PeriodicOrbit) -> Attractor:
+    """Attractor that a periodic orbit is, where it attracts."""
     return Attractor(
         AttractorKind.PERIODIC, orbit.forcing_periods, orbit.upper_contacts, orbit.lower_contacts,
         orbit.lyapunov_exponent, 0.0, orbit.t, orbit.v,
@@ -87,7 +88,7 @@ def _motion_of(oscillator: Oscillator, t: float, v: float) -> Attractor:
         orbit = _orbit_of(oscillator, t, v)
         if orbit is None and run.chaotic:
             return Attractor(AttractorKind.CHAOTIC, 0, 0, 0, run.exponent, run.error, run.t, run.v)
-    return UNDECIDED_ATTRACTOR if orbit is None else _periodic(orbit)
+    return UNDECIDED_ATTRACTOR if orbit is None else attractor_of(orbit)
 
 
 def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> bool:

@@ -100,6 +100,8 @@ class ProgressView(BaseModel):
     cells_total: int
     cells_per_second: float
     seconds_left: float | None = Field(description="Estimate for this stage, null until there is one")
+    basins_done: int = Field(0, description="Basins of a sweep that are complete")
+    basins_total: int = Field(1, description="Basins of the job: one where nothing is swept")
 
 
 class ErrorView(BaseModel):

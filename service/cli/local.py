@@ -15,7 +15,8 @@ from service.settings import Settings
 from worker.basin_job import BasinJob
 from worker.cluster import connect
 from worker.errors import InvalidJob, JobCancelled, WorkerError
-from worker.picture import Layer, draw_basin
+from worker.panel_picture import Layer
+from worker.picture import draw_basin
 from worker.pipeline import run_basin
 from worker.progress import Progress
 from worker.results import BasinSummary

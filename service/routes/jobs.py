@@ -9,7 +9,7 @@ from service.dependencies import JobsHere, RunnerHere, SettingsHere, problems
 from service.errors import Unstoppable
 from service.job_record import JobState
 from service.models import JobPage, JobView
-from worker.store import remove_result, result_location
+from worker.result_files import remove_result, result_location
 
 router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
 

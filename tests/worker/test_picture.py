@@ -10,8 +10,10 @@ from rattle_kernels import Attractor, AttractorKind, CellGrid
 from worker import colours, layout
 from worker.basin_job import BasinJob
 from worker.errors import StoreConflict
-from worker.layout import LABELLED, TileState
-from worker.picture import Layer, draw_basin
+from worker.layout import LABELLED, SOLUTION, TileState
+from worker.panel_picture import Layer
+from worker.picture import draw_basin
+from worker.solution_table import SolutionTable, motion_of
 from worker.store import BasinStore
 
 
@@ -35,8 +37,14 @@ def store(tmp_path):
     for number in range(store.tiling.tiles):
         tile = store.tiling.tile(number)
         inside = slice(*tile.rows), slice(*tile.columns)
-        store.write_tile(LABELLED, tile, (group[inside], group[inside], group[inside], solution[inside]))
-    store.write_attractors((QUIET, RATTLE, CHAOS), np.array([0.5, 0.25, 0.25]))
+        labels = group[inside], group[inside], group[inside], solution[inside]
+        store.write_tile((*LABELLED, SOLUTION), tile, labels)
+    table = SolutionTable.empty(store.job)
+    numbers = [table.append(motion_of(attractor)) for attractor in (QUIET, RATTLE, CHAOS)]
+    table.enter(0, numbers, (QUIET, RATTLE, CHAOS), np.array([0.5, 0.25, 0.25]))
+    store.make_room(table, 1)
+    store.write_solutions(table)
+    store.write_points(0, numbers, (QUIET, RATTLE, CHAOS))
     store.write_ledger(np.full(store.tiling.tiles, TileState.ASSEMBLED))
     return store
 
@@ -105,13 +113,10 @@ def test_motions_of_one_name_are_told_apart_and_kinds_keep_their_colours():
 
 
 def test_every_variable_has_dimensions_and_a_fill_that_is_no_value():
-    for variable in (
-        *layout.COORDINATES,
-        *layout.MAPPED,
-        *layout.LABELLED,
-        layout.LEDGER,
-        layout.GRAZING,
-        *layout.ATTRACTORS,
-    ):
-        assert variable.dims and variable.meaning
-        assert variable.fill in (layout.MISSING, np.inf, 0, "")
+    tables = *layout.MOTIONS, *layout.MEASURED, layout.SHARE_ERROR, *layout.CHANGES, *layout.IMAGE_SET
+    for places in (layout.CELLS, layout.SAMPLE):
+        arrays = *places.coordinates, *places.mapped, *places.labelled, places.solution, places.own_solution
+        for variable in (*arrays, places.ledger, layout.GRAZING, *tables):
+            assert variable.dims and variable.meaning
+            assert variable.fill in (layout.MISSING, np.inf, 0, "")
+    assert all(np.isnan(variable.fill) for variable in layout.POINTS)
