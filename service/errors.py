@@ -12,7 +12,15 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
 from rattle_kernels import OutsideDomain
-from worker.errors import ClusterFailed, InvalidJob, JobCancelled, StoreConflict, StoreFailed, TileFailed
+from worker.errors import (
+    ClusterFailed,
+    InvalidJob,
+    JobCancelled,
+    StoreConflict,
+    StoreFailed,
+    SweptOutsideDomain,
+    TileFailed,
+)
 
 _log = logging.getLogger("rattle.service")
 
@@ -75,9 +83,12 @@ def problem(
 
 async def _known(request: Request, error: Exception) -> JSONResponse:
     status, kind = next(entry for known, entry in _TABLE.items() if isinstance(error, known))
-    errors = []
-    if isinstance(error, OutsideDomain):
-        errors = [{"location": ["body", "oscillator", error.parameter], "message": str(error)}]
+    place: tuple[str | int, ...] = ()
+    if isinstance(error, InvalidJob | SweptOutsideDomain):
+        place = error.place
+    elif isinstance(error, OutsideDomain):
+        place = "oscillator", error.parameter
+    errors = [{"location": ["body", *place], "message": str(error)}] if place else []
     return problem(status, kind, str(error), request.url.path, errors)
 
 

@@ -6,7 +6,9 @@ Every panel finds its own catalogue, whatever its neighbours find. Then, in the 
    an attractor of the panel, the two are one solution; where it ends on one that the panel's catalogue lacks (its basin
    holds no cell of the grid), that is added, with a share of 0.
 2. What is left is matched by kind and itinerary, the closest first.
-3. What is left then is new, and takes the next numbers in the order of the panel's catalogue.
+3. What is left then was not there before. It takes the number of a solution of its kind and itinerary that the panel
+   does not have yet, the one that was there last: across a sweep, its itinerary names a motion. Where there is none, it
+   takes the next number.
 
 Neighbours are the panel before along the last swept parameter and then, for what that one does not have, the panel
 before along the first. So numbers follow from the catalogues alone, whenever those were found.
@@ -18,7 +20,7 @@ from typing import NamedTuple
 
 from rattle_kernels import Attractor, AttractorKind, Oscillator, attractor_distance, continue_attractor
 from worker.basin_job import BasinJob
-from worker.solution_table import SolutionTable, motion_of
+from worker.solution_table import Motion, SolutionTable, motion_of
 
 # Newton's method ends within 1e-11: closer than this is the same orbit.
 _SAME_ORBIT = 1e-6
@@ -51,6 +53,7 @@ class Numbering:
         # The panel before along the first parameter is a whole row of panels ago.
         self._kept = 1 if len(job.vary) < 2 else job.panel_shape[-1]
         self._recent: OrderedDict[int, Numbered] = OrderedDict()
+        self._seen = table.last_seen()
 
     def _neighbours(self, panel: int) -> list[int]:
         place, row = self.job.place_of(panel), self.job.panel_shape[-1] if self.job.vary else 1
@@ -66,6 +69,15 @@ class Numbering:
         self._recent[panel] = Numbered(tuple(_thinned(each) for each in numbered.attractors), numbered.numbers)
         while len(self._recent) > self._kept + 1:
             del self._recent[min(self._recent)]
+
+    def _earlier(self, motion: Motion, number_of: dict[int, int]) -> int | None:
+        """Number of a motion that the panel does not have yet: of several, the one that was there last."""
+        free = [
+            number
+            for number, listed in enumerate(self.table.motions)
+            if listed == motion and number not in number_of.values()
+        ]
+        return max(free, key=lambda number: (self._seen[number], -number), default=None)
 
     def assign(self, panel: int, catalogue: Catalogue) -> Numbered:
         """Number the attractors of a panel: the next one after all that have been numbered.
@@ -89,7 +101,10 @@ class Numbering:
             _match(oscillator, known, attractors, number_of)
         for index, attractor in enumerate(attractors):
             if index not in number_of:
-                number_of[index] = self.table.append(motion_of(attractor))
+                motion = motion_of(attractor)
+                earlier = self._earlier(motion, number_of)
+                number_of[index] = self.table.append(motion) if earlier is None else earlier
+        self._seen |= dict.fromkeys(number_of.values(), panel)
         numbered = Numbered(tuple(attractors), [number_of[index] for index in range(len(attractors))])
         self._keep(panel, numbered)
         return numbered

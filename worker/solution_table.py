@@ -56,6 +56,11 @@ class SolutionTable:
         """Solutions that a complete panel has."""
         return np.flatnonzero(np.isfinite(self.share[panel])).tolist()
 
+    def last_seen(self) -> dict[int, int]:
+        """The last complete panel that has each solution."""
+        panels, numbers = np.nonzero(np.isfinite(self.share))
+        return dict(zip(numbers.tolist(), panels.tolist(), strict=True))
+
     def append(self, motion: Motion) -> int:
         """Number of a solution that is new."""
         self.motions.append(motion)
