@@ -29,7 +29,7 @@ class SweptParameter:
 
     @classmethod
     def spaced(cls, parameter: str, start: float, stop: float, count: int, spacing: Spacing) -> "SweptParameter":
-        """Values from start to stop, both included.
+        """Two values or more from start to stop, both included.
 
         Raises
         ------
@@ -38,8 +38,12 @@ class SweptParameter:
         """
         if spacing == Spacing.GEOMETRIC and not (start > 0.0 and stop > 0.0):
             raise InvalidJob(f"{parameter} can only be spaced geometrically from and to values above 0")
+        if count < 2:
+            raise InvalidJob(f"{parameter} takes at least two values from start to stop, not {count}")
         space = np.geomspace if spacing == Spacing.GEOMETRIC else np.linspace
-        return cls(parameter, tuple(space(start, stop, count).tolist()))
+        # Decimals where decimals are meant: 0.6, not 0.6000000000000001, which is another oscillator.
+        between = [float(f"{value:.15g}") for value in space(start, stop, count)[1:-1]]
+        return cls(parameter, (float(start), *between, float(stop)))
 
 
 def check_swept(vary: Sequence[SweptParameter], oscillator: Oscillator) -> tuple[SweptParameter, ...]:
