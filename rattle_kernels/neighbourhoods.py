@@ -130,8 +130,9 @@ def hit_the_same_boxes(oscillator: Oscillator, one: Attractor, other: Attractor)
     -------
     bool
     """
-    boxes = [_boxes(oscillator, each.time.tobytes(), each.velocity.tobytes()) for each in (one, other)]
-    return np.intersect1d(*boxes).size > _SAME_PART * min(each.size for each in boxes)
+    some = _boxes(oscillator, one.time.tobytes(), one.velocity.tobytes())
+    others = _boxes(oscillator, other.time.tobytes(), other.velocity.tobytes())
+    return np.intersect1d(some, others).size > _SAME_PART * min(some.size, others.size)
 
 
 def _own_boxes(marked: dict[int, np.ndarray]) -> np.ndarray:

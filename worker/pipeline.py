@@ -89,6 +89,12 @@ class _Record:
         self._ledger_saved = self._table_saved = 0.0
         self._table_changed = False
 
+    def announce(self, panel: Panel, numbered: Numbered) -> None:
+        """Note what attractors a panel has, before their shares are known."""
+        unknown = np.full(len(numbered.numbers), np.nan)
+        self.table.enter(panel.number, numbered.numbers, numbered.attractors, unknown)
+        self._table_changed = True
+
     def enter(self, panel: Panel, numbered: Numbered) -> None:
         """Note that a panel is complete, the next one after those that are."""
         shares = np.zeros(len(numbered.numbers))
@@ -187,8 +193,7 @@ class _Run:
         if panel.numbered:
             self.record.table.forget_after(0)
         numbered = self.numbering.assign(panel.number, panel.attractors)
-        unknown = np.full(len(numbered.numbers), np.nan)
-        self.record.table.enter(panel.number, numbered.numbers, numbered.attractors, unknown)
+        self.record.announce(panel, numbered)
         self.store.make_room(self.record.table, max(attractor.time.size for attractor in numbered.attractors))
         self.numbered[panel.number] = numbered
         numbers = tuple(numbered.numbers)

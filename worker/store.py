@@ -216,15 +216,15 @@ class BasinStore:
                 array[*place, :, :] = padded
 
     def write_solutions(self, table: SolutionTable) -> None:
-        """Write what solutions are like in each panel (driver only); there must be room for them."""
+        """Write what solutions are like in each panel, those that there is room for (driver only)."""
         columns = [table.share, table.exponent, table.error]
         if self.job.sample is not None:
             columns.append(np.sqrt(table.share * (1.0 - table.share) / self.job.sample.points))
         with told_as_store_failure(self.location):
             for variable, values in zip(self._measured(), columns, strict=True):
-                self._array(variable)[..., : len(table.motions)] = values.reshape(
-                    *self.job.panel_shape, len(table.motions)
-                )
+                array = self._array(variable)
+                room = min(array.shape[-1], len(table.motions))
+                array[..., :room] = values[:, :room].reshape(*self.job.panel_shape, room)
 
     def read_solutions(self) -> SolutionTable:
         """What solutions there are and what they are like in each panel, as far as that is known."""
