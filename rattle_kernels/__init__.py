@@ -11,7 +11,8 @@ from rattle_kernels.basin_integrity import (
 )
 from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
-from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells
+from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells, map_points
+from rattle_kernels.continuation import attractor_distance, continue_attractor
 from rattle_kernels.grazing_curve import grazing_velocity
 from rattle_kernels.image_set import (
     ImageSet,
@@ -68,6 +69,7 @@ __all__ = [
     "UncertaintyExponent",
     "basin_entropy",
     "TimeHistory",
+    "attractor_distance",
     "check_domain",
     "check_grid",
     "check_impacting",
@@ -75,6 +77,7 @@ __all__ = [
     "check_quiet",
     "coarser_boxes",
     "compiled_before",
+    "continue_attractor",
     "eccentricity_bound_convexity",
     "eccentricity_bound_quiet",
     "eccentricity_bound_smooth_maxima",
@@ -89,6 +92,7 @@ __all__ = [
     "least_disturbance",
     "local_integrity_measure",
     "map_cells",
+    "map_points",
     "mark_images",
     "members_of",
     "name_solutions",

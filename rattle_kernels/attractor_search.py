@@ -23,7 +23,7 @@ from rattle_kernels.impact_map import RETURNED, next_impact
 from rattle_kernels.jit import kernel
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.lyapunov import lyapunov_exponent
-from rattle_kernels.neighbourhoods import locate, neighbourhoods
+from rattle_kernels.neighbourhoods import hit_the_same_boxes, locate, neighbourhoods
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
@@ -38,7 +38,8 @@ _PATIENCE = 4
 _FRUITLESS_SEEDS = 8
 
 
-def _periodic(orbit: PeriodicOrbit) -> Attractor:
+def attractor_of(orbit: PeriodicOrbit) -> Attractor:
+    """Attractor that a periodic orbit is, where it attracts."""
     return Attractor(
         AttractorKind.PERIODIC, orbit.forcing_periods, orbit.upper_contacts, orbit.lower_contacts,
         orbit.lyapunov_exponent, 0.0, orbit.t, orbit.v,
@@ -99,7 +100,7 @@ def _motion_of(oscillator: Oscillator, t: float, v: float) -> Attractor:
         orbit = _orbit_of(oscillator, t, v)
         if orbit is None and run.chaotic:
             return Attractor(AttractorKind.CHAOTIC, 0, 0, 0, run.exponent, run.error, run.t, run.v)
-    return UNDECIDED_ATTRACTOR if orbit is None else _periodic(orbit)
+    return UNDECIDED_ATTRACTOR if orbit is None else attractor_of(orbit)
 
 
 def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> bool:
@@ -109,6 +110,24 @@ def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Att
     return bool(
         locate(oscillator, neighbourhoods(oscillator, catalogue), motion.time[-1:], motion.velocity[-1:])[0] >= 0
     )
+
+
+def _overlapping(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> int | None:
+    """Which chaotic attractor of the catalogue a chaotic motion is a part of, or has as its part; None where none is.
+
+    One of the two may be a long transient through the other's surroundings. Listed apart, they would share their boxes,
+    which then would tell nothing, so that every seed would find one attractor more.
+    """
+    if motion.kind != AttractorKind.CHAOTIC:
+        return None
+    chaotic = [i for i, listed in enumerate(catalogue) if listed.kind == AttractorKind.CHAOTIC]
+    return next((i for i in chaotic if hit_the_same_boxes(oscillator, motion, catalogue[i])), None)
+
+
+def _united(known: Attractor, motion: Attractor) -> Attractor:
+    """One attractor with half of the points of either; its exponent is that of the run that settled for longer."""
+    time = np.concatenate([known.time[::2], motion.time[::2]])
+    return motion._replace(time=time, velocity=np.concatenate([known.velocity[::2], motion.velocity[::2]]))
 
 
 def _settle(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int) -> tuple[np.ndarray, np.ndarray]:
@@ -168,7 +187,10 @@ def find_attractors(
             break
         motion = _motion_of(checked, float(t_left[0]), float(v_left[0]))
         t_left, v_left = t_left[1:], v_left[1:]
-        if not _is_known(checked, motion, catalogue):
+        same = _overlapping(checked, motion, catalogue)
+        if same is not None:
+            catalogue[same] = _united(catalogue[same], motion)
+        if same is None and not _is_known(checked, motion, catalogue):
             catalogue.append(motion)
             fruitless = 0
         else:

@@ -86,14 +86,49 @@ def map_cells(
     ValueError
         Where the grid or `iterations` is not valid.
     """
-    checked = check_domain(oscillator)
     check_grid(grid)
-    check_iterations(iterations)
     times, velocities = grid.time_centres()[slice(*columns)], grid.velocity_centres()[slice(*rows)]
-    shape = (velocities.size, times.size)
     t, v = np.tile(times, velocities.size), np.repeat(velocities, times.size)
+    images = map_points(oscillator, grid, iterations, t, v, shortcuts=shortcuts)
+    shape = velocities.size, times.size
+    image_cell, landing_time, landing_velocity = (field.reshape(shape) for field in images[:3])
+    return CellImages(image_cell, landing_time, landing_velocity, images.applications)
+
+
+def map_points(
+    oscillator: Oscillator, grid: CellGrid, iterations: int, t: np.ndarray, v: np.ndarray, *, shortcuts: bool = True
+) -> CellImages:
+    """Cells in which points land under ``P^k``, wherever they start.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Impacting model.
+    grid : CellGrid
+        Whose cells are told.
+    iterations : int
+        k, 1 or a prime.
+    t, v : ndarray of float64, shape (n,)
+        Departures from +beta.
+    shortcuts : bool
+        As in `map_cells`.
+
+    Returns
+    -------
+    CellImages
+        Of shape (n,).
+
+    Raises
+    ------
+    OutsideDomain
+        Where the oscillator's parameters lie outside the domain of the map.
+    ValueError
+        Where `iterations` is not valid.
+    """
+    checked = check_domain(oscillator)
+    check_iterations(iterations)
     landing, run = run_lanes(checked, t, v, iterations, shortcuts=shortcuts)
     image_cell = np.empty(t.size, np.int64)
     bound = lane_tables(checked).capture_bound
     _settle_images(checked, bound, grid, landing.outcome, landing.t, landing.v, image_cell)
-    return CellImages(image_cell.reshape(shape), landing.t.reshape(shape), landing.v.reshape(shape), run.applications)
+    return CellImages(image_cell, landing.t, landing.v, run.applications)

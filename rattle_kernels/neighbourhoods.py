@@ -35,6 +35,7 @@ _MARKING_ROUNDS = 256
 _ROUNDS = 200
 _SHARED_BOX = -2
 _UNMARKED = -1
+_SAME_PART = 0.1
 
 _LARGEST_ELLIPSE = 0.05
 _SMALLEST_ELLIPSE = 1e-9
@@ -113,6 +114,25 @@ def _boxes(oscillator: Oscillator, times: bytes, speeds: bytes) -> np.ndarray:
         hit.append((v / scale * BOXES).astype(np.int64) * BOXES + (t * BOXES).astype(np.int64))
         t, v, _, _ = next_impacts(oscillator, t, v)
     return np.unique(np.concatenate(hit))
+
+
+def hit_the_same_boxes(oscillator: Oscillator, one: Attractor, other: Attractor) -> bool:
+    """Whether two chaotic motions are one: a tenth of the boxes that the lesser hits are hit by the other, too.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    one, other : Attractor
+        Chaotic ones.
+
+    Returns
+    -------
+    bool
+    """
+    some = _boxes(oscillator, one.time.tobytes(), one.velocity.tobytes())
+    others = _boxes(oscillator, other.time.tobytes(), other.velocity.tobytes())
+    return np.intersect1d(some, others).size > _SAME_PART * min(some.size, others.size)
 
 
 def _own_boxes(marked: dict[int, np.ndarray]) -> np.ndarray:

@@ -8,6 +8,7 @@ from rattle_kernels.cell_groups import find_groups, label_cells
 from rattle_kernels.cell_map import map_cells
 from rattle_kernels.image_set import has_members, mark_images, place_images, unite
 from rattle_kernels.oscillator import Oscillator
+from rattle_kernels.periodic_orbit import find_periodic_orbit
 from rattle_kernels.solutions import name_solutions
 from rattle_kernels.time_history import time_history
 
@@ -20,6 +21,8 @@ def warm_up() -> None:
     # Seeds that settle on the periodic orbit and on the chaotic attractor: both ways of being named.
     attractors = find_attractors(oscillator, [0.89829, 0.553], [3.76991, 4.703])
     name_solutions(oscillator, attractors, [0.9], [3.77])
+    # Twice around P(1,1,0): an orbit of which a part may be the whole.
+    find_periodic_orbit(oscillator, 0.89829, 3.76991, 2, 5.0)
     members = unite(grid.cells, [mark_images(grid.cells, images.image_cell)])
     place = np.empty(members.size, np.int32)
     if has_members(members, (0, 4), (0, 4), grid.time_cells):

@@ -13,7 +13,15 @@ from starlette.exceptions import HTTPException
 
 from rattle_kernels import OutsideDomain
 from service.oscillator_model import IMPACTING, PIECEWISE_LINEAR
-from worker.errors import ClusterFailed, InvalidJob, JobCancelled, StoreConflict, StoreFailed, TileFailed
+from worker.errors import (
+    ClusterFailed,
+    InvalidJob,
+    JobCancelled,
+    StoreConflict,
+    StoreFailed,
+    SweptOutsideDomain,
+    TileFailed,
+)
 
 _log = logging.getLogger("rattle.service")
 
@@ -76,9 +84,12 @@ def problem(
 
 async def _known(request: Request, error: Exception) -> JSONResponse:
     status, kind = next(entry for known, entry in _TABLE.items() if isinstance(error, known))
-    errors = []
-    if isinstance(error, OutsideDomain):
-        errors = [{"location": ["body", "oscillator", error.parameter], "message": str(error)}]
+    place: tuple[str | int, ...] = ()
+    if isinstance(error, InvalidJob | SweptOutsideDomain):
+        place = error.place
+    elif isinstance(error, OutsideDomain):
+        place = "oscillator", error.parameter
+    errors = [{"location": ["body", *place], "message": str(error)}] if place else []
     return problem(status, kind, str(error), request.url.path, errors)
 
 

@@ -1,16 +1,21 @@
 """Shapes of requests and responses over HTTP, built to and from the worker's objects."""
 
+import dataclasses
+import math
 from datetime import datetime
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from rattle_kernels import Attractor, CellGrid
 from service.job_record import JobRecord, JobState
-from service.oscillator_model import ImpactingOscillator, OscillatorRequest
+from service.oscillator_model import PIECEWISE_LINEAR, ImpactingOscillator, OscillatorRequest, demand_quiet
 from service.strict import Count, Real, Request
 from worker.basin_job import BasinJob
-from worker.results import BasinSummary
+from worker.errors import InvalidJob
+from worker.results import BasinSummary, Change, PanelSummary
+from worker.sample import Sample
+from worker.swept_parameter import MOST_SWEPT, Spacing, SweptParameter
 
 
 class TimeWindow(Request):
@@ -36,6 +41,13 @@ class GridRequest(Request):
     velocity: VelocityWindow = Field(default_factory=VelocityWindow)
 
 
+class SampleRequest(Request):
+    """Points of the window to start from in place of a grid of cells: a scrambled Sobol sequence."""
+
+    points: Count
+    seed: Annotated[int, Field(strict=True, ge=0)] = Field(0, description="The same seed gives the same points")
+
+
 class BasinRequest(Request):
     """One basin of attraction."""
 
@@ -59,6 +71,13 @@ class BasinRequest(Request):
     grid: GridRequest = Field(default_factory=GridRequest)
     iterations: Count = Field(1499, description="k of P_corr o P^k: 1 or a prime")
 
+    sample: SampleRequest | None = Field(None, description="Points in place of cells; leave out `cells` then")
+
+    @property
+    def places(self) -> int:
+        """Cells of the grid, or points of the sample."""
+        return self.sample.points if self.sample else self.grid.time.cells * self.grid.velocity.cells
+
     def to_job(self) -> BasinJob:
         """Job that this asks for.
 
@@ -68,8 +87,93 @@ class BasinRequest(Request):
             Saying what is wrong.
         """
         time, velocity = self.grid.time, self.grid.velocity
+        for name, window in (("time", time), ("velocity", velocity)):
+            if self.sample and "cells" in window.model_fields_set:
+                raise InvalidJob(f"a sample has no cells: leave out grid.{name}.cells", ("grid", name, "cells"))
         grid = CellGrid(time.start, time.stop, time.cells, velocity.start, velocity.stop, velocity.cells)
-        return BasinJob(self.oscillator.to_oscillator(), grid, self.iterations)
+        sample = Sample(self.sample.points, self.sample.seed) if self.sample else None
+        job = BasinJob(self.oscillator.to_oscillator(), grid, self.iterations, self._vary(), sample)
+        demand_quiet(job.demand_quiet, unless=self.oscillator.allow_no_quiet_solution)
+        return job
+
+    def _vary(self) -> tuple[SweptParameter, ...]:
+        return ()
+
+
+class VaryRequest(Request):
+    """Values of one swept parameter: all of them, or how many from a start to a stop, both included."""
+
+    parameter: Literal["damping", "eccentricity", "half_backlash", "stiffness"]
+    values: list[Real] | None = Field(None, description="Ascending or descending")
+    start: Real | None = None
+    stop: Real | None = None
+    count: Annotated[int, Field(strict=True, ge=2)] | None = None
+    spacing: Spacing = Spacing.LINEAR
+
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return len(self.values) if self.values is not None else self.count or 0
+
+    def to_swept(self, place: tuple[str | int, ...]) -> SweptParameter:
+        """Swept parameter that this describes; `place` is where it stands in the request.
+
+        Raises
+        ------
+        InvalidJob
+            Where neither or both descriptions are given, or they are contradictory.
+        """
+        spaced = self.start, self.stop, self.count
+        if self.values is not None and spaced == (None, None, None) and "spacing" not in self.model_fields_set:
+            return SweptParameter(self.parameter, tuple(self.values))
+        if self.values is not None or self.start is None or self.stop is None or self.count is None:
+            raise InvalidJob(f"give {self.parameter} either values, or start, stop and count", place)
+        try:
+            return SweptParameter.spaced(self.parameter, self.start, self.stop, self.count, self.spacing)
+        except InvalidJob as error:
+            raise InvalidJob(str(error), (*place, "spacing")) from error
+
+
+class SweepRequest(BasinRequest):
+    """Basins over one or two parameters, each combination of their values one basin."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "examples": [
+                {
+                    "oscillator": {"model": "impacting", "eccentricity": 0.1, "half_backlash": 0.6},
+                    "vary": [{"parameter": "damping", "start": 0.5, "stop": 0.7, "count": 21}],
+                    "grid": {"time": {"cells": 200}, "velocity": {"cells": 200}},
+                }
+            ]
+        },
+    )
+
+    vary: Annotated[list[VaryRequest], Field(min_length=1, max_length=MOST_SWEPT)] = Field(
+        description="Swept parameters; the last one runs fastest"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _swept_stiffness_needs_no_other(cls, value: Any) -> Any:
+        """Give a swept stiffness, where none stands beside it, a value that the first of the sweep then replaces."""
+        oscillator = value.get("oscillator") if isinstance(value, dict) else None
+        vary = value.get("vary") if isinstance(value, dict) else None
+        if not isinstance(oscillator, dict) or not isinstance(vary, list):
+            return value
+        swept = any(isinstance(each, dict) and each.get("parameter") == "stiffness" for each in vary)
+        if swept and oscillator.get("model") == PIECEWISE_LINEAR and "stiffness" not in oscillator:
+            return value | {"oscillator": oscillator | {"stiffness": 1.0}}
+        return value
+
+    @property
+    def basins(self) -> int:
+        """Number of basins."""
+        return math.prod(each.size for each in self.vary)
+
+    def _vary(self) -> tuple[SweptParameter, ...]:
+        return tuple(each.to_swept(("vary", axis)) for axis, each in enumerate(self.vary))
 
 
 class ProgressView(BaseModel):
@@ -82,6 +186,8 @@ class ProgressView(BaseModel):
     cells_total: int
     cells_per_second: float
     seconds_left: float | None = Field(description="Estimate for this stage, null until there is one")
+    basins_done: int = Field(0, description="Basins of a sweep that are complete")
+    basins_total: int = Field(1, description="Basins of the job: one where nothing is swept")
 
 
 class ErrorView(BaseModel):
@@ -105,9 +211,9 @@ class JobView(BaseModel):
     """A job."""
 
     id: str
-    kind: Literal["basin"]
+    kind: Literal["basin", "sweep"]
     state: JobState
-    request: BasinRequest
+    request: SweepRequest | BasinRequest
     created: datetime
     started: datetime | None
     finished: datetime | None
@@ -119,8 +225,9 @@ class JobView(BaseModel):
     def from_record(cls, record: JobRecord) -> "JobView":
         """View of a job record."""
         here = f"/v1/jobs/{record.id}"
+        kind, model = ("sweep", SweepRequest) if "vary" in record.request else ("basin", BasinRequest)
         return cls(
-            id=record.id, kind="basin", state=record.state, request=BasinRequest.model_validate(record.request),
+            id=record.id, kind=kind, state=record.state, request=model.model_validate(record.request),
             created=record.created, started=record.started, finished=record.finished,
             progress=ProgressView(**record.progress) if record.progress else None,
             error=ErrorView(**record.error) if record.error else None,
@@ -139,7 +246,7 @@ class JobPage(BaseModel):
 
 
 class SolutionView(BaseModel):
-    """One motion and its share of the cells."""
+    """One motion and its share of the cells: of all basins of a sweep together, and as the first that has it has it."""
 
     name: str = Field(examples=["P(1,1,0)"])
     kind: Literal["periodic", "chaotic", "permanent_contact", "undecided"]
@@ -165,8 +272,49 @@ class SolutionView(BaseModel):
         )  # fmt: skip
 
 
+class ShareView(BaseModel):
+    """Share of a solution in one basin."""
+
+    solution: int = Field(description="Which: index into `solutions`")
+    share: float
+    standard_error: float | None = Field(description="Binomial; of samples, else null")
+
+
+class BasinView(BaseModel):
+    """One basin of a sweep."""
+
+    parameters: dict[str, float] = Field(description="Values of the swept parameters")
+    complete: bool
+    shares: list[ShareView] = Field(description="Of the solutions that it has; empty until it is complete")
+
+    @classmethod
+    def from_panel(cls, panel: PanelSummary) -> "BasinView":
+        """View of a panel."""
+        shares = [
+            ShareView(solution=number, share=share, standard_error=panel.errors.get(number))
+            for number, share in panel.shares.items()
+        ]
+        return cls(parameters=panel.values, complete=panel.complete, shares=shares)
+
+
+class ChangeView(BaseModel):
+    """Birth or death of a solution between two neighbouring values of a swept parameter."""
+
+    kind: Literal["birth", "death"]
+    solution: int = Field(description="Which: index into `solutions`")
+    parameter: str
+    before: float
+    after: float
+    beside: float | None = Field(description="Value of the other swept parameter")
+
+    @classmethod
+    def from_change(cls, change: Change) -> "ChangeView":
+        """View of a change."""
+        return cls(**dataclasses.asdict(change) | {"kind": change.kind.name.lower()})
+
+
 class ResultView(BaseModel):
-    """Summary of a basin; a result that is not complete says so."""
+    """Summary of a basin or a sweep; a result that is not complete says so."""
 
     complete: bool
     request: dict[str, Any]
@@ -174,6 +322,8 @@ class ResultView(BaseModel):
     tiles_computed: int
     tiles_assembled: int
     solutions: list[SolutionView]
+    basins: list[BasinView] = Field(description="Basin by basin, the last swept parameter fastest; one without `vary`")
+    changes: list[ChangeView] = Field(description="Births and deaths of solutions along the swept parameters so far")
     image_counts: dict[str, int] = Field(description="Cells with each reserved image; empty until all are mapped")
     seconds: dict[str, float] = Field(
         description="Wall time of each stage, and the kernels' own time summed over tiles"
@@ -191,6 +341,8 @@ class ResultView(BaseModel):
             complete=summary.complete, request=summary.request, tiles=summary.tiles,
             tiles_computed=summary.tiles_computed, tiles_assembled=summary.tiles_assembled, solutions=solutions,
             image_counts=summary.image_counts, seconds=summary.seconds, zarr=zarr,
+            basins=[BasinView.from_panel(panel) for panel in summary.panels],
+            changes=[ChangeView.from_change(change) for change in summary.changes],
         )  # fmt: skip
 
 

@@ -1,12 +1,13 @@
 """The oscillator of a request: one of two models, told apart by ``model``, and what is checked at the door."""
 
 import math
+from collections.abc import Callable
 from enum import StrEnum
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_quiet
+from rattle_kernels import Oscillator, OutsideDomain
 from service.strict import Real, Request
 
 IMPACTING: Literal["impacting"] = "impacting"
@@ -27,28 +28,31 @@ class PermanentContact(StrEnum):
         return 1.0 if self is PermanentContact.ONE_ROTATION else math.inf
 
 
-def admit(oscillator: Oscillator, *, allow_no_quiet_solution: bool) -> Oscillator:
-    """Return a checked oscillator, or refuse one without a quiet solution (Eq. 3) unless that is allowed.
+def demand_quiet(check: Callable[[], object], *, unless: bool) -> None:
+    """Refuse what has no quiet solution (Eq. 3), unless that is allowed.
+
+    Between epsilon_crit1 and epsilon_crit2 all is defined, but nothing stays quiet. Beyond epsilon_crit2 every
+    oscillator is refused before.
 
     Parameters
     ----------
-    oscillator : Oscillator
-    allow_no_quiet_solution : bool
-        Between epsilon_crit1 and epsilon_crit2 all is defined, but nothing stays quiet. Beyond epsilon_crit2 every
-        oscillator is refused.
+    check : callable
+        Raises `OutsideDomain` where there is no quiet solution.
+    unless : bool
+        Whether the request allows that.
 
     Raises
     ------
     OutsideDomain
+        Of `check`, with the way out named.
     """
-    checked = check_domain(oscillator)
-    if not allow_no_quiet_solution:
-        try:
-            check_quiet(checked)
-        except OutsideDomain as error:
-            hint = f"{error}; allow_no_quiet_solution takes it all the same"
-            raise OutsideDomain(error.parameter, error.value, error.bound, error.limit, hint) from error
-    return checked
+    if unless:
+        return
+    try:
+        check()
+    except OutsideDomain as error:
+        error.args = (f"{error}; allow_no_quiet_solution takes it all the same",)
+        raise
 
 
 class _Common(Request):
@@ -63,6 +67,11 @@ class ImpactingOscillator(_Common):
     """The impacting model: contacts are elastic impacts (Eqs. 4, 5)."""
 
     model: Literal["impacting"] = IMPACTING
+
+    @property
+    def allow_no_quiet_solution(self) -> bool:
+        """Nothing to allow: the bounds of Eqs. (3) and (8) are one."""
+        return False
 
     @model_validator(mode="before")
     @classmethod
@@ -90,17 +99,10 @@ class PiecewiseLinearOscillator(_Common):
     )
 
     def to_oscillator(self) -> Oscillator:
-        """Oscillator of the kernels.
-
-        Raises
-        ------
-        OutsideDomain
-            Beyond the bound of Eq. (3), unless that is allowed.
-        """
-        bare = Oscillator(
+        """Oscillator of the kernels, which check its bounds."""
+        return Oscillator(
             self.damping, self.eccentricity, self.half_backlash, self.stiffness, self.permanent_contact.permanent_after
         )
-        return admit(bare, allow_no_quiet_solution=self.allow_no_quiet_solution)
 
 
 def _model_of(value: Any) -> str | None:

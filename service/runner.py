@@ -15,7 +15,7 @@ from worker.cluster import Client
 from worker.errors import JobCancelled, WorkerError
 from worker.pipeline import run_basin
 from worker.progress import Progress, Stage
-from worker.store import result_location
+from worker.result_files import result_location
 
 _log = logging.getLogger("rattle.runner")
 # Other replicas submit to the same database, and nobody rings here for them.

@@ -20,11 +20,13 @@ class Settings(BaseSettings):
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on")
 
     max_body_bytes: PositiveInt = Field(1_048_576, description="Largest request body")
-    max_cells: PositiveInt = Field(25_000_000, description="Most cells of one basin")
+    max_cells: PositiveInt = Field(25_000_000, description="Most cells, or points of a sample, of one basin")
     max_iterations: PositiveInt = Field(1_000_003, description="Largest k")
     max_samples: PositiveInt = Field(100_000, description="Most samples of one trajectory, contacts aside")
     max_contacts: PositiveInt = Field(20_000, description="Contacts at which a trajectory is truncated")
     max_applications: PositiveInt = Field(100_000_000_000, description="Most cells times k of one basin")
+    max_basins: PositiveInt = Field(10_000, description="Most basins of a sweep")
+    max_sweep_applications: PositiveInt = Field(1_000_000_000_000, description="Most cells times k of a whole sweep")
 
     @property
     def database(self) -> str:

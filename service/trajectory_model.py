@@ -4,8 +4,17 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from rattle_kernels import Direction, Oscillator, Outcome, OutsideDomain, TimeHistory, time_history
-from service.oscillator_model import ImpactingOscillator, OscillatorRequest
+from rattle_kernels import (
+    Direction,
+    Oscillator,
+    Outcome,
+    OutsideDomain,
+    TimeHistory,
+    check_domain,
+    check_quiet,
+    time_history,
+)
+from service.oscillator_model import ImpactingOscillator, OscillatorRequest, demand_quiet
 from service.strict import Count, Real, Request
 from worker.errors import InvalidJob
 
@@ -83,7 +92,8 @@ class TrajectoryRequest(Request):
         OutsideDomain, InvalidJob
             Saying what is wrong.
         """
-        oscillator = self.oscillator.to_oscillator()
+        oscillator = check_domain(self.oscillator.to_oscillator())
+        demand_quiet(lambda: check_quiet(oscillator), unless=self.oscillator.allow_no_quiet_solution)
         state = initial_state(oscillator, self.start.time, self.start.velocity, self.start.displacement)
         try:
             return time_history(

@@ -3,23 +3,24 @@
 Why not one ``client.map``: with every future held, each killed worker made the scheduler compute again what was on disk
 already, and marked innocent tiles as killers. So: about two tasks a thread are in flight; a future is released as soon
 as its receipt is here; a lost task is submitted again under a new key (a known key would be answered with its old,
-cancelled future); and after a few failures of its own a tile fails the job.
+cancelled future); and after a few failures of its own a task fails the job.
 """
 
 import threading
 import time
 import uuid
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from distributed import Client, Future, wait
 
 from worker.errors import ClusterFailed, JobCancelled, TileFailed, WorkerError
+from worker.tasks import Task
 
 _TRIES = 4
 _POLL_SECONDS = 0.2
 _NO_WORKER_SECONDS = 60.0
+_TASKS_A_THREAD = 2
 
 
 def _threads(client: Client) -> int:
@@ -29,67 +30,70 @@ def _threads(client: Client) -> int:
         raise ClusterFailed(f"the scheduler cannot be reached: {error}") from error
 
 
+def window_size(client: Client) -> int:
+    """How many tasks are in flight at the most."""
+    return _TASKS_A_THREAD * max(1, _threads(client))
+
+
 class _Window:
-    """Tasks in flight: which tile each future computes, and how often each tile was tried."""
+    """Tasks in flight: which task each future is, and how often that was tried."""
 
-    def __init__(self, client: Client, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
-        self.client, self.function, self.arguments = client, function, arguments
+    def __init__(self, client: Client, address: tuple[str, str]) -> None:
+        self.client, self.address = client, address
         self.run = uuid.uuid4().hex[:12]
-        self.tile_of: dict[Future, int] = {}
-        self.tries: dict[int, int] = {}
+        self.submitted = 0
+        self.task_of: dict[Future, tuple[Task, int]] = {}
 
-    def submit(self, tile: int) -> None:
-        attempt = self.tries[tile] = self.tries.get(tile, 0) + 1
-        key = f"{self.function.__name__}-{self.run}-{tile}-a{attempt}"
-        self.tile_of[self.client.submit(self.function, *self.arguments, tile, key=key, pure=False)] = tile
+    def submit(self, task: Task, attempt: int = 1) -> None:
+        self.submitted += 1
+        key = f"{task.function.__name__}-{self.run}-{task.number}-{self.submitted}-a{attempt}"
+        arguments = *self.address, task.number, *task.arguments
+        self.task_of[self.client.submit(task.function, *arguments, key=key, pure=False)] = task, attempt
 
-    def take(self, future: Future) -> Any | None:
-        """Receipt of a finished future, released at once; None where the tile was submitted again."""
-        tile = self.tile_of.pop(future)
-        error = None if future.status == "finished" else (future.exception() if future.status == "error" else None)
-        receipt = future.result() if future.status == "finished" else None
+    def take(self, future: Future) -> tuple[Task, Any] | None:
+        """A finished task and its receipt, its future released at once; None where it was submitted again."""
+        task, attempt = self.task_of.pop(future)
+        finished = future.status == "finished"
+        error = future.exception() if future.status == "error" else None
+        receipt = future.result() if finished else None
         future.release()
-        if receipt is not None:
-            return receipt
+        if finished:
+            return task, receipt
         if isinstance(error, WorkerError):
             raise error
-        if self.tries[tile] >= _TRIES:
+        if attempt >= _TRIES:
             reason = f"{type(error).__name__}: {error}" if error else "its worker was lost"
-            raise TileFailed(f"tile {tile} failed {_TRIES} times; the last time: {reason}") from error
-        self.submit(tile)
+            what = f"{task.function.__name__} {task.number} of basin {task.panel}"
+            raise TileFailed(f"{what} failed {_TRIES} times; the last time: {reason}") from error
+        self.submit(task, attempt + 1)
         return None
 
     def wait(self) -> set[Future]:
         """Futures that have ended, none where none does within a fifth of a second."""
         try:
             with self.client.as_current():
-                done: set[Future] = wait(list(self.tile_of), timeout=_POLL_SECONDS, return_when="FIRST_COMPLETED").done
+                done: set[Future] = wait(list(self.task_of), timeout=_POLL_SECONDS, return_when="FIRST_COMPLETED").done
         except TimeoutError:
             return set()
         return done
 
     def cancel(self) -> None:
-        self.client.cancel(list(self.tile_of), force=True)
-        self.tile_of.clear()
+        self.client.cancel(list(self.task_of), force=True)
+        self.task_of.clear()
 
 
-def run_tiles(
-    client: Client,
-    function: Callable[..., Any],
-    arguments: tuple[Any, ...],
-    tiles: Iterable[int],
-    cancel: threading.Event,
-) -> Iterator[Any]:
-    """Yield the receipt of each tile as it completes.
+def run_tasks(
+    client: Client, address: tuple[str, str], following: Callable[[], Task | None], cancel: threading.Event
+) -> Iterator[tuple[Task, Any]]:
+    """Yield each task with its receipt as it completes.
 
     Parameters
     ----------
     client : distributed.Client
-    function : callable
-        ``function(*arguments, tile)``: a task of `worker.tasks`.
-    arguments : tuple
-        What all tiles have in common.
-    tiles : iterable of int
+    address : (str, str)
+        What tasks find the store by: its location, and the digest of the job they expect there.
+    following : callable
+        The next task; None where there is none until another one has completed, or at all.
     cancel : threading.Event
         Set by whoever wants the work to stop.
 
@@ -98,22 +102,23 @@ def run_tiles(
     JobCancelled, TileFailed, ClusterFailed, or the WorkerError of a task
         Whatever is still in flight has been cancelled then.
     """
-    waiting = deque(tiles)
-    window = _Window(client, function, arguments)
-    size = 2 * max(1, _threads(client))
+    window = _Window(client, address)
+    size = window_size(client)
     last_seen = time.monotonic()
     try:
-        while waiting or window.tile_of:
+        while True:
             if cancel.is_set():
                 raise JobCancelled("cancelled on request")
-            while waiting and len(window.tile_of) < size:
-                window.submit(waiting.popleft())
+            while len(window.task_of) < size and (task := following()) is not None:
+                window.submit(task)
+            if not window.task_of:
+                return
             done = window.wait()
             last_seen = time.monotonic() if done else _check_workers(client, last_seen)
             for future in done:
-                receipt = window.take(future)
-                if receipt is not None:
-                    yield receipt
+                taken = window.take(future)
+                if taken is not None:
+                    yield taken
     finally:
         window.cancel()
 

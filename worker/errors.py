@@ -1,10 +1,18 @@
 """What can go wrong with work, grouped by what a caller would do about it.
 
-WorkerError +-- InvalidJob       the request is at fault: correct it (also a ValueError) +-- StoreConflict    something
-else lies at the location: choose another, or delete it +-- StoreFailed      the store could not be read or written: the
-message holds the system's reason; resume when it is mended +-- TileFailed       a tile kept failing: the message names
-it and its last error +-- ClusterFailed    no scheduler or no worker answered +-- JobCancelled     somebody asked for it
+WorkerError
+    InvalidJob       the request is at fault: correct it (also a ValueError)
+    StoreConflict    something else lies at the location: choose another, or delete it
+    StoreFailed      the store could not be read or written: the message holds the system's reason; resume when mended
+    TileFailed       a tile kept failing: the message names it and its last error
+    ClusterFailed    no scheduler or no worker answered
+    JobCancelled     somebody asked for it
 """
+
+import contextlib
+from collections.abc import Iterator
+
+from rattle_kernels import OutsideDomain
 
 
 class WorkerError(Exception):
@@ -12,7 +20,31 @@ class WorkerError(Exception):
 
 
 class InvalidJob(WorkerError, ValueError):
-    """The job cannot be computed as described."""
+    """The job cannot be computed as described.
+
+    Attributes
+    ----------
+    place : tuple of str and int
+        What is at fault in the request, empty where that is no single field.
+    """
+
+    def __init__(self, message: str, place: tuple[str | int, ...] = ()) -> None:
+        super().__init__(message)
+        self.place = place
+
+
+class SweptOutsideDomain(OutsideDomain):
+    """Some value of a swept parameter lies where the impact map is not defined.
+
+    Attributes
+    ----------
+    place : tuple of str and int
+        Which value, in the request.
+    """
+
+    def __init__(self, error: OutsideDomain, place: tuple[str | int, ...], where: str) -> None:
+        super().__init__(error.parameter, error.value, error.bound, error.limit, f"{where}: {error}")
+        self.place = place
 
 
 class StoreConflict(WorkerError):
@@ -33,3 +65,13 @@ class ClusterFailed(WorkerError):
 
 class JobCancelled(WorkerError):
     """The job was cancelled; what had been computed is in the store, and its ledger tells what."""
+
+
+@contextlib.contextmanager
+def told_as_store_failure(location: str) -> Iterator[None]:
+    """Say of any failure of the system which store it befell."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise StoreFailed(f"the store {location} cannot be read or written: {reason}") from error

@@ -1,7 +1,5 @@
-"""Pictures of a basin in the paper's axes and colours (Figs. 6 to 16), also while tiles are still coming."""
+"""Pictures of a store: one basin, or those of a sweep side by side in shared colours."""
 
-import math
-from enum import StrEnum
 from pathlib import Path
 from typing import IO
 
@@ -9,136 +7,86 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch, Rectangle
+from matplotlib.patches import Patch
 
-from rattle_kernels import Attractor, AttractorKind, Oscillator, grazing_velocity
+from rattle_kernels import Attractor
 from worker import colours
-from worker.layout import LABELLED, MISSING, TileState
+from worker.errors import InvalidJob
+from worker.layout import TileState
+from worker.panel_picture import Layer, PanelPicture
+from worker.results import representatives
+from worker.solution_table import SolutionTable
 from worker.store import BasinStore
 
-# Cells drawn each way at the most: beyond, every n-th cell stands for its neighbours (labels may not be averaged).
 _MOST_CELLS = 2000
+# Panels each way: of more, some that lie evenly apart are shown.
+_MOST_PANELS = 6
 _LEGEND_ROWS = 18
+SYMBOLS = {"damping": "δ", "eccentricity": "ε", "half_backlash": "β", "stiffness": "κ"}
 
 
-class Layer(StrEnum):
-    """What a picture shows."""
-
-    SOLUTION = "solution"
-    GROUP = "group"
-    PERIOD = "period"
-    STEP = "step"
-
-
-def _every(store: BasinStore) -> int:
-    return max(1, -(-max(store.job.grid.shape) // _MOST_CELLS))
+def _legend(
+    figure: Figure, axes: Axes, store: BasinStore, table: SolutionTable, solutions: tuple[Attractor, ...]
+) -> None:
+    shares = np.nanmean(table.share, axis=0) if store.complete else np.full(len(solutions), np.nan)
+    if store.job.vary:
+        labels = [f"{i}: {solution.name}" for i, solution in enumerate(solutions)]
+        figure.legend(handles=_patches(solutions, shares, labels), loc="outside right upper", frameon=False)
+    else:
+        draw_legend(axes, solutions, shares)
 
 
-def _read(store: BasinStore, layer: Layer) -> np.ndarray:
-    """A layer, thinned out where it is very large, read tile by tile."""
-    every = _every(store)
-    rows, columns = (-(-cells // every) for cells in store.job.grid.shape)
-    picture = np.full((rows, columns), MISSING, np.int64)
-    variable = tuple(variable for variable in LABELLED if variable.name == layer)
-    for number in np.flatnonzero(store.read_ledger() == TileState.ASSEMBLED):
-        tile = store.tiling.tile(int(number))
-        (values,) = store.read_tile(variable, tile)
-        first_row, first_column = -(-tile.rows[0] // every), -(-tile.columns[0] // every)
-        part = values[first_row * every - tile.rows[0] :: every, first_column * every - tile.columns[0] :: every]
-        picture[first_row : first_row + part.shape[0], first_column : first_column + part.shape[1]] = part
-    return picture
-
-
-def _extent(store: BasinStore) -> tuple[float, float, float, float]:
-    grid = store.job.grid
-    return grid.time_start, grid.time_stop, grid.velocity_start, grid.velocity_stop
-
-
-def _draw_solutions(axes: Axes, store: BasinStore) -> None:
-    attractors = store.read_attractors()
-    image = colours.paint_cells(_read(store, Layer.SOLUTION), _read(store, Layer.GROUP), attractors)
-    axes.imshow(image, origin="lower", extent=_extent(store), aspect="auto", interpolation="nearest")
-    draw_attractors(axes, attractors, store.job.grid.time_start)
-    if attractors:
-        draw_legend(axes, attractors, store.read_shares())
-
-
-def draw_attractors(axes: Axes, attractors: tuple[Attractor, ...], time_start: float) -> None:
-    """Mark the states of attractors at phases from `time_start` on: white crosses, black dots for chaos."""
-    for attractor in attractors:
-        t = time_start + (attractor.time - time_start) % 1.0
-        if attractor.kind == AttractorKind.PERIODIC:
-            axes.plot(t, attractor.velocity, "x", color="white", markersize=7, markeredgewidth=1.6)
-        elif attractor.kind == AttractorKind.CHAOTIC:
-            axes.plot(t, attractor.velocity, ".", color="black", markersize=1.0, markeredgewidth=0.0)
-
-
-def draw_legend(axes: Axes, attractors: tuple[Attractor, ...], shares: np.ndarray) -> None:
-    """List attractors with colour and share beside the axes, permanent contact first, the others by share."""
-    order = [0, *sorted(range(1, len(attractors)), key=lambda i: -np.nan_to_num(shares[i]))]
-    palette = colours.colours_of(attractors)
-    handles = []
-    for i in order[:_LEGEND_ROWS]:
-        share = f"{100.0 * shares[i]:.2f} %" if np.isfinite(shares[i]) else "share not known yet"
-        handles.append(Patch(facecolor=palette[i], edgecolor="black", label=f"{attractors[i].name}   {share}"))
+def _patches(solutions: tuple[Attractor, ...], shares: np.ndarray, labels: list[str]) -> list[Patch]:
+    """Entries of a legend: permanent contact first, the others by share."""
+    palette = colours.colours_of(solutions)
+    order = [0, *sorted(range(1, len(solutions)), key=lambda i: -np.nan_to_num(shares[i]))]
+    patches = [Patch(facecolor=palette[i], edgecolor="black", label=labels[i]) for i in order[:_LEGEND_ROWS]]
     if len(order) > _LEGEND_ROWS:
-        handles.append(Patch(alpha=0.0, label=f"and {len(order) - _LEGEND_ROWS} more"))
+        patches.append(Patch(alpha=0.0, label=f"and {len(order) - _LEGEND_ROWS} more"))
+    return patches
+
+
+def draw_legend(axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray) -> None:
+    """List solutions with colour and share beside the axes; a share of NaN is not known yet."""
+    told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
+    labels = [f"{solution.name}   {share}" for solution, share in zip(solutions, told, strict=True)]
+    handles = _patches(solutions, shares, labels)
     axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0)
 
 
-def _draw_numbers(figure: Figure, axes: Axes, store: BasinStore, layer: Layer) -> None:
-    values = _read(store, layer)
-    shown = np.ma.masked_equal(values, MISSING)
-    image = axes.imshow(
-        shown, origin="lower", extent=_extent(store), aspect="auto", interpolation="nearest", cmap="turbo"
-    )
-    axes.set_facecolor(colours.MISSING)
-    figure.colorbar(image, ax=axes, label=f"Hsu's {layer}")
-
-
-def _hatch_missing(axes: Axes, store: BasinStore) -> None:
-    """Hatch the tiles that are not labelled yet: densely where even their images are missing."""
-    states = store.read_ledger()
-    grid = store.job.grid
-    width = (grid.time_stop - grid.time_start) / grid.time_cells
-    height = (grid.velocity_stop - grid.velocity_start) / grid.velocity_cells
-    for number in np.flatnonzero(states != TileState.ASSEMBLED):
-        tile = store.tiling.tile(int(number))
-        corner = grid.time_start + tile.columns[0] * width, grid.velocity_start + tile.rows[0] * height
-        size = (tile.columns[1] - tile.columns[0]) * width, (tile.rows[1] - tile.rows[0]) * height
-        hatch = "xxx" if states[number] == TileState.PENDING else "//"
-        axes.add_patch(
-            Rectangle(corner, *size, facecolor=colours.MISSING, edgecolor="gray", hatch=hatch, linewidth=0.0)
-        )
-
-
-def draw_grazing_curve(axes: Axes, oscillator: Oscillator, time_start: float, time_stop: float) -> None:
-    """Draw v*(t) between two phases in white."""
-    t = np.linspace(time_start, time_stop, 512)
-    axes.plot(t, grazing_velocity(oscillator, t), color="white", linewidth=1.4)
-
-
-def frame(axes: Axes, extent: tuple[float, float, float, float]) -> None:
-    """Limit axes to a window (least and largest t, least and largest v) and say what they show."""
-    axes.set_xlim(*extent[:2])
-    axes.set_ylim(*extent[2:])
-    axes.set_xlabel("time t of departure (forcing periods)")
-    axes.set_ylabel("velocity v of departure")
-
-
-def _title(store: BasinStore) -> str:
-    damping, eccentricity, half_backlash, stiffness, _ = store.job.oscillator
-    model = "impacting model" if math.isinf(stiffness) else f"piecewise linear model, κ = {stiffness:g}"
-    title = f"{model}, δ = {damping:g}, ε = {eccentricity:g}, β = {half_backlash:g}, k = {store.job.iterations}"
-    states = store.read_ledger()
+def _title(store: BasinStore, shown: int) -> str:
+    fixed = store.job.oscillator._asdict()
+    for swept in store.job.vary:
+        del fixed[swept.parameter]
+    told = [f"{SYMBOLS[name]} = {fixed[name]:g}" for name in SYMBOLS if np.isfinite(fixed.get(name, np.inf))]
+    model = "impacting model" if np.isinf(store.job.oscillator.stiffness) else "piecewise linear model"
+    title = ", ".join([model, *told, f"k = {store.job.iterations}"])
+    if shown < store.job.panels:
+        title += f"; {shown} of {store.job.panels} basins"
     if not store.complete:
-        done = int((states == TileState.ASSEMBLED).sum())
-        title += f"\nincomplete: {done} of {states.size} tiles"
+        states = store.read_ledger()
+        title += f"\nincomplete: {int((states == TileState.ASSEMBLED).sum())} of {states.size} tiles"
     return title
 
 
+def _evenly(count: int, most: int) -> list[int]:
+    """Up to `most` of `count` numbers, evenly apart, the first and the last among them."""
+    return sorted(set(np.linspace(0, count - 1, min(count, most)).round().astype(int).tolist()))
+
+
+def _arrangement(store: BasinStore) -> list[list[int]]:
+    """Panels in rows: of two swept parameters the first runs upwards, the last to the right."""
+    shape = store.job.panel_shape
+    if len(shape) == 2:
+        columns = _evenly(shape[1], _MOST_PANELS)
+        return [[row * shape[1] + column for column in columns] for row in reversed(_evenly(shape[0], _MOST_PANELS))]
+    panels = _evenly(store.job.panels, _MOST_PANELS**2)
+    across = int(np.ceil(np.sqrt(len(panels))))
+    return [panels[start : start + across] for start in range(0, len(panels), across)]
+
+
 def draw_basin(location: str, target: str | Path | IO[bytes], *, layer: Layer = Layer.SOLUTION) -> None:
-    """Draw the basin in a store as a PNG.
+    """Draw the basins in a store as a PNG.
 
     Parameters
     ----------
@@ -151,21 +99,55 @@ def draw_basin(location: str, target: str | Path | IO[bytes], *, layer: Layer = 
 
     Raises
     ------
+    InvalidJob
+        Where the store is of a sample, which has no cells and so none of Hsu's numbers.
     StoreConflict, StoreFailed
         Where there is no basin's store, or it cannot be read.
     """
     store = BasinStore(location)
-    figure = Figure(figsize=(10.0, 6.5), dpi=110, layout="constrained")
+    if store.job.sample is not None and layer != Layer.SOLUTION:
+        raise InvalidJob(f"a sample has no cells, and so no {layer}: its solutions can be drawn")
+    rows = _arrangement(store)
+    across, down = len(rows[0]), len(rows)
+    size = (10.0, 6.5) if across == down == 1 else (3.0 + 2.6 * across, 1.2 + 2.1 * down)
+    figure = Figure(figsize=size, dpi=110, layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
-    if layer == Layer.SOLUTION:
-        _draw_solutions(axes, store)
+    axes = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
+    _draw_panels(figure, axes, store, rows, layer)
+    shown = sum(len(row) for row in rows)
+    if store.job.vary:
+        figure.suptitle(_title(store, shown))
+        figure.supxlabel("time t of departure (forcing periods)")
+        figure.supylabel("velocity v of departure")
     else:
-        _draw_numbers(figure, axes, store, layer)
-    _hatch_missing(axes, store)
-    grid = store.job.grid
-    draw_grazing_curve(axes, store.job.oscillator, grid.time_start, grid.time_stop)
-    frame(axes, _extent(store))
-    axes.set_title(_title(store))
+        axes[0, 0].set(xlabel="time t of departure (forcing periods)", ylabel="velocity v of departure")
+        axes[0, 0].set_title(_title(store, shown))
     # No date in the file: the same store gives the same bytes.
     figure.savefig(target, format="png", metadata={"Software": None})
+
+
+def _draw_panels(figure: Figure, axes: np.ndarray, store: BasinStore, rows: list[list[int]], layer: Layer) -> None:
+    table = store.read_solutions()
+    solutions = representatives(store, table)
+    most_cells = max(_MOST_CELLS // axes.shape[1], 1)
+    images = []
+    for at, place in zip(np.ndindex(axes.shape), axes.flat, strict=True):
+        if at[1] >= len(rows[at[0]]):
+            place.set_axis_off()
+            continue
+        panel = PanelPicture(store, table, solutions, rows[at[0]][at[1]], most_cells)
+        if layer == Layer.SOLUTION:
+            panel.draw_solutions(place)
+        else:
+            images.append(panel.draw_numbers(place, layer))
+        panel.hatch_missing(place)
+        panel.draw_frame(place)
+        values = store.job.values_of(panel.panel).items()
+        place.set_title(", ".join(f"{SYMBOLS[name]} = {value:g}" for name, value in values), fontsize="small")
+    if images:
+        lowest, highest = min(image.get_clim()[0] for image in images), max(image.get_clim()[1] for image in images)
+        for image in images:
+            image.set_clim(lowest, highest)
+        figure.colorbar(images[0], ax=axes, label=f"Hsu's {layer}")
+    elif solutions:
+        _legend(figure, axes[0, -1], store, table, solutions)

@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class Stage(StrEnum):
-    """What a running job does at the moment."""
+    """What a running job does at the moment; of a sweep, what the basin does that is least far."""
 
     MAPPING = "mapping"
     """Tiles compute the images of their cells."""
@@ -31,6 +31,9 @@ class Progress:
     """Cells that this run has mapped per second; 0 until the first tile."""
     seconds_left: float | None
     """Estimate for this stage; None until there is one."""
+    basins_done: int
+    basins_total: int
+    """Basins of a sweep that are complete, and how many there are; one where nothing is swept."""
 
 
 Report = Callable[[Progress], None]

@@ -22,7 +22,8 @@ from worker import colours
 from worker.basin_job import BasinJob
 from worker.errors import StoreConflict
 from worker.layout import LAYOUT_VERSION
-from worker.picture import draw_attractors, draw_grazing_curve, draw_legend, frame
+from worker.panel_picture import draw_attractors, draw_grazing_curve
+from worker.picture import draw_legend
 
 # Cells drawn each way at the most: a notebook's picture is smaller than a PNG that is asked for.
 _MOST_CELLS = 1000
@@ -127,5 +128,6 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None, *, legend: bool = Tr
     draw_grazing_curve(axes, job_of(dataset).oscillator, *extent[:2])
     if legend and attractors:
         draw_legend(axes, attractors, dataset.share.values)
-    frame(axes, extent)
+    axes.set(xlim=extent[:2], ylim=extent[2:])
+    axes.set(xlabel="time t of departure (forcing periods)", ylabel="velocity v of departure")
     return axes

@@ -1,11 +1,13 @@
-"""What runs on workers: plain functions of a store and a tile. Running one again is harmless.
+"""What runs on workers: plain functions of a store and a tile or a panel. Running one again is harmless.
 
 Each returns a receipt, never the arrays: those go straight from the worker into the store.
 """
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from distributed import get_worker
@@ -20,48 +22,63 @@ from rattle_kernels import (
     CellGroups,
     CellImages,
     MarkedWords,
+    find_attractors,
+    grazing_velocity,
     label_cells,
-    landing_boxes,
     map_cells,
+    map_points,
     mark_images,
     name_solutions,
 )
-from worker.basin_job import BasinJob
+from worker.assembly import assemble_groups
 from worker.errors import JobCancelled, StoreConflict
-from worker.layout import LABELLED, MAPPED
+from worker.scouts import Scouts, choose_scouts
 from worker.store import BasinStore
 from worker.tiles import Tile, bands
+
+
+@dataclass(frozen=True)
+class Task:
+    """One call of a function of this module: ``function(location, digest, number, *arguments)``.
+
+    ``number`` is that of a tile, or of a panel; ``panel`` the panel that it is for.
+    """
+
+    function: Callable[..., Any]
+    number: int
+    panel: int
+    arguments: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True)
 class MapReceipt:
     """What one tile's images were.
 
-    ``image_set`` are its distinct image cells; ``scout_time``, ``scout_velocity`` one landing point of each box
-    (``scout_box``) of a coarse lattice that it landed in, the seeds of the catalogue. ``seconds`` is the kernels' time,
-    0 where the tile was read from the store.
+    ``reserved`` counts the images -1, -2 and -3; ``image_set`` are the distinct image cells; ``scouts`` the seeds of
+    the catalogue. ``seconds`` is the kernels' time, 0 where the tile was read from the store.
     """
 
-    tile: int
-    sink: int
-    captured: int
-    undecided: int
+    reserved: np.ndarray
     seconds: float
     image_set: MarkedWords
-    scout_box: np.ndarray
-    scout_time: np.ndarray
-    scout_velocity: np.ndarray
+    scouts: Scouts
+
+
+@dataclass(frozen=True)
+class CatalogueReceipt:
+    """Attractors that a panel has by itself."""
+
+    attractors: tuple[Attractor, ...]
+    seconds: float
 
 
 @dataclass(frozen=True)
 class LabelReceipt:
-    """What one tile's solutions were: cells of each attractor, and landing points that arrived at none."""
+    """What one tile's solutions were: places of each attractor, and some of the landing points that arrived at none."""
 
-    tile: int
     counts: np.ndarray
     seconds: float
-    stranger_time: np.ndarray
-    stranger_velocity: np.ndarray
+    strangers: Scouts
 
 
 def _stop_if_cancelled() -> None:
@@ -75,29 +92,32 @@ def _stop_if_cancelled() -> None:
         raise JobCancelled("cancelled while a tile was computed")
 
 
-def _receipt(job: BasinJob, number: int, images: CellImages, seconds: float) -> MapReceipt:
+def _receipt(store: BasinStore, panel: int, images: CellImages, seconds: float) -> MapReceipt:
     cells = images.image_cell
-    boxes = landing_boxes(job.oscillator, images.landing_time.ravel(), images.landing_velocity.ravel())
-    numbers, first = np.unique(boxes, return_index=True)
-    scouts = first[numbers >= 0]
     return MapReceipt(
-        tile=number,
-        sink=int((cells == SINK).sum()),
-        captured=int((cells == PERMANENT_CONTACT).sum()),
-        undecided=int((cells == UNDECIDED).sum()),
+        reserved=np.array([(cells == code).sum() for code in (SINK, PERMANENT_CONTACT, UNDECIDED)]),
         seconds=seconds,
-        image_set=mark_images(job.grid.cells, cells),
-        scout_box=numbers[numbers >= 0],
-        scout_time=images.landing_time.ravel()[scouts],
-        scout_velocity=images.landing_velocity.ravel()[scouts],
+        image_set=mark_images(store.job.grid.cells, cells),
+        scouts=choose_scouts(store.job.oscillator_of(panel), images.landing_time, images.landing_velocity),
     )
 
 
-def _map_in_bands(job: BasinJob, tile: Tile) -> CellImages:
+def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
+    job = store.job
+    assert job.sample is not None
+    t, v = job.sample.departures(job.grid, *tile.columns)
+    images = map_points(job.oscillator_of(tile.panel), job.grid, job.iterations, t, v)
+    # A sample has no cells: what lands, lands outside of all.
+    cells = np.minimum(images.image_cell, SINK)
+    return CellImages(cells[None], images.landing_time[None], images.landing_velocity[None], images.applications)
+
+
+def _map_in_bands(store: BasinStore, tile: Tile) -> CellImages:
+    job, oscillator = store.job, store.job.oscillator_of(tile.panel)
     parts = []
     for rows in bands(tile, job.iterations):
         _stop_if_cancelled()
-        parts.append(map_cells(job.oscillator, job.grid, job.iterations, rows, tile.columns))
+        parts.append(map_cells(oscillator, job.grid, job.iterations, rows, tile.columns))
     return CellImages(
         np.concatenate([part.image_cell for part in parts]),
         np.concatenate([part.landing_time for part in parts]),
@@ -111,62 +131,105 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     store = _open(location, digest)
     tile = store.tiling.tile(number)
     begin = time.perf_counter()
-    images = _map_in_bands(store.job, tile)
+    images = (_map_in_bands if store.job.sample is None else _map_sample)(store, tile)
     seconds = time.perf_counter() - begin
-    store.write_tile(MAPPED, tile, images[:3])
-    return _receipt(store.job, number, images, seconds)
+    store.write_tile(store.places.mapped, tile, images[:3])
+    return _receipt(store, tile.panel, images, seconds)
 
 
 def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
     """Receipt of a tile that is in the store already, from the store."""
     store = _open(location, digest)
-    image, t, v = store.read_tile(MAPPED, store.tiling.tile(number))
-    return _receipt(store.job, number, CellImages(image, t, v, 0), 0.0)
+    tile = store.tiling.tile(number)
+    image, t, v = store.read_tile(store.places.mapped, tile)
+    return _receipt(store, tile.panel, CellImages(image, t, v, 0), 0.0)
 
 
 @lru_cache(maxsize=4)
 def _open(location: str, digest: str) -> BasinStore:
     """Store of the job with this digest, opened once per process: the same digest is the same layout."""
     store = BasinStore(location)
-    if store.job.digest != digest:
+    if store.digest != digest:
         raise StoreConflict(f"{location} holds the store of another request by now")
     return store
 
 
+def assemble_panel(location: str, digest: str, panel: int, scouts: Scouts) -> CatalogueReceipt:
+    """Run Hsu's algorithm on a panel's image set, and find the attractors that its scouts end in."""
+    store = _open(location, digest)
+    begin = time.perf_counter()
+    if store.job.sample is None:
+        store.write_groups(panel, assemble_groups(store, panel))
+        store.write_grazing_velocity(
+            panel, grazing_velocity(store.job.oscillator_of(panel), store.job.grid.time_centres())
+        )
+    _stop_if_cancelled()
+    attractors = find_attractors(store.job.oscillator_of(panel), scouts.time, scouts.velocity)
+    return CatalogueReceipt(attractors, time.perf_counter() - begin)
+
+
+def extend_catalogue(
+    location: str, digest: str, panel: int, known: tuple[Attractor, ...], strangers: Scouts
+) -> CatalogueReceipt:
+    """A panel's catalogue with what strangers end in."""
+    store = _open(location, digest)
+    begin = time.perf_counter()
+    oscillator = store.job.oscillator_of(panel)
+    attractors = find_attractors(oscillator, strangers.time, strangers.velocity, known=known)
+    return CatalogueReceipt(attractors, time.perf_counter() - begin)
+
+
 @lru_cache(maxsize=4)
-def _catalogue(location: str, catalogue_sha256: str) -> tuple[CellGroups, tuple[Attractor, ...]]:
-    """What labels are looked up in, read once per process and catalogue: it costs more than labelling a tile."""
-    store = BasinStore(location)
-    return store.read_image_set(), store.read_attractors()
+def _groups(location: str, digest: str, panel: int) -> CellGroups:
+    """What labels are looked up in, read once per process: it costs more than labelling a tile."""
+    return _open(location, digest).read_groups(panel)
 
 
-def _solutions(
-    store: BasinStore, attractors: tuple[Attractor, ...], image: np.ndarray, t: np.ndarray, v: np.ndarray
-) -> np.ndarray:
-    solution = np.full(image.shape, STRANGER, np.int16)
-    solution[image == PERMANENT_CONTACT] = 0
-    landed = image >= SINK
-    solution[landed] = name_solutions(store.job.oscillator, attractors, t[landed], v[landed])
-    return solution
+def label_tile(
+    location: str, digest: str, number: int, attractors: tuple[Attractor, ...], numbered: bool
+) -> LabelReceipt:
+    """Look up group, period and step of one tile's cells, name their solutions, and write them.
 
-
-def label_tile(location: str, digest: str, catalogue_sha256: str, number: int) -> LabelReceipt:
-    """Look up group, period and step of one tile's cells, name their solutions, and write them."""
+    Solutions are indices into the panel's own catalogue; they are written as such, beside the panel's image set, unless
+    those are their numbers already.
+    """
     store = _open(location, digest)
     tile = store.tiling.tile(number)
     _stop_if_cancelled()
-    image, t, v = store.read_tile(MAPPED, tile)
-    groups, attractors = _catalogue(location, catalogue_sha256)
+    image, t, v = store.read_tile(store.places.mapped, tile)
+    groups = _groups(location, digest, tile.panel) if store.places.labelled else None
     begin = time.perf_counter()
-    rows, columns = np.arange(*tile.rows), np.arange(*tile.columns)
-    own = rows[:, None] * store.job.grid.time_cells + columns
-    labels = label_cells(groups, own, image)
-    solution = _solutions(store, attractors, image, t, v)
-    strangers = (solution == STRANGER) & (image >= SINK)
+    labels = label_cells(groups, _own_cells(store, tile), image) if groups is not None else ()
+    solution = np.full(image.shape, STRANGER, np.int16)
+    solution[image == PERMANENT_CONTACT] = 0
+    landed = image >= SINK
+    solution[landed] = name_solutions(store.job.oscillator_of(tile.panel), attractors, t[landed], v[landed])
+    strangers = (solution == STRANGER) & landed
     kinds = [attractor.kind for attractor in attractors]
     if AttractorKind.UNDECIDED in kinds:
         solution[solution == STRANGER] = kinds.index(AttractorKind.UNDECIDED)
     seconds = time.perf_counter() - begin
-    store.write_tile(LABELLED, tile, (*labels, solution))
+    named = store.places.solution if numbered else store.places.own_solution
+    store.write_tile((*store.places.labelled, named), tile, (*labels, solution))
     counts = np.bincount(solution[solution >= 0], minlength=len(kinds))
-    return LabelReceipt(number, counts, seconds, t[strangers], v[strangers])
+    return LabelReceipt(counts, seconds, choose_scouts(store.job.oscillator_of(tile.panel), t[strangers], v[strangers]))
+
+
+def _own_cells(store: BasinStore, tile: Tile) -> np.ndarray:
+    rows, columns = np.arange(*tile.rows), np.arange(*tile.columns)
+    return rows[:, None] * store.job.grid.time_cells + columns
+
+
+def number_tile(location: str, digest: str, number: int, numbers: tuple[int, ...]) -> None:
+    """Write one tile's solutions by the numbers that all panels share."""
+    store = _open(location, digest)
+    tile = store.tiling.tile(number)
+    (own,) = store.read_tile((store.places.own_solution,), tile)
+    store.write_tile((store.places.solution,), tile, (np.array(numbers, np.int16)[own],))
+
+
+def write_points(
+    location: str, digest: str, panel: int, numbers: tuple[int, ...], attractors: tuple[Attractor, ...]
+) -> None:
+    """Write the points of a panel's attractors under their numbers."""
+    _open(location, digest).write_points(panel, numbers, attractors)

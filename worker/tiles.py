@@ -22,12 +22,13 @@ _MOST_CELLS = 1024 * 1024
 
 
 class Tile(NamedTuple):
-    """Rectangle of cells: its place in the grid of tiles, and its rows and columns of cells as (start, stop)."""
+    """Rectangle of cells: its place in the grid of tiles, its rows and columns of cells as (start, stop), its panel."""
 
     row: int
     column: int
     rows: tuple[int, int]
     columns: tuple[int, int]
+    panel: int = 0
 
     @property
     def cells(self) -> int:
@@ -36,11 +37,12 @@ class Tile(NamedTuple):
 
 
 class Tiling(NamedTuple):
-    """How a grid is cut: cells of a full tile each way; tiles at the upper edges may be smaller."""
+    """How the grid of every panel is cut: cells of a full tile each way; tiles at the upper edges may be smaller."""
 
     grid: CellGrid
     tile_rows: int
     tile_columns: int
+    panels: int = 1
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -51,19 +53,35 @@ class Tiling(NamedTuple):
         )
 
     @property
-    def tiles(self) -> int:
-        """Number of tiles."""
+    def tiles_of_panel(self) -> int:
+        """Number of tiles of each panel."""
         return self.shape[0] * self.shape[1]
 
+    @property
+    def tiles(self) -> int:
+        """Number of tiles of all panels."""
+        return self.panels * self.tiles_of_panel
+
+    def numbers_of(self, panel: int) -> range:
+        """Numbers of a panel's tiles."""
+        return range(panel * self.tiles_of_panel, (panel + 1) * self.tiles_of_panel)
+
     def tile(self, number: int) -> Tile:
-        """Tile by number, counted along time first."""
-        row, column = divmod(number, self.shape[1])
+        """Tile by number, counted along time first, then along velocity, then panel by panel."""
+        panel, within = divmod(number, self.tiles_of_panel)
+        row, column = divmod(within, self.shape[1])
         rows = row * self.tile_rows, min((row + 1) * self.tile_rows, self.grid.velocity_cells)
         columns = column * self.tile_columns, min((column + 1) * self.tile_columns, self.grid.time_cells)
-        return Tile(row, column, rows, columns)
+        return Tile(row, column, rows, columns, panel)
 
 
-def cut(grid: CellGrid, iterations: int) -> Tiling:
+def _cells_wanted(grid: CellGrid, iterations: int, panels: int) -> float:
+    """Cells of a tile of about a quarter of a second of work: the whole panel, where panels are small and many."""
+    by_work = _TILE_SECONDS / (_SECONDS_PER_APPLICATION * iterations)
+    return max(min(by_work, grid.cells * panels / _LEAST_TILES, _MOST_CELLS), _LEAST_CELLS)
+
+
+def cut(grid: CellGrid, iterations: int, panels: int = 1) -> Tiling:
     """Cut a grid into tiles of about a quarter of a second of work each.
 
     Parameters
@@ -71,18 +89,36 @@ def cut(grid: CellGrid, iterations: int) -> Tiling:
     grid : CellGrid
     iterations : int
         k.
+    panels : int
+        Panels that share this grid.
 
     Returns
     -------
     Tiling
     """
-    by_work = _TILE_SECONDS / (_SECONDS_PER_APPLICATION * iterations)
-    wanted = min(by_work, grid.cells / _LEAST_TILES, _MOST_CELLS)
-    side = math.sqrt(max(wanted, _LEAST_CELLS))
+    side = math.sqrt(_cells_wanted(grid, iterations, panels))
     # Equal parts each way: 1000 cells in four times 250, not three times 267 and a rest.
     down = max(1, round(grid.velocity_cells / side))
     across = max(1, round(grid.time_cells / side))
-    return Tiling(grid, math.ceil(grid.velocity_cells / down), math.ceil(grid.time_cells / across))
+    return Tiling(grid, math.ceil(grid.velocity_cells / down), math.ceil(grid.time_cells / across), panels)
+
+
+def cut_row(row: CellGrid, iterations: int, panels: int = 1) -> Tiling:
+    """Cut the points of a sample, one row of cells, into tiles of a power of two points each.
+
+    Parameters
+    ----------
+    row : CellGrid
+    iterations : int
+        k.
+    panels : int
+        Panels that share this sample.
+
+    Returns
+    -------
+    Tiling
+    """
+    return Tiling(row, 1, 1 << int(math.log2(_cells_wanted(row, iterations, panels))), panels)
 
 
 def bands(tile: Tile, iterations: int) -> Iterator[tuple[int, int]]:

@@ -1,8 +1,8 @@
-"""The command line: ``rattle serve | basin | trajectory | submit | jobs | cancel | plot``."""
+"""The command line: ``rattle serve | basin | sweep | trajectory | submit | jobs | cancel | plot``."""
 
 import typer
 
-from service.cli import local, remote, trajectory
+from service.cli import compute, local, remote, trajectory
 
 app = typer.Typer(
     name="rattle",
@@ -10,12 +10,13 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     help="Which motion does a rattling gear end in? Basins of attraction of a backlash oscillator.\n\n"
-    "Alone: `rattle basin` computes one here, `rattle plot` draws it; "
+    "Alone: `rattle basin` computes one here, `rattle sweep` many, `rattle plot` draws them; "
     "`rattle trajectory` follows one motion. With a service: `rattle serve` starts one, "
     "`rattle submit` sends it a request, `rattle jobs` and `rattle cancel` follow and stop what it does.",
 )
 app.command()(local.serve)
-app.command()(local.basin)
+app.command()(compute.basin)
+app.command()(compute.sweep)
 app.command()(trajectory.trajectory)
 app.command()(remote.submit)
 app.command()(remote.jobs)

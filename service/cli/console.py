@@ -15,6 +15,7 @@ from rattle_kernels import compiled_before
 out = Console()
 err = Console(stderr=True)
 _PLAIN_LINE_SECONDS = 2.0
+_MOST_CHANGES = 20
 
 
 def give_up(message: str, code: int = 1) -> NoReturn:
@@ -37,14 +38,16 @@ class ProgressLine:
         self.task = bar.add_task("waiting", total=None, pace="") if bar else None
         self.stage, self.said = "", 0.0
 
-    def show(self, stage: str, tiles_done: int, tiles_total: int, cells_per_second: float) -> None:
-        """Show how far a stage is."""
+    def show(self, stage: str, tiles: tuple[int, int], basins: tuple[int, int], cells_per_second: float) -> None:
+        """Show how far a stage is; tiles and basins are how many are done, of how many."""
         pace = f"{cells_per_second / 1e3:,.0f} thousand cells/s" if cells_per_second else ""
+        if basins[1] > 1:
+            pace = f"{basins[0]} of {basins[1]} basins {pace}"
         if self.bar is not None and self.task is not None:
-            self.bar.update(self.task, description=stage, completed=tiles_done, total=tiles_total, pace=pace)
+            self.bar.update(self.task, description=stage, completed=tiles[0], total=tiles[1], pace=pace)
         elif stage != self.stage or time.monotonic() - self.said > _PLAIN_LINE_SECONDS:
             self.said = time.monotonic()
-            out.print(f"{stage}: {tiles_done} of {tiles_total} tiles {pace}".rstrip(), highlight=False)
+            out.print(f"{stage}: {tiles[0]} of {tiles[1]} tiles {pace}".rstrip(), highlight=False)
         self.stage = stage
 
 
@@ -64,15 +67,24 @@ def progress_line() -> Iterator[ProgressLine]:
 
 def print_solutions(rows: Sequence[tuple[str, float | None, float | None, Sequence[tuple[float, float]]]]) -> None:
     """Table of solutions: name, share, Lyapunov exponent, first point."""
-    table = Table("solution", "share", "Lyapunov exponent", "a departure (t, v)")
-    for name, share, exponent, points in rows:
+    table = Table("", "solution", "share", "Lyapunov exponent", "a departure (t, v)")
+    for number, (name, share, exponent, points) in enumerate(rows):
         table.add_row(
+            str(number),
             name,
             "not known yet" if share is None else f"{100 * share:.3f} %",
             "" if exponent is None else f"{exponent:.4f}",
             f"({points[0][0]:.6f}, {points[0][1]:.6f})" if points else "",
         )
     out.print(table)
+
+
+def print_changes(rows: Sequence[tuple[str, int, str, str, float, float]]) -> None:
+    """Say where solutions are born and die: what, number and name of which, parameter, its values before and after."""
+    for kind, number, name, parameter, before, after in rows[:_MOST_CHANGES]:
+        out.print(f"{kind} of {number}: {name} between {parameter} {before:g} and {after:g}", highlight=False)
+    if len(rows) > _MOST_CHANGES:
+        out.print(f"and {len(rows) - _MOST_CHANGES} more births and deaths", highlight=False)
 
 
 def print_seconds(seconds: Mapping[str, Any]) -> None:

@@ -1,34 +1,19 @@
-"""Commands that need no service: start one, compute a basin here, draw one."""
+"""Commands that need no service: start one, draw a store."""
 
 import signal
-import threading
 from pathlib import Path
 from typing import Annotated
 
 import typer
 import uvicorn
 
-from rattle_kernels import CellGrid, OutsideDomain
 from service.app import create_app
-from service.cli.console import announce_compiling, err, give_up, out, print_seconds, print_solutions, progress_line
-from service.cli.oscillator import (
-    AllowNoQuietSolution,
-    Damping,
-    Eccentricity,
-    HalfBacklash,
-    Rule,
-    Stiffness,
-    oscillator_of,
-)
-from service.oscillator_model import PermanentContact
+from service.cli.console import announce_compiling, err, give_up
 from service.settings import Settings
-from worker.basin_job import BasinJob
-from worker.cluster import connect
-from worker.errors import InvalidJob, JobCancelled, WorkerError
-from worker.picture import Layer, draw_basin
-from worker.pipeline import run_basin
-from worker.progress import Progress
-from worker.results import BasinSummary
+from worker.errors import WorkerError
+from worker.panel_picture import Layer
+from worker.picture import draw_basin
+from worker.share_chart import draw_shares
 
 _LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
@@ -56,88 +41,18 @@ def serve(
     )
 
 
-def basin(
-    out_: Annotated[Path, typer.Option("--out", help="Zarr store to write; an unfinished one is resumed")],
-    damping: Damping = 0.6,
-    eccentricity: Eccentricity = 0.1,
-    half_backlash: HalfBacklash = 0.6,
-    stiffness: Stiffness = None,
-    rule: Rule = PermanentContact.ENVELOPE,
-    allow_no_quiet_solution: AllowNoQuietSolution = False,
-    cells: Annotated[tuple[int, int], typer.Option(help="Cells along time and along velocity")] = (1000, 1000),
-    time: Annotated[tuple[float, float], typer.Option(help="Window of phases")] = (0.0, 1.0),
-    velocity: Annotated[tuple[float, float], typer.Option(help="Window of speeds")] = (0.0, 7.0),
-    iterations: Annotated[int, typer.Option(help="k of P_corr o P^k: 1 or a prime")] = 1499,
-    workers: Annotated[int, typer.Option(min=1, help="Worker processes")] = 2,
-) -> None:
-    """Compute one basin on this machine, without a service."""
-    try:
-        grid = CellGrid(*time, cells[0], *velocity, cells[1])
-        oscillator = oscillator_of(damping, eccentricity, half_backlash, stiffness, rule, allow_no_quiet_solution)
-        job = BasinJob(oscillator, grid, iterations)
-    except (OutsideDomain, InvalidJob) as error:
-        give_up(str(error), 2)
-    try:
-        summary = _compute(job, str(out_), Settings().scheduler, workers)
-    except JobCancelled:
-        give_up(f"stopped; the same command goes on from what is in {out_}")
-    except WorkerError as error:
-        give_up(str(error))
-    print_solutions(
-        [
-            (
-                attractor.name,
-                share,
-                _number(attractor.lyapunov_exponent),
-                list(zip(attractor.time[:1], attractor.velocity, strict=False)),
-            )
-            for attractor, share in zip(summary.attractors, summary.shares, strict=True)
-        ]
-    )
-    print_seconds(summary.seconds)
-    out.print(f"{out_} is complete; draw it with: rattle plot {out_} --out basin.png", highlight=False, soft_wrap=True)
-
-
-def _number(value: float) -> float | None:
-    return value if value == value else None
-
-
-def _compute(job: BasinJob, location: str, scheduler: str | None, workers: int) -> BasinSummary:
-    """Run a job in a thread, so that Ctrl-C reaches this one and cancels it cleanly."""
-    announce_compiling()
-    cancel = threading.Event()
-    outcome: list[BasinSummary | BaseException] = []
-    with connect(scheduler, workers) as client, progress_line() as line:
-
-        def report(progress: Progress) -> None:
-            line.show(progress.stage, progress.tiles_done, progress.tiles_total, progress.cells_per_second)
-
-        def work() -> None:
-            try:
-                outcome.append(run_basin(job, location, client, report=report, cancel=cancel))
-            except BaseException as error:  # handed to the thread that waits
-                outcome.append(error)
-
-        thread = threading.Thread(target=work)
-        thread.start()
-        try:
-            thread.join()
-        except KeyboardInterrupt:
-            cancel.set()
-            thread.join()
-    if isinstance(outcome[0], BaseException):
-        raise outcome[0]
-    return outcome[0]
-
-
 def plot(
-    store: Annotated[Path, typer.Argument(help="Zarr store of a basin, complete or not")],
+    store: Annotated[Path, typer.Argument(help="Zarr store of a basin or a sweep, complete or not")],
     out_: Annotated[Path, typer.Option("--out", help="PNG to write")],
     layer: Annotated[Layer, typer.Option(help="Solutions, or Hsu's group, period or step")] = Layer.SOLUTION,
+    shares: Annotated[bool, typer.Option("--shares", help="Shares over the swept parameter instead")] = False,
 ) -> None:
-    """Draw a basin in the paper's colours."""
+    """Draw a basin in the paper's colours, or those of a sweep side by side."""
     try:
-        draw_basin(str(store), out_, layer=layer)
+        if shares:
+            draw_shares(str(store), out_)
+        else:
+            draw_basin(str(store), out_, layer=layer)
     except WorkerError as error:
         give_up(str(error))
     except OSError as error:

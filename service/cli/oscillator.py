@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from rattle_kernels import Oscillator
-from service.oscillator_model import PermanentContact, admit
+from service.oscillator_model import PermanentContact
 
 Damping = Annotated[float, typer.Option(help="delta")]
 Eccentricity = Annotated[float, typer.Option(help="epsilon, below the bounds of Eqs. (3) and (8)")]
@@ -16,17 +16,9 @@ AllowNoQuietSolution = Annotated[bool, typer.Option("--allow-no-quiet-solution",
 
 
 def oscillator_of(
-    damping: float, eccentricity: float, half_backlash: float, stiffness: float | None, rule: PermanentContact,
-    allow_no_quiet_solution: bool,
-) -> Oscillator:  # fmt: skip
-    """Oscillator that the options name.
-
-    Raises
-    ------
-    OutsideDomain
-        Where its parameters lie outside the domain of the map.
-    """
+    damping: float, eccentricity: float, half_backlash: float, stiffness: float | None, rule: PermanentContact
+) -> Oscillator:
+    """Oscillator that the options name, not checked yet."""
     if stiffness is None:
         return Oscillator(damping, eccentricity, half_backlash)
-    oscillator = Oscillator(damping, eccentricity, half_backlash, stiffness, rule.permanent_after)
-    return admit(oscillator, allow_no_quiet_solution=allow_no_quiet_solution)
+    return Oscillator(damping, eccentricity, half_backlash, stiffness, rule.permanent_after)

@@ -1,5 +1,6 @@
 """Commands that speak to a running service."""
 
+import contextlib
 import json
 import time
 from pathlib import Path
@@ -9,7 +10,7 @@ import httpx2 as httpx
 import typer
 from rich.table import Table
 
-from service.cli.console import ProgressLine, give_up, out, print_seconds, print_solutions, progress_line
+from service.cli.console import ProgressLine, give_up, out, print_changes, print_seconds, print_solutions, progress_line
 
 Url = Annotated[str, typer.Option(envvar="RATTLE_URL", help="Address of the service")]
 _HERE = "http://127.0.0.1:8000"
@@ -29,7 +30,7 @@ def _ask(method: str, url: str, path: str, **options: Any) -> Any:
 
 
 def submit(
-    request: Annotated[Path, typer.Argument(help="JSON file of a basin request; - reads standard input")],
+    request: Annotated[Path, typer.Argument(help="JSON file of a basin or sweep request; - reads standard input")],
     wait: Annotated[bool, typer.Option("--wait", help="Follow the job to its end")] = False,
     url: Url = _HERE,
 ) -> None:
@@ -38,10 +39,19 @@ def submit(
         body = typer.get_text_stream("stdin").read() if str(request) == "-" else request.read_text()
     except OSError as error:
         give_up(f"{request} cannot be read: {error.strerror}", 2)
-    job = _ask("POST", url, "/v1/basins", content=body, headers={"content-type": "application/json"})
+    job = _ask("POST", url, f"/v1/{_kind_of(body)}", content=body, headers={"content-type": "application/json"})
     out.print(f"job {job['id']} is {job['state']}", highlight=False)
     if wait:
         _follow(url, job["id"])
+
+
+def _kind_of(body: str) -> str:
+    """What a request asks for: a sweep where it varies something."""
+    with contextlib.suppress(ValueError):
+        request = json.loads(body)
+        if isinstance(request, dict) and "vary" in request:
+            return "sweeps"
+    return "basins"
 
 
 def _follow(url: str, job_id: str) -> None:
@@ -58,6 +68,13 @@ def _follow(url: str, job_id: str) -> None:
         give_up(f"job {job_id} is {job['state']}{detail}")
     result = _ask("GET", url, f"/v1/jobs/{job_id}/result")
     print_solutions([(s["name"], s["share"], s["lyapunov_exponent"], s["points"][:1]) for s in result["solutions"]])
+    names = [solution["name"] for solution in result["solutions"]]
+    print_changes(
+        [
+            (each["kind"], each["solution"], names[each["solution"]], each["parameter"], each["before"], each["after"])
+            for each in result["changes"]
+        ]
+    )
     print_seconds(result["seconds"])
     out.print(f"xarray.open_zarr({(url.rstrip('/') + result['zarr'])!r})", highlight=False, soft_wrap=True)
 
@@ -67,7 +84,8 @@ def _until_the_end(url: str, job_id: str, line: ProgressLine) -> dict[str, Any]:
         job: dict[str, Any] = _ask("GET", url, f"/v1/jobs/{job_id}")
         progress = job["progress"]
         if progress:
-            line.show(progress["stage"], progress["tiles_done"], progress["tiles_total"], progress["cells_per_second"])
+            tiles, basins = ((progress[f"{what}_done"], progress[f"{what}_total"]) for what in ("tiles", "basins"))
+            line.show(progress["stage"], tiles, basins, progress["cells_per_second"])
         if job["state"] in ("succeeded", "failed", "cancelled"):
             return job
         time.sleep(_POLL_SECONDS)
@@ -88,9 +106,18 @@ def jobs(
         progress = job["progress"] or {}
         oscillator = job["request"]["oscillator"]
         tiles = f"{progress['tiles_done']}/{progress['tiles_total']}" if progress else ""
-        parameters = ", ".join(f"{name} {value:g}" for name, value in oscillator.items() if name != "model")
+        swept = {each["parameter"]: each["values"] for each in job["request"].get("vary", ())}
+        parameters = ", ".join(
+            f"{name} {value:g}" if name not in swept else f"{name} {_span(swept[name])}"
+            for name, value in oscillator.items()
+            if name != "model"
+        )
         table.add_row(job["id"], job["state"], progress.get("stage", ""), tiles, job["created"][:19], parameters)
     out.print(table)
+
+
+def _span(values: list[float]) -> str:
+    return f"{values[0]:g} to {values[-1]:g} ({len(values)})"
 
 
 def cancel(job_id: Annotated[str, typer.Argument(help="Id of the job")], url: Url = _HERE) -> None:

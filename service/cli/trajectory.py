@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory, time_history
+from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory, check_domain, check_quiet, time_history
 from service.cli.console import announce_compiling, give_up, out
 from service.cli.oscillator import (
     AllowNoQuietSolution,
@@ -17,7 +17,7 @@ from service.cli.oscillator import (
     Stiffness,
     oscillator_of,
 )
-from service.oscillator_model import PermanentContact
+from service.oscillator_model import PermanentContact, demand_quiet
 from service.trajectory_model import initial_state
 from worker.history_picture import draw_history
 
@@ -69,7 +69,8 @@ def trajectory(
         give_up(f"{periods * samples_per_period:.0f} samples are more than the limit of {_MOST_SAMPLES}", 2)
     announce_compiling()
     try:
-        oscillator = oscillator_of(damping, eccentricity, half_backlash, stiffness, rule, allow_no_quiet_solution)
+        oscillator = check_domain(oscillator_of(damping, eccentricity, half_backlash, stiffness, rule))
+        demand_quiet(lambda: check_quiet(oscillator), unless=allow_no_quiet_solution)
         state = initial_state(oscillator, time, velocity, displacement)
         history = time_history(oscillator, *state, periods=periods, samples_per_period=samples_per_period)
     except ValueError as error:

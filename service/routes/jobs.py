@@ -9,7 +9,7 @@ from service.dependencies import JobsHere, RunnerHere, SettingsHere, problems
 from service.errors import Unstoppable
 from service.job_record import JobState
 from service.models import JobPage, JobView
-from worker.store import remove_result, result_location
+from worker.result_files import remove_result, result_location
 
 router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
 
@@ -17,7 +17,9 @@ _STOP_SECONDS = 10.0
 _NO_JOB = problems(s404="there is no such job")
 
 
-@router.get("", summary="List jobs", responses=problems(s422="a parameter is out of range"))
+@router.get(
+    "", response_model_exclude_unset=True, summary="List jobs", responses=problems(s422="a parameter is out of range")
+)
 def list_jobs(
     jobs: JobsHere,
     size: Annotated[int, Query(ge=1, le=200, description="Jobs a page")] = 50,
@@ -34,13 +36,15 @@ def list_jobs(
     return JobPage(jobs=[JobView.from_record(record) for record in shown], next=following)
 
 
-@router.get("/{job_id}", summary="State of a job", responses=_NO_JOB)
+@router.get("/{job_id}", response_model_exclude_unset=True, summary="State of a job", responses=_NO_JOB)
 def get_job(job_id: str, jobs: JobsHere) -> JobView:
     """State, progress and links of a job."""
     return JobView.from_record(jobs.get(job_id))
 
 
-@router.post("/{job_id}/cancel", status_code=202, summary="Cancel a job", responses=_NO_JOB)
+@router.post(
+    "/{job_id}/cancel", status_code=202, response_model_exclude_unset=True, summary="Cancel a job", responses=_NO_JOB
+)
 def cancel_job(job_id: str, jobs: JobsHere, runner: RunnerHere) -> JobView:
     """Stop a job. What it has computed stays readable; a job that has ended stays as it is."""
     record = jobs.request_cancel(job_id)

@@ -8,9 +8,11 @@ from fastapi.responses import FileResponse
 from service.dependencies import JobsHere, SettingsHere, problems
 from service.errors import JobNotFound, NotReady
 from service.models import ResultView
-from worker.picture import Layer, draw_basin
+from worker.panel_picture import Layer
+from worker.picture import draw_basin
+from worker.result_files import file_of_store, result_location
 from worker.results import summarise
-from worker.store import file_of_store, holds_basin, result_location
+from worker.store import holds_basin
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
 

@@ -19,7 +19,7 @@ def rattle(*arguments):
     return subprocess.run(command, capture_output=True, text=True, timeout=90)
 
 
-@pytest.mark.parametrize("command", ["serve", "basin", "trajectory", "submit", "jobs", "cancel", "plot"])
+@pytest.mark.parametrize("command", ["serve", "basin", "sweep", "trajectory", "submit", "jobs", "cancel", "plot"])
 def test_every_command_explains_itself(command):
     answer = CliRunner().invoke(app, [command, "--help"])
     assert answer.exit_code == 0 and len(answer.output) > 200
@@ -54,6 +54,19 @@ def test_a_motion_is_drawn_or_written_down_and_its_contacts_are_listed(tmp_path)
     assert table[0] == "time,displacement,velocity" and table[1] == "0.3,0.6,-4.0" and len(table) == 406
 
 
+def test_a_sweep_is_computed_and_drawn_without_a_service(tmp_path):
+    store, picture = tmp_path / "sweep.zarr", tmp_path / "sweep.png"
+    done = rattle("sweep", "--vary", "damping=0.55:0.65:3", *SMALL, "--out", store)
+    assert done.returncode == 0, done.stderr
+    assert "P(1,1,0)" in done.stdout and "between damping 0.55 and 0.6" in done.stdout
+    assert "3 basins" in done.stdout
+    with xr.open_zarr(store) as sweep:
+        assert sweep.solution.shape == (3, 20, 24) and sweep.damping.values.tolist() == [0.55, 0.6, 0.65]
+    for options in ([], ["--shares"], ["--layer", "step"]):
+        assert rattle("plot", store, *options, "--out", picture).returncode == 0
+        assert picture.read_bytes().startswith(b"\x89PNG")
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "told"),
     [
@@ -73,6 +86,12 @@ def test_a_motion_is_drawn_or_written_down_and_its_contacts_are_listed(tmp_path)
             "epsilon_crit1 = 0.15263",
         ),
         (["trajectory", "--velocity", "4", "--out", "nowhere/x.png"], 1, "cannot be written"),
+        (["basin", "--sample", "0", "--out", "x.zarr"], 2, "1 to 1073741824 points"),
+        (["sweep", "--out", "x.zarr"], 2, "--vary"),
+        (["sweep", "--vary", "damping", "--out", "x.zarr"], 2, "damping needs at least one value"),
+        (["sweep", "--vary", "damping=0.5:0.6", "--out", "x.zarr"], 2, "write damping=0.5,0.55,0.6 or"),
+        (["sweep", "--vary", "damping=0.5,0.2", "--out", "x.zarr"], 2, "value 1 of damping"),
+        (["sweep", "--vary", "stiffness=9,8", "--out", "x.zarr"], 2, "impacting model"),
         (["plot", "nowhere.zarr", "--out", "x.png"], 1, "nowhere.zarr is no basin store"),
         (["submit", "nowhere.json"], 2, "nowhere.json cannot be read"),
         (["jobs", "--url", "http://127.0.0.1:9"], 1, "start one with `rattle serve`"),
@@ -98,6 +117,17 @@ def test_a_service_is_asked_followed_and_listed(service, tmp_path):
     assert newest["request"]["iterations"] == 211 and newest["state"] == "succeeded"
     stopped = CliRunner().invoke(app, ["cancel", newest["id"], "--url", service.url])
     assert stopped.exit_code == 0 and "succeeded" in stopped.output
+
+
+def test_a_sweep_is_submitted_and_listed(service, tmp_path):
+    request = tmp_path / "request.json"
+    vary = [{"parameter": "damping", "values": [0.6, 0.65]}]
+    grid = {"time": {"cells": 16}, "velocity": {"cells": 16}}
+    request.write_text(json.dumps({"vary": vary, "grid": grid, "iterations": 223}))
+    answer = CliRunner().invoke(app, ["submit", str(request), "--wait", "--url", service.url])
+    assert answer.exit_code == 0, answer.output
+    listed = CliRunner(env={"COLUMNS": "200"}).invoke(app, ["jobs", "--url", service.url]).output
+    assert "damping 0.6 to 0.65 (2)" in listed
 
 
 def test_a_refused_request_is_explained(service, tmp_path):

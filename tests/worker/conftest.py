@@ -7,7 +7,8 @@ from rattle_kernels import CellGrid
 from tests.worker.made_up import CHAOS, QUIET, RATTLE
 from worker.basin_job import BasinJob
 from worker.cluster import local_cluster
-from worker.layout import LABELLED, TileState
+from worker.layout import LABELLED, SOLUTION, TileState
+from worker.solution_table import SolutionTable, motion_of
 from worker.store import BasinStore
 
 
@@ -28,7 +29,13 @@ def store(tmp_path):
     for number in range(store.tiling.tiles):
         tile = store.tiling.tile(number)
         inside = slice(*tile.rows), slice(*tile.columns)
-        store.write_tile(LABELLED, tile, (group[inside], group[inside], group[inside], solution[inside]))
-    store.write_attractors((QUIET, RATTLE, CHAOS), np.array([0.5, 0.25, 0.25]))
+        labels = group[inside], group[inside], group[inside], solution[inside]
+        store.write_tile((*LABELLED, SOLUTION), tile, labels)
+    table = SolutionTable.empty(store.job)
+    numbers = [table.append(motion_of(attractor)) for attractor in (QUIET, RATTLE, CHAOS)]
+    table.enter(0, numbers, (QUIET, RATTLE, CHAOS), np.array([0.5, 0.25, 0.25]))
+    store.make_room(table, 1)
+    store.write_solutions(table)
+    store.write_points(0, numbers, (QUIET, RATTLE, CHAOS))
     store.write_ledger(np.full(store.tiling.tiles, TileState.ASSEMBLED))
     return store

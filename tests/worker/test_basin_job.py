@@ -4,7 +4,9 @@ import pytest
 
 from rattle_kernels import CellGrid, Oscillator, OutsideDomain
 from worker.basin_job import BasinJob
-from worker.errors import InvalidJob
+from worker.errors import InvalidJob, SweptOutsideDomain
+from worker.sample import Sample
+from worker.swept_parameter import Spacing, SweptParameter
 
 
 def test_a_job_survives_the_way_through_its_request():
@@ -34,6 +36,32 @@ def test_equal_jobs_have_equal_digests_however_they_were_written():
 def test_a_job_that_cannot_be_computed_says_why(grid, iterations, told):
     with pytest.raises(InvalidJob, match=told):
         BasinJob(grid=grid, iterations=iterations)
+
+
+def test_a_sweep_survives_the_way_through_its_request():
+    vary = SweptParameter("eccentricity", (0.05, 0.1)), SweptParameter.spaced("damping", 0.5, 0.7, 3, Spacing.LINEAR)
+    for sample in (None, Sample(100, 7)):
+        job = BasinJob(Oscillator(0.9, 0.3), CellGrid(time_cells=3, velocity_cells=4), 7, vary, sample)
+        assert BasinJob.from_request(json.loads(json.dumps(job.request()))) == job
+        assert (job.panels, job.panel_shape) == (6, (2, 3))
+        assert [job.place_of(panel) for panel in range(6)] == [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2)]
+        assert job.oscillator_of(4) == Oscillator(0.6, 0.1)
+
+
+def test_values_are_spaced_in_decimals_from_start_to_stop():
+    assert SweptParameter.spaced("damping", 0.55, 0.65, 3, Spacing.LINEAR).values == (0.55, 0.6, 0.65)
+    assert SweptParameter.spaced("damping", 1.0, 0.01, 3, Spacing.GEOMETRIC).values == (1.0, 0.1, 0.01)
+
+
+def test_what_is_swept_counts_for_nothing_in_the_oscillator():
+    vary = (SweptParameter("damping", (0.6, 0.7)),)
+    assert BasinJob(Oscillator(damping=0.01), vary=vary).digest == BasinJob(vary=vary).digest
+
+
+def test_a_value_outside_the_domain_is_named_with_its_place():
+    with pytest.raises(SweptOutsideDomain, match="value 1 of damping .*epsilon_crit2") as refused:
+        BasinJob(vary=(SweptParameter("damping", (0.5, 0.1)),))
+    assert refused.value.place == ("vary", 0, "values", 1)
 
 
 def test_an_oscillator_outside_the_domain_is_refused():

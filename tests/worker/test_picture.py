@@ -10,10 +10,14 @@ from rattle_kernels import AttractorKind, CellGrid
 from tests.worker.made_up import CHAOS, QUIET, RATTLE, motion, near
 from worker import colours, layout
 from worker.basin_job import BasinJob
-from worker.errors import StoreConflict
-from worker.layout import TileState
-from worker.picture import Layer, draw_basin
+from worker.errors import InvalidJob, StoreConflict
+from worker.layout import LABELLED, SOLUTION, TileState
+from worker.panel_picture import Layer
+from worker.picture import draw_basin
+from worker.share_chart import draw_shares
+from worker.solution_table import SolutionTable, motion_of
 from worker.store import BasinStore
+from worker.swept_parameter import SweptParameter
 
 
 def drawn(store, layer=Layer.SOLUTION):
@@ -75,13 +79,55 @@ def test_motions_of_one_name_are_told_apart_and_kinds_keep_their_colours():
 
 
 def test_every_variable_has_dimensions_and_a_fill_that_is_no_value():
-    for variable in (
-        *layout.COORDINATES,
-        *layout.MAPPED,
-        *layout.LABELLED,
-        layout.LEDGER,
-        layout.GRAZING,
-        *layout.ATTRACTORS,
-    ):
-        assert variable.dims and variable.meaning
-        assert variable.fill in (layout.MISSING, np.inf, 0, "")
+    tables = *layout.MOTIONS, *layout.MEASURED, layout.SHARE_ERROR, *layout.CHANGES, *layout.IMAGE_SET
+    for places in (layout.CELLS, layout.SAMPLE):
+        arrays = *places.coordinates, *places.mapped, *places.labelled, places.solution, places.own_solution
+        for variable in (*arrays, places.ledger, layout.GRAZING, *tables):
+            assert variable.dims and variable.meaning
+            assert variable.fill in (layout.MISSING, np.inf, 0, "")
+    assert all(np.isnan(variable.fill) for variable in layout.POINTS)
+
+
+@pytest.fixture
+def sweep(tmp_path):
+    """Made-up sweep of two parameters: every basin has the colour of one motion or the other; the last is missing."""
+    vary = SweptParameter("damping", (0.5, 0.6)), SweptParameter("half_backlash", (0.6, 0.7))
+    job = BasinJob(grid=CellGrid(time_cells=64, velocity_cells=64), iterations=1, vary=vary)
+    store = BasinStore.create_or_resume(str(tmp_path / "sweep.zarr"), job)
+    table = SolutionTable.empty(job)
+    numbers = [table.append(motion_of(attractor)) for attractor in (QUIET, RATTLE)]
+    store.make_room(table, 1)
+    for panel in range(3):
+        solution = np.full(job.grid.shape, panel % 2, np.int16)
+        store.write_tile((*LABELLED, SOLUTION), store.tiling.tile(panel), (solution, solution, solution, solution))
+        table.enter(panel, numbers, (QUIET, RATTLE), np.array([1.0 - panel % 2, panel % 2]))
+        store.write_points(panel, numbers, (QUIET, RATTLE))
+    store.write_solutions(table)
+    states = np.full(store.tiling.tiles, TileState.ASSEMBLED)
+    states[3] = TileState.PENDING
+    store.write_ledger(states)
+    return store
+
+
+def test_basins_of_a_sweep_are_drawn_side_by_side_in_shared_colours(sweep):
+    picture = drawn(sweep)
+    for colour in (colours.PERMANENT_CONTACT, colours.colours_of((RATTLE,))[0], colours.MISSING):
+        assert near(picture, colour) > 0.05
+    assert near(picture, colours.PERMANENT_CONTACT) > 1.5 * near(picture, colours.colours_of((RATTLE,))[0])
+    for layer in Layer:
+        drawn(sweep, layer)
+
+
+def test_of_many_basins_some_are_drawn(tmp_path):
+    vary = (SweptParameter("damping", tuple(np.linspace(0.6, 0.7, 100).tolist())),)
+    job = BasinJob(grid=CellGrid(time_cells=4, velocity_cells=4), vary=vary)
+    store = BasinStore.create_or_resume(str(tmp_path / "new.zarr"), job)
+    assert near(drawn(store), colours.MISSING) > 0.2
+
+
+def test_shares_are_drawn_over_two_parameters_and_refused_over_none(sweep, store):
+    buffer = io.BytesIO()
+    draw_shares(sweep.location, buffer)
+    assert buffer.getvalue().startswith(b"\x89PNG")
+    with pytest.raises(InvalidJob, match="single basin"):
+        draw_shares(store.location, io.BytesIO())

@@ -1,0 +1,33 @@
+"""Submission of sweeps."""
+
+from fastapi import APIRouter, Response
+
+from service.dependencies import JobsHere, RunnerHere, SettingsHere, problems
+from service.limits import check_size
+from service.models import JobView, SweepRequest
+
+router = APIRouter(prefix="/v1", tags=["submit"])
+
+
+@router.post(
+    "/sweeps",
+    status_code=202,
+    response_model_exclude_unset=True,
+    summary="Submit a sweep",
+    responses=problems(
+        s400="malformed JSON", s413="body too large", s422="what is wrong with the request, field by field"
+    ),
+)
+def submit_sweep(
+    request: SweepRequest, response: Response, jobs: JobsHere, runner: RunnerHere, settings: SettingsHere
+) -> JobView:
+    """Record basins over one or two parameters to be computed, all into one store.
+
+    The same request again answers with the same job; after a failure or a cancellation, with a new one.
+    """
+    check_size(request, settings)
+    record, new = jobs.submit(request.to_job())
+    if new:
+        runner.ring()
+    response.headers["Location"] = f"/v1/jobs/{record.id}"
+    return JobView.from_record(record)
