@@ -20,7 +20,8 @@ _MARKS = {
 }
 
 
-def _draw_boundaries(axes: Axes, oscillator: Oscillator) -> None:
+def draw_boundaries(axes: Axes, oscillator: Oscillator) -> None:
+    """Draw +beta and -beta as dotted lines with their names."""
     for wall, name in ((1.0, "+β"), (-1.0, "−β")):
         axes.axhline(wall * oscillator.half_backlash, color="black", linestyle=":", linewidth=1.0)
         axes.annotate(
@@ -68,7 +69,7 @@ def draw_history(oscillator: Oscillator, history: TimeHistory, target: str | Pat
     figure = Figure(figsize=(11.0, 4.5), dpi=110, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
-    _draw_boundaries(axes, oscillator)
+    draw_boundaries(axes, oscillator)
     _shade_contacts(axes, oscillator, history)
     axes.plot(history.time, history.displacement, color="tab:blue", linewidth=1.0)
     _mark_contacts(axes, oscillator, history)

@@ -32,34 +32,34 @@ def announce_compiling() -> None:
 class ProgressLine:
     """Shows the stages of a job as they pass."""
 
-    def __init__(self, bar: Progress | None) -> None:
-        self.bar = bar
+    def __init__(self, bar: Progress | None, unit: str) -> None:
+        self.bar, self.unit = bar, unit
         self.task = bar.add_task("waiting", total=None, pace="") if bar else None
         self.stage, self.said = "", 0.0
 
-    def show(self, stage: str, tiles_done: int, tiles_total: int, cells_per_second: float) -> None:
+    def show(self, stage: str, done: int, total: int, cells_per_second: float = 0.0) -> None:
         """Show how far a stage is."""
         pace = f"{cells_per_second / 1e3:,.0f} thousand cells/s" if cells_per_second else ""
         if self.bar is not None and self.task is not None:
-            self.bar.update(self.task, description=stage, completed=tiles_done, total=tiles_total, pace=pace)
+            self.bar.update(self.task, description=stage, completed=done, total=total, pace=pace)
         elif stage != self.stage or time.monotonic() - self.said > _PLAIN_LINE_SECONDS:
             self.said = time.monotonic()
-            out.print(f"{stage}: {tiles_done} of {tiles_total} tiles {pace}".rstrip(), highlight=False)
+            out.print(" ".join(f"{stage}: {done} of {total} {self.unit} {pace}".split()), highlight=False)
         self.stage = stage
 
 
 @contextmanager
-def progress_line() -> Iterator[ProgressLine]:
-    """Progress bar on a terminal, a plain line every other second elsewhere."""
+def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
+    """Progress bar on a terminal, a plain line every other second elsewhere; it counts units of that name."""
     if not out.is_terminal:
-        yield ProgressLine(None)
+        yield ProgressLine(None, unit)
         return
     columns = (
-        TextColumn("{task.description:<11}"), BarColumn(), MofNCompleteColumn(), TextColumn("tiles"),
+        TextColumn("{task.description:<11}"), BarColumn(), MofNCompleteColumn(), TextColumn(unit),
         TimeRemainingColumn(), TextColumn("{task.fields[pace]}"),
     )  # fmt: skip
     with Progress(*columns, console=out) as bar:
-        yield ProgressLine(bar)
+        yield ProgressLine(bar, unit)
 
 
 def print_solutions(rows: Sequence[tuple[str, float | None, float | None, Sequence[tuple[float, float]]]]) -> None:

@@ -1,7 +1,6 @@
 """Commands that need no service: start one, compute a basin here, draw one."""
 
 import signal
-import threading
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +10,7 @@ import uvicorn
 from rattle_kernels import CellGrid, OutsideDomain
 from service.app import create_app
 from service.cli.console import announce_compiling, err, give_up, out, print_seconds, print_solutions, progress_line
+from service.cli.interruptible import run_interruptibly
 from service.cli.oscillator import (
     AllowNoQuietSolution,
     Damping,
@@ -103,31 +103,13 @@ def _number(value: float) -> float | None:
 
 
 def _compute(job: BasinJob, location: str, scheduler: str | None, workers: int) -> BasinSummary:
-    """Run a job in a thread, so that Ctrl-C reaches this one and cancels it cleanly."""
     announce_compiling()
-    cancel = threading.Event()
-    outcome: list[BasinSummary | BaseException] = []
     with connect(scheduler, workers) as client, progress_line() as line:
 
         def report(progress: Progress) -> None:
             line.show(progress.stage, progress.tiles_done, progress.tiles_total, progress.cells_per_second)
 
-        def work() -> None:
-            try:
-                outcome.append(run_basin(job, location, client, report=report, cancel=cancel))
-            except BaseException as error:  # handed to the thread that waits
-                outcome.append(error)
-
-        thread = threading.Thread(target=work)
-        thread.start()
-        try:
-            thread.join()
-        except KeyboardInterrupt:
-            cancel.set()
-            thread.join()
-    if isinstance(outcome[0], BaseException):
-        raise outcome[0]
-    return outcome[0]
+        return run_interruptibly(lambda cancel: run_basin(job, location, client, report=report, cancel=cancel))
 
 
 def plot(
