@@ -20,9 +20,10 @@ _MARKS = {
 }
 
 
-def draw_boundaries(axes: Axes, oscillator: Oscillator) -> None:
-    """Draw +beta and -beta as dotted lines with their names."""
-    for wall, name in ((1.0, "+β"), (-1.0, "−β")):
+def draw_boundaries(axes: Axes, oscillator: Oscillator, walls: tuple[int, ...] = (1, -1)) -> None:
+    """Draw +beta and -beta, or one of them, as dotted lines with their names."""
+    for wall in walls:
+        name = "+β" if wall > 0 else "−β"
         axes.axhline(wall * oscillator.half_backlash, color="black", linestyle=":", linewidth=1.0)
         axes.annotate(
             name, (1.0, wall * oscillator.half_backlash), xycoords=("axes fraction", "data"), xytext=(4, 0),

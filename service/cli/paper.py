@@ -34,7 +34,7 @@ def paper(
     except InvalidJob as error:
         give_up(str(error), 2)
     except JobCancelled:
-        give_up(f"stopped; the same command goes on from what is in {out_}")
+        give_up(f"stopped; the same command goes on with the basins that are in {out_}")
     except WorkerError as error:
         give_up(str(error))
     except OSError as error:

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rattle_kernels import (
@@ -106,14 +105,9 @@ def _told(orbit: Attractor, departures: int) -> dict[str, Any]:
     return told_motion(orbit) | {"departures": departures} | longest
 
 
-def _draw_quiet(axes: Axes) -> None:
+def _quiet_history(periods: float) -> TimeHistory:
     displacement, velocity = quiet_state(MACHINE)
-    quiet = time_history(MACHINE, 0.0, displacement, velocity, periods=_PERIODS)
-    axes.plot(quiet.time, quiet.displacement, color="tab:blue", linewidth=1.0)
-    axes.axhline(MACHINE.half_backlash, color="black", linestyle=":", linewidth=1.0)
-    axes.set_title("quiet: permanent contact (enlarged)", fontsize="medium", loc="left", pad=3)
-    axes.set_ylabel("Φ(t)")
-    axes.set_xlim(0.0, _PERIODS)
+    return time_history(MACHINE, 0.0, displacement, velocity, periods=periods)
 
 
 def _draw(orbits: list[Attractor]) -> Figure:
@@ -123,7 +117,7 @@ def _draw(orbits: list[Attractor]) -> Figure:
         draw_history_panel(axes, MACHINE, _follow(orbit, _PERIODS), orbit.name)
     for axes in panels[len(orbits) : -1]:
         axes.set_axis_off()
-    _draw_quiet(panels[-1])
+    draw_history_panel(panels[-1], MACHINE, _quiet_history(_PERIODS), "quiet: permanent contact")
     for axes in panels[-_COLUMNS:]:
         axes.set_xlabel("time (forcing periods)")
     return drawing
@@ -136,16 +130,12 @@ def _make(views: Mapping[str, BasinView], tell: Tell) -> Sheet:
     numbers = {
         "oscillator": told_oscillator(MACHINE),
         "departures": _DEPARTURES,
-        "quiet": {"departures": int(counts[0]), "least_displacement": _least_quiet_displacement()},
+        "quiet": {"departures": int(counts[0]), "least_displacement": float(_quiet_history(1.0).displacement.min())},
         "rattling": [_told(found[index], int(counts[index])) for index in periodic],
         "not_settled": int(counts[-1]),
         "half_swing_of_contact": math.pi / math.sqrt(2.0 * MACHINE.stiffness - 0.25 * MACHINE.damping**2),
     }
     return Sheet(_draw([found[index] for index in periodic[: _PANELS - 1]]), numbers)
-
-
-def _least_quiet_displacement() -> float:
-    return float(time_history(MACHINE, 0.0, *quiet_state(MACHINE), periods=1.0).displacement.min())
 
 
 FIG1 = PaperFigure("fig1", "stable rattling solutions at the machine's parameters, and the quiet one", _make)

@@ -69,7 +69,7 @@ def _history(oscillator: Oscillator, example: _Example) -> TimeHistory:
 
 def _draw_row(drawing: Any, view: BasinView) -> None:
     """One model: its basins, and beside them the histories with arrows."""
-    basin, beside = drawing.subfigures(1, 2, width_ratios=(1.25, 1.0))
+    basin, beside = drawing.subfigures(1, 2, width_ratios=(1.3, 1.0))
     axes = basin.subplots()
     draw_panel(axes, view)
     axes.set_title(f"{model_of(view.oscillator)}, k = {view.job.iterations}", fontsize="medium")
