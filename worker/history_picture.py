@@ -20,8 +20,10 @@ _MARKS = {
 }
 
 
-def _draw_boundaries(axes: Axes, oscillator: Oscillator) -> None:
-    for wall, name in ((1.0, "+β"), (-1.0, "−β")):
+def draw_boundaries(axes: Axes, oscillator: Oscillator, walls: tuple[int, ...] = (1, -1)) -> None:
+    """Draw +beta and -beta, or one of them, as dotted lines with their names."""
+    for wall in walls:
+        name = "+β" if wall > 0 else "−β"
         axes.axhline(wall * oscillator.half_backlash, color="black", linestyle=":", linewidth=1.0)
         axes.annotate(
             name, (1.0, wall * oscillator.half_backlash), xycoords=("axes fraction", "data"), xytext=(4, 0),
@@ -68,7 +70,7 @@ def draw_history(oscillator: Oscillator, history: TimeHistory, target: str | Pat
     figure = Figure(figsize=(11.0, 4.5), dpi=110, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
-    _draw_boundaries(axes, oscillator)
+    draw_boundaries(axes, oscillator)
     _shade_contacts(axes, oscillator, history)
     axes.plot(history.time, history.displacement, color="tab:blue", linewidth=1.0)
     _mark_contacts(axes, oscillator, history)

@@ -39,6 +39,14 @@ def draw_grazing_curve(axes: Axes, oscillator: Oscillator, time_start: float, ti
     axes.plot(t, grazing_velocity(oscillator, t), color="white", linewidth=1.4)
 
 
+def frame(axes: Axes, extent: tuple[float, float, float, float]) -> None:
+    """Limit axes to a window (least and largest t, least and largest v) and say what they show."""
+    axes.set_xlim(*extent[:2])
+    axes.set_ylim(*extent[2:])
+    axes.set_xlabel("time t of departure (forcing periods)")
+    axes.set_ylabel("velocity v of departure")
+
+
 class PanelPicture:
     """What is drawn of one panel.
 

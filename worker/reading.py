@@ -22,7 +22,7 @@ from worker import colours
 from worker.basin_job import BasinJob
 from worker.errors import StoreConflict
 from worker.layout import LAYOUT_VERSION
-from worker.panel_picture import draw_attractors, draw_grazing_curve
+from worker.panel_picture import draw_attractors, draw_grazing_curve, frame
 from worker.picture import draw_legend
 
 # Cells drawn each way at the most: a notebook's picture is smaller than a PNG that is asked for.
@@ -128,6 +128,5 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None, *, legend: bool = Tr
     draw_grazing_curve(axes, job_of(dataset).oscillator, *extent[:2])
     if legend and attractors:
         draw_legend(axes, attractors, dataset.share.values)
-    axes.set(xlim=extent[:2], ylim=extent[2:])
-    axes.set(xlabel="time t of departure (forcing periods)", ylabel="velocity v of departure")
+    frame(axes, extent)
     return axes

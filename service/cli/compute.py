@@ -1,6 +1,5 @@
 """Commands that compute here, without a service: one basin, or a sweep of them."""
 
-import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
@@ -17,6 +16,7 @@ from service.cli.console import (
     print_solutions,
     progress_line,
 )
+from service.cli.interruptible import run_interruptibly
 from service.cli.oscillator import (
     AllowNoQuietSolution,
     Damping,
@@ -174,10 +174,7 @@ def _number(value: float) -> float | None:
 
 
 def _compute(job: BasinJob, location: str, scheduler: str | None, workers: int) -> BasinSummary:
-    """Run a job in a thread, so that Ctrl-C reaches this one and cancels it cleanly."""
     announce_compiling()
-    cancel = threading.Event()
-    outcome: list[BasinSummary | BaseException] = []
     with connect(scheduler, workers) as client, progress_line() as line:
 
         def report(progress: Progress) -> None:
@@ -188,19 +185,4 @@ def _compute(job: BasinJob, location: str, scheduler: str | None, workers: int) 
                 progress.cells_per_second,
             )
 
-        def work() -> None:
-            try:
-                outcome.append(run_basin(job, location, client, report=report, cancel=cancel))
-            except BaseException as error:  # handed to the thread that waits
-                outcome.append(error)
-
-        thread = threading.Thread(target=work)
-        thread.start()
-        try:
-            thread.join()
-        except KeyboardInterrupt:
-            cancel.set()
-            thread.join()
-    if isinstance(outcome[0], BaseException):
-        raise outcome[0]
-    return outcome[0]
+        return run_interruptibly(lambda cancel: run_basin(job, location, client, report=report, cancel=cancel))

@@ -33,36 +33,38 @@ def announce_compiling() -> None:
 class ProgressLine:
     """Shows the stages of a job as they pass."""
 
-    def __init__(self, bar: Progress | None) -> None:
-        self.bar = bar
+    def __init__(self, bar: Progress | None, unit: str) -> None:
+        self.bar, self.unit = bar, unit
         self.task = bar.add_task("waiting", total=None, pace="") if bar else None
         self.stage, self.said = "", 0.0
 
-    def show(self, stage: str, tiles: tuple[int, int], basins: tuple[int, int], cells_per_second: float) -> None:
-        """Show how far a stage is; tiles and basins are how many are done, of how many."""
+    def show(
+        self, stage: str, done: tuple[int, int], basins: tuple[int, int] = (1, 1), cells_per_second: float = 0.0
+    ) -> None:
+        """Show how far a stage is; of its units and of the basins, how many are done, of how many."""
         pace = f"{cells_per_second / 1e3:,.0f} thousand cells/s" if cells_per_second else ""
         if basins[1] > 1:
             pace = f"{basins[0]} of {basins[1]} basins {pace}"
         if self.bar is not None and self.task is not None:
-            self.bar.update(self.task, description=stage, completed=tiles[0], total=tiles[1], pace=pace)
+            self.bar.update(self.task, description=stage, completed=done[0], total=done[1], pace=pace)
         elif stage != self.stage or time.monotonic() - self.said > _PLAIN_LINE_SECONDS:
             self.said = time.monotonic()
-            out.print(f"{stage}: {tiles[0]} of {tiles[1]} tiles {pace}".rstrip(), highlight=False)
+            out.print(" ".join(f"{stage}: {done[0]} of {done[1]} {self.unit} {pace}".split()), highlight=False)
         self.stage = stage
 
 
 @contextmanager
-def progress_line() -> Iterator[ProgressLine]:
-    """Progress bar on a terminal, a plain line every other second elsewhere."""
+def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
+    """Progress bar on a terminal, a plain line every other second elsewhere; it counts units of that name."""
     if not out.is_terminal:
-        yield ProgressLine(None)
+        yield ProgressLine(None, unit)
         return
     columns = (
-        TextColumn("{task.description:<11}"), BarColumn(), MofNCompleteColumn(), TextColumn("tiles"),
+        TextColumn("{task.description:<11}"), BarColumn(), MofNCompleteColumn(), TextColumn(unit),
         TimeRemainingColumn(), TextColumn("{task.fields[pace]}"),
     )  # fmt: skip
     with Progress(*columns, console=out) as bar:
-        yield ProgressLine(bar)
+        yield ProgressLine(bar, unit)
 
 
 def print_solutions(rows: Sequence[tuple[str, float | None, float | None, Sequence[tuple[float, float]]]]) -> None:

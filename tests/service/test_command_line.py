@@ -19,7 +19,9 @@ def rattle(*arguments):
     return subprocess.run(command, capture_output=True, text=True, timeout=90)
 
 
-@pytest.mark.parametrize("command", ["serve", "basin", "sweep", "trajectory", "submit", "jobs", "cancel", "plot"])
+@pytest.mark.parametrize(
+    "command", ["serve", "basin", "sweep", "trajectory", "paper", "submit", "jobs", "cancel", "plot"]
+)
 def test_every_command_explains_itself(command):
     answer = CliRunner().invoke(app, [command, "--help"])
     assert answer.exit_code == 0 and len(answer.output) > 200
@@ -67,6 +69,17 @@ def test_a_sweep_is_computed_and_drawn_without_a_service(tmp_path):
         assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_figure_of_the_paper_is_drawn_and_its_numbers_written_down(tmp_path):
+    done = rattle("paper", "fig4", "--out", tmp_path / "figures")
+    assert done.returncode == 0, done.stderr
+    assert "entering contact: " in done.stdout and "fig4.png is drawn" in done.stdout
+    assert json.loads((tmp_path / "figures" / "fig4.json").read_text())["figure"] == "fig4"
+    assert (tmp_path / "figures" / "fig4.png").read_bytes().startswith(b"\x89PNG")
+    (tmp_path / "file").touch()
+    refused = rattle("paper", "fig4", "--out", tmp_path / "file")
+    assert refused.returncode == 1 and "cannot be written" in refused.stderr and "Traceback" not in refused.stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "told"),
     [
@@ -91,8 +104,10 @@ def test_a_sweep_is_computed_and_drawn_without_a_service(tmp_path):
         (["sweep", "--vary", "damping", "--out", "x.zarr"], 2, "damping needs at least one value"),
         (["sweep", "--vary", "damping=0.5:0.6", "--out", "x.zarr"], 2, "write damping=0.5,0.55,0.6 or"),
         (["sweep", "--vary", "damping=0.5,0.2", "--out", "x.zarr"], 2, "value 1 of damping"),
-        (["sweep", "--vary", "stiffness=9,8", "--out", "x.zarr"], 2, "impacting model"),
         (["plot", "nowhere.zarr", "--out", "x.png"], 1, "nowhere.zarr is no basin store"),
+        (["paper", "fig99", "--out", "x"], 2, "choose one of fig1, fig4, fig6, fig7"),
+        (["paper", "fig7", "--cells", "0", "10", "--out", "x"], 2, "at least one cell each way"),
+        (["paper", "fig4"], 2, "--out"),
         (["submit", "nowhere.json"], 2, "nowhere.json cannot be read"),
         (["jobs", "--url", "http://127.0.0.1:9"], 1, "start one with `rattle serve`"),
         (["serve", "--host", "0.0.0.0"], 2, "no loopback address"),

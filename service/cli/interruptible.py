@@ -1,0 +1,34 @@
+"""Long work that Ctrl-C stops in order."""
+
+import threading
+from collections.abc import Callable
+from typing import TypeVar
+
+_T = TypeVar("_T")
+
+
+def run_interruptibly(work: Callable[[threading.Event], _T]) -> _T:
+    """Run work in a thread, so that Ctrl-C reaches this one, which then sets the event that cancels it.
+
+    Returns what the work returns, and raises what it raises.
+    """
+    cancel = threading.Event()
+    results: list[_T] = []
+    errors: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            results.append(work(cancel))
+        except BaseException as error:  # handed to the thread that waits
+            errors.append(error)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        thread.join()
+    except KeyboardInterrupt:
+        cancel.set()
+        thread.join()
+    if errors:
+        raise errors[0]
+    return results[0]

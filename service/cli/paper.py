@@ -1,0 +1,55 @@
+"""The command that recomputes a figure of the paper."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rattle_kernels import CellGrid
+from service.cli.console import announce_compiling, give_up, out, progress_line
+from service.cli.interruptible import run_interruptibly
+from service.settings import Settings
+from worker.cluster import connect
+from worker.errors import InvalidJob, JobCancelled, WorkerError
+from worker.paper.figure import PaperFigure
+from worker.paper.production import Produced, produce
+from worker.paper.registry import PAPER_FIGURES, figure_named
+
+_FIGURES = "; ".join(f"{figure.name}: {figure.shows}" for figure in PAPER_FIGURES.values())
+
+
+def paper(
+    figure: Annotated[str, typer.Argument(help=f"Which one. {_FIGURES}")],
+    out_: Annotated[Path, typer.Option("--out", help="Folder of the PNG, its numbers (JSON) and the basins' stores")],
+    cells: Annotated[tuple[int, int], typer.Option(help="Cells of basins along time and along velocity")] = (
+        1000,
+        1000,
+    ),
+    workers: Annotated[int, typer.Option(min=1, help="Worker processes")] = 2,
+) -> None:
+    """Recompute a figure of the paper and its numbers; basins that are there already are used, unfinished resumed."""
+    try:
+        grid = CellGrid(time_cells=cells[0], velocity_cells=cells[1])
+        produced = _produce(figure_named(figure), out_, grid, workers)
+    except InvalidJob as error:
+        give_up(str(error), 2)
+    except JobCancelled:
+        give_up(f"stopped; the same command goes on with the basins that are in {out_}")
+    except WorkerError as error:
+        give_up(str(error))
+    except OSError as error:
+        give_up(f"{out_} cannot be written: {error.strerror}")
+    out.print(f"{produced.picture} is drawn; its numbers are in {produced.numbers}", highlight=False, soft_wrap=True)
+
+
+def _produce(figure: PaperFigure, folder: Path, grid: CellGrid, workers: int) -> Produced:
+    announce_compiling()
+    scheduler = Settings().scheduler
+    with progress_line(unit="") as line:
+
+        def tell(what: str, done: int, total: int) -> None:
+            line.show(what, (done, total))
+
+        return run_interruptibly(
+            lambda cancel: produce(figure, folder, grid, lambda: connect(scheduler, workers), tell=tell, cancel=cancel)
+        )

@@ -1,0 +1,120 @@
+"""Each figure at a tiny size: its numbers carry what the paper says, or what docs/paper.md says instead."""
+
+import contextlib
+import json
+import math
+import threading
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from rattle_kernels import CellGrid
+from worker.errors import InvalidJob, JobCancelled
+from worker.paper import fig1
+from worker.paper.production import produce
+from worker.paper.registry import PAPER_FIGURES, figure_named
+
+SMALL = CellGrid(time_cells=60, velocity_cells=60)
+
+
+def ignore(*progress):
+    pass
+
+
+def no_cluster():
+    raise AssertionError("a cluster was asked for where nothing is missing")
+
+
+def produced(name, folder, client=None, tell=ignore):
+    connect = no_cluster if client is None else lambda: contextlib.nullcontext(client)
+    done = produce(figure_named(name), folder, SMALL, connect, tell=tell, cancel=threading.Event())
+    assert imread(done.picture).size > 100_000
+    return json.loads(done.numbers.read_text())
+
+
+def shares(panel):
+    return {solution["name"]: solution["share"] for solution in panel["solutions"]}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("figures")
+
+
+@pytest.fixture(scope="module")
+def fig7(client, folder):
+    return produced("fig7", folder, client)
+
+
+def test_both_models_of_fig7_have_permanent_contact_and_p110_and_only_the_stiff_one_p120(fig7):
+    stiff, limit = (shares(fig7["panels"][name]) for name in ("piecewise linear", "impacting"))
+    assert stiff.keys() == {"permanent contact", "P(1,1,0)", "P(1,2,0)", "P(8,8,5)"}
+    assert limit.keys() == {"permanent contact", "P(1,1,0)", "chaotic"}
+    assert stiff["permanent contact"] == pytest.approx(limit["permanent contact"], abs=0.04)
+    assert stiff["P(8,8,5)"] == pytest.approx(limit["chaotic"], abs=0.03)
+    assert 0.0 < stiff["P(1,2,0)"] < 0.03
+
+
+def test_what_fig7_shows_as_chaos_at_kappa_1e6_is_a_transient_of_six_thousand_impacts(fig7):
+    panel = fig7["panels"]["piecewise linear"]
+    (orbit,) = [solution for solution in panel["solutions"] if solution["name"] == "P(8,8,5)"]
+    assert orbit["lyapunov_exponent"] == pytest.approx(-0.3, abs=1e-9)
+    assert orbit["share_not_settled"] == pytest.approx(orbit["share"] * math.exp(-1499 / 6100), rel=0.15)
+    transient = panel["transient"]
+    assert transient["settles_on"] == "P(8,8,5)"
+    assert abs(transient["mean_life_impacts"] - 6100) < 4 * transient["mean_life_error"] < 1500
+
+
+def test_fig6_draws_near_to_the_impacting_model_as_stiffness_grows_and_its_stores_are_shared(fig7, client, folder):
+    panels = produced("fig6", folder, client)["panels"]
+    quiet_or_not = [panel["differs_from_impacting"]["quiet_or_not"] for panel in panels.values()]
+    quiet_or_not.append(fig7["differs_from_impacting"]["quiet_or_not"])
+    assert np.all(np.diff(quiet_or_not) < 0.0) and quiet_or_not[0] > 0.4 and quiet_or_not[-1] < 0.06
+    names = [set(shares(panel)) for panel in panels.values()]
+    common = {"permanent contact", "P(1,1,0)", "P(1,2,0)"}
+    assert names == [common | more for more in ({"P(1,1,1)"}, {"P(1,1,1)", "P(3,3,2)"}, {"P(6,6,4)"}, {"P(2,2,1)"})]
+    assert len(list(folder.glob("impacting-*.zarr"))) == 1
+    assert produced("fig6", folder)["panels"] == panels
+
+
+def test_a_motion_of_fig4_swings_back_one_leaves_after_several_maxima_and_one_stays(tmp_path):
+    panels = produced("fig4", tmp_path)["panels"]
+    assert panels["a"]["maxima"] == 1 and panels["a"]["departures_within_one_rotation"] >= 3
+    assert panels["b"]["maxima"] >= 3 and panels["b"]["minima"] == panels["b"]["maxima"] - 1
+    assert panels["b"]["stay"] < 1.0
+    assert panels["c"]["stay"] == "permanent" and panels["c"]["departures_within_one_rotation"] == 0
+    assert len({panel["enters_at"][0] for panel in panels.values()}) == 1
+
+
+def test_stable_rattle_coexists_with_quiet_at_the_machines_parameters(tmp_path, monkeypatch):
+    monkeypatch.setattr(fig1, "_DEPARTURES", 40)
+    numbers = produced("fig1", tmp_path)
+    assert numbers["quiet"]["least_displacement"] > numbers["oscillator"]["half_backlash"]
+    names = [motion["name"] for motion in numbers["rattling"]]
+    assert "P(1,1,0)" in names and len(names) >= 3
+    assert all(motion["lyapunov_exponent"] < 0.0 for motion in numbers["rattling"])
+    settled = sum(motion["departures"] for motion in numbers["rattling"]) + numbers["quiet"]["departures"]
+    assert settled + numbers["not_settled"] == 40
+    assert numbers["half_swing_of_contact"] == pytest.approx(math.pi / math.sqrt(2000.0), rel=1e-6)
+
+
+def test_a_figure_that_is_cancelled_stops_and_is_resumed(client, tmp_path):
+    cancel = threading.Event()
+
+    def cancel_soon(what, done, total):
+        if done:
+            cancel.set()
+
+    with pytest.raises(JobCancelled):
+        produce(
+            figure_named("fig6"), tmp_path, SMALL, lambda: contextlib.nullcontext(client), tell=cancel_soon,
+            cancel=cancel,
+        )  # fmt: skip
+    assert not list(tmp_path.glob("fig6.*")) and len(list(tmp_path.glob("*.zarr"))) == 5
+    assert len(produced("fig6", tmp_path, client)["panels"]) == 4
+
+
+def test_a_figure_that_is_not_there_is_refused_and_those_that_are_listed():
+    with pytest.raises(InvalidJob, match=", ".join(PAPER_FIGURES)):
+        figure_named("fig99")

@@ -1,0 +1,18 @@
+"""The scaled-up oscillator of Secs. 5 and 6: delta = 0.6, beta = 0.6, epsilon = 0.1."""
+
+import math
+
+from rattle_kernels import CellGrid, Oscillator
+from worker.basin_job import BasinJob
+
+ITERATIONS = 1499
+
+
+def papers_oscillator(stiffness: float = math.inf) -> Oscillator:
+    """Oscillator of Figs. 6 and 7: of that stiffness, or impacting."""
+    return Oscillator(damping=0.6, eccentricity=0.1, half_backlash=0.6, stiffness=stiffness)
+
+
+def papers_basin(grid: CellGrid, stiffness: float = math.inf) -> BasinJob:
+    """Job of its basins under ``P_corr o P^1499``."""
+    return BasinJob(papers_oscillator(stiffness), grid, ITERATIONS)
