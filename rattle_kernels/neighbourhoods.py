@@ -33,6 +33,8 @@ BOXES = 2048
 _ARRIVAL_STREAK = 24
 _MARKING_ROUNDS = 256
 _ROUNDS = 200
+# After a carry: enough for a streak. What has settled is recognised at once, what has not is carried on.
+_ROUNDS_AFTER_A_CARRY = 40
 _SHARED_BOX = -2
 _UNMARKED = -1
 _SAME_PART = 0.1
@@ -213,7 +215,7 @@ def locate(oscillator: Oscillator, around: Neighbourhoods, t: np.ndarray, v: np.
     t, v : ndarray of float64, shape (n,)
         Departures from +beta.
     legs : int
-        How often a point that has not arrived within 200 impacts is carried another 4093 and looked at again
+        How often a point that has not arrived within 200 impacts is carried another 4093 and looked at for 40 more
         (transients).
 
     Returns
@@ -230,23 +232,24 @@ def locate(oscillator: Oscillator, around: Neighbourhoods, t: np.ndarray, v: np.
             place[left[carried.outcome == Outcome.PERMANENT_CONTACT]] = 0
             going = carried.outcome == Outcome.RETURNED
             left, t, v = left[going], carried.t[going], carried.v[going]
-        left, t, v = _follow(oscillator, bound, around, left, t, v, place)
+        rounds = _ROUNDS_AFTER_A_CARRY if leg > 0 else _ROUNDS
+        left, t, v = _follow(oscillator, bound, around, left, t, v, place, rounds)
         if not left.size:
             break
     return place
 
 
-def _follow(oscillator, bound, around, left, t, v, place):
-    """Follow points for 200 impacts, looking at each; return those that have not arrived."""
+def _follow(oscillator, bound, around, left, t, v, place, rounds):
+    """Follow points for so many impacts, looking at each; return those that have not arrived."""
     streak, candidate = np.zeros(left.size, np.int64), np.full(left.size, _UNMARKED, np.int64)
-    for round_ in range(_ROUNDS):
+    for round_ in range(rounds):
         arrived = np.full(left.size, -1, np.int64)
         _look(oscillator, bound, around, t, v, streak, candidate, arrived)
         place[left] = arrived
         going = arrived < 0
         if not going.all():
             left, t, v, streak, candidate = (field[going] for field in (left, t, v, streak, candidate))
-        if not left.size or round_ == _ROUNDS - 1:
+        if not left.size or round_ == rounds - 1:
             break
         moved, _ = run_lanes(oscillator, t, v, 1, shortcuts=False)
         goes = moved.outcome != Outcome.PERMANENT_CONTACT

@@ -101,7 +101,8 @@ def _field_error(item: dict[str, Any]) -> dict[str, Any]:
         return {"location": ["body"], "message": f"not valid JSON at character {item['loc'][-1]}"}
     if tuple(item["loc"]) == ("body",):
         message = "send a JSON object, with the header content-type: application/json"
-    return {"location": location, "message": message}
+    # What this package's own checks say, without the name that pydantic puts before it.
+    return {"location": location, "message": message.removeprefix("Value error, ")}
 
 
 async def _invalid(request: Request, error: Exception) -> JSONResponse:
