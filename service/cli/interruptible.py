@@ -12,7 +12,7 @@ def run_interruptibly(work: Callable[[threading.Event], _T]) -> _T:
 
     Returns what the work returns, and raises what it raises.
     """
-    cancel = threading.Event()
+    cancel, ended = threading.Event(), threading.Event()
     results: list[_T] = []
     errors: list[BaseException] = []
 
@@ -21,14 +21,16 @@ def run_interruptibly(work: Callable[[threading.Event], _T]) -> _T:
             results.append(work(cancel))
         except BaseException as error:  # handed to the thread that waits
             errors.append(error)
+        finally:
+            ended.set()
 
-    thread = threading.Thread(target=run)
-    thread.start()
+    threading.Thread(target=run).start()
+    # Not by joining: Python 3.11 takes a thread for ended once its join has been interrupted.
     try:
-        thread.join()
+        ended.wait()
     except KeyboardInterrupt:
         cancel.set()
-        thread.join()
+        ended.wait()
     if errors:
         raise errors[0]
     return results[0]
