@@ -60,7 +60,7 @@ def legend_of(view: BasinView) -> list[Patch]:
         entries.append(_entry(palette[index], f"{name}  {100 * share:.2f} %"))
         late = float(np.mean(wandering & (view.solution == index)))
         if late > 0.0:
-            entries.append(_entry(colours.CHAOTIC, f"   of it still chaotic at k  {100 * late:.2f} %"))
+            entries.append(_entry(colours.CHAOTIC, f"   of it not settled at k  {100 * late:.2f} %"))
     return entries
 
 

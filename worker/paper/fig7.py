@@ -97,6 +97,7 @@ def _told_transient(view: BasinView) -> dict[str, Any]:
             "impacts_a_leg": measured.leg_impacts,
             "mean_life_impacts": measured.mean_life,
             "mean_life_error": measured.error,
+            "lyapunov_exponent": measured.exponent,
         }
     }
 

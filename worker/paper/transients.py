@@ -3,7 +3,8 @@
 The paper takes where ``P^k`` lands for where a motion ends. Where a chaotic attractor has just been destroyed (its
 remnant is a chaotic saddle) or a periodic window opens, motions wander as on the attractor for thousands of impacts
 before they settle; a picture at k = 1499 then shows chaos, and the solution of the cell is a periodic orbit. Both are
-true, and figures show both.
+true, and figures show both. At a bifurcation an orbit attracts so slowly that k applications may not do either: there,
+not settled is not chaos.
 """
 
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind, Oscillator, grazing_velocity, next_impacts
+from rattle_kernels.lyapunov import lyapunov_exponent
 from worker.paper.basin_view import BasinView
 
 # An orbit's multipliers bring a motion this close within some tens of impacts; by chance, a point of the transients is
@@ -19,6 +21,7 @@ _ON_ORBIT = 1e-3
 _LEGS = 8
 _LEG_IMPACTS = 1499
 _FOLLOWED = 2000
+_MEASURED = 100
 
 
 @dataclass(frozen=True)
@@ -26,13 +29,15 @@ class Transient:
     """How motions leave a chaotic transient for an orbit.
 
     ``left`` counts those still on it after 0, 1, 2, ... legs of ``leg_impacts`` impacts each; ``mean_life`` is the
-    maximum likelihood estimate of impacts for an exponential law, with its standard error.
+    maximum likelihood estimate of impacts for an exponential law, with its standard error; ``exponent`` the mean of
+    Lyapunov exponents per forcing period along motions that stay on it for a leg, NaN where none does.
     """
 
     left: tuple[int, ...]
     leg_impacts: int
     mean_life: float
     error: float
+    exponent: float
 
 
 def _speed_scale(oscillator: Oscillator) -> float:
@@ -73,13 +78,21 @@ def measure_transient(oscillator: Oscillator, orbit: Attractor, t: np.ndarray, v
     """
     chosen = np.unique(np.linspace(0, t.size - 1, min(t.size, _FOLLOWED)).astype(np.int64))
     t, v = t[chosen], v[chosen]
-    left = [t.size]
-    for _ in range(_LEGS):
-        t, v, _, _ = next_impacts(oscillator, t, v, _LEG_IMPACTS)
-        going = ~is_on_orbit(oscillator, orbit, t, v)
-        t, v = t[going], v[going]
+    left, exponent = [t.size], np.nan
+    for leg in range(_LEGS):
+        later_t, later_v, _, _ = next_impacts(oscillator, t, v, _LEG_IMPACTS)
+        going = ~is_on_orbit(oscillator, orbit, later_t, later_v)
+        exponent = _exponent(oscillator, t[going], v[going]) if leg == 0 else exponent
+        t, v = later_t[going], later_v[going]
         left.append(t.size)
-    return Transient(tuple(left), _LEG_IMPACTS, *_mean_life(left))
+    return Transient(tuple(left), _LEG_IMPACTS, *_mean_life(left), exponent)
+
+
+def _exponent(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> float:
+    """Mean Lyapunov exponent along a leg from some of the departures."""
+    some = zip(t[:_MEASURED].tolist(), v[:_MEASURED].tolist(), strict=True)
+    exponents = [lyapunov_exponent(oscillator, *departure, _LEG_IMPACTS, points=1).exponent for departure in some]
+    return float(np.mean(exponents)) if exponents else np.nan
 
 
 def _mean_life(left: list[int]) -> tuple[float, float]:
