@@ -205,6 +205,24 @@ def refine(
     return points
 
 
+def map_points(curve_map: CurveMap, points: CurvePoints) -> CurvePoints:
+    """Images of the points themselves, none added.
+
+    Parameters
+    ----------
+    curve_map : CurveMap
+    points : CurvePoints
+
+    Returns
+    -------
+    CurvePoints
+        With one ancestor more.
+    """
+    t, v = (np.concatenate([rows, rows[-1:]]) for rows in (points.t, points.v))
+    base = np.full(points.corner.size, points.t.shape[0] - 1)
+    return _map_from(curve_map, base, t, v)._replace(corner=points.corner, joined=points.joined)
+
+
 def next_image(
     curve_map: CurveMap, points: CurvePoints, resolution: CurveResolution, most_points: int
 ) -> CurvePoints | None:
@@ -223,10 +241,7 @@ def next_image(
     CurvePoints or None
         With one ancestor more. None where it takes more than `most_points`.
     """
-    t, v = (np.concatenate([rows, rows[-1:]]) for rows in (points.t, points.v))
-    base = np.full(points.corner.size, points.t.shape[0] - 1)
-    image = _map_from(curve_map, base, t, v)._replace(corner=points.corner, joined=points.joined)
-    return refine(curve_map, image, resolution, most_points)
+    return refine(curve_map, map_points(curve_map, points), resolution, most_points)
 
 
 def forget_ancestors(points: CurvePoints, velocity_scale: float) -> CurvePoints:
