@@ -48,8 +48,11 @@ from rattle_kernels.polyline import (
 )
 from rattle_kernels.saddle import check_saddle, directions, orbit_name
 
-# Distance of the first point from the saddle. The manifold leaves its tangent by curvature 1e-12/2; F shrinks that.
-_START = 1e-6
+# How far from the saddle the fundamental domain ends: the manifold leaves its tangent by 5e-15 times the curvature
+# there. Saddles next to a graze have a large one, and a large multiplier too, so the other end will not do.
+_START = 1e-7
+# Branches shrunk to this length have ended.
+_SETTLED = 1e-8
 _MOST_IMAGES = 2000
 
 
@@ -175,14 +178,14 @@ def _grow(curve_map: CurveMap, growth: _Growth, limits: ManifoldLimits, resoluti
         end = BranchEnd.ARCLENGTH
     elif not whole or branch.corner.size > limits.points:
         end = BranchEnd.POINTS
-    elif chord_lengths(image.t[-1], image.v[-1], scale)[image.joined[:-1]].sum() < 0.1 * _START:
+    elif chord_lengths(image.t[-1], image.v[-1], scale)[image.joined[:-1]].sum() < _SETTLED:
         end = BranchEnd.SETTLED
     return _Growth(branch, forget_ancestors(image, scale), length, end)
 
 
-def _begin(curve_map: CurveMap, saddle: np.ndarray, direction: np.ndarray) -> _Growth:
+def _begin(curve_map: CurveMap, saddle: np.ndarray, first_step: np.ndarray) -> _Growth:
     """The chord from a point close to the saddle to its image under F, and the one from the saddle to it."""
-    near = saddle + _START * direction
+    near = saddle + first_step
     image = map_points(curve_map, first_points(*near[:, None]))
     domain = first_points(image.t[:, 0], image.v[:, 0])
     return _Growth(_appended(first_points(*np.column_stack([saddle, near])), domain), domain, 0.0, None)
@@ -191,12 +194,12 @@ def _begin(curve_map: CurveMap, saddle: np.ndarray, direction: np.ndarray) -> _G
 def _branch(
     curve_map: CurveMap,
     saddle: np.ndarray,
-    direction: np.ndarray,
+    first_step: np.ndarray,
     limits: ManifoldLimits,
     resolution: CurveResolution,
 ) -> tuple[tuple[Piece, ...], BranchEnd]:
-    """Pieces of one branch, which leaves a point of a saddle along a direction, and why there are no more."""
-    growth = _begin(curve_map, saddle, direction)
+    """Pieces of one branch, which begins with a step away from a point of a saddle, and why there are no more."""
+    growth = _begin(curve_map, saddle, first_step)
     for _ in range(_MOST_IMAGES):
         growth = _grow(curve_map, growth, limits, resolution)
         if growth.end is not None:
@@ -224,10 +227,12 @@ def _manifold(
     branches = []
     for point in range(orbit.upper_contacts):
         local = directions(orbit, point, scale)
-        direction = local.stable if sense == BACKWARDS else local.unstable
+        stretch = local.unstable_multiplier if sense == FORWARDS else 1.0 / local.stable_multiplier
+        direction = local.unstable if sense == FORWARDS else local.stable
+        first_step = direction * _START / (stretch * stretch if flips else stretch)
         for side in (1, -1):
             saddle = np.array([orbit.t[point], orbit.v[point]])
-            pieces, end = _branch(curve_map, saddle, side * direction, limits, resolution)
+            pieces, end = _branch(curve_map, saddle, side * first_step, limits, resolution)
             branches.append(Branch(point, side, pieces, arclength(pieces, scale), end))
     return tuple(branches)
 

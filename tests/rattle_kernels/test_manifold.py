@@ -14,10 +14,12 @@ from tests.rattle_kernels.scalar_map import apply
 
 PAPER = Oscillator()
 BEFORE_FOLD = PAPER._replace(damping=0.575)
-# Figs. 15-17: A and B; Fig. 10: the saddle that collides with the attracting P(1,2,0) at damping 0.5997.
+# Figs. 15-17: A and B; a P(1,1,1) that flips, within chaos; Fig. 10: the saddle that collides with the attracting
+# P(1,2,0) at damping 0.5997.
 SADDLES = {
     "P(1,1,0)": (PAPER, 0.6, 3.77, 1),
-    "P(1,1,1)": (PAPER, 0.63, 4.57, 1),
+    "P(1,1,1)": (PAPER, 0.89, 3.988, 1),
+    "P(1,1,1) in chaos": (PAPER, 0.63, 4.57, 1),
     "P(1,2,0)": (BEFORE_FOLD, 0.786, 1.613, 2),
 }
 # Rounding, 1e-15, grows by 3 where the distance along a stable manifold falls by 5. Along an unstable one it is the
@@ -84,31 +86,34 @@ def other(along):
     return "stable" if along == "unstable" else "unstable"
 
 
-def first_exit(name, path, nearest, along, inside, outside):
-    """Coordinate along a direction, as a part of the distance, at the first exit beyond `outside` after being `inside`.
+def first_exit(name, path, nearest, along, close):
+    """Coordinate along a direction, as a part of the distance, where points leave again after coming close.
 
-    A multiplier below zero changes its sign each time; that is taken off.
+    They come so close that one application more takes them to about the distance `close`. A multiplier below zero
+    changes the sign each time; that is taken off.
     """
+    _, saddle, scale = saddle_of(name)
+    local = directions(saddle, 0, scale)
+    inside = close / abs(local.unstable_multiplier if along == "unstable" else 1.0 / local.stable_multiplier)
     distance = np.hypot(path[..., 0], path[..., 1])
-    been_inside = np.logical_or.accumulate(distance < inside, axis=0)
-    exits = been_inside & (distance > outside)
+    exits = np.logical_or.accumulate(distance < inside, axis=0) & (distance > 3.0 * inside)
     assert exits.any(axis=0).all()
     when = exits.argmax(axis=0), np.arange(distance.shape[1])
-    flips = min(saddle_of(name)[1].multipliers.real) < 0.0
+    flips = local.stable_multiplier < 0.0
     sign = np.where(flips & (when[0] % 2 == 1), -1.0, 1.0)
     return sign * coordinates(name, path[when], nearest[when], along) / distance[when]
 
 
-WAYS = [(stable_manifold, 1, "unstable", 1e-6), (unstable_manifold, -1, "stable", 3e-4)]
+WAYS = [(stable_manifold, 1, "unstable", 1e-5), (unstable_manifold, -1, "stable", 1e-3)]
 
 
 @pytest.mark.parametrize("name", SADDLES)
-@pytest.mark.parametrize("grow, sense, away, inside", WAYS, ids=["stable", "unstable"])
-def test_points_come_to_the_saddle_and_leave_along_the_other_direction(name, grow, sense, away, inside):
+@pytest.mark.parametrize("grow, sense, away, close", WAYS, ids=["stable", "unstable"])
+def test_points_come_to_the_saddle_and_leave_along_the_other_direction(name, grow, sense, away, close):
     t, v = inner_points(manifold_of(name, grow))
     few = RNG.choice(t.size, 200, replace=False)
     path, nearest = approach(name, t[few], v[few], sense)
-    assert np.abs(first_exit(name, path, nearest, away, inside, 10.0 * inside)) == pytest.approx(1.0, abs=0.05)
+    assert np.abs(first_exit(name, path, nearest, away, close)) == pytest.approx(1.0, abs=0.05)
 
 
 def beside(name, grow, shift):
@@ -125,8 +130,7 @@ def beside(name, grow, shift):
 @pytest.mark.parametrize("name", SADDLES)
 def test_points_on_the_two_sides_of_a_stable_manifold_part(name):
     left, right = (
-        first_exit(name, *approach(name, t, v, 1), "unstable", 1e-4, 1e-3)
-        for t, v in beside(name, stable_manifold, 1e-12)
+        first_exit(name, *approach(name, t, v, 1), "unstable", 1e-3) for t, v in beside(name, stable_manifold, 1e-12)
     )
     assert left.size > 10
     assert (np.sign(left) == -np.sign(right)).all()
@@ -164,15 +168,15 @@ def test_images_lie_on_the_manifold_within_the_resolution(name, grow, sense):
 def test_smooth_arcs_end_where_a_flight_grazes(name):
     """Ends of a stable manifold's arcs lie on the grazing curve, or P takes them there."""
     oscillator = SADDLES[name][0]
-    ends = np.concatenate([[[p.t[0], p.v[0]] for p in b.pieces[1:]] for b in manifold_of(name, stable_manifold)])
-    t, v = ends.T
+    branches = manifold_of(name, stable_manifold)
+    t, v = np.array([(piece.t[0], piece.v[0]) for branch in branches for piece in branch.pieces[1:]]).T
     misses = []
     for _ in range(16):
         misses.append(np.abs(v - grazing_velocity(oscillator, t)))
         t, v = apply(oscillator, t, v, 1)
     assert (np.min(misses, axis=0) < 1e-9).all()
     on_the_curve = misses[0] < 1e-6
-    assert on_the_curve.sum() > 4
+    assert on_the_curve.sum() > 1
     assert misses[0][on_the_curve].max() < 1e-12
 
 
@@ -197,6 +201,22 @@ def test_branches_are_as_long_and_as_fine_as_asked_and_begin_at_the_saddle(name,
             assert (~short & (turning_angles(t, v, scale) > resolution.angle)).sum() <= 1
 
 
+@pytest.mark.parametrize(
+    "name, stable, unstable",
+    [
+        ("P(1,1,0)", 0.2109152, 2.60204873),
+        ("P(1,1,1)", 0.01839883, 29.8286125),
+        ("P(1,1,1) in chaos", -0.1805335, -3.0399442),
+        ("P(1,2,0)", 0.2449520, 2.2972050),
+    ],
+)
+def test_multipliers_are_told_apart_and_their_product_is_the_damping_of_a_turn(name, stable, unstable):
+    oscillator, saddle, scale = saddle_of(name)
+    local = directions(saddle, 0, scale)
+    assert (local.stable_multiplier, local.unstable_multiplier) == pytest.approx((stable, unstable), rel=1e-6)
+    assert stable * unstable == pytest.approx(np.exp(-oscillator.damping * saddle.forcing_periods), rel=1e-6)
+
+
 def test_up_to_velocity_40_every_piece_lies_within_the_limits():
     oscillator, saddle, _ = saddle_of("P(1,1,0)")
     towards_later, towards_earlier = stable_manifold(oscillator, saddle, ManifoldLimits(30.0, 0.0, 40.0))
@@ -218,7 +238,7 @@ def test_a_branch_that_ends_in_an_attracting_orbit_settles():
 
 
 def test_a_bound_on_points_is_kept_and_told():
-    oscillator, saddle, _ = saddle_of("P(1,1,1)")
+    oscillator, saddle, _ = saddle_of("P(1,1,1) in chaos")
     for branch in stable_manifold(oscillator, saddle, ManifoldLimits(arclength=100.0, points=2000)):
         assert branch.end == BranchEnd.POINTS
         assert 500 < sum(piece.t.size for piece in branch.pieces) < 4000
