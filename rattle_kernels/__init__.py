@@ -2,6 +2,7 @@
 
 from rattle_kernels.attractor import Attractor, AttractorKind
 from rattle_kernels.attractor_search import find_attractors
+from rattle_kernels.basin_boundary import boundary_cells, boundary_share
 from rattle_kernels.basin_entropy import BasinEntropy, basin_entropy
 from rattle_kernels.basin_integrity import (
     LargestDisc,
@@ -14,6 +15,7 @@ from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
 from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells, map_points
 from rattle_kernels.continuation import attractor_distance, continue_attractor
 from rattle_kernels.grazing_curve import grazing_velocity
+from rattle_kernels.grazing_preimages import TooManyPoints, grazing_preimages
 from rattle_kernels.image_set import (
     ImageSet,
     MarkedWords,
@@ -29,6 +31,7 @@ from rattle_kernels.impact_map import Impacts, previous_impacts
 from rattle_kernels.iterations import check_iterations
 from rattle_kernels.jit import compiled_before
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
+from rattle_kernels.manifold import Branch, BranchEnd, ManifoldLimits, stable_manifold, unstable_manifold
 from rattle_kernels.oscillator import (
     Oscillator,
     OutsideDomain,
@@ -40,6 +43,8 @@ from rattle_kernels.oscillator import (
     eccentricity_bound_smooth_maxima,
 )
 from rattle_kernels.outcome import Outcome
+from rattle_kernels.polyline import CurveResolution, Piece, arclength, split_at_wrap
+from rattle_kernels.saddle import NotASaddle, find_saddle
 from rattle_kernels.solutions import STRANGER, coarser_boxes, landing_boxes, name_solutions
 from rattle_kernels.time_history import Contacts, Direction, TimeHistory, time_history
 from rattle_kernels.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
@@ -53,23 +58,33 @@ __all__ = [
     "Attractor",
     "AttractorKind",
     "BasinEntropy",
+    "Branch",
+    "BranchEnd",
     "CellGrid",
     "CellGroups",
     "CellImages",
-    "ImageSet",
     "Contacts",
+    "CurveResolution",
     "Direction",
+    "ImageSet",
     "Impacts",
     "LargestDisc",
     "LeastDisturbance",
+    "ManifoldLimits",
     "MarkedWords",
+    "NotASaddle",
     "Oscillator",
     "Outcome",
     "OutsideDomain",
-    "UncertaintyExponent",
-    "basin_entropy",
+    "Piece",
     "TimeHistory",
     "attractor_distance",
+    "TooManyPoints",
+    "UncertaintyExponent",
+    "arclength",
+    "basin_entropy",
+    "boundary_cells",
+    "boundary_share",
     "check_domain",
     "check_grid",
     "check_impacting",
@@ -83,7 +98,9 @@ __all__ = [
     "eccentricity_bound_smooth_maxima",
     "find_attractors",
     "find_groups",
+    "find_saddle",
     "global_integrity_measure",
+    "grazing_preimages",
     "grazing_velocity",
     "has_members",
     "integrity_factor",
@@ -99,9 +116,12 @@ __all__ = [
     "next_impacts",
     "place_images",
     "previous_impacts",
+    "split_at_wrap",
+    "stable_manifold",
+    "time_history",
     "uncertainty_exponent",
     "unite",
-    "time_history",
+    "unstable_manifold",
     "warm_up",
     "with_counts",
 ]
