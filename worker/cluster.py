@@ -16,6 +16,8 @@ _CONNECT_SECONDS = 10
 _CLOSE_SECONDS = 10
 # Workers yield to the service, which must answer while both cores compute.
 _NICENESS = 10
+# Each connection keeps its last messages for developers, a thousand by default: with catalogues in them, 100 MB.
+_MESSAGES_KEPT = {"distributed.admin.low-level-log-length": 20}
 
 
 class WarmKernels(WorkerPlugin):
@@ -45,6 +47,8 @@ def local_cluster(workers: int = 2) -> Iterator[Client]:
     ------
     distributed.Client
     """
+    # For good: workers that a nanny has restarted connect later.
+    dask.config.set(_MESSAGES_KEPT)
     # One process fills the disk cache of compiled kernels; the workers then find it filled.
     warm_up()
     settings = {
@@ -102,6 +106,7 @@ def remote_cluster(address: str) -> Iterator[Client]:
     ClusterFailed
         Where nothing answers there.
     """
+    dask.config.set(_MESSAGES_KEPT)
     try:
         client = Client(address, timeout=_CONNECT_SECONDS, set_as_default=False)
     except (OSError, ValueError) as error:
