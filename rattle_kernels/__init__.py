@@ -9,6 +9,7 @@ from rattle_kernels.basin_integrity import (
     integrity_factor,
     local_integrity_measure,
 )
+from rattle_kernels.bifurcation_diagram import BifurcationDiagram, bifurcation_diagram
 from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
 from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells
@@ -52,6 +53,7 @@ __all__ = [
     "Attractor",
     "AttractorKind",
     "BasinEntropy",
+    "BifurcationDiagram",
     "CellGrid",
     "CellGroups",
     "CellImages",
@@ -67,6 +69,7 @@ __all__ = [
     "OutsideDomain",
     "UncertaintyExponent",
     "basin_entropy",
+    "bifurcation_diagram",
     "TimeHistory",
     "check_domain",
     "check_grid",
