@@ -29,6 +29,7 @@ from rattle_kernels.impact_map import Impacts, previous_impacts
 from rattle_kernels.iterations import check_iterations
 from rattle_kernels.jit import compiled_before
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
+from rattle_kernels.orbit_search import FoundOrbit, find_orbits
 from rattle_kernels.oscillator import (
     Oscillator,
     OutsideDomain,
@@ -40,6 +41,12 @@ from rattle_kernels.oscillator import (
     eccentricity_bound_smooth_maxima,
 )
 from rattle_kernels.outcome import Outcome
+from rattle_kernels.periodic_orbit import PeriodicOrbit
+from rattle_kernels.single_contact_orbit import (
+    SingleContactOrbit,
+    eccentricity_bound_single_contact,
+    single_contact_orbits,
+)
 from rattle_kernels.solutions import STRANGER, coarser_boxes, landing_boxes, name_solutions
 from rattle_kernels.time_history import Contacts, Direction, TimeHistory, time_history
 from rattle_kernels.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
@@ -57,6 +64,7 @@ __all__ = [
     "CellGrid",
     "CellGroups",
     "CellImages",
+    "FoundOrbit",
     "ImageSet",
     "Contacts",
     "Direction",
@@ -67,6 +75,8 @@ __all__ = [
     "Oscillator",
     "Outcome",
     "OutsideDomain",
+    "PeriodicOrbit",
+    "SingleContactOrbit",
     "UncertaintyExponent",
     "basin_entropy",
     "bifurcation_diagram",
@@ -80,9 +90,11 @@ __all__ = [
     "compiled_before",
     "eccentricity_bound_convexity",
     "eccentricity_bound_quiet",
+    "eccentricity_bound_single_contact",
     "eccentricity_bound_smooth_maxima",
     "find_attractors",
     "find_groups",
+    "find_orbits",
     "global_integrity_measure",
     "grazing_velocity",
     "has_members",
@@ -98,6 +110,7 @@ __all__ = [
     "next_impacts",
     "place_images",
     "previous_impacts",
+    "single_contact_orbits",
     "uncertainty_exponent",
     "unite",
     "time_history",

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.capture import capture_bound, is_captured
-from rattle_kernels.flight import part_turn
+from rattle_kernels.flight import fall_speed, part_turn
 from rattle_kernels.impact_map import PERMANENT_CONTACT, RETURNED, next_impact
 from rattle_kernels.jit import kernel, step
 from rattle_kernels.oscillator import Oscillator, check_domain, eccentricity_bound_quiet
@@ -57,12 +57,6 @@ class BifurcationDiagram(NamedTuple):
 
 
 @step
-def _fall_speed(oscillator):
-    """Speed of a fall through the backlash under the mean acceleration: the scale of speeds."""
-    return math.sqrt(16.0 * math.pi * oscillator.damping * oscillator.half_backlash)
-
-
-@step
 def _follow(oscillator, t, v, transient, times, speeds):
     """Apply P `transient` times, then keep one departure after the other; how it ended."""
     for n in range(-transient, times.size):
@@ -77,7 +71,7 @@ def _follow(oscillator, t, v, transient, times, speeds):
 
 @step
 def _bounces_ever_lower(oscillator, t, v, work):
-    if v > _LOW_BOUNCE * _fall_speed(oscillator):
+    if v > _LOW_BOUNCE * fall_speed(oscillator):
         return False
     return is_captured(oscillator, capture_bound(oscillator, work[0], work[1]), t, v)
 
@@ -98,7 +92,7 @@ def _settle_along(fields, quiet, seed_t, seed_v, captured, transient, work, t, v
     """Fill the diagram of one direction; the seeds are left where the last value's motions are."""
     for i in range(fields.shape[0]):
         oscillator = Oscillator(fields[i, 0], fields[i, 1], fields[i, 2], fields[i, 3], fields[i, 4])
-        scale = _fall_speed(oscillator)
+        scale = fall_speed(oscillator)
         for j in range(seed_t.size):
             if captured[j] and quiet[i]:
                 outcome[i, j] = PERMANENT_CONTACT

@@ -24,6 +24,7 @@ from rattle_kernels.flight import (
     part_turn,
     rest_acceleration,
     second_phi,
+    second_phi_slope,
     start_flight,
     velocity_after,
 )
@@ -32,21 +33,6 @@ from rattle_kernels.impact_map import LOWER, UPPER, Contact, Impact, fly_back, n
 from rattle_kernels.jit import step
 
 DAMPING, ECCENTRICITY, HALF_BACKLASH, STIFFNESS = 0, 1, 2, 3
-
-# Taylor coefficients of phi2'(x) = sum n (-1)^n x^(n-1)/(n + 2)!; 20 terms reach 1e-17 on |x| <= 1.
-_PHI2_SLOPE = tuple(n * (-1.0) ** n / math.factorial(n + 2) for n in range(1, 21))
-
-
-@step
-def _second_phi_slope(x):
-    """phi2'(x) = (phi1 - 2 phi2)/x."""
-    if abs(x) > 1.0:
-        phi2 = second_phi(x)
-        return (1.0 - x * phi2 - 2.0 * phi2) / x
-    total = 0.0
-    for n in range(19, -1, -1):
-        total = total * x + _PHI2_SLOPE[n]
-    return total
 
 
 @step
@@ -62,7 +48,7 @@ def _flight_change(oscillator, parameter, phase, velocity, contact, displacement
         return change, damping * (cosine_change - change) - TWO_PI * sine_change
     if parameter == DAMPING:
         drive = velocity + TWO_PI * oscillator.eccentricity * math.sin(here)
-        change = tau * tau * (FOUR_PI - drive) * (phi2 + x * _second_phi_slope(x))
+        change = tau * tau * (FOUR_PI - drive) * (phi2 + x * second_phi_slope(x))
         return change, FOUR_PI * tau - displacement - damping * change + oscillator.eccentricity * cosine_change
     return 0.0, 0.0
 
