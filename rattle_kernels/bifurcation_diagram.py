@@ -17,9 +17,8 @@ from rattle_kernels.capture import capture_bound, is_captured
 from rattle_kernels.flight import fall_speed, part_turn
 from rattle_kernels.impact_map import PERMANENT_CONTACT, RETURNED, next_impact
 from rattle_kernels.jit import kernel, step
-from rattle_kernels.oscillator import Oscillator, check_domain, eccentricity_bound_quiet
+from rattle_kernels.oscillator import PARAMETERS, Oscillator, check_domain, eccentricity_bound_quiet
 
-PARAMETERS = ("damping", "eccentricity", "half_backlash", "stiffness")
 # The paper keeps the last twenty impacts.
 _KEPT = 20
 _TRANSIENT = 1000

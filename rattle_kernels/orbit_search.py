@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.flight import fall_speed, part_turn
-from rattle_kernels.grazing_curve import LEAVING, grazing_flight
-from rattle_kernels.impact_map import LOWER, RETURNED, UPPER, next_contact, next_impact
+from rattle_kernels.grazing_distance import grazing_distances
+from rattle_kernels.impact_map import RETURNED, next_impact
 from rattle_kernels.jit import kernel
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit, newton_orbit
@@ -73,14 +73,6 @@ def _recurrences(oscillator, t, v, longest, applications, best_t, best_v, best):
                     best_t[i, period - 1], best_v[i, period - 1] = past_t[n - period], past_v[n - period]
 
 
-@kernel
-def _grazing_distances(oscillator, t, v, margin, lower_speed):
-    for i in range(t.size):
-        margin[i] = v[i] - grazing_flight(oscillator, t[i], LEAVING)[0]
-        contact = next_contact(oscillator, UPPER, t[i], -v[i], 1.0)
-        lower_speed[i] = -contact.velocity if contact.wall == LOWER else math.nan
-
-
 def describe_orbit(oscillator: Oscillator, orbit: PeriodicOrbit) -> FoundOrbit:
     """How close an orbit passes to grazing.
 
@@ -94,9 +86,7 @@ def describe_orbit(oscillator: Oscillator, orbit: PeriodicOrbit) -> FoundOrbit:
     -------
     FoundOrbit
     """
-    margin, lower_speed = np.empty(orbit.v.size), np.empty(orbit.v.size)
-    _grazing_distances(oscillator, orbit.t, orbit.v, margin, lower_speed)
-    return FoundOrbit(orbit, margin, lower_speed)
+    return FoundOrbit(orbit, *grazing_distances(oscillator, orbit.t, orbit.v))
 
 
 def _seeds(

@@ -8,10 +8,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rattle_kernels import Oscillator, grazing_velocity
-from rattle_kernels.bifurcation_diagram import PARAMETERS
 from rattle_kernels.impact_map import next_impact
 from rattle_kernels.impact_sensitivity import next_impact_with_sensitivity
 from rattle_kernels.jit import kernel
+from rattle_kernels.oscillator import PARAMETERS
 
 from ..strategies import oscillators, phases, speeds, stiff_oscillators
 
