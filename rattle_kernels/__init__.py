@@ -29,6 +29,7 @@ from rattle_kernels.impact_map import Impacts, previous_impacts
 from rattle_kernels.iterations import check_iterations
 from rattle_kernels.jit import compiled_before
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
+from rattle_kernels.orbit_continuation import Branch, BranchEnd, continue_orbit
 from rattle_kernels.orbit_search import FoundOrbit, find_orbits
 from rattle_kernels.oscillator import (
     Oscillator,
@@ -48,6 +49,8 @@ from rattle_kernels.single_contact_orbit import (
     single_contact_orbits,
 )
 from rattle_kernels.solutions import STRANGER, coarser_boxes, landing_boxes, name_solutions
+from rattle_kernels.special_point import SpecialKind, SpecialPoint
+from rattle_kernels.special_point_curve import SpecialCurve, continue_special_point
 from rattle_kernels.time_history import Contacts, Direction, TimeHistory, time_history
 from rattle_kernels.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
 from rattle_kernels.warm_up import warm_up
@@ -61,6 +64,8 @@ __all__ = [
     "AttractorKind",
     "BasinEntropy",
     "BifurcationDiagram",
+    "Branch",
+    "BranchEnd",
     "CellGrid",
     "CellGroups",
     "CellImages",
@@ -77,6 +82,9 @@ __all__ = [
     "OutsideDomain",
     "PeriodicOrbit",
     "SingleContactOrbit",
+    "SpecialCurve",
+    "SpecialKind",
+    "SpecialPoint",
     "UncertaintyExponent",
     "basin_entropy",
     "bifurcation_diagram",
@@ -88,6 +96,8 @@ __all__ = [
     "check_quiet",
     "coarser_boxes",
     "compiled_before",
+    "continue_orbit",
+    "continue_special_point",
     "eccentricity_bound_convexity",
     "eccentricity_bound_quiet",
     "eccentricity_bound_single_contact",

@@ -28,12 +28,15 @@ from rattle_kernels.special_point import (
     Unknowns,
     closing_system,
     locate,
+    nears_edge_of_domain,
     shallowest_in_contact,
     unknowns,
 )
 
-# A special point that Newton's method finds further away than this many steps, or than this, is another one.
+# A special point that Newton's method finds further away than this, in scaled unknowns, is another one.
 _REACH = 0.05
+# Departures as close as this to one graze, all of them, have merged there.
+_MERGED = 1e-3
 
 
 class BranchEnd(StrEnum):
@@ -44,6 +47,8 @@ class BranchEnd(StrEnum):
     CLOSED = "back where it began"
     GRAZING = "the orbit grazes -beta"
     CONTACT_LOSS = "a stay beyond +beta touches it"
+    HALVED = "the orbit is one of half the period, gone through twice"
+    DOMAIN = "the edge of the domain (Eq. 8)"
     POINTS = "as many points as were asked for"
     STALLED = "no step succeeds"
 
@@ -153,6 +158,27 @@ def _grazes_between(task: _Task, before: _Station, after: _Station) -> Iterator[
         yield _graze_near(task, before, int(i))
 
 
+def _half_turn(task: _Task, station: _Station) -> np.ndarray:
+    """From the first departure to the one half a turn later, in scaled unknowns."""
+    half = task.shape.upper_contacts // 2
+    apart = station.t[half] - station.t[0]
+    return np.array([apart - np.rint(apart), (station.v[half] - station.v[0]) / task.space.scales[1]])
+
+
+def _halved_between(task: _Task, before: _Station, after: _Station) -> SpecialPoint | None:
+    """The doubling at which the branch was born, if it lies between: there both halves of the orbit change places."""
+    if task.shape.upper_contacts % 2 or task.shape.forcing_periods % 2:
+        return None
+    halves = _half_turn(task, before), _half_turn(task, after)
+    if halves[0] @ halves[1] >= 0.0:
+        return None
+    shape = OrbitShape(task.shape.forcing_periods // 2, task.shape.upper_contacts // 2)
+    read = task.space.read(0.5 * (before.z + after.z))
+    point = None if read is None else locate(SpecialKind.PERIOD_DOUBLING, read[0], task.parameter, shape, *read[1:])
+    near = 2.0 * float(np.abs(after.z - before.z).max()) + 1e-6
+    return point if point is not None and _distance(task, point, before, 0) < near else None
+
+
 def _distance(task: _Task, point: SpecialPoint, station: _Station, departure: int) -> float:
     """Distance of a special point's first departure from one of a station's, in scaled unknowns."""
     apart = float(point.t[0]) - float(station.t[departure])
@@ -173,6 +199,21 @@ def _graze_near(task: _Task, station: _Station, departure: int) -> SpecialPoint 
     return point if ((margin[1:] > 0) == others).all() else None
 
 
+def _repeated_graze_near(task: _Task, station: _Station) -> SpecialPoint | None:
+    """Graze of a shorter orbit that the branch's becomes several turns of, so that several of its flights graze."""
+    for turns in range(task.shape.upper_contacts, 1, -1):
+        shape = OrbitShape(task.shape.forcing_periods // turns, task.shape.upper_contacts // turns, True)
+        if (shape.forcing_periods * turns, shape.upper_contacts * turns) != task.shape[:2]:
+            continue
+        for i in range(shape.upper_contacts):
+            t, v = float(station.t[i]), float(station.v[i])
+            point = locate(SpecialKind.GRAZING, station.oscillator, task.parameter, shape, t, v)
+            again = range(i, task.shape.upper_contacts, shape.upper_contacts)
+            if point is not None and max(_distance(task, point, station, j) for j in again) < _MERGED:
+                return point
+    return None
+
+
 def _contact_loss_near(task: _Task, station: _Station) -> Iterator[SpecialPoint]:
     """Contact losses near a point: a departure about to vanish, or a stay about to split."""
     if task.infinitely_stiff:
@@ -190,6 +231,9 @@ def _contact_loss_near(task: _Task, station: _Station) -> Iterator[SpecialPoint]
 
 def _why_it_stalls(task: _Task, station: _Station) -> tuple[End, list[SpecialPoint]]:
     """The nearest graze or contact loss that explains why no further step succeeds, else a plain stall."""
+    merged = _repeated_graze_near(task, station)
+    if merged is not None:
+        return _end(task, BranchEnd.GRAZING, merged.value), [merged]
     grazes = [(_graze_near(task, station, i), i) for i in range(station.t.size)]
     near = [(_distance(task, point, station, i), point, BranchEnd.GRAZING) for point, i in grazes if point]
     value = getattr(station.oscillator, task.parameter)
@@ -198,6 +242,8 @@ def _why_it_stalls(task: _Task, station: _Station) -> tuple[End, list[SpecialPoi
     if near:
         _, point, reason = min(near, key=lambda candidate: candidate[0])
         return _end(task, reason, point.value), [point]
+    if nears_edge_of_domain(station.oscillator):
+        return _end(task, BranchEnd.DOMAIN, value), []
     message = (
         f"no step longer than {task.steps.least:g} succeeds at {task.parameter} = {value:.12g}, "
         f"where the trace is {np.trace(station.jacobian):.6g} and the least distance from grazing "
@@ -230,6 +276,9 @@ def _one_way(task: _Task, start: np.ndarray, along: np.ndarray) -> _Side:
         before = stations[-1]
         landed = _land(task, before.z, point.z, system)
         here = _station(task, point.z if landed is None else landed)
+        halved = _halved_between(task, before, here)
+        if halved is not None:
+            return stations, [*points, halved], _end(task, BranchEnd.HALVED, halved.value)
         stations.append(here)
         passed = [*_critical_between(task, before, here), *_grazes_between(task, before, here)]
         points.extend(one for one in passed if one is not None)

@@ -19,7 +19,7 @@ import numpy as np
 System = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray] | None]
 
 _NEWTON_STEPS = 8
-_QUICK = 3
+_QUICK = 4
 # Neighbouring tangents at more than 18 degrees ask for a shorter step.
 _LEAST_COSINE = 0.95
 _GROWTH = 1.5

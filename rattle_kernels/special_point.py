@@ -30,11 +30,13 @@ from rattle_kernels.flight import fall_speed
 from rattle_kernels.impact_map import LOWER, UPPER, next_contact, next_impact
 from rattle_kernels.jit import kernel, step
 from rattle_kernels.orbit_closure import OrbitShape, closure, grazing_speed_at, orbit_from, stability_gap
-from rattle_kernels.oscillator import Oscillator, OutsideDomain, check_domain
+from rattle_kernels.oscillator import Oscillator, OutsideDomain, check_domain, eccentricity_bound_smooth_maxima
 from rattle_kernels.pseudo_arclength import System, solve
 
 # Central differences of quantities known to 1e-13 or so: truncation 1e-12, round-off 1e-7.
 _DIFFERENCE = 1e-6
+# The least steps of a curve end within this part of the bound of Eq. (8).
+_EDGE = 1e-5
 # Points of a stay at which its least depth is looked for, a guess to start from.
 _SAMPLES = 400
 
@@ -95,6 +97,12 @@ class Unknowns(NamedTuple):
         """The unknowns z of an oscillator and a departure."""
         begin = [t, v] if self.with_speed else [t]
         return np.array(begin + [getattr(oscillator, name) for name in self.parameters]) / self.scales
+
+
+def nears_edge_of_domain(oscillator: Oscillator) -> bool:
+    """Whether the eccentricity is all but at the bound of Eq. (8), beyond which P is not defined."""
+    bound = eccentricity_bound_smooth_maxima(oscillator)
+    return bool(bound - oscillator.eccentricity < _EDGE * bound)
 
 
 def unknowns(oscillator: Oscillator, parameters: tuple[str, ...], with_speed: bool = True) -> Unknowns:
@@ -236,7 +244,7 @@ def shallowest_in_contact(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) 
     return float(_shallowest(oscillator, t, v))
 
 
-def special_system(kind: SpecialKind, space: Unknowns, shape: OrbitShape) -> System:
+def special_system(kind: SpecialKind, space: Unknowns, shape: OrbitShape, lower: int | None = None) -> System:
     """All equations of a special point: one less than the unknowns of a curve, as many as those of a point.
 
     Parameters
@@ -246,6 +254,8 @@ def special_system(kind: SpecialKind, space: Unknowns, shape: OrbitShape) -> Sys
         With speed, except for contact loss.
     shape : OrbitShape
         ``over`` for a graze; for contact loss ``upper_contacts`` counts the departure of speed 0.
+    lower : int, optional
+        As for `closing_system`; not used for contact loss.
 
     Returns
     -------
@@ -253,7 +263,7 @@ def special_system(kind: SpecialKind, space: Unknowns, shape: OrbitShape) -> Sys
     """
     if kind == SpecialKind.CONTACT_LOSS:
         return _with_differences(_touch_equations(space, shape))
-    closing, special = closing_system(space, shape), _special_equation(kind, space, shape)
+    closing, special = closing_system(space, shape, lower), _special_equation(kind, space, shape)
 
     def system(z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         orbit, one = closing(z), special(z)
