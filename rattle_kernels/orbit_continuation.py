@@ -153,7 +153,9 @@ def _critical_between(task: _Task, before: _Station, after: _Station) -> Iterato
 
 
 def _grazes_between(task: _Task, before: _Station, after: _Station) -> Iterator[SpecialPoint | None]:
-    """Flights that began or ceased to meet -beta between neighbouring points (finite stiffness)."""
+    """Flights that began or ceased to meet -beta between neighbouring points (finite stiffness; else branches end)."""
+    if task.infinitely_stiff:
+        return
     for i in np.flatnonzero((before.margin > 0) != (after.margin > 0)):
         yield _graze_near(task, before, int(i))
 

@@ -176,6 +176,19 @@ def test_finite_stiffness_passes_grazes_and_turns_in_folds():
     assert branch.trace[last : last + 2] == pytest.approx(graze.multipliers.sum().real, abs=0.5)
 
 
+def test_fig_7s_orbit_of_the_stiff_model_ends_at_a_stiffness():
+    """P(1,2,0) at damping 0.6: with kappa = 1e6 its saddle-node is not yet passed, in the impacting model it is."""
+    oscillator = Oscillator(stiffness=1e6)
+    node, saddle = sorted(orbits(oscillator, "P(1,2,0)", longest=2), key=lambda orbit: not orbit.attracts)
+    assert node.attracts and not saddle.attracts
+    branch = continue_orbit(oscillator, node, "stiffness", (1e5, 3e7), direction="up")
+    fold = only(branch.special_points, SpecialKind.SADDLE_NODE)
+    assert fold.value == pytest.approx(8.79988e6, rel=1e-6)
+    assert gap(fold.oscillator, fold.t, fold.v, 2).max() < 1e-7
+    beyond = [len(orbits(Oscillator(stiffness=fold.value * part), "P(1,2,0)", longest=2)) for part in (0.99, 1.01)]
+    assert beyond == [2, 0]
+
+
 def test_contact_loss_is_met_from_both_sides():
     """At kappa = 100 a stay of P(1,1,0) splits: beyond that it is P(1,2,0), whose slowest departure tends to 0."""
     oscillator = Oscillator(stiffness=100.0)
