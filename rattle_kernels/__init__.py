@@ -29,6 +29,7 @@ from rattle_kernels.impact_map import Impacts, previous_impacts
 from rattle_kernels.iterations import check_iterations
 from rattle_kernels.jit import compiled_before
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
+from rattle_kernels.orbit_beyond_graze import orbit_beyond_graze
 from rattle_kernels.orbit_continuation import Branch, BranchEnd, continue_orbit
 from rattle_kernels.orbit_search import FoundOrbit, find_orbits
 from rattle_kernels.oscillator import (
@@ -119,6 +120,7 @@ __all__ = [
     "name_solutions",
     "next_impacts",
     "place_images",
+    "orbit_beyond_graze",
     "previous_impacts",
     "single_contact_orbits",
     "uncertainty_exponent",

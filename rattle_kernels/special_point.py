@@ -142,7 +142,7 @@ def closing_system(space: Unknowns, shape: OrbitShape, lower: int | None = None)
     return system
 
 
-def _with_differences(function: Callable[[np.ndarray], np.ndarray | None]) -> System:
+def with_differences(function: Callable[[np.ndarray], np.ndarray | None]) -> System:
     """A system whose Jacobian is taken by central differences."""
 
     def system(z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -172,7 +172,7 @@ def _special_equation(kind: SpecialKind, space: Unknowns, shape: OrbitShape) -> 
         multiplier = 1.0 if kind == SpecialKind.SADDLE_NODE else -1.0
         return None if closed is None else np.array([stability_gap(oscillator, shape, closed.jacobian, multiplier)])
 
-    return _with_differences(value)
+    return with_differences(value)
 
 
 @step
@@ -262,7 +262,7 @@ def special_system(kind: SpecialKind, space: Unknowns, shape: OrbitShape, lower:
     System
     """
     if kind == SpecialKind.CONTACT_LOSS:
-        return _with_differences(_touch_equations(space, shape))
+        return with_differences(_touch_equations(space, shape))
     closing, special = closing_system(space, shape, lower), _special_equation(kind, space, shape)
 
     def system(z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:

@@ -15,6 +15,7 @@ from rattle_kernels import (
     find_orbits,
     grazing_velocity,
     next_impacts,
+    orbit_beyond_graze,
     single_contact_orbits,
 )
 from rattle_kernels.periodic_orbit import find_periodic_orbit
@@ -157,6 +158,36 @@ def test_a_curve_of_grazes_grazes_all_along(doubled):
         oscillator = Oscillator(damping, eccentricity)
         assert v == pytest.approx(float(grazing_velocity(oscillator, t)), abs=1e-10)
         assert gap(oscillator, t, v * (1 - 1e-12), 4) < 1e-8
+
+
+@pytest.mark.parametrize("lower_speed", [0.01, 0.003])
+def test_at_the_graze_the_doubled_orbit_meets_a_saddle_and_vanishes(doubled, lower_speed):
+    """A nonsmooth fold: P(4,4,2) and P(4,4,3) both exist below 0.5922, neither above."""
+    graze = only(doubled.special_points, SpecialKind.GRAZING)
+    oscillator, orbit = orbit_beyond_graze(graze, lower_speed)
+    assert oscillator.damping < graze.value
+    assert orbit.name == "P(4,4,3)" and not orbit.attracts
+    assert gap(oscillator, orbit.t, orbit.v, 4).max() < 1e-9
+    back = continue_orbit(oscillator, orbit, "damping", (0.5, 0.7), direction="up")
+    assert back.ends[1].reason == BranchEnd.GRAZING
+    assert back.ends[1].value == pytest.approx(graze.value, abs=1e-12)
+
+
+def test_at_another_graze_a_motion_goes_on_under_another_name():
+    oscillator = Oscillator(damping=0.575)
+    (orbit,) = orbits(oscillator, "P(2,2,1)", longest=2)
+    branch = continue_orbit(oscillator, orbit, "damping", (0.5, 0.6), direction="down")
+    graze = only(branch.special_points, SpecialKind.GRAZING)
+    beyond, other = orbit_beyond_graze(graze)
+    assert other.name == "P(2,2,2)"
+    assert beyond.damping < graze.value < branch.values.min()
+
+
+def test_only_a_graze_has_another_side():
+    orbit, _ = orbits(Oscillator(), "P(1,1,0)", longest=1)
+    branch = continue_orbit(Oscillator(), orbit, "eccentricity", (0.03, 0.19))
+    with pytest.raises(ValueError, match="must be a graze"):
+        orbit_beyond_graze(only(branch.special_points, SpecialKind.SADDLE_NODE))
 
 
 def test_finite_stiffness_passes_grazes_and_turns_in_folds():
