@@ -40,7 +40,7 @@ _MERGED = 1e-3
 
 
 class BranchEnd(StrEnum):
-    """Why a branch ends."""
+    """Why a branch ends, in words."""
 
     START = "the orbit it began with"
     BOUND = "a bound of the parameter"
