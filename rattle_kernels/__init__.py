@@ -10,6 +10,7 @@ from rattle_kernels.basin_integrity import (
     integrity_factor,
     local_integrity_measure,
 )
+from rattle_kernels.bifurcation_diagram import BifurcationDiagram, bifurcation_diagram
 from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
 from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells, map_points
@@ -31,7 +32,10 @@ from rattle_kernels.impact_map import Impacts, previous_impacts
 from rattle_kernels.iterations import check_iterations
 from rattle_kernels.jit import compiled_before
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
-from rattle_kernels.manifold import Branch, BranchEnd, ManifoldLimits, stable_manifold, unstable_manifold
+from rattle_kernels.manifold import ManifoldBranch, ManifoldEnd, ManifoldLimits, stable_manifold, unstable_manifold
+from rattle_kernels.orbit_beyond_graze import orbit_beyond_graze
+from rattle_kernels.orbit_continuation import Branch, BranchEnd, continue_orbit
+from rattle_kernels.orbit_search import FoundOrbit, find_orbits
 from rattle_kernels.oscillator import (
     Oscillator,
     OutsideDomain,
@@ -43,9 +47,17 @@ from rattle_kernels.oscillator import (
     eccentricity_bound_smooth_maxima,
 )
 from rattle_kernels.outcome import Outcome
+from rattle_kernels.periodic_orbit import PeriodicOrbit
 from rattle_kernels.polyline import CurveResolution, Piece, arclength, split_at_wrap
 from rattle_kernels.saddle import NotASaddle, find_saddle
+from rattle_kernels.single_contact_orbit import (
+    SingleContactOrbit,
+    eccentricity_bound_single_contact,
+    single_contact_orbits,
+)
 from rattle_kernels.solutions import STRANGER, coarser_boxes, landing_boxes, name_solutions
+from rattle_kernels.special_point import SpecialKind, SpecialPoint
+from rattle_kernels.special_point_curve import SpecialCurve, continue_special_point
 from rattle_kernels.time_history import Contacts, Direction, TimeHistory, time_history
 from rattle_kernels.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
 from rattle_kernels.warm_up import warm_up
@@ -58,11 +70,14 @@ __all__ = [
     "Attractor",
     "AttractorKind",
     "BasinEntropy",
+    "BifurcationDiagram",
     "Branch",
     "BranchEnd",
     "CellGrid",
     "CellGroups",
     "CellImages",
+    "FoundOrbit",
+    "ImageSet",
     "Contacts",
     "CurveResolution",
     "Direction",
@@ -70,6 +85,8 @@ __all__ = [
     "Impacts",
     "LargestDisc",
     "LeastDisturbance",
+    "ManifoldBranch",
+    "ManifoldEnd",
     "ManifoldLimits",
     "MarkedWords",
     "NotASaddle",
@@ -77,6 +94,14 @@ __all__ = [
     "Outcome",
     "OutsideDomain",
     "Piece",
+    "PeriodicOrbit",
+    "SingleContactOrbit",
+    "SpecialCurve",
+    "SpecialKind",
+    "SpecialPoint",
+    "UncertaintyExponent",
+    "basin_entropy",
+    "bifurcation_diagram",
     "TimeHistory",
     "attractor_distance",
     "TooManyPoints",
@@ -93,12 +118,16 @@ __all__ = [
     "coarser_boxes",
     "compiled_before",
     "continue_attractor",
+    "continue_orbit",
+    "continue_special_point",
     "eccentricity_bound_convexity",
     "eccentricity_bound_quiet",
+    "eccentricity_bound_single_contact",
     "eccentricity_bound_smooth_maxima",
     "find_attractors",
     "find_groups",
     "find_saddle",
+    "find_orbits",
     "global_integrity_measure",
     "grazing_preimages",
     "grazing_velocity",
@@ -115,10 +144,12 @@ __all__ = [
     "name_solutions",
     "next_impacts",
     "place_images",
+    "orbit_beyond_graze",
     "previous_impacts",
     "split_at_wrap",
     "stable_manifold",
     "time_history",
+    "single_contact_orbits",
     "uncertainty_exponent",
     "unite",
     "unstable_manifold",

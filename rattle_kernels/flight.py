@@ -21,6 +21,8 @@ FOUR_PI = 4.0 * math.pi
 
 # Taylor coefficients of phi2(x) = sum (-x)^n / (n + 2)!; 21 terms reach 1e-17 on |x| <= 1.
 _PHI2 = tuple((-1.0) ** n / math.factorial(n + 2) for n in range(21))
+# phi2'(x) = sum n (-1)^n x^(n-1)/(n + 2)!; 20 terms reach 1e-17 on |x| <= 1.
+_PHI2_SLOPE = tuple(n * (-1.0) ** n / math.factorial(n + 2) for n in range(1, 21))
 # (h - sin h)/h^3 = sum (-h^2)^n / (2n + 3)!; 9 terms reach 1e-17 on |h| <= 1.
 _CUBIC_REST = tuple((-1.0) ** n / math.factorial(2 * n + 3) for n in range(9))
 
@@ -59,6 +61,18 @@ def second_phi(x):
     total = 0.0
     for n in range(20, -1, -1):
         total = total * x + _PHI2[n]
+    return total
+
+
+@step
+def second_phi_slope(x):
+    """phi2'(x) = (phi1 - 2 phi2)/x."""
+    if abs(x) > 1.0:
+        phi2 = second_phi(x)
+        return (1.0 - x * phi2 - 2.0 * phi2) / x
+    total = 0.0
+    for n in range(19, -1, -1):
+        total = total * x + _PHI2_SLOPE[n]
     return total
 
 
@@ -117,3 +131,9 @@ def acceleration_range(oscillator):
     mean = FOUR_PI * oscillator.damping
     swing = TWO_PI * oscillator.eccentricity * math.hypot(TWO_PI, oscillator.damping)
     return mean - swing, mean + swing
+
+
+@step
+def fall_speed(oscillator):
+    """Speed of a fall from +beta to -beta under the mean acceleration: the scale of speeds."""
+    return math.sqrt(4.0 * FOUR_PI * oscillator.damping * oscillator.half_backlash)

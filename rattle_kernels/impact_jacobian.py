@@ -37,7 +37,7 @@ def multiply(left, right):
 
 
 @step
-def _flight_jacobian(oscillator, phase, velocity, contact):
+def flight_jacobian(oscillator, phase, velocity, contact):
     """Derivative of (time of contact, velocity after it) by (time of departure, velocity)."""
     damping = oscillator.damping
     x = damping * contact.duration
@@ -51,7 +51,7 @@ def _flight_jacobian(oscillator, phase, velocity, contact):
 
 
 @step
-def _stay_jacobian(oscillator, side, phase, speed, stay):
+def stay_jacobian(oscillator, side, phase, speed, stay):
     """Derivative of (time of leaving, signed velocity then) by those of entering as an elastic impact would turn it."""
     if stay.duration == 0.0:
         return Jacobian(1.0, 0.0, 0.0, 1.0)
@@ -89,18 +89,18 @@ def next_impact_with_jacobian(oscillator, t, v):
         The impact, and DP; of no meaning where contact is permanent.
     """
     contact = next_contact(oscillator, UPPER, t, -v, 1.0)
-    jacobian = _flight_jacobian(oscillator, t, -v, contact)
+    jacobian = flight_jacobian(oscillator, t, -v, contact)
     lower_impacts, elapsed = 0, contact.duration
     if contact.wall == LOWER:
         lower_impacts = 1
         stay = stay_in_contact(oscillator, LOWER, contact.phase, -contact.velocity)
-        jacobian = multiply(_stay_jacobian(oscillator, LOWER, contact.phase, -contact.velocity, stay), jacobian)
+        jacobian = multiply(stay_jacobian(oscillator, LOWER, contact.phase, -contact.velocity, stay), jacobian)
         start = contact.phase + stay.duration
         contact = next_contact(oscillator, LOWER, start, stay.speed, 1.0)
-        jacobian = multiply(_flight_jacobian(oscillator, start, stay.speed, contact), jacobian)
+        jacobian = multiply(flight_jacobian(oscillator, start, stay.speed, contact), jacobian)
         elapsed += stay.duration + contact.duration
     stay = stay_in_contact(oscillator, UPPER, contact.phase, contact.velocity)
-    jacobian = multiply(_stay_jacobian(oscillator, UPPER, contact.phase, contact.velocity, stay), jacobian)
+    jacobian = multiply(stay_jacobian(oscillator, UPPER, contact.phase, contact.velocity, stay), jacobian)
     # The section counts speeds: v = -w on both sides.
     signed = Jacobian(jacobian.tt, -jacobian.tv, -jacobian.vt, jacobian.vv)
     phase = contact.phase + stay.duration

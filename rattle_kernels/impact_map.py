@@ -96,7 +96,7 @@ _find_crossing = root_finder(_reach_residual)
 
 
 @step
-def _fly_back(flight, acceleration, direction):
+def fly_back(flight, acceleration, direction):
     """Signed time until the wall that was left is met again; `direction` +1 forwards, -1 backwards in time.
 
     y starts downwards, has one minimum and then grows without bound, so y/tau has one sign change, which doubling
@@ -164,7 +164,7 @@ def next_contact(oscillator, wall, phase, velocity, direction):
     side = LEAVING if direction > 0.0 else ARRIVING
     graze_speed, graze_duration, graze_found = grazing_flight(oscillator, start, side)
     if abs(velocity) <= graze_speed:
-        tau, found = _fly_back(flight, rest_acceleration(oscillator, start), direction)
+        tau, found = fly_back(flight, rest_acceleration(oscillator, start), direction)
         return Contact(UPPER, start + tau, tau, velocity_after(flight, tau, 0.0), found and graze_found)
     tau, found = _fly_down(flight, two_beta, graze_duration, direction)
     # At a graze round-off may leave the wrong sign of nothing.

@@ -56,7 +56,7 @@ _SETTLED = 1e-8
 _MOST_IMAGES = 2000
 
 
-class BranchEnd(StrEnum):
+class ManifoldEnd(StrEnum):
     """Why a branch was grown no further."""
 
     ARCLENGTH = "it is as long as asked for"
@@ -66,7 +66,7 @@ class BranchEnd(StrEnum):
     IMAGES = "its images grow no more: it is captured by ever lower bounces, or its multiplier is next to 1"
 
 
-class Branch(NamedTuple):
+class ManifoldBranch(NamedTuple):
     """One of the two halves into which a point of a saddle divides its manifold.
 
     ``point`` numbers the point of the orbit, ``side`` is +1 where the branch leaves it towards later phases, else -1;
@@ -78,7 +78,7 @@ class Branch(NamedTuple):
     side: int
     pieces: tuple[Piece, ...]
     arclength: float
-    end: BranchEnd
+    end: ManifoldEnd
 
 
 class ManifoldLimits(NamedTuple):
@@ -158,7 +158,7 @@ class _Growth(NamedTuple):
     branch: CurvePoints
     image: CurvePoints
     length: float
-    end: BranchEnd | None
+    end: ManifoldEnd | None
 
 
 def _grow(curve_map: CurveMap, growth: _Growth, limits: ManifoldLimits, resolution: CurveResolution) -> _Growth:
@@ -166,20 +166,20 @@ def _grow(curve_map: CurveMap, growth: _Growth, limits: ManifoldLimits, resoluti
     scale = curve_map.velocity_scale
     image, whole = _next_that_fits(curve_map, growth.image, resolution, limits.points)
     if image is None:
-        return growth._replace(end=BranchEnd.POINTS)
+        return growth._replace(end=ManifoldEnd.POINTS)
     if curve_map.direction == BACKWARDS:
         image = drop_fast(image, max(limits.highest_velocity, speed_of_no_return(curve_map.oscillator)))
     if not image.corner.size:
-        return growth._replace(end=BranchEnd.FAST)
+        return growth._replace(end=ManifoldEnd.FAST)
     branch = _appended(growth.branch, image)
     length = growth.length + _length_within(image, limits, scale)
     end = None
     if length >= limits.arclength:
-        end = BranchEnd.ARCLENGTH
+        end = ManifoldEnd.ARCLENGTH
     elif not whole or branch.corner.size > limits.points:
-        end = BranchEnd.POINTS
+        end = ManifoldEnd.POINTS
     elif chord_lengths(image.t[-1], image.v[-1], scale)[image.joined[:-1]].sum() < _SETTLED:
-        end = BranchEnd.SETTLED
+        end = ManifoldEnd.SETTLED
     return _Growth(branch, forget_ancestors(image, scale), length, end)
 
 
@@ -197,7 +197,7 @@ def _branch(
     first_step: np.ndarray,
     limits: ManifoldLimits,
     resolution: CurveResolution,
-) -> tuple[tuple[Piece, ...], BranchEnd]:
+) -> tuple[tuple[Piece, ...], ManifoldEnd]:
     """Pieces of one branch, which begins with a step away from a point of a saddle, and why there are no more."""
     growth = _begin(curve_map, saddle, first_step)
     for _ in range(_MOST_IMAGES):
@@ -207,12 +207,12 @@ def _branch(
     branch = growth.branch
     pieces = split_at_corners(branch.t[0], branch.v[0], branch.corner, branch.joined)
     kept = clip_velocity(pieces, limits.lowest_velocity, limits.highest_velocity)
-    return cut_at_arclength(kept, limits.arclength, curve_map.velocity_scale), growth.end or BranchEnd.IMAGES
+    return cut_at_arclength(kept, limits.arclength, curve_map.velocity_scale), growth.end or ManifoldEnd.IMAGES
 
 
 def _manifold(
     oscillator: Oscillator, orbit: PeriodicOrbit, sense: float, limits: ManifoldLimits, resolution: CurveResolution
-) -> tuple[Branch, ...]:
+) -> tuple[ManifoldBranch, ...]:
     checked, orbit = check_impacting(oscillator), check_saddle(orbit)
     limits, resolution = check_limits(limits), check_resolution(resolution)
     scale = lane_tables(checked).speed_scale
@@ -233,7 +233,7 @@ def _manifold(
         for side in (1, -1):
             saddle = np.array([orbit.t[point], orbit.v[point]])
             pieces, end = _branch(curve_map, saddle, side * first_step, limits, resolution)
-            branches.append(Branch(point, side, pieces, arclength(pieces, scale), end))
+            branches.append(ManifoldBranch(point, side, pieces, arclength(pieces, scale), end))
     return tuple(branches)
 
 
@@ -242,7 +242,7 @@ def stable_manifold(
     saddle: PeriodicOrbit,
     limits: ManifoldLimits = DEFAULT_LIMITS,
     resolution: CurveResolution = DEFAULT_RESOLUTION,
-) -> tuple[Branch, ...]:
+) -> tuple[ManifoldBranch, ...]:
     """Stable manifold of a saddle: the departures that P takes to it, grown by the inverse of P.
 
     Parameters
@@ -258,7 +258,7 @@ def stable_manifold(
 
     Returns
     -------
-    tuple of Branch
+    tuple of ManifoldBranch
         Two for each point of the orbit.
 
     Raises
@@ -284,7 +284,7 @@ def unstable_manifold(
     saddle: PeriodicOrbit,
     limits: ManifoldLimits = DEFAULT_LIMITS,
     resolution: CurveResolution = DEFAULT_RESOLUTION,
-) -> tuple[Branch, ...]:
+) -> tuple[ManifoldBranch, ...]:
     """Unstable manifold of a saddle: the departures that the inverse of P takes to it, grown by P.
 
     Parameters, results and errors are those of `stable_manifold`.

@@ -29,6 +29,10 @@ class Oscillator(NamedTuple):
     permanent_after: float = math.inf
 
 
+# The fields that a study may vary; `permanent_after` is a rule, not a property.
+PARAMETERS = ("damping", "eccentricity", "half_backlash", "stiffness")
+
+
 class OutsideDomain(ValueError):
     """A parameter lies where the impact map is not defined.
 

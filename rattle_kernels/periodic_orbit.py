@@ -1,8 +1,12 @@
 """Periodic orbits of P: Newton's method on P^p, multipliers, itinerary P(m, n+, n-).
 
 An orbit of impact period p returns to +beta p times (n+ = p) while the forcing runs through m whole periods; n- counts
-its contacts with
--beta. Its multipliers are the eigenvalues of DP^p; it attracts where both lie inside the unit circle.
+its contacts with -beta. Its multipliers are the eigenvalues of DP^p; it attracts where both lie inside the unit circle.
+
+Their product is e^{-delta m}, in both models: the flow of (Phi, Phi') shrinks areas like e^{-delta t} everywhere, an
+elastic impact leaves them alone, and on the section the flow carries v dv dt, so det DP = (v0/v1) e^{-delta T}. Hence a
+complex pair always lies inside the unit circle (no Neimark-Sacker bifurcation), and the trace decides all: stability is
+lost at a multiplier +1 (trace = 1 + e^{-delta m}) or -1 (trace = -1 - e^{-delta m}).
 """
 
 import math
@@ -32,6 +36,11 @@ class PeriodicOrbit(NamedTuple):
     lower_contacts: int
     jacobians: np.ndarray
     residual: float
+
+    @property
+    def name(self) -> str:
+        """``P(m, n+, n-)``."""
+        return f"P({self.forcing_periods},{self.upper_contacts},{self.lower_contacts})"
 
     @property
     def multipliers(self) -> np.ndarray:
@@ -64,7 +73,7 @@ def _iterate(oscillator, t, v, period):
 
 
 @kernel
-def _newton(oscillator, t, v, period, speed_scale):
+def newton_orbit(oscillator, t, v, period, speed_scale):
     """Newton's method on P^p(x) - x, halving steps that would leave v > 0; the residual tells how it ended."""
     residual = math.inf
     for _ in range(_NEWTON_STEPS):
@@ -123,7 +132,7 @@ def find_periodic_orbit(
     PeriodicOrbit or None
         None where Newton's method does not end with a residual of at most 1e-11, or ends at rest on the wall.
     """
-    t, v, residual = _newton(oscillator, t, v, period, speed_scale)
+    t, v, residual = newton_orbit(oscillator, t, v, period, speed_scale)
     if not residual <= _RESIDUAL:
         return None
     period = _own_period(oscillator, t, v, period, speed_scale)

@@ -7,7 +7,7 @@ import pytest
 
 from rattle_kernels import Oscillator, OutsideDomain, grazing_velocity
 from rattle_kernels.lane_tables import lane_tables
-from rattle_kernels.manifold import BranchEnd, ManifoldLimits, stable_manifold, unstable_manifold
+from rattle_kernels.manifold import ManifoldEnd, ManifoldLimits, stable_manifold, unstable_manifold
 from rattle_kernels.polyline import CurveResolution, chord_lengths, turning_angles
 from rattle_kernels.saddle import NotASaddle, directions, find_saddle
 from tests.rattle_kernels.scalar_map import apply
@@ -42,7 +42,7 @@ def manifold_of(name, grow):
 
 def unsettled_pieces(branches):
     """Arcs of the branches, those left out that end in an attracting orbit, from which rounding knows no way back."""
-    return [piece for branch in branches if branch.end != BranchEnd.SETTLED for piece in branch.pieces]
+    return [piece for branch in branches if branch.end != ManifoldEnd.SETTLED for piece in branch.pieces]
 
 
 def inner_points(branches):
@@ -188,7 +188,7 @@ def test_branches_are_as_long_and_as_fine_as_asked_and_begin_at_the_saddle(name,
     branches = manifold_of(name, grow)
     assert [(b.point, b.side) for b in branches] == [(i, s) for i in range(saddle.upper_contacts) for s in (1, -1)]
     for branch in branches:
-        assert branch.arclength == pytest.approx(LENGTHS[grow]) or branch.end == BranchEnd.SETTLED
+        assert branch.arclength == pytest.approx(LENGTHS[grow]) or branch.end == ManifoldEnd.SETTLED
         assert (branch.pieces[0].t[0], branch.pieces[0].v[0]) == (saddle.t[branch.point], saddle.v[branch.point])
         assert np.sign(branch.pieces[0].t[1] - branch.pieces[0].t[0]) == branch.side
         for piece, following in zip(branch.pieces[:-1], branch.pieces[1:], strict=True):
@@ -221,15 +221,15 @@ def test_up_to_velocity_40_every_piece_lies_within_the_limits():
     oscillator, saddle, _ = saddle_of("P(1,1,0)")
     towards_later, towards_earlier = stable_manifold(oscillator, saddle, ManifoldLimits(30.0, 0.0, 40.0))
     speeds = np.concatenate([piece.v for piece in towards_later.pieces])
-    assert towards_later.end == BranchEnd.FAST and 39.0 < speeds.max() <= 40.0
-    assert towards_earlier.end == BranchEnd.ARCLENGTH
+    assert towards_later.end == ManifoldEnd.FAST and 39.0 < speeds.max() <= 40.0
+    assert towards_earlier.end == ManifoldEnd.ARCLENGTH
     slow = stable_manifold(oscillator, saddle, ManifoldLimits(30.0, 3.0, 7.0))[0]
     assert 3.0 <= min(piece.v.min() for piece in slow.pieces) <= max(piece.v.max() for piece in slow.pieces) <= 7.0
 
 
 def test_a_branch_that_ends_in_an_attracting_orbit_settles():
     branches = manifold_of("P(1,2,0)", unstable_manifold)
-    settled = [branch for branch in branches if branch.end == BranchEnd.SETTLED]
+    settled = [branch for branch in branches if branch.end == ManifoldEnd.SETTLED]
     assert len(settled) == 2
     for branch in settled:
         end = branch.pieces[-1]
@@ -240,7 +240,7 @@ def test_a_branch_that_ends_in_an_attracting_orbit_settles():
 def test_a_bound_on_points_is_kept_and_told():
     oscillator, saddle, _ = saddle_of("P(1,1,1) in chaos")
     for branch in stable_manifold(oscillator, saddle, ManifoldLimits(arclength=100.0, points=2000)):
-        assert branch.end == BranchEnd.POINTS
+        assert branch.end == ManifoldEnd.POINTS
         assert 500 < sum(piece.t.size for piece in branch.pieces) < 4000
 
 

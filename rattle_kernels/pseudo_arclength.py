@@ -1,0 +1,143 @@
+"""Curves of solutions of n equations in n + 1 unknowns, by pseudo-arclength (Keller, 1977).
+
+From a point z with unit tangent s the next is predicted at z + h s and corrected by Newton's method in the plane
+through it across s:
+
+    F(y) = 0,    s . (y - z - h s) = 0.
+
+The bordered matrix is regular where the curve merely turns (a fold), so turns are passed like any other point. The step
+h grows where Newton is quick and is halved where it fails or the tangent turns fast; when it falls below the least one
+the curve stalls, which is an answer: the caller says where and asks why.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+# F and its Jacobian, or None where they are not defined.
+System = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray] | None]
+
+_NEWTON_STEPS = 8
+_QUICK = 4
+# Neighbouring tangents at more than 18 degrees ask for a shorter step.
+_LEAST_COSINE = 0.95
+_GROWTH = 1.5
+
+
+class Steps(NamedTuple):
+    """First, least and greatest step, in the units of the scaled unknowns."""
+
+    first: float = 1e-3
+    least: float = 1e-8
+    most: float = 0.02
+
+
+class Solution(NamedTuple):
+    """Where Newton's method ended, the Jacobian before its last step, how many it took, and the last one's size."""
+
+    z: np.ndarray
+    jacobian: np.ndarray
+    steps: int
+    last_step: float
+
+
+class CurvePoint(NamedTuple):
+    """A point, the unit tangent there, and the step that led to it."""
+
+    z: np.ndarray
+    tangent: np.ndarray
+    step: float
+
+
+def unit_tangent(jacobian: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Null vector of an n x (n + 1) Jacobian, of length 1, pointing along another vector.
+
+    Parameters
+    ----------
+    jacobian : ndarray, shape (n, n + 1)
+    along : ndarray, shape (n + 1,)
+
+    Returns
+    -------
+    ndarray, shape (n + 1,)
+    """
+    null: np.ndarray = np.linalg.svd(jacobian / np.abs(jacobian).max(axis=1, keepdims=True))[2][-1]
+    return null if null @ along >= 0.0 else -null
+
+
+def solve(
+    system: System, guess: np.ndarray, across: np.ndarray | None = None, tolerance: float = 1e-11
+) -> Solution | None:
+    """Newton's method for F = 0, in the plane through the guess across a direction where the system lacks an equation.
+
+    Parameters
+    ----------
+    system : callable
+        F and its Jacobian at a point, or None.
+    guess : ndarray, shape (n,) or (n + 1,)
+    across : ndarray, shape (n + 1,), optional
+        Needed where F has one component less than there are unknowns.
+    tolerance : float
+        Greatest last step, in scaled unknowns.
+
+    Returns
+    -------
+    Solution or None
+        None where Newton's method failed.
+    """
+    z, last = guess, np.inf
+    for steps in range(1, _NEWTON_STEPS + 1):
+        evaluated = system(z)
+        if evaluated is None:
+            return None
+        residual, jacobian = evaluated
+        matrix = jacobian
+        if across is not None:
+            matrix, residual = np.vstack([jacobian, across]), np.append(residual, across @ (z - guess))
+        try:
+            change = np.linalg.solve(matrix, -residual)
+        except np.linalg.LinAlgError:
+            return None
+        size = float(np.abs(change).max())
+        if not size < max(2.0 * last, 1e3 * tolerance):
+            return None
+        z, last = z + change, size
+        if size <= tolerance:
+            return Solution(z, jacobian, steps, size)
+    return None
+
+
+def follow_curve(system: System, start: np.ndarray, along: np.ndarray, steps: Steps) -> Iterator[CurvePoint]:
+    """Points of the curve through `start`, one after the other, until it stalls.
+
+    Parameters
+    ----------
+    system : callable
+        As for `solve`.
+    start : ndarray, shape (n + 1,)
+        A solution; it is not yielded.
+    along : ndarray, shape (n + 1,)
+        Which of the two ways to go: the one whose tangent points along this.
+    steps : Steps
+
+    Yields
+    ------
+    CurvePoint
+        The iterator ends where no step longer than the least one succeeds.
+    """
+    evaluated = system(start)
+    if evaluated is None:
+        return
+    point, tangent, step = start, unit_tangent(evaluated[1], along), steps.first
+    while step >= steps.least:
+        corrected = solve(system, point + step * tangent, tangent)
+        if corrected is not None:
+            following = unit_tangent(corrected.jacobian, tangent)
+            if following @ tangent >= _LEAST_COSINE or step <= 4.0 * steps.least:
+                point, tangent = corrected.z, following
+                yield CurvePoint(point, tangent, step)
+                if corrected.steps <= _QUICK:
+                    step = min(_GROWTH * step, steps.most)
+                continue
+        step *= 0.5
