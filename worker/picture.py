@@ -37,9 +37,10 @@ def _legend(
 
 
 def _patches(solutions: tuple[Attractor, ...], shares: np.ndarray, labels: list[str]) -> list[Patch]:
-    """Entries of a legend: permanent contact first, the others by share."""
+    """Entries of a legend: permanent contact first, others by share; once shares are known, those that have one."""
     palette = colours.colours_of(solutions)
-    order = [0, *sorted(range(1, len(solutions)), key=lambda i: -np.nan_to_num(shares[i]))]
+    there = np.isfinite(shares) if np.isfinite(shares).any() else np.full(len(solutions), True)
+    order = sorted(np.flatnonzero(there).tolist(), key=lambda i: (i > 0, -np.nan_to_num(shares[i])))
     patches = [Patch(facecolor=palette[i], edgecolor="black", label=labels[i]) for i in order[:_LEGEND_ROWS]]
     if len(order) > _LEGEND_ROWS:
         patches.append(Patch(alpha=0.0, label=f"and {len(order) - _LEGEND_ROWS} more"))

@@ -5,6 +5,7 @@
     basin_entropy(basin.solution)               # the measures of `rattle_kernels` take its arrays as they are
     integrity_factor(basin.solution, job_of(basin).grid, velocity_scale=1.0)
     least_disturbance(job_of(basin).oscillator, attractors_of(basin), basin.solution, job_of(basin).grid)
+    panel_of(sweep, damping=0.6)                # one basin of a sweep, for all of the above
 
 `worker.picture` draws the same as a PNG without a notebook.
 """
@@ -20,10 +21,11 @@ from matplotlib.axes import Axes
 from rattle_kernels import Attractor, AttractorKind
 from worker import colours
 from worker.basin_job import BasinJob
-from worker.errors import StoreConflict
+from worker.errors import InvalidJob, StoreConflict
 from worker.layout import LAYOUT_VERSION
 from worker.panel_picture import draw_attractors, draw_grazing_curve, frame
 from worker.picture import draw_legend
+from worker.swept_parameter import SweptParameter
 
 # Cells drawn each way at the most: a notebook's picture is smaller than a PNG that is asked for.
 _MOST_CELLS = 1000
@@ -71,8 +73,49 @@ def job_of(dataset: xr.Dataset) -> BasinJob:
     return BasinJob.from_request(json.loads(dataset.attrs["request"]))
 
 
+def panel_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
+    """One basin of a sweep, as if it had been opened alone; solutions keep the numbers that they have in the sweep.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of `open_basin`.
+    **values : float
+        Of every swept parameter: ``panel_of(sweep, damping=0.6)``. Of a single basin none, and it is returned.
+
+    Returns
+    -------
+    xarray.Dataset
+        Its ``share`` is NaN for solutions that other basins have and this one lacks; ``share.notnull()`` tells.
+
+    Raises
+    ------
+    InvalidJob
+        Where a parameter is missing or not swept, or a value is not among those swept.
+    """
+    job = job_of(dataset)
+    names = [swept.parameter for swept in job.vary]
+    if sorted(values) != sorted(names):
+        raise InvalidJob(f"swept is {', '.join(names) or 'nothing'}: give one value of each, and of nothing else")
+    place = {swept.parameter: _index_of(swept, values[swept.parameter]) for swept in job.vary}
+    at = {swept.parameter: swept.values[place[swept.parameter]] for swept in job.vary}
+    alone = BasinJob(job.oscillator._replace(**at), job.grid, job.iterations, sample=job.sample)
+    request = {"request": json.dumps(alone.request()), "request_sha256": alone.digest}
+    return dataset.isel(place).assign_attrs(request)
+
+
+def _index_of(swept: SweptParameter, value: float) -> int:
+    near = np.flatnonzero(np.isclose(swept.values, value, rtol=1e-9, atol=0.0))
+    if not near.size:
+        raise InvalidJob(f"{swept.parameter} takes the values {', '.join(f'{at:g}' for at in swept.values)}")
+    return int(near[0])
+
+
 def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
-    """Catalogue of attractors that ``solution`` points into; empty before assembly."""
+    """Catalogue of attractors that ``solution`` points into; empty before assembly.
+
+    Solutions that a panel of a sweep lacks are there without points: numbers and colours are those of the sweep.
+    """
     if "kind" not in dataset:
         return ()
     names = ("kind", "forcing_periods", "upper_contacts", "lower_contacts", "lyapunov_exponent", "lyapunov_error")

@@ -84,7 +84,7 @@ def summarise(location: str) -> BasinSummary:
         tiles_assembled=int((states == TileState.ASSEMBLED).sum()),
         attractors=representatives(store, table),
         shares=tuple(overall.tolist()),
-        image_counts=_image_counts(store),
+        image_counts=count_images(store),
         seconds=store.attributes.get("seconds", {}),
         panels=_panels(store, table),
         changes=_changes(store, table),
@@ -102,8 +102,9 @@ def representatives(store: BasinStore, table: SolutionTable) -> tuple[Attractor,
     return tuple(found[number] for number in range(len(table.motions)))
 
 
-def _image_counts(store: BasinStore) -> dict[str, int]:
-    counts = store.read_image_counts()
+def count_images(store: BasinStore, panel: int | None = None) -> dict[str, int]:
+    """How many places of a panel, or of all, have each reserved image; empty until all of them are mapped."""
+    counts = store.read_image_counts()[slice(None) if panel is None else slice(panel, panel + 1)]
     if (counts < 0).any():
         return {}
     named = dict(zip(("sink", "permanent_contact", "undecided"), counts.sum(axis=0).tolist(), strict=True))

@@ -26,7 +26,7 @@ def _largest(share: np.ndarray, most: int) -> list[int]:
     return sorted(np.argsort(-total, kind="stable")[:most].tolist())
 
 
-def _draw_lines(axes: Axes, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...]) -> None:
+def draw_lines(axes: Axes, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...]) -> None:
     """One line a solution, broken where it does not exist; with standard errors where points were sampled."""
     palette = colours_of(solutions)
     named = _largest(share, _LEGEND_ROWS)
@@ -90,7 +90,7 @@ def draw_shares(location: str, target: str | Path | IO[bytes]) -> None:
     FigureCanvasAgg(figure)
     if len(store.job.vary) == 1:
         axes = figure.subplots()
-        _draw_lines(axes, store.job, share, solutions)
+        draw_lines(axes, store.job, share, solutions)
         figure.legend(loc="outside right upper", frameon=False)
     else:
         _draw_maps(figure, store.job, share, solutions)

@@ -15,15 +15,46 @@ def basin(service):
     return service.wait(service.submit(body)["id"])
 
 
+def outputs_of(name):
+    """What a notebook prints, and how many pictures it shows."""
+    notebook = nbformat.read(NOTEBOOKS / name, as_version=4)
+    assert all(not cell.get("outputs") for cell in notebook.cells), "commit notebooks without outputs"
+    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(NOTEBOOKS)}}).execute()
+    shown = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    text = " ".join(output.get("text", "") for output in shown)
+    return text, sum("image/png" in output.get("data", {}) for output in shown)
+
+
 @pytest.mark.timeout(180)
 @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
 def test_the_first_basin_is_read_by_path_and_over_http(service, basin, monkeypatch, tmp_path):
     monkeypatch.setenv("RATTLE_BASIN", str(service.data / "results" / f"{basin['id']}.zarr"))
     monkeypatch.setenv("RATTLE_URL", service.url)
-    notebook = nbformat.read(NOTEBOOKS / "first_basin.ipynb", as_version=4)
-    assert all(not cell.get("outputs") for cell in notebook.cells), "commit notebooks without outputs"
-    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(NOTEBOOKS)}}).execute()
-    shown = [output for cell in notebook.cells for output in cell.get("outputs", [])]
-    text = " ".join(output.get("text", "") for output in shown)
+    text, pictures = outputs_of("first_basin.ipynb")
     assert "P(1,1,0)" in text and "identical" in text
-    assert sum("image/png" in output.get("data", {}) for output in shown) >= 2
+    assert pictures >= 2
+
+
+@pytest.fixture
+def sweep(service):
+    grid = {"time": {"cells": 40}, "velocity": {"cells": 40}}
+    body = {"grid": grid, "vary": [{"parameter": "damping", "values": [0.575, 0.6, 0.7]}], "iterations": 499}
+    return service.wait(service.request("POST", "/v1/sweeps", json=body).json()["id"])
+
+
+@pytest.mark.timeout(180)
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
+def test_a_sweep_is_read_over_http(service, sweep, monkeypatch):
+    monkeypatch.setenv("RATTLE_SWEEP", service.url + sweep["links"]["zarr"])
+    text, pictures = outputs_of("sweep.ipynb")
+    assert "death of 2: P(1,2,0)     between damping = 0.575 and 0.6" in text
+    assert pictures >= 5
+
+
+@pytest.mark.timeout(180)
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
+def test_a_sweep_is_computed_where_none_is_given(monkeypatch):
+    monkeypatch.delenv("RATTLE_SWEEP", raising=False)
+    text, pictures = outputs_of("sweep.ipynb")
+    assert "P(1,2,0)" in text and "between damping = 0.675 and 0.7" in text
+    assert pictures >= 5

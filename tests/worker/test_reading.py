@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from rattle_kernels import global_integrity_measure, integrity_factor
+from rattle_kernels import CellGrid, Oscillator, basin_entropy, global_integrity_measure, integrity_factor
 from tests.worker.made_up import CHAOS, QUIET, RATTLE, near
+from tests.worker.test_pipeline import run
 from worker import colours
-from worker.errors import StoreConflict
-from worker.reading import attractors_of, job_of, open_basin, plot_basin
+from worker.basin_job import BasinJob
+from worker.errors import InvalidJob, StoreConflict
+from worker.reading import attractors_of, job_of, open_basin, panel_of, plot_basin
+from worker.swept_parameter import SweptParameter
 
 
 @pytest.fixture(autouse=True)
@@ -90,3 +93,55 @@ def test_what_is_not_computed_yet_is_grey(store):
 def test_a_place_that_is_no_basin_is_refused(tmp_path, place):
     with pytest.raises(StoreConflict, match="is no basin store"):
         open_basin(tmp_path / place)
+
+
+PALE_BLUE = colours.colours_of((RATTLE,))[0]
+SWEEP = BasinJob(
+    grid=CellGrid(time_cells=24, velocity_cells=20), iterations=499,
+    vary=(SweptParameter("damping", (0.575, 0.6)), SweptParameter("eccentricity", (0.05, 0.1))),
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def sweep(client, tmp_path_factory):
+    location = tmp_path_factory.mktemp("sweeps") / "sweep.zarr"
+    run(SWEEP, location, client)
+    with open_basin(location) as dataset:
+        yield dataset
+
+
+def test_a_panel_of_a_sweep_is_read_like_a_basin_of_its_own(sweep, client, tmp_path):
+    alone = BasinJob(Oscillator(damping=0.575, eccentricity=0.1), SWEEP.grid, 499)
+    run(alone, tmp_path / "alone.zarr", client)
+    panel = panel_of(sweep, damping=0.575, eccentricity=0.1 + 1e-15)
+    with open_basin(tmp_path / "alone.zarr") as basin:
+        assert job_of(panel) == alone and panel.attrs["request_sha256"] == basin.attrs["request_sha256"]
+        assert basin_entropy(panel.solution) == basin_entropy(basin.solution)
+        names = (np.array([motion.name for motion in attractors_of(each)]) for each in (panel, basin))
+        np.testing.assert_array_equal(*(name[each.solution] for name, each in zip(names, (panel, basin), strict=True)))
+        assert panel_of(basin).identical(basin)
+
+
+def test_a_panel_is_drawn_with_its_own_solutions_in_the_colours_of_the_sweep(sweep):
+    quiet, rattle = (panel_of(sweep, damping=0.575, eccentricity=value) for value in (0.05, 0.1))
+    listed = [text.get_text() for text in plot_basin(quiet).get_legend().get_texts()]
+    assert listed == ["permanent contact   100.00 %"]
+    assert [motion.time.size for motion in attractors_of(quiet)] == [0] * sweep.sizes["attractor"]
+    plt.figure()
+    axes = plot_basin(rattle)
+    listed = {text.get_text().split("  ")[0] for text in axes.get_legend().get_texts()}
+    assert listed == {"permanent contact", "P(1,1,0)", "P(1,2,0)", "P(2,2,1)"}
+    assert near(np.asarray(axes.images[0].get_array()), PALE_BLUE) > 0.02
+
+
+@pytest.mark.parametrize(
+    "values", [{}, {"damping": 0.6}, {"damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6}], ids=len
+)
+def test_a_panel_takes_one_value_of_each_swept_parameter(sweep, values):
+    with pytest.raises(InvalidJob, match="swept is damping, eccentricity"):
+        panel_of(sweep, **values)
+
+
+def test_a_value_that_is_not_swept_is_refused(sweep):
+    with pytest.raises(InvalidJob, match=r"damping takes the values 0\.575, 0\.6"):
+        panel_of(sweep, damping=0.59, eccentricity=0.1)

@@ -55,7 +55,8 @@ def legend_of(view: BasinView) -> list[Patch]:
     """Entries of a legend: solutions with their shares, of periodic ones also that which has not settled after k."""
     palette, wandering = colours.colours_of(view.attractors), on_transient(view)
     entries = []
-    for index in sorted(range(len(view.attractors)), key=lambda i: (i > 0, -view.shares[i])):
+    there = [index for index, share in enumerate(view.shares) if not math.isnan(share)]
+    for index in sorted(there, key=lambda i: (i > 0, -view.shares[i])):
         name, share = view.attractors[index].name, view.shares[index]
         entries.append(_entry(palette[index], f"{name}  {100 * share:.2f} %"))
         late = float(np.mean(wandering & (view.solution == index)))

@@ -6,8 +6,9 @@ import numpy as np
 
 from rattle_kernels import Attractor, Oscillator
 from worker.basin_job import BasinJob
-from worker.reading import attractors_of, job_of, open_basin
-from worker.results import summarise
+from worker.reading import attractors_of, job_of, open_basin, panel_of
+from worker.results import count_images
+from worker.store import BasinStore
 
 # Cells each way at the most: beyond, every n-th cell stands for its neighbours (labels cannot be averaged).
 _MOST_CELLS = 1000
@@ -41,19 +42,27 @@ class BasinView:
         return np.array([attractor.name for attractor in self.attractors])[self.solution]
 
 
-def view_basin(location: str) -> BasinView:
+def view_basin(location: str, panel: int = 0) -> BasinView:
     """Read a complete store.
+
+    Parameters
+    ----------
+    location : str
+    panel : int
+        Of a sweep, which basin: its ``job`` is that of the basin alone, its ``attractors`` those of the sweep by
+        number; one that it lacks has no points and the share NaN.
 
     Raises
     ------
     StoreConflict
         Where there is none.
     """
-    dataset = open_basin(location)
+    whole = open_basin(location)
+    dataset = panel_of(whole, **job_of(whole).values_of(panel))
     every = slice(None, None, max(1, -(-max(dataset.solution.shape) // _MOST_CELLS)))
     cells = dataset[["solution", "group", "landing_time", "landing_velocity"]].isel(time=every, velocity=every)
     return BasinView(
         job_of(dataset), attractors_of(dataset), tuple(dataset.share.values.tolist()),
-        summarise(location).image_counts,
+        count_images(BasinStore(location), panel),
         *(cells[name].values for name in ("solution", "group", "landing_time", "landing_velocity")),
     )  # fmt: skip

@@ -24,7 +24,6 @@ from rattle_kernels import (
     time_history,
 )
 from rattle_kernels.impact_lanes import run_lanes
-from worker.paper.basin_view import BasinView
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.history_panel import draw_history_panel
 from worker.paper.solutions_told import told_motion, told_oscillator
@@ -123,7 +122,7 @@ def _draw(orbits: list[Attractor]) -> Figure:
     return drawing
 
 
-def _make(views: Mapping[str, BasinView], tell: Tell) -> Sheet:
+def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     found, counts = rattling_solutions(_DEPARTURES, tell)
     periodic = [index for index, motion in enumerate(found) if motion.kind == AttractorKind.PERIODIC]
     periodic.sort(key=lambda index: found[index].upper_contacts + found[index].lower_contacts)

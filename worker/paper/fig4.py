@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rattle_kernels import Direction, Oscillator, TimeHistory, time_history
-from worker.paper.basin_view import BasinView
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.solutions_told import told_oscillator
 
@@ -101,7 +100,7 @@ def _told(entry: _Entry) -> dict[str, Any]:
     }
 
 
-def _make(views: Mapping[str, BasinView], tell: Tell) -> Sheet:
+def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     found = examples(tell)
     drawing = Figure(figsize=(12.0, 4.2), dpi=90, layout="constrained")
     for axes, (label, entry) in zip(drawing.subplots(1, 3, sharey=True), found.items(), strict=True):

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from rattle_kernels import CellGrid
 from worker.basin_job import BasinJob
 from worker.paper.basin_panel import draw_panel, legend_of, model_of
-from worker.paper.basin_view import BasinView
+from worker.paper.basin_view import view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.papers_oscillator import papers_basin
 from worker.paper.solutions_told import told_basin, told_differences
@@ -22,7 +22,8 @@ def _basins(grid: CellGrid) -> dict[str, BasinJob]:
     }
 
 
-def _make(views: Mapping[str, BasinView], tell: Tell) -> Sheet:
+def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
+    views = {name: view_basin(location) for name, location in stores.items()}
     drawing = Figure(figsize=(12.0, 9.0), dpi=90, layout="constrained")
     panels = drawing.subplots(2, 2).flat
     for number, (axes, name) in enumerate(zip(panels, _STIFFNESSES, strict=True)):

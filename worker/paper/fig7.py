@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from rattle_kernels import Attractor, CellGrid, Oscillator, TimeHistory, time_history
 from worker.basin_job import BasinJob
 from worker.paper.basin_panel import draw_panel, landings_on_transient, legend_of, model_of
-from worker.paper.basin_view import BasinView
+from worker.paper.basin_view import BasinView, view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.history_panel import draw_history_panel, point_from
 from worker.paper.papers_oscillator import papers_basin
@@ -102,7 +102,8 @@ def _told_transient(view: BasinView) -> dict[str, Any]:
     }
 
 
-def _make(views: Mapping[str, BasinView], tell: Tell) -> Sheet:
+def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
+    views = {name: view_basin(location) for name, location in stores.items()}
     drawing = Figure(figsize=(12.0, 14.0), dpi=80, layout="constrained")
     rows: Any = drawing.subfigures(2, 1, height_ratios=(1.1, 1.0))
     panels: dict[str, Any] = {}

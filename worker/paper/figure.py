@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import CellGrid
 from worker.basin_job import BasinJob
-from worker.paper.basin_view import BasinView
 
 Tell = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and how much there is; it raises where work shall stop."""
@@ -38,12 +37,12 @@ class PaperFigure:
     shows : str
         What it shows, in a line.
     make : callable
-        Draws the sheet from views of the basins, by the names that they have below.
+        Draws the sheet from the complete stores of its basins: where they are, by the names that they have below.
     basins : callable
-        Jobs of the basins that it needs, by name, over the grid that is asked for.
+        Jobs that it needs, of one basin or a sweep, by name, over the grid that is asked for.
     """
 
     name: str
     shows: str
-    make: Callable[[Mapping[str, BasinView], Tell], Sheet]
+    make: Callable[[Mapping[str, str], Tell], Sheet]
     basins: Callable[[CellGrid], dict[str, BasinJob]] = no_basins

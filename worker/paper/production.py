@@ -18,7 +18,6 @@ from PIL import Image
 from rattle_kernels import CellGrid
 from worker.basin_job import BasinJob
 from worker.errors import JobCancelled
-from worker.paper.basin_view import view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.pipeline import run_basin
 from worker.progress import Progress
@@ -37,11 +36,12 @@ class Produced:
 
 
 def store_name(job: BasinJob) -> str:
-    """File name of a basin's store: the same in all figures, so that they share it, and readable."""
+    """File name of a job's store: the same in all figures, so that they share it, and readable."""
     damping, eccentricity, half_backlash, stiffness, _ = job.oscillator
     contact = "impacting" if math.isinf(stiffness) else f"kappa{stiffness:g}"
     cells = f"{job.grid.time_cells}x{job.grid.velocity_cells}"
-    return f"{contact}-d{damping:g}-e{eccentricity:g}-b{half_backlash:g}-{cells}-{job.digest[:8]}.zarr"
+    swept = "".join(f"-over-{each.parameter}" for each in job.vary)
+    return f"{contact}-d{damping:g}-e{eccentricity:g}-b{half_backlash:g}{swept}-{cells}-{job.digest[:8]}.zarr"
 
 
 def produce(
@@ -85,7 +85,7 @@ def produce(
     folder.mkdir(parents=True, exist_ok=True)
     stores = {name: BasinStore.create_or_resume(str(folder / store_name(job)), job) for name, job in jobs.items()}
     _complete({name: store for name, store in stores.items() if not store.complete}, connect, tell_or_stop, cancel)
-    sheet = figure.make({name: view_basin(store.location) for name, store in stores.items()}, tell_or_stop)
+    sheet = figure.make({name: store.location for name, store in stores.items()}, tell_or_stop)
     return _write(figure, sheet, folder, tuple(Path(store.location) for store in stores.values()))
 
 

@@ -38,7 +38,9 @@ def told_basin(view: BasinView) -> dict[str, Any]:
     wandering = on_transient(view)
     solutions = []
     for index, (motion, share) in enumerate(zip(view.attractors, view.shares, strict=True)):
-        told = told_motion(motion) | {"share": share}
+        if math.isnan(share):  # another basin of the sweep has it
+            continue
+        told = {"number": index} | told_motion(motion) | {"share": share}
         if motion.kind == AttractorKind.PERIODIC:
             told["share_not_settled"] = float(np.mean(wandering & (view.solution == index)))
         solutions.append(told)

@@ -99,6 +99,44 @@ def test_stable_rattle_coexists_with_quiet_at_the_machines_parameters(tmp_path, 
     assert numbers["half_swing_of_contact"] == pytest.approx(math.pi / math.sqrt(2000.0), rel=1e-6)
 
 
+def changes(numbers, what):
+    return {change["name"]: tuple(change["between"]) for change in numbers["changes"] if change["what"] == what}
+
+
+def names_of(numbers):
+    return {name: set(shares(panel)) for name, panel in numbers["panels"].items()}
+
+
+def test_rattle_of_fig8_is_born_at_the_bound_and_coexists_with_quiet_alone_at_first(client, tmp_path):
+    numbers = produced("fig8", tmp_path, client)
+    names, quiet = names_of(numbers), "permanent contact"
+    assert numbers["values"] == [0.056, 0.0615, 0.067, 0.0725, 0.078, 0.0835, 0.089, 0.0945, 0.1]
+    assert names["eccentricity 0.056"] == {quiet}
+    assert names["eccentricity 0.067"] == names["eccentricity 0.0615"] == {quiet, "P(1,1,0)"}
+    assert names["eccentricity 0.1"] == {quiet, "P(1,1,0)", "chaotic"}
+    assert all("P(1,1,0)" in names[f"eccentricity {value:g}"] for value in numbers["values"][1:])
+    before, after = changes(numbers, "birth")["P(1,1,0)"]
+    assert before < 0.0596431 < after and "P(1,1,0)" not in changes(numbers, "death")
+    assert len(list(tmp_path.glob("*-over-eccentricity-*.zarr"))) == 1
+    assert produced("fig8", tmp_path) == numbers
+
+
+def test_solutions_of_fig9_die_where_the_paper_says_until_all_is_quiet(client, tmp_path):
+    numbers = produced("fig9", tmp_path, client)
+    names, died = names_of(numbers), changes(numbers, "death")
+    assert names["damping 0.7"] == {"permanent contact"}
+    assert died["P(1,2,0)"] == (0.575, 0.6) and died["P(1,3,0)"] == (0.5, 0.525)
+    assert died["P(1,1,0)"] == died["chaotic"] == (0.675, 0.7)
+    assert changes(numbers, "birth")["chaotic"] == (0.575, 0.6)
+    assert "P(3,3,2)" in names["damping 0.525"] and "P(2,2,1)" in names["damping 0.575"]
+    quiet = [shares(panel)["permanent contact"] for panel in numbers["panels"].values()]
+    assert np.all(np.diff(quiet) > 0.0) and quiet[-1] == 1.0
+    for panel in numbers["panels"].values():
+        assert sum(shares(panel).values()) == pytest.approx(1.0)
+        numbered = {solution["number"]: solution["name"] for solution in panel["solutions"]}
+        assert all(numbers["solutions"][number] == name for number, name in numbered.items())
+
+
 def test_a_figure_that_is_cancelled_stops_and_is_resumed(client, tmp_path):
     cancel = threading.Event()
 

@@ -1,0 +1,34 @@
+"""A sweep over one parameter as a figure sees it: the basin at each value, and what is born and dies between them."""
+
+from dataclasses import dataclass
+
+from worker.basin_job import BasinJob
+from worker.paper.basin_view import BasinView, view_basin
+from worker.results import Change, summarise
+
+
+@dataclass(frozen=True)
+class SweepView:
+    """What a complete store of a sweep says; ``panels`` are in the order of the values, under one numbering."""
+
+    job: BasinJob
+    panels: tuple[BasinView, ...]
+    changes: tuple[Change, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each solution, by number."""
+        return tuple(attractor.name for attractor in self.panels[0].attractors)
+
+
+def view_sweep(location: str) -> SweepView:
+    """Read a complete store of a sweep.
+
+    Raises
+    ------
+    StoreConflict
+        Where there is none.
+    """
+    summary = summarise(location)
+    panels = tuple(view_basin(location, panel) for panel in range(len(summary.panels)))
+    return SweepView(BasinJob.from_request(summary.request), panels, summary.changes)
