@@ -119,11 +119,14 @@ def test_without_impacts_the_samples_are_continuous_and_at_every_contact(case):
     assert (np.diff(history.time) >= 0.0).all()
     at = np.isin(history.time, history.contacts.time)
     np.testing.assert_allclose(np.abs(history.displacement[at]), oscillator.half_backlash, rtol=1e-15)
-    speed = np.abs(history.velocity).max()
+    # Samples miss the fastest moments of a ringing: it starts with what the start has, or with contact at rest.
+    forcing = 4.0 * math.pi * oscillator.damping
+    forcing += 2.0 * math.pi * oscillator.eccentricity * math.hypot(2.0 * math.pi, oscillator.damping)
+    omega = math.sqrt(2.0 * oscillator.stiffness)
+    depth = max(abs(state[1]) - oscillator.half_backlash, 0.0)
+    speed = np.abs(history.velocity).max() + omega * depth + 3.0 * forcing / omega
     assert (np.abs(np.diff(history.displacement)) <= 1.01 * speed * np.diff(history.time) + 1e-13).all()
-    depth = np.abs(history.displacement).max() - oscillator.half_backlash
-    steepest = 2.0 * oscillator.stiffness * max(depth, 0.0) + oscillator.damping * (8.0 * math.pi + speed)
-    steepest += 4.0 * math.pi**2 * oscillator.eccentricity * (1.0 + oscillator.damping)
+    steepest = 1.1 * ((omega + oscillator.damping) * speed + 3.0 * forcing)
     assert (np.abs(np.diff(history.velocity)) <= steepest * np.diff(history.time) + 1e-13 * speed).all()
 
 
