@@ -15,7 +15,6 @@ from rattle_kernels import (
     check_grid,
     check_iterations,
     check_quiet,
-    eccentricity_bound_quiet,
 )
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.sample import Sample
@@ -128,8 +127,11 @@ class BasinJob:
     @property
     def quiet_everywhere(self) -> bool:
         """Whether every panel has a quiet solution (Eq. 3)."""
-        panels = (self.oscillator_of(panel) for panel in range(self.panels))
-        return all(panel.eccentricity < eccentricity_bound_quiet(panel) for panel in panels)
+        try:
+            self.demand_quiet()
+        except OutsideDomain:
+            return False
+        return True
 
     def request(self) -> dict[str, Any]:
         """Request that asks for this job, in the JSON shape of ``POST /v1/basins`` or ``POST /v1/sweeps``."""

@@ -3,8 +3,8 @@
 from fastapi import APIRouter, Response
 
 from service.dependencies import JobsHere, RunnerHere, SettingsHere, problems
-from service.limits import check_size
 from service.models import JobView, SweepRequest
+from service.submission import accept
 
 router = APIRouter(prefix="/v1", tags=["submit"])
 
@@ -25,9 +25,4 @@ def submit_sweep(
 
     The same request again answers with the same job; after a failure or a cancellation, with a new one.
     """
-    check_size(request, settings)
-    record, new = jobs.submit(request.to_job())
-    if new:
-        runner.ring()
-    response.headers["Location"] = f"/v1/jobs/{record.id}"
-    return JobView.from_record(record)
+    return accept(request, response, jobs, runner, settings)
