@@ -1,7 +1,7 @@
 """The command that recomputes a figure of the paper."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,15 +11,14 @@ from service.cli.interruptible import run_interruptibly
 from service.settings import Settings
 from worker.cluster import connect
 from worker.errors import InvalidJob, JobCancelled, WorkerError
-from worker.paper.figure import PaperFigure
-from worker.paper.production import Produced, produce
-from worker.paper.registry import PAPER_FIGURES, figure_named
 
-_FIGURES = "; ".join(f"{figure.name}: {figure.shows}" for figure in PAPER_FIGURES.values())
+if TYPE_CHECKING:
+    from worker.paper.figure import PaperFigure
+    from worker.paper.production import Produced
 
 
 def paper(
-    figure: Annotated[str, typer.Argument(help=f"Which one. {_FIGURES}")],
+    figure: Annotated[str, typer.Argument(help="Which one, as in fig7; another name lists them")],
     out_: Annotated[Path, typer.Option("--out", help="Folder of the PNG, its numbers (JSON) and the basins' stores")],
     cells: Annotated[tuple[int, int], typer.Option(help="Cells of basins along time and along velocity")] = (
         1000,
@@ -28,6 +27,8 @@ def paper(
     workers: Annotated[int, typer.Option(min=1, help="Worker processes")] = 2,
 ) -> None:
     """Recompute a figure of the paper and its numbers; basins that are there already are used, unfinished resumed."""
+    from worker.paper.registry import figure_named  # loads xarray, which no other command should wait for
+
     try:
         grid = CellGrid(time_cells=cells[0], velocity_cells=cells[1])
         produced = _produce(figure_named(figure), out_, grid, workers)
@@ -42,7 +43,9 @@ def paper(
     out.print(f"{produced.picture} is drawn; its numbers are in {produced.numbers}", highlight=False, soft_wrap=True)
 
 
-def _produce(figure: PaperFigure, folder: Path, grid: CellGrid, workers: int) -> Produced:
+def _produce(figure: "PaperFigure", folder: Path, grid: CellGrid, workers: int) -> "Produced":
+    from worker.paper.production import produce
+
     announce_compiling()
     scheduler = Settings().scheduler
     with progress_line(unit="") as line:
