@@ -24,9 +24,16 @@ def _runner(request: Request) -> Runner:
     return runner
 
 
+def _submitter() -> str:
+    return LOCAL
+
+
+LOCAL = "local"
+"""Who submits where the doors are open."""
 SettingsHere = Annotated[Settings, Depends(_settings)]
 JobsHere = Annotated[Jobs, Depends(_jobs)]
 RunnerHere = Annotated[Runner, Depends(_runner)]
+SubmitterHere = Annotated[str, Depends(_submitter)]
 
 
 def problems(**details: str) -> dict[int | str, dict[str, object]]:

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from service.errors import JobNotFound
 from service.job_record import JobRecord, JobState
-from worker.basin_job import BasinJob
+from worker.job_kinds import Job
 
 _LIVE = (JobState.QUEUED, JobState.RUNNING, JobState.CANCELLING)
 
@@ -35,16 +35,16 @@ class Jobs:
     def __init__(self, sessions: Callable[[], Session]) -> None:
         self._sessions = sessions
 
-    def submit(self, job: BasinJob) -> tuple[JobRecord, bool]:
-        """Record of the job that answers a request, and whether it is new."""
+    def submit(self, job: Job, submitter: str) -> tuple[JobRecord, bool]:
+        """Record of the job that answers a request, and whether it is new; `submitter` is noted where it is."""
         while True:
             with self._sessions() as session:
                 known = session.scalar(select(JobRecord).where(JobRecord.answering == job.digest))
                 if known is not None:
                     return known, False
                 record = JobRecord(
-                    id=uuid.uuid4().hex, digest=job.digest, answering=job.digest, state=JobState.QUEUED,
-                    request=job.request(), created=_now(),
+                    id=uuid.uuid4().hex, kind=job.kind, digest=job.digest, answering=job.digest, state=JobState.QUEUED,
+                    request=job.request(), submitter=submitter, created=_now(),
                 )  # fmt: skip
                 session.add(record)
                 try:

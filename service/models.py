@@ -225,9 +225,9 @@ class JobView(BaseModel):
     def from_record(cls, record: JobRecord) -> "JobView":
         """View of a job record."""
         here = f"/v1/jobs/{record.id}"
-        kind, model = ("sweep", SweepRequest) if "vary" in record.request else ("basin", BasinRequest)
+        model = SweepRequest if record.kind == "sweep" else BasinRequest
         return cls(
-            id=record.id, kind=kind, state=record.state, request=model.model_validate(record.request),
+            id=record.id, kind=record.kind, state=record.state, request=model.model_validate(record.request),
             created=record.created, started=record.started, finished=record.finished,
             progress=ProgressView(**record.progress) if record.progress else None,
             error=ErrorView(**record.error) if record.error else None,

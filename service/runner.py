@@ -10,10 +10,9 @@ from typing import Any
 from service.errors import kind_of
 from service.job_record import JobRecord, JobState
 from service.jobs import Jobs
-from worker.basin_job import BasinJob
 from worker.cluster import Client
 from worker.errors import JobCancelled, WorkerError
-from worker.pipeline import run_basin
+from worker.job_kinds import JOB_KINDS
 from worker.progress import Progress, Stage
 from worker.result_files import result_location
 
@@ -104,9 +103,9 @@ class Runner:
 
     def _compute(self, record: JobRecord, cancel: threading.Event) -> None:
         try:
-            job = BasinJob.from_request(record.request)
-            report = _Throttled(self.jobs, record.id)
-            run_basin(job, result_location(self.results, record.id), self.client, report=report, cancel=cancel)
+            kind = JOB_KINDS[record.kind]
+            location, report = result_location(self.results, record.id), _Throttled(self.jobs, record.id)
+            kind.run(kind.from_request(record.request), location, self.client, report=report, cancel=cancel)
         except JobCancelled:
             self._stopped(record.id)
         except Exception as error:

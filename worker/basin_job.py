@@ -108,6 +108,11 @@ class BasinJob:
         """Number of basins."""
         return math.prod(self.panel_shape)
 
+    @property
+    def kind(self) -> str:
+        """``basin``, or ``sweep`` where something is swept."""
+        return "sweep" if self.vary else "basin"
+
     def place_of(self, panel: int) -> tuple[int, ...]:
         """Index of a panel's value in each swept parameter."""
         place = []

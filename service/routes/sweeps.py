@@ -1,10 +1,10 @@
 """Submission of sweeps."""
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter
 
-from service.dependencies import JobsHere, RunnerHere, SettingsHere, problems
+from service.dependencies import problems
 from service.models import JobView, SweepRequest
-from service.submission import accept
+from service.submission import SubmissionHere
 
 router = APIRouter(prefix="/v1", tags=["submit"])
 
@@ -18,11 +18,9 @@ router = APIRouter(prefix="/v1", tags=["submit"])
         s400="malformed JSON", s413="body too large", s422="what is wrong with the request, field by field"
     ),
 )
-def submit_sweep(
-    request: SweepRequest, response: Response, jobs: JobsHere, runner: RunnerHere, settings: SettingsHere
-) -> JobView:
+def submit_sweep(request: SweepRequest, submission: SubmissionHere) -> JobView:
     """Record basins over one or two parameters to be computed, all into one store.
 
     The same request again answers with the same job; after a failure or a cancellation, with a new one.
     """
-    return accept(request, response, jobs, runner, settings)
+    return submission.accept(request)

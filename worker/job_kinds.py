@@ -1,0 +1,47 @@
+"""The kinds of jobs there are: how each is read from its request, and how it is run."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from distributed import Client
+
+from worker.basin_job import BasinJob
+from worker.pipeline import run_basin
+from worker.progress import Report
+
+
+class Job(Protocol):
+    """What every job can say of itself, whatever it computes."""
+
+    @property
+    def kind(self) -> str:
+        """Name of its kind."""
+
+    @property
+    def digest(self) -> str:
+        """Hash of what it asks for: equal digests, equal bytes."""
+
+    def request(self) -> dict[str, Any]:
+        """Request that asks for it, as JSON."""
+
+
+class Run(Protocol):
+    """How a job is run: into a store at a location, or on from what lies there."""
+
+    def __call__(self, job: Any, location: str, client: Client, *, report: Report, cancel: threading.Event) -> object:
+        """Run a job; see `worker.pipeline.run_basin`."""
+
+
+@dataclass(frozen=True)
+class JobKind:
+    """One kind of job."""
+
+    from_request: Callable[[dict[str, Any]], Job]
+    run: Run
+
+
+_BASINS = JobKind(BasinJob.from_request, run_basin)
+JOB_KINDS: dict[str, JobKind] = {"basin": _BASINS, "sweep": _BASINS}
+"""By name, as ``Job.kind`` says it."""
