@@ -11,7 +11,7 @@ from service.body_limit import BodyLimit
 from service.database import open_database
 from service.errors import install_error_handlers
 from service.jobs import Jobs
-from service.routes import basins, health, jobs, results, sweeps, trajectories
+from service.routes import basins, checks, explorer, health, jobs, results, sweeps, trajectories, viewer
 from service.runner import Runner
 from service.settings import Settings
 from worker.cluster import connect
@@ -58,6 +58,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.settings = settings
     app.add_middleware(BodyLimit, most=settings.max_body_bytes)
     install_error_handlers(app)
-    for router in (basins.router, sweeps.router, trajectories.router, jobs.router, results.router, health.router):
-        app.include_router(router)
+    for routes in (basins, sweeps, checks, trajectories, jobs, results, viewer, health, explorer):
+        app.include_router(routes.router)
+    app.mount("/explorer", explorer.files)
     return app

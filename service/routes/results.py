@@ -19,7 +19,7 @@ router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
 _NOTHING_YET = problems(s404="there is no such job, or it has not begun")
 
 
-def _location(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
+def location_of(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
     """Place of a job's store, once there is one."""
     record = jobs.get(job_id)
     location = result_location(settings.results, job_id)
@@ -31,7 +31,7 @@ def _location(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
 @router.get("/result", summary="Summary of a result", responses=_NOTHING_YET)
 def get_result(job_id: str, jobs: JobsHere, settings: SettingsHere) -> ResultView:
     """Solutions, shares and attractors; also while the job runs, and then it says that it is not complete."""
-    return ResultView.from_summary(summarise(_location(job_id, jobs, settings)), f"/v1/jobs/{job_id}/result.zarr")
+    return ResultView.from_summary(summarise(location_of(job_id, jobs, settings)), f"/v1/jobs/{job_id}/result.zarr")
 
 
 @router.get(
@@ -43,7 +43,7 @@ def get_result(job_id: str, jobs: JobsHere, settings: SettingsHere) -> ResultVie
 def get_picture(job_id: str, jobs: JobsHere, settings: SettingsHere, layer: Layer = Layer.SOLUTION) -> Response:
     """Draw the basin, also while tiles are still coming: what is missing is hatched."""
     buffer = io.BytesIO()
-    draw_basin(_location(job_id, jobs, settings), buffer, layer=layer)
+    draw_basin(location_of(job_id, jobs, settings), buffer, layer=layer)
     return Response(buffer.getvalue(), media_type="image/png")
 
 
@@ -56,7 +56,7 @@ def get_picture(job_id: str, jobs: JobsHere, settings: SettingsHere, layer: Laye
 )
 def get_store(job_id: str, path: str, jobs: JobsHere, settings: SettingsHere) -> Response:
     """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`, also while it grows."""
-    file = file_of_store(_location(job_id, jobs, settings), path)
+    file = file_of_store(location_of(job_id, jobs, settings), path)
     if file is None:
         raise JobNotFound(f"the store of job {job_id} holds no {path!r}")
     return FileResponse(file, media_type="application/octet-stream")
