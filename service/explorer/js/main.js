@@ -1,0 +1,325 @@
+/** The page: what belongs to what. */
+
+import { get, pathOf, post, send, whenKeyIsNeeded } from "./api.js";
+import { readAddress, writeAddress } from "./address.js";
+import { ended, follow } from "./follow.js";
+import { Form } from "./form.js";
+import { showHistories } from "./history.js";
+import { showLegend } from "./legend.js";
+import { askForKey } from "./login.js";
+import { followMotion } from "./motion.js";
+import { OVERLAYS } from "./overlays.js";
+import { Picture } from "./picture.js";
+import { Plane } from "./plane.js";
+import { element } from "./chart.js";
+import { stateInWords, showProgress } from "./state.js";
+import { Sweep } from "./sweep.js";
+import { showTakeaway } from "./takeaway.js";
+import { colour, setUpTheme } from "./theme.js";
+import { reading } from "./ticks.js";
+
+const FIRST_PRESET = "fig7bottom";
+const ZOOM_REST_MS = 350;
+
+const by = (id) => document.getElementById(id);
+const at = { job: null, panel: 0, motions: new Map(), result: null, following: null, zoom: null, mine: null, whole: null };
+
+const plane = new Plane(by("plane"), { moved, hovered, picked, whole: () => plane.go(at.whole) });
+const form = new Form(by("ask"), (request) => submit(request, false));
+const sweep = new Sweep(by("sweep"), openPanel);
+
+// Saying how it goes.
+
+function say(text, wrong = false) {
+  by("state").textContent = text;
+  by("state").classList.toggle("wrong", wrong);
+}
+
+/** Run something that may be refused, and say so in the service's words. */
+async function attempt(work) {
+  try {
+    return await work();
+  } catch (error) {
+    if (error.name !== "AbortError") say(`${error.message[0].toUpperCase()}${error.message.slice(1)}`, true);
+    return null;
+  }
+}
+
+// Jobs.
+
+async function submit(request, zooming) {
+  clearTimeout(at.zoom);
+  await attempt(async () => {
+    await withdraw();
+    const answer = await send(pathOf(request), {
+      method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(request),
+    });
+    const job = await answer.json();
+    // The same request may be another's job, under way or done: only what is new is ours to cancel.
+    at.mine = job.state === "queued" || Date.parse(job.created) >= Date.parse(answer.headers.get("date")) - 1000 ? job.id : null;
+    await open(job, 0, zooming ? plane.view : null, zooming);
+  });
+}
+
+/** Stop what this page has asked for, and nobody looks at any more. */
+async function withdraw() {
+  if (at.mine && at.job?.id === at.mine && !ended(at.job)) await post(at.job.links.cancel, {});
+  at.mine = null;
+}
+
+/**
+ * Look at a job.
+ * @param {object} job
+ * @param {number} panel
+ * @param {object|null} view the job's own window where null
+ * @param {boolean} over older pictures stay underneath
+ */
+async function open(job, panel, view, over) {
+  at.following?.abort();
+  const { signal } = (at.following = new AbortController());
+  const same = over && sameOscillator(at.job?.request, job.request);
+  if (!same) forgetMotions();
+  if (!over) plane.clear();
+  [at.job, at.panel, at.result] = [job, panel, null];
+  const { time, velocity } = job.request.grid;
+  const asked = { t0: time.start, t1: time.stop, v0: velocity.start, v1: velocity.stop };
+  if (!over) at.whole = asked;
+  plane.lookAt(view ?? asked);
+  writeAddress({ job: job.id, panel, view }, true);
+  if (job.request.vary) sweep.show(job.request.vary, panel);
+  else sweep.hide();
+  showTakeaway(by("takeaway"), job, plane.look.layer);
+  showTools();
+  await watch(job, panel, signal);
+}
+
+function sameOscillator(one, other) {
+  return JSON.stringify(one?.oscillator) === JSON.stringify(other.oscillator);
+}
+
+/** Follow a job, and draw what there is of one of its basins. */
+async function watch(job, panel, signal) {
+  let picture = null;
+  const report = async (now, place) => {
+    at.job = now;
+    const { text, wrong } = stateInWords(now, place);
+    say(text, wrong);
+    showProgress(by("progress"), now);
+    by("cancel").hidden = ended(now) || now.state === "cancelling";
+    if (now.request.sample || now.state === "queued") return;
+    picture ??= await begin(now, panel, signal);
+    if (picture && !signal.aborted) await draw(picture, now, signal);
+  };
+  const lost = (error) => say(`${error.message[0].toUpperCase()}${error.message.slice(1)}; trying again.`, true);
+  await attempt(() => follow(job.id, report, lost, signal));
+}
+
+async function begin(job, panel, signal) {
+  try {
+    const picture = await Picture.open(job.id, panel);
+    if (!signal.aborted) plane.show(picture);
+    return picture;
+  } catch (error) {
+    // It has been claimed, but its store is not there yet; a job that ended without one has nothing to show.
+    if (error.kind === "not-ready") return null;
+    throw error;
+  }
+}
+
+async function draw(picture, job, signal) {
+  await picture.refresh(ended(job), (tile) => {
+    if (!signal.aborted) plane.arrived(picture, tile);
+  }, signal);
+  if (signal.aborted) return;
+  plane.draw();
+  legend();
+  if (job.request.vary) await chartShares(picture, job);
+}
+
+async function chartShares(picture, job) {
+  at.result = await get(job.links.result);
+  if (at.job.id === job.id && sweep.vary) sweep.draw(at.result, picture.outline, plane.look.palette);
+}
+
+function openPanel(panel) {
+  if (panel === at.panel) return;
+  forgetMotions();
+  at.following?.abort();
+  const { signal } = (at.following = new AbortController());
+  at.panel = panel;
+  plane.clear();
+  sweep.moveTo(panel);
+  writeAddress({ job: at.job.id, panel, view: null }, true);
+  watch(at.job, panel, signal);
+}
+
+// The window.
+
+/** The request for the window that is looked at, of the oscillator that is looked at. */
+function requestHere() {
+  const { request } = at.job;
+  const { time, velocity } = request.grid;
+  const digits = (value) => Number(value.toPrecision(12));
+  const { t0, t1, v0, v1 } = plane.view;
+  return {
+    oscillator: oscillatorHere(),
+    grid: {
+      time: { start: digits(t0), stop: digits(t1), cells: time.cells },
+      velocity: { start: digits(v0), stop: digits(v1), cells: velocity.cells },
+    },
+    iterations: request.iterations,
+  };
+}
+
+function oscillatorHere() {
+  const { request } = at.job;
+  return { ...request.oscillator, ...plane.picture?.outline.parameters };
+}
+
+function moved(view) {
+  clearTimeout(at.zoom);
+  if (!at.job) return;
+  const anew = by("anew").checked && !at.job.request.sample;
+  if (!anew) writeAddress({ job: at.job.id, panel: at.panel, view }, true);
+  else at.zoom = setTimeout(() => submit(requestHere(), true), ZOOM_REST_MS);
+}
+
+function hovered(place) {
+  if (!place) return;
+  const { t0, t1, v0, v1 } = plane.view;
+  const known = plane.at(place.t, place.v);
+  const phase = place.t - Math.floor(place.t);
+  const where = `t = ${reading(phase, t1 - t0)}   v = ${reading(place.v, v1 - v0)}`;
+  const what = known ? `   ${known.solution.name}   step ${known.step}, group ${known.group}, period ${known.period}` : "   not known yet";
+  by("reading").textContent = where + (at.job ? what : "");
+}
+
+function legend() {
+  showLegend(by("legend"), plane.picture, plane.look, (highlight) => {
+    plane.restyle({ highlight });
+    legend();
+  });
+}
+
+function showTools() {
+  for (const id of ["back", "forward", "in", "out", "whole", "box", "layer"]) by(id).disabled = !at.job;
+}
+
+// Motions.
+
+async function picked(place, wantsSecond) {
+  if (!at.job || place.v <= 0) return;
+  const second = by("second");
+  const name = at.motions.size && (wantsSecond || second.getAttribute("aria-pressed") === "true") ? "second" : "first";
+  second.setAttribute("aria-pressed", "false");
+  const known = plane.at(place.t, place.v);
+  const start = known ?? { t: place.t - Math.floor(place.t), v: place.v };
+  start.t -= Math.floor(start.t);
+  const { signal } = at.following;
+  await attempt(async () => {
+    const motion = await followMotion(oscillatorHere(), start);
+    if (signal.aborted) return;
+    if (name === "first") at.motions.delete("second");
+    at.motions.set(name, motion);
+    showMotions();
+  });
+}
+
+function showMotions() {
+  plane.motions = new Map([...at.motions].map(([name, { departures }]) => [name, departures]));
+  showHistories(by("history"), at.job.request.oscillator.half_backlash, at.motions);
+  plane.draw();
+}
+
+function forgetMotions() {
+  at.motions.clear();
+  plane.motions.clear();
+  showHistories(by("history"), 0, at.motions);
+  plane.draw();
+}
+
+// Setting up.
+
+function offerOverlays() {
+  const place = by("overlays");
+  for (const overlay of OVERLAYS) {
+    const line = document.createElement("label");
+    const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: overlay.on });
+    const sign = element("svg", { viewBox: "0 0 26 16", "aria-hidden": "true" });
+    sign.append(element("rect", { width: 26, height: 16, rx: 3, fill: "#48505c" }));
+    sign.append(element("path", { d: overlay.sign.d, stroke: overlay.sign.stroke, "stroke-width": 2, fill: "none", "stroke-linecap": "round" }));
+    box.addEventListener("change", () => {
+      overlay.on = box.checked;
+      plane.overlays = OVERLAYS.filter(({ on }) => on);
+      plane.draw();
+    });
+    line.append(box, sign, overlay.label);
+    place.append(line);
+  }
+  plane.overlays = OVERLAYS.filter(({ on }) => on);
+}
+
+function restyle(look) {
+  plane.restyle({ ...look, ground: colour("plot") });
+  legend();
+  if (at.result && plane.picture) sweep.draw(at.result, plane.picture.outline, plane.look.palette);
+}
+
+function setUpControls() {
+  by("cancel").addEventListener("click", () => attempt(() => post(at.job.links.cancel, {})));
+  by("back").addEventListener("click", () => history.back());
+  by("forward").addEventListener("click", () => history.forward());
+  by("in").addEventListener("click", () => plane.zoom(0.7));
+  by("out").addEventListener("click", () => plane.zoom(1 / 0.7));
+  by("whole").addEventListener("click", () => plane.go(at.whole));
+  const toggle = (button) => {
+    const on = button.getAttribute("aria-pressed") !== "true";
+    button.setAttribute("aria-pressed", String(on));
+    return on;
+  };
+  by("box").addEventListener("click", () => (plane.boxing = toggle(by("box"))));
+  by("second").addEventListener("click", () => toggle(by("second")));
+  by("forget").addEventListener("click", forgetMotions);
+  by("layer").addEventListener("change", () => {
+    restyle({ layer: by("layer").value });
+    if (at.job) showTakeaway(by("takeaway"), at.job, plane.look.layer);
+  });
+  by("palette").addEventListener("change", () => restyle({ palette: by("palette").value }));
+  setUpTheme(by("theme"), () => restyle({}));
+  by("recent").addEventListener("toggle", () => by("recent").open && attempt(listRecent));
+  addEventListener("popstate", () => attempt(openAddress));
+}
+
+async function listRecent() {
+  const { jobs } = await get("/v1/jobs?size=10");
+  const items = jobs.map((job) => {
+    const { oscillator, vary } = job.request;
+    const what = vary ? `sweep of ${vary.map(({ parameter }) => parameter).join(", ")}` : `δ ${oscillator.damping}, ε ${oscillator.eccentricity}`;
+    const link = Object.assign(document.createElement("a"), { href: `?job=${job.id}`, textContent: `${what}: ${job.state}` });
+    const item = document.createElement("li");
+    item.append(link);
+    return item;
+  });
+  by("recent").querySelector("ul").replaceChildren(...items);
+}
+
+/** Look at what the address says. */
+async function openAddress() {
+  const { job: id, panel, view } = readAddress();
+  if (!id) return;
+  const job = await get(`/v1/jobs/${id}`);
+  form.fill(job.request);
+  by("preset").value = "";
+  await open(job, panel, view, sameOscillator(at.job?.request, job.request) && panel === at.panel);
+}
+
+async function start() {
+  whenKeyIsNeeded(askForKey);
+  setUpControls();
+  offerOverlays();
+  showTools();
+  form.offer(await get("explorer/presets.json"), readAddress().job ? "" : FIRST_PRESET);
+  await openAddress();
+}
+
+attempt(start);
