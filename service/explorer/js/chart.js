@@ -3,7 +3,7 @@
 import { ticks } from "./ticks.js";
 
 const SVG = "http://www.w3.org/2000/svg";
-const MARGIN = { left: 58, right: 14, top: 8, bottom: 38 };
+const MARGIN = { left: 58, right: 24, top: 8, bottom: 38 };
 
 /** An SVG element. */
 export function element(name, attributes = {}, text = "") {

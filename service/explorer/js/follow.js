@@ -24,16 +24,18 @@ async function placeInQueue(job) {
 }
 
 /**
- * Report a job's state as it changes, the last one being final; a service that is away is waited for.
- * @param {string} id
+ * Report a job's state, now and as it changes, the last one being final; a service that is away is waited for.
+ * @param {object} job as it was a moment ago
  * @param {(job: object, place: number|null) => Promise<void>|void} report job, and its place in the queue while it waits
  * @param {(error: Error) => void} lost called while the service does not answer
  * @param {AbortSignal} signal
  */
-export async function follow(id, report, lost, signal) {
+export async function follow(job, report, lost, signal) {
+  let fresh = true;
   while (!signal.aborted) {
     try {
-      const job = await get(`/v1/jobs/${id}`);
+      if (!fresh) job = await get(job.links.self);
+      fresh = false;
       const place = job.state === "queued" ? await placeInQueue(job) : null;
       if (signal.aborted) return;
       await report(job, place);

@@ -19,7 +19,7 @@ function draw(place, backlash, motions) {
   });
   for (const [wall, name] of [[backlash, "+β"], [-backlash, "−β"]]) {
     chart.add("path", { class: "wall", d: `M${chart.x(x[0])} ${chart.y(wall)}H${chart.x(x[1])}` });
-    chart.add("text", { x: chart.x(x[1]) - 4, y: chart.y(wall) + (wall > 0 ? -4 : 13), "text-anchor": "end" }, name);
+    chart.add("text", { x: chart.x(x[1]) + 2, y: chart.y(wall) + 4 }, name);
   }
   for (const [name, { shown }] of motions) {
     chart.line(shown.time, shown.displacement, { class: name });

@@ -106,24 +106,16 @@ async function watch(job, panel, signal) {
     say(text, wrong);
     showProgress(by("progress"), now);
     by("cancel").hidden = ended(now) || now.state === "cancelling";
-    if (now.request.sample || now.state === "queued") return;
-    picture ??= await begin(now, panel, signal);
-    if (picture && !signal.aborted) await draw(picture, now, signal);
+    // A job's store is there once it has told how far it is.
+    if (now.request.sample || !now.progress || signal.aborted) return;
+    if (!picture) {
+      picture = await Picture.open(job.id, panel);
+      if (!signal.aborted) plane.show(picture);
+    }
+    if (!signal.aborted) await draw(picture, now, signal);
   };
   const lost = (error) => say(`${error.message[0].toUpperCase()}${error.message.slice(1)}; trying again.`, true);
-  await attempt(() => follow(job.id, report, lost, signal));
-}
-
-async function begin(job, panel, signal) {
-  try {
-    const picture = await Picture.open(job.id, panel);
-    if (!signal.aborted) plane.show(picture);
-    return picture;
-  } catch (error) {
-    // It has been claimed, but its store is not there yet; a job that ended without one has nothing to show.
-    if (error.kind === "not-ready") return null;
-    throw error;
-  }
+  await attempt(() => follow(job, report, lost, signal));
 }
 
 async function draw(picture, job, signal) {
@@ -137,7 +129,11 @@ async function draw(picture, job, signal) {
 }
 
 async function chartShares(picture, job) {
-  at.result = await get(job.links.result);
+  const done = job.progress.basins_done;
+  if (!at.result || at.charted !== done) {
+    at.result = await get(job.links.result);
+    at.charted = done;
+  }
   if (at.job.id === job.id && sweep.vary) sweep.draw(at.result, picture.outline, plane.look.palette);
 }
 
@@ -202,6 +198,7 @@ function legend() {
 }
 
 function showTools() {
+  by("empty").hidden = at.job !== null;
   for (const id of ["back", "forward", "in", "out", "whole", "box", "layer"]) by(id).disabled = !at.job;
 }
 
@@ -318,8 +315,8 @@ async function start() {
   setUpControls();
   offerOverlays();
   showTools();
-  form.offer(await get("explorer/presets.json"), readAddress().job ? "" : FIRST_PRESET);
-  await openAddress();
+  const offered = get("explorer/presets.json").then((presets) => form.offer(presets, readAddress().job ? "" : FIRST_PRESET));
+  await Promise.all([offered, openAddress()]);
 }
 
 attempt(start);

@@ -41,15 +41,20 @@ function settledAt(solution, start, history) {
   return departures.length - from >= SURE ? departures[from].t : null;
 }
 
-function ending(solution, start, history, periods) {
+const STAYS = {
+  periodic: "stays within 0.001 of it",
+  impacting: "then bounces ever lower",
+  piecewise_linear: "contact never ends",
+};
+
+function ending(model, solution, start, history, periods) {
   if (solution.kind === "chaotic") return "rattles chaotically for ever";
   if (solution.kind === "undecided") return "could not be decided";
   const time = settledAt(solution, start, history);
   if (time === null) return `ends in ${solution.name}, later than the ${periods} forcing periods followed`;
   const impacts = impactsBefore(history, time);
   const after = `after ${impacts} ${impacts === 1 ? "impact" : "impacts"}, ${(time - start.t).toFixed(2)} forcing periods`;
-  const how = solution.kind === "periodic" ? "stays within 0.001 of it" : "from there on, contact is never left for long";
-  return `ends in ${solution.name} ${after} (${how})`;
+  return `ends in ${solution.name} ${after} (${STAYS[solution.kind === "periodic" ? "periodic" : model]})`;
 }
 
 /**
@@ -64,5 +69,5 @@ export async function followMotion(oscillator, start) {
   const waits = ["periodic", "permanent_contact"].includes(start.solution.kind);
   const early = waits && settledAt(start.solution, start, shown) === null;
   const [history, periods] = early ? [await ask(oscillator, start, LONG_PERIODS, 1), LONG_PERIODS] : [shown, SHOWN_PERIODS];
-  return { start, shown, departures, told: ending(start.solution, start, history, periods) };
+  return { start, shown, departures, told: ending(oscillator.model, start.solution, start, history, periods) };
 }

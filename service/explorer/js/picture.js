@@ -36,6 +36,7 @@ export class Picture {
     this.period = new Int32Array(cells);
     this.there = new Set();
     this.settled = new Set();
+    this.fresh = true;
     this.canvas = document.createElement("canvas");
     this.canvas.width = this.width;
     this.canvas.height = this.height;
@@ -70,7 +71,8 @@ export class Picture {
    */
   async refresh(final, arrived, signal) {
     const before = this.outline.solutions.length;
-    this.outline = await get(`/v1/jobs/${this.job}/outline?panel=${this.panel}`, { signal });
+    if (!this.fresh) this.outline = await get(`/v1/jobs/${this.job}/outline?panel=${this.panel}`, { signal });
+    this.fresh = false;
     if (this.outline.solutions.length !== before) this.there.clear();
     const settled = final && this.outline.complete;
     const wanted = this.outline.tiles.states.flatMap((state, tile) =>

@@ -63,7 +63,6 @@ export class Plane {
   show(picture) {
     this.pictures = this.pictures.filter((older) => !older.empty).slice(1 - MOST_PICTURES);
     this.pictures.push(picture);
-    picture.paint(this.look);
     this.draw();
   }
 
