@@ -39,6 +39,20 @@ class LimitExceeded(Exception):
     """The request is larger than this service allows."""
 
 
+class TooMuch(Exception):
+    """A quota is exhausted for now.
+
+    Attributes
+    ----------
+    seconds : int
+        When to ask again.
+    """
+
+    def __init__(self, message: str, seconds: int) -> None:
+        super().__init__(message)
+        self.seconds = seconds
+
+
 class Unstoppable(Exception):
     """A job did not stop in time."""
 
@@ -47,6 +61,7 @@ _TABLE: dict[type[Exception], tuple[int, str]] = {
     OutsideDomain: (422, "outside-domain"),
     InvalidJob: (422, "invalid-request"),
     LimitExceeded: (422, "limit-exceeded"),
+    TooMuch: (429, "too-much"),
     JobNotFound: (404, "not-found"),
     NotReady: (404, "not-ready"),
     StoreConflict: (409, "store-conflict"),
@@ -94,7 +109,8 @@ async def _known(request: Request, error: Exception) -> JSONResponse:
     status, kind = next(entry for known, entry in _TABLE.items() if isinstance(error, known))
     place = _place_of(error)
     errors = [{"location": ["body", *place], "message": str(error)}] if place else []
-    return problem(status, kind, str(error), request.url.path, errors)
+    headers = {"Retry-After": str(error.seconds)} if isinstance(error, TooMuch) else None
+    return problem(status, kind, str(error), request.url.path, errors, headers)
 
 
 def faults_of(error: Exception) -> list[dict[str, Any]]:
