@@ -108,14 +108,23 @@ async function watch(job, panel, signal) {
     by("cancel").hidden = ended(now) || now.state === "cancelling";
     // A job's store is there once it has told how far it is.
     if (now.request.sample || !now.progress || signal.aborted) return;
-    if (!picture) {
-      picture = await Picture.open(job.id, panel);
-      if (!signal.aborted) plane.show(picture);
-    }
-    if (!signal.aborted) await draw(picture, now, signal);
+    picture ??= await begin(now, panel, signal);
+    if (picture && !signal.aborted) await draw(picture, now, signal);
   };
   const lost = (error) => say(`${error.message[0].toUpperCase()}${error.message.slice(1)}; trying again.`, true);
   await attempt(() => follow(job, report, lost, signal));
+}
+
+async function begin(job, panel, signal) {
+  try {
+    const picture = await Picture.open(job.id, panel);
+    if (!signal.aborted) plane.show(picture);
+    return picture;
+  } catch (error) {
+    // What a cancelled job had computed may have gone over to the job that was asked for after it.
+    if (error.kind === "not-ready") return null;
+    throw error;
+  }
 }
 
 async function draw(picture, job, signal) {

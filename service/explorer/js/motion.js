@@ -48,7 +48,9 @@ const STAYS = {
 };
 
 function ending(model, solution, start, history, periods) {
-  if (solution.kind === "chaotic") return "rattles chaotically for ever";
+  if (solution.kind === "chaotic") {
+    return `rattles chaotically without end, with ${impactsBefore(history, Infinity)} impacts in ${periods} forcing periods`;
+  }
   if (solution.kind === "undecided") return "could not be decided";
   const time = settledAt(solution, start, history);
   if (time === null) return `ends in ${solution.name}, later than the ${periods} forcing periods followed`;

@@ -51,7 +51,7 @@ export class Sweep {
   /** Show the sliders of a sweep at one of its panels. */
   show(vary, panel) {
     this.section.hidden = false;
-    [this.vary, this.panel] = [vary, panel];
+    [this.vary, this.panel, this.drawn] = [vary, panel, null];
     const places = placesOf(vary, panel);
     const sliders = vary.map((swept, axis) => slider(swept, places[axis], (at) => this.open(panelAt(vary, places.with(axis, at)))));
     this.section.querySelector("#sliders").replaceChildren(...sliders);
@@ -75,6 +75,10 @@ export class Sweep {
    * @param {string} palette
    */
   draw(result, outline, palette) {
+    // A chart that is replaced under the pointer loses the click.
+    const drawn = [this.panel, palette, result.basins.filter(({ complete }) => complete).length, this.section.clientWidth].join();
+    if (drawn === this.drawn) return;
+    this.drawn = drawn;
     const { parameter, values } = this.vary.at(-1);
     const places = placesOf(this.vary, this.panel);
     const row = values.map((_, at) => result.basins[panelAt(this.vary, places.with(-1, at))]);
