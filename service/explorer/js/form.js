@@ -105,6 +105,8 @@ export class Form {
     vary.querySelector("[value=stiffness]").disabled = model === "impacting";
     if (model === "impacting" && vary.value === "stiffness") vary.value = "";
     this.form.querySelectorAll("[data-vary]").forEach((part) => (part.hidden = vary.value === ""));
+    // Its values are those of the sweep.
+    for (const name of OSCILLATOR) this.#field(name).disabled = name === vary.value;
     this.button.textContent = vary.value ? "Compute the sweep" : "Compute";
     if (model === "piecewise_linear" && this.#field("stiffness").value === "") this.#field("stiffness").value = "1000";
   }

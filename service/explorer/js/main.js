@@ -22,7 +22,7 @@ const FIRST_PRESET = "fig7bottom";
 const ZOOM_REST_MS = 350;
 
 const by = (id) => document.getElementById(id);
-const at = { job: null, panel: 0, motions: new Map(), result: null, following: null, zoom: null, mine: null, whole: null };
+const at = { job: null, panel: 0, motions: new Map(), result: null, following: null, zoom: null, mine: null, whole: null, pointed: null };
 
 const plane = new Plane(by("plane"), { moved, hovered, picked, whole: () => plane.go(at.whole) });
 const form = new Form(by("ask"), (request) => submit(request, false));
@@ -97,19 +97,26 @@ function sameOscillator(one, other) {
   return JSON.stringify(one?.oscillator) === JSON.stringify(other.oscillator);
 }
 
+function tell(job, place) {
+  const { text, wrong } = stateInWords(job, place);
+  say(text, wrong);
+  showProgress(by("progress"), job);
+  by("cancel").hidden = ended(job) || job.state === "cancelling";
+}
+
 /** Follow a job, and draw what there is of one of its basins. */
 async function watch(job, panel, signal) {
   let picture = null;
   const report = async (now, place) => {
     at.job = now;
-    const { text, wrong } = stateInWords(now, place);
-    say(text, wrong);
-    showProgress(by("progress"), now);
-    by("cancel").hidden = ended(now) || now.state === "cancelling";
+    // That it is complete is said when that can be seen.
+    if (!ended(now)) tell(now, place);
     // A job's store is there once it has told how far it is.
-    if (now.request.sample || !now.progress || signal.aborted) return;
-    picture ??= await begin(now, panel, signal);
-    if (picture && !signal.aborted) await draw(picture, now, signal);
+    if (now.progress && !now.request.sample) {
+      picture ??= await begin(now, panel, signal);
+      if (picture && !signal.aborted) await draw(picture, now, signal);
+    }
+    if (!signal.aborted) tell(now, place);
   };
   const lost = (error) => say(`${error.message[0].toUpperCase()}${error.message.slice(1)}; trying again.`, true);
   await attempt(() => follow(job, report, lost, signal));
@@ -134,6 +141,8 @@ async function draw(picture, job, signal) {
   if (signal.aborted) return;
   plane.draw();
   legend();
+  read();
+  await followAgain();
   if (job.request.vary) await chartShares(picture, job);
 }
 
@@ -190,6 +199,13 @@ function moved(view) {
 }
 
 function hovered(place) {
+  if (place) at.pointed = place;
+  read();
+}
+
+/** Say what is known of the place that was last pointed at. */
+function read() {
+  const place = at.pointed;
   if (!place) return;
   const { t0, t1, v0, v1 } = plane.view;
   const known = plane.at(place.t, place.v);
@@ -212,6 +228,15 @@ function showTools() {
 }
 
 // Motions.
+
+/** Motions that began where nothing was known are followed anew once it is. */
+async function followAgain() {
+  for (const [name, { start }] of at.motions) {
+    const known = start.solution ? null : plane.at(start.t, start.v);
+    if (known) at.motions.set(name, await followMotion(oscillatorHere(), known));
+  }
+  if (at.motions.size) showMotions();
+}
 
 async function picked(place, wantsSecond) {
   if (!at.job || place.v <= 0) return;
