@@ -5,11 +5,12 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import delete, select, update
+from sqlalchemy import delete, func, select, update
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from service.errors import JobNotFound
+from service.events import forget_events, note_event
 from service.job_record import JobRecord, JobState
 from worker.job_kinds import Job
 
@@ -48,6 +49,8 @@ class Jobs:
                 )  # fmt: skip
                 session.add(record)
                 try:
+                    session.flush()
+                    note_event(session, record.id, record.state)
                     session.commit()
                 except IntegrityError:
                     continue  # another replica recorded the same request in the meantime: take that one
@@ -93,14 +96,19 @@ class Jobs:
             values["answering"] = None
         with self._sessions() as session:
             change = update(JobRecord).where(JobRecord.id == job_id, JobRecord.state == expected)
-            done = session.execute(change.values(state=state, **values))
+            done = bool(session.execute(change.values(state=state, **values)).rowcount == 1)  # type: ignore[attr-defined]
+            if done:
+                note_event(session, job_id, state, error=values.get("error"))
             session.commit()
-        return bool(done.rowcount == 1)  # type: ignore[attr-defined]
+        return done
 
     def record_progress(self, job_id: str, progress: dict[str, Any]) -> None:
         """Note how far a running job is."""
         with self._sessions() as session:
-            session.execute(update(JobRecord).where(JobRecord.id == job_id).values(progress=progress))
+            further = update(JobRecord).where(JobRecord.id == job_id).values(progress=progress)
+            state = session.scalar(further.returning(JobRecord.state))
+            if state is not None and not state.final:
+                note_event(session, job_id, state, progress)
             session.commit()
 
     def request_cancel(self, job_id: str) -> JobRecord:
@@ -117,8 +125,16 @@ class Jobs:
     def delete(self, job_id: str) -> None:
         """Remove the record of a job that has ended."""
         with self._sessions() as session:
-            session.execute(delete(JobRecord).where(JobRecord.id == job_id, JobRecord.state.not_in(_LIVE)))
+            gone = delete(JobRecord).where(JobRecord.id == job_id, JobRecord.state.not_in(_LIVE))
+            if session.execute(gone).rowcount == 1:  # type: ignore[attr-defined]
+                forget_events(session, job_id)
             session.commit()
+
+    def count(self) -> dict[JobState, int]:
+        """How many jobs are in each state."""
+        with self._sessions() as session:
+            counts = select(JobRecord.state, func.count()).group_by(JobRecord.state)
+            return dict(session.execute(counts).all())
 
     def answers(self) -> bool:
         """Whether the database does."""

@@ -1,16 +1,18 @@
 """Takes queued jobs in order and runs them on the cluster, one at a time."""
 
-import contextlib
 import dataclasses
 import logging
 import threading
 import time
+from datetime import UTC, datetime
 from typing import Any
 
+from service import metrics
 from service.errors import kind_of
 from service.job_record import JobRecord, JobState
 from service.jobs import Jobs
-from worker.cluster import Client
+from service.logs import about_job
+from worker.cluster import Client, count_workers
 from worker.errors import JobCancelled, WorkerError
 from worker.job_kinds import JOB_KINDS
 from worker.progress import Progress, Stage
@@ -21,6 +23,7 @@ _log = logging.getLogger("rattle.runner")
 _POLL_SECONDS = 1.0
 _PROGRESS_SECONDS = 0.25
 _STOP_SECONDS = 4.0
+_ANSWER_SECONDS = 2.0
 
 
 class Runner:
@@ -72,9 +75,7 @@ class Runner:
 
     def workers(self) -> int:
         """Workers that the scheduler knows; 0 where it does not answer."""
-        with contextlib.suppress(Exception):
-            return len(self.client.nthreads())
-        return 0
+        return count_workers(self.client, _ANSWER_SECONDS)
 
     def _work(self) -> None:
         while not self._stopping.is_set():
@@ -87,7 +88,8 @@ class Runner:
             if record is None:
                 self._bell.wait(_POLL_SECONDS)
                 continue
-            self._run(record)
+            with about_job(record.id):
+                self._run(record)
 
     def _run(self, record: JobRecord) -> None:
         cancel = threading.Event()
@@ -95,6 +97,9 @@ class Runner:
             self._cancel[record.id] = cancel
         if self._stopping.is_set() or self.jobs.get(record.id).state == JobState.CANCELLING:
             cancel.set()
+        _log.info("runs: %s of %s", record.kind, record.submitter)
+        if record.progress is None:
+            metrics.job_started((datetime.now(UTC) - record.created.replace(tzinfo=UTC)).total_seconds())
         try:
             self._compute(record, cancel)
         finally:
@@ -110,20 +115,25 @@ class Runner:
             self._stopped(record.id)
         except Exception as error:
             if not isinstance(error, WorkerError):
-                _log.exception("job %s failed", record.id)
+                _log.exception("job failed")
             told = {"kind": kind_of(error), "detail": f"{error}" if isinstance(error, WorkerError) else repr(error)}
             self._end(record.id, JobState.FAILED, error=told)
         else:
             self._end(record.id, JobState.SUCCEEDED)
 
     def _stopped(self, job_id: str) -> None:
-        if not self.jobs.move(job_id, JobState.CANCELLING, JobState.CANCELLED):
+        if self.jobs.move(job_id, JobState.CANCELLING, JobState.CANCELLED):
+            _log.info("ends: %s", JobState.CANCELLED)
+            metrics.job_ended(JobState.CANCELLED)
+        else:
             self.jobs.move(job_id, JobState.RUNNING, JobState.QUEUED)
 
     def _end(self, job_id: str, state: JobState, **values: Any) -> None:
         # Somebody may have asked for cancellation after the last tile: the result is there, and that is what counts.
         if not self.jobs.move(job_id, JobState.RUNNING, state, **values):
             self.jobs.move(job_id, JobState.CANCELLING, state, **values)
+        _log.info("ends: %s", state)
+        metrics.job_ended(state)
 
 
 class _Throttled:
@@ -133,8 +143,10 @@ class _Throttled:
         self.jobs, self.job_id = jobs, job_id
         self.stage: Stage | None = None
         self.written = 0.0
+        self.pace = metrics.Pace()
 
     def __call__(self, progress: Progress) -> None:
+        self.pace(progress)
         now = time.monotonic()
         if progress.stage == self.stage and now - self.written < _PROGRESS_SECONDS:
             return
