@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from rattle_kernels import Attractor, CellGrid
+from service.event_record import EventRecord
 from service.job_record import JobRecord, JobState
 from service.oscillator_model import PIECEWISE_LINEAR, ImpactingOscillator, OscillatorRequest, demand_quiet
 from service.strict import Count, Real, Request
@@ -202,6 +203,7 @@ class Links(BaseModel):
 
     self: str
     cancel: str
+    events: str
     result: str
     zarr: str
     picture: str
@@ -232,9 +234,27 @@ class JobView(BaseModel):
             progress=ProgressView(**record.progress) if record.progress else None,
             error=ErrorView(**record.error) if record.error else None,
             links=Links(
-                self=here, cancel=f"{here}/cancel", result=f"{here}/result", zarr=f"{here}/result.zarr",
-                picture=f"{here}/picture.png",
+                self=here, cancel=f"{here}/cancel", events=f"{here}/events", result=f"{here}/result",
+                zarr=f"{here}/result.zarr", picture=f"{here}/picture.png",
             ),
+        )  # fmt: skip
+
+
+class EventView(BaseModel):
+    """Something that has happened to a job: it has changed its state, or it is further than before."""
+
+    state: JobState
+    at: datetime
+    progress: ProgressView | None = Field(description="Set where the event is called progress")
+    error: ErrorView | None = Field(description="Set where the state is failed")
+
+    @classmethod
+    def from_record(cls, record: EventRecord) -> "EventView":
+        """View of an event record."""
+        return cls(
+            state=record.state, at=record.moment,
+            progress=ProgressView(**record.progress) if record.progress else None,
+            error=ErrorView(**record.error) if record.error else None,
         )  # fmt: skip
 
 
