@@ -259,8 +259,7 @@ def test_what_is_no_id_reaches_neither_database_nor_files(service, monkeypatch, 
 
 def test_nothing_outside_a_store_is_served(service, tmp_path):
     job = service.add_job(7)
-    results = service.app.state.settings.results
-    location = f"{results}/{job.id}.zarr"
+    location = f"{service.results}/{job.id}.zarr"
     create_store(location, BasinJob.from_request(job.request))
     (tmp_path / "secret").write_text("what is in it")
     (tmp_path / "folder").mkdir()
