@@ -16,6 +16,8 @@ from service.errors import problem
 _HEAD_BYTES = 65_536
 # Chunks of one byte take six on the wire.
 _BYTES_A_BYTE = 8
+# Requests sent ahead of their answers: uvicorn reads on with every answer, however many wait already.
+_PIPELINED = 64
 _READ_SECONDS = 30.0
 _READ_BYTES = 32_768
 
@@ -86,6 +88,8 @@ class BoundedConnection(HttpToolsProtocol):
         """End a head."""
         self._head_ended = True
         super().on_headers_complete()
+        if len(self.pipeline) > _PIPELINED:
+            raise RuntimeError("the parser stops at whatever is raised here, and the request is refused")
 
     def on_message_complete(self) -> None:
         """End a request."""

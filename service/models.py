@@ -2,10 +2,10 @@
 
 import dataclasses
 import math
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from rattle_kernels import Attractor, CellGrid
 from service.event_record import EventRecord
@@ -17,6 +17,9 @@ from worker.errors import InvalidJob
 from worker.results import BasinSummary, Change, PanelSummary
 from worker.sample import Sample
 from worker.swept_parameter import MOST_SWEPT, Spacing, SweptParameter
+
+# SQLite keeps no time zone: what comes from there without one is in UTC, as all moments are.
+Moment = Annotated[datetime, AfterValidator(lambda moment: moment if moment.tzinfo else moment.replace(tzinfo=UTC))]
 
 
 class TimeWindow(Request):
@@ -216,9 +219,9 @@ class JobView(BaseModel):
     kind: Literal["basin", "sweep"]
     state: JobState
     request: SweepRequest | BasinRequest
-    created: datetime
-    started: datetime | None
-    finished: datetime | None
+    created: Moment
+    started: Moment | None
+    finished: Moment | None
     progress: ProgressView | None = Field(description="null until the job has started")
     error: ErrorView | None = Field(description="Set where the state is failed")
     links: Links
@@ -244,7 +247,7 @@ class EventView(BaseModel):
     """Something that has happened to a job: it has changed its state, or it is further than before."""
 
     state: JobState
-    at: datetime
+    at: Moment
     progress: ProgressView | None = Field(description="Set where the event is called progress")
     error: ErrorView | None = Field(description="Set where the state is failed")
 

@@ -69,6 +69,7 @@ def local_cluster(workers: int = 2) -> Iterator[Client]:
         cluster = LocalCluster(
             n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0",
             silence_logs=logging.CRITICAL, host="127.0.0.1", protocol="tls://", security=Security.temporary(),
+            scheduler_kwargs={"dashboard": False},
         )  # fmt: skip
     try:
         with _closing(Client(cluster, set_as_default=False)) as client:

@@ -54,6 +54,10 @@ class IdleService:
     def jobs(self):
         return self.app.state.jobs
 
+    @property
+    def results(self):
+        return self.app.state.settings.results
+
     def add_job(self, cells=10, submitter="local"):
         grid = CellGrid(time_cells=cells, velocity_cells=cells)
         return self.jobs.submit(BasinJob(grid=grid, iterations=1), submitter)[0]

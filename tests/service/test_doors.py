@@ -13,6 +13,8 @@ from service.database import open_database
 from service.key_record import KeyScope
 from service.keys import Keys
 from tests.service.idle_service import idle_service
+from worker.basin_job import BasinJob
+from worker.new_store import create_store
 
 
 @pytest.fixture(autouse=True)
@@ -191,9 +193,6 @@ def test_a_store_opens_with_a_key(service, tmp_path):
     time.sleep(0.1)
     job = service.add_job()
     store = tmp_path / "results" / f"{job.id}.zarr"
-    from worker.basin_job import BasinJob
-    from worker.new_store import create_store
-
     create_store(str(store), BasinJob.from_request(job.request))
     address = f"{service.url}/v1/jobs/{job.id}/result.zarr"
     with xr.open_zarr(address, storage_options={"headers": bearer(key)}) as basin:
