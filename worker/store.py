@@ -209,7 +209,7 @@ class BasinStore:
                 array.resize(room[:1])
                 array[: len(names)] = values
             flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
-            self._group[self.places.solution.path].attrs.update(flags)
+            self._group[self.places.solution.path].update_attributes(flags)
             # Last of all the one that tells how much room there is: a driver that is killed before does it all again.
             for variable in reversed(layout.POINTS):
                 self._array(variable).resize((*self.job.panel_shape, *room))
@@ -288,7 +288,7 @@ class BasinStore:
             consolidate(self.location)
             # Written with the consolidated metadata, in one piece: what is complete is so for every reader.
             whole = zarr.open_group(self.location, mode="r+", zarr_format=3, use_consolidated=True)
-            whole.attrs.update({"complete": True, "finished": now(), "seconds": seconds})
+            whole.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
 
     @property
     def attributes(self) -> dict[str, Any]:
