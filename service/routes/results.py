@@ -2,9 +2,9 @@
 
 import io
 
-from fastapi import APIRouter, Response
-from fastapi.responses import FileResponse
+from fastapi import APIRouter, Request, Response
 
+from service.byte_range import answer_range
 from service.dependencies import JobsHere, SettingsHere, problems
 from service.errors import JobNotFound, NotReady
 from service.models import ResultView
@@ -51,12 +51,12 @@ def get_picture(job_id: str, jobs: JobsHere, settings: SettingsHere, layer: Laye
 @router.get(
     "/result.zarr/{path:path}",
     summary="The Zarr store",
-    response_class=FileResponse,
+    response_class=Response,
     responses={200: {"content": {"application/octet-stream": {}}}, **_NOTHING_YET},
 )
-def get_store(job_id: str, path: str, jobs: JobsHere, settings: SettingsHere) -> Response:
+def get_store(job_id: str, path: str, request: Request, jobs: JobsHere, settings: SettingsHere) -> Response:
     """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`, also while it grows."""
     file = file_of_store(_location(job_id, jobs, settings), path)
     if file is None:
         raise JobNotFound(f"the store of job {job_id} holds no {path!r}")
-    return FileResponse(file, media_type="application/octet-stream")
+    return answer_range(file, request.headers)
