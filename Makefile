@@ -46,9 +46,12 @@ serve: $(READY)  ## the service with two local workers on 127.0.0.1:8000
 openapi: $(READY)  ## write docs/openapi.yaml from the code
 	$(BIN)/python -m service.openapi > docs/openapi.yaml
 
-lock: $(READY)  ## pin every dependency anew (needs uv)
-	uv pip compile --quiet --generate-hashes --no-emit-index-url --no-emit-find-links --no-header --no-annotate --no-emit-package gear-rattle \
-	  --python-version 3.11 --extra dev --output-file requirements/lock.txt pyproject.toml
+LOCK := uv pip compile --quiet --generate-hashes --no-emit-index-url --no-emit-find-links --no-header --no-annotate \
+  --no-emit-package gear-rattle --python-version 3.11
+
+lock: $(READY)  ## pin every dependency anew, and of those the ones that the container image has (needs uv)
+	$(LOCK) --extra dev --output-file requirements/lock.txt pyproject.toml
+	$(LOCK) --extra image --constraint requirements/lock.txt --output-file requirements/image.txt pyproject.toml
 
 clean:  ## remove the environment, caches and the demo's results
 	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis demo/basin.zarr demo/basin.png demo/data
