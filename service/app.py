@@ -14,7 +14,7 @@ from service.jobs import Jobs
 from service.routes import basins, health, jobs, results, sweeps, trajectories
 from service.runner import Runner
 from service.settings import Settings
-from worker.cluster import connect
+from worker.lasting_cluster import LastingCluster
 
 _DESCRIPTION = """Basins of attraction of a rattling gear pair.
 
@@ -41,9 +41,11 @@ def create_app(settings: Settings) -> FastAPI:
         engine, sessions = open_database(settings.database)
         stack = contextlib.ExitStack()
         stack.callback(engine.dispose)
-        client = await to_thread.run_sync(stack.enter_context, connect(settings.scheduler, settings.workers))
-        app.state.jobs = Jobs(sessions)
-        app.state.runner = Runner(app.state.jobs, client, settings.results)
+        cluster = LastingCluster(settings.scheduler, settings.workers)
+        stack.callback(cluster.close)
+        await to_thread.run_sync(cluster.open)
+        app.state.jobs = Jobs(sessions, settings.quotas)
+        app.state.runner = Runner(app.state.jobs, cluster, settings.results, settings.concurrent_jobs)
         app.state.runner.start()
         try:
             yield

@@ -38,6 +38,20 @@ class LimitExceeded(Exception):
     """The request is larger than this service allows."""
 
 
+class TooMuch(Exception):
+    """A quota is exhausted for now.
+
+    Attributes
+    ----------
+    seconds : int
+        When to ask again.
+    """
+
+    def __init__(self, message: str, seconds: int) -> None:
+        super().__init__(message)
+        self.seconds = seconds
+
+
 class Unstoppable(Exception):
     """A job did not stop in time."""
 
@@ -46,6 +60,7 @@ _TABLE: dict[type[Exception], tuple[int, str]] = {
     OutsideDomain: (422, "outside-domain"),
     InvalidJob: (422, "invalid-request"),
     LimitExceeded: (422, "limit-exceeded"),
+    TooMuch: (429, "too-much"),
     JobNotFound: (404, "not-found"),
     NotReady: (404, "not-ready"),
     StoreConflict: (409, "store-conflict"),
@@ -90,7 +105,8 @@ async def _known(request: Request, error: Exception) -> JSONResponse:
     elif isinstance(error, OutsideDomain):
         place = "oscillator", error.parameter
     errors = [{"location": ["body", *place], "message": str(error)}] if place else []
-    return problem(status, kind, str(error), request.url.path, errors)
+    headers = {"Retry-After": str(error.seconds)} if isinstance(error, TooMuch) else None
+    return problem(status, kind, str(error), request.url.path, errors, headers)
 
 
 def _field_error(item: dict[str, Any]) -> dict[str, Any]:

@@ -5,6 +5,8 @@ from pathlib import Path
 from pydantic import Field, PositiveInt
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from service.quotas import Quotas
+
 
 class Settings(BaseSettings):
     """What can be set by ``RATTLE_...`` variables of the environment, or by options of ``rattle serve``."""
@@ -19,6 +21,12 @@ class Settings(BaseSettings):
     host: str = Field("127.0.0.1", description="Address to listen on: loopback only, as there is no log-in")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on")
 
+    concurrent_jobs: PositiveInt = Field(4, description="Most jobs that one replica of the service runs at once")
+    max_queued: PositiveInt = Field(10_000, description="Most jobs that wait")
+    max_queued_each: PositiveInt = Field(1_000, description="Most jobs of one submitter that wait")
+    max_places_each: PositiveInt = Field(
+        2_000_000_000, description="Most cells or points, of all basins, that one submitter has waiting and running"
+    )
     max_body_bytes: PositiveInt = Field(1_048_576, description="Largest request body")
     max_cells: PositiveInt = Field(25_000_000, description="Most cells, or points of a sample, of one basin")
     max_iterations: PositiveInt = Field(1_000_003, description="Largest k")
@@ -32,6 +40,11 @@ class Settings(BaseSettings):
     def database(self) -> str:
         """SQLAlchemy URL of the job records."""
         return self.database_url or f"sqlite:///{(self.data / 'jobs.sqlite').resolve()}"
+
+    @property
+    def quotas(self) -> Quotas:
+        """What submissions are refused beyond."""
+        return Quotas(self.max_queued, self.max_queued_each, self.max_places_each)
 
     @property
     def results(self) -> str:

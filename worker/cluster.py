@@ -55,6 +55,9 @@ def local_cluster(workers: int = 2) -> Iterator[Client]:
         "distributed.comm.timeouts.connect": f"{_CONNECT_SECONDS}s",
         # Nobody reads Dask's sampled profiles here, and workers and scheduler share two cores.
         "distributed.worker.profile.enabled": False,
+        # A worker holds the one task that it computes: when it dies, that one is to blame, and no other.
+        "distributed.scheduler.worker-saturation": 1.0,
+        "distributed.scheduler.allowed-failures": 1,
     }
     with dask.config.set(settings):
         cluster = LocalCluster(

@@ -100,7 +100,8 @@ class _Folder:
     def taken(self) -> bool:
         if not self.path.is_dir():
             return self.path.exists()
-        return any(self.path.iterdir()) and not (self.path / "zarr.json").exists()
+        begun = (self.path / "zarr.json").exists()
+        return not begun and any(each.suffix != ".partial" for each in self.path.iterdir())
 
     def read(self, path: str) -> StoredFile | None:
         root = self.path.resolve()

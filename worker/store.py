@@ -8,7 +8,7 @@ such as those over HTTP, which cannot list a folder, see all there is at any mom
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,13 @@ from worker.solution_table import Motion, SolutionTable
 from worker.storage import place_at
 from worker.tiles import Tile
 
+Fence = Callable[[], None]
+"""Called before everything that only the driver writes: raises `LeaseLost` where the job is another driver's by now."""
+
+
+def unfenced() -> None:
+    """The fence of a driver that nobody can take a job from."""
+
 
 class BasinStore:
     """A job's store, open for reading and writing.
@@ -32,6 +39,8 @@ class BasinStore:
     ----------
     location : str
         As in `worker.storage`.
+    fence : Fence
+        Of the driver.
 
     Raises
     ------
@@ -41,8 +50,8 @@ class BasinStore:
         Where it cannot be read.
     """
 
-    def __init__(self, location: str) -> None:
-        self.location = location
+    def __init__(self, location: str, fence: Fence = unfenced) -> None:
+        self.location, self._fence = location, fence
         with told_as_store_failure(location):
             try:
                 self._group = _open_group(location, "r+")
@@ -58,7 +67,7 @@ class BasinStore:
         self._handles: dict[str, Any] = {}
 
     @classmethod
-    def create_or_resume(cls, location: str, job: BasinJob) -> "BasinStore":
+    def create_or_resume(cls, location: str, job: BasinJob, fence: Fence = unfenced) -> "BasinStore":
         """Store of `job` at `location`: the one that is there, or a new one.
 
         Raises
@@ -69,11 +78,12 @@ class BasinStore:
             Where it cannot be written.
         """
         if not holds_basin(location):
+            fence()
             with told_as_store_failure(location):
                 if place_at(location).taken():
                     raise StoreConflict(f"{location} exists and is no basin store: choose another place, or remove it")
                 create_store(location, job)
-        store = cls(location)
+        store = cls(location, fence)
         if store.digest != job.digest:
             raise StoreConflict(
                 f"{location} holds the store of another request: choose another place, or remove it\n"
@@ -135,12 +145,14 @@ class BasinStore:
 
     def write_ledger(self, states: np.ndarray) -> None:
         """Replace the ledger (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
             array = self._kept(self.places.ledger)
             array[...] = states.reshape(array.shape)
 
     def write_image_words(self, panel: int, words: np.ndarray) -> None:
-        """Write the distinct images of a panel."""
+        """Write the distinct images of a panel (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
             self._kept(layout.IMAGE_WORDS)[*self.job.place_of(panel), :] = words
 
@@ -172,6 +184,7 @@ class BasinStore:
 
     def write_image_counts(self, counts: np.ndarray) -> None:
         """Note how many places of each panel have each reserved image, shape (panels, 3) (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
             self._array(layout.IMAGE_COUNTS)[...] = counts.reshape(*self.job.panel_shape, 3)
 
@@ -189,6 +202,7 @@ class BasinStore:
         points : int
             Most points of an attractor.
         """
+        self._fence()
         names = [motion.name for motion in table.motions]
         columns = [np.array(column) for column in zip(*table.motions, strict=True)]
         with told_as_store_failure(self.location):
@@ -196,8 +210,6 @@ class BasinStore:
             room = max(there[0], len(names)), max(there[1], points)
             if room == there:
                 return
-            for variable in layout.POINTS:
-                self._array(variable).resize((*self.job.panel_shape, *room))
             for variable in self._measured():
                 self._array(variable).resize((*self.job.panel_shape, room[0]))
             for variable, values in zip(
@@ -208,6 +220,9 @@ class BasinStore:
                 array[: len(names)] = values
             flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
             self._group[self.places.solution.path].attrs.update(flags)
+            # Last of all the one that tells how much room there is: a driver that is killed before does it all again.
+            for variable in reversed(layout.POINTS):
+                self._array(variable).resize((*self.job.panel_shape, *room))
             consolidate(self.location)
 
     def _measured(self) -> tuple[Variable, ...]:
@@ -227,11 +242,13 @@ class BasinStore:
 
     def write_solutions(self, table: SolutionTable) -> None:
         """Write what solutions are like in each panel, those that there is room for (driver only)."""
+        self._fence()
         columns = [table.share, table.exponent, table.error]
         if self.job.sample is not None:
             columns.append(np.sqrt(table.share * (1.0 - table.share) / self.job.sample.points))
         with told_as_store_failure(self.location):
-            for variable, values in zip(self._measured(), columns, strict=True):
+            # Shares last: they tell which panels are complete.
+            for variable, values in reversed(list(zip(self._measured(), columns, strict=True))):
                 array = self._array(variable)
                 room = min(array.shape[-1], len(table.motions))
                 array[..., :room] = values[:, :room].reshape(*self.job.panel_shape, room)
@@ -241,10 +258,15 @@ class BasinStore:
         with told_as_store_failure(self.location):
             motions = [np.asarray(self._array(variable)[...]) for variable in layout.MOTIONS[:4]]
             columns = [np.asarray(self._array(variable)[...]) for variable in layout.MEASURED]
-        share, exponent, error = (column.reshape(self.job.panels, column.shape[-1]) for column in columns)
+        # A driver that was killed while it made room has left some longer than others, or empty at their ends.
+        room = min(column.shape[-1] for column in motions + columns)
+        filled = [column[:room] != variable.fill for column, variable in zip(motions, layout.MOTIONS[:4], strict=True)]
+        known = int(np.cumprod(np.all(filled, axis=0)).sum())
         listed = [
-            Motion(AttractorKind(int(kind)), *map(int, contacts)) for kind, *contacts in zip(*motions, strict=True)
+            Motion(AttractorKind(kind), *contacts)
+            for kind, *contacts in zip(*(column[:known].tolist() for column in motions), strict=True)
         ]
+        share, exponent, error = (column.reshape(self.job.panels, column.shape[-1])[:, :known] for column in columns)
         return SolutionTable(listed, share, exponent, error)
 
     def read_catalogue(self, panel: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
@@ -262,6 +284,7 @@ class BasinStore:
 
     def write_changes(self, columns: Sequence[np.ndarray]) -> None:
         """Write the births and deaths of solutions (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
             for variable, values in zip(layout.CHANGES, columns, strict=True):
                 if variable.name in self._group:
@@ -269,11 +292,13 @@ class BasinStore:
                 create_array(self._group, self.job, variable, values.shape)[...] = values
 
     def finish(self, seconds: dict[str, float]) -> None:
-        """Mark the store complete and consolidate its metadata (driver only)."""
+        """Consolidate the store's metadata and mark it complete (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
-            self._group.attrs.update({"complete": True, "finished": now(), "seconds": seconds})
-            self.sweep_orphans()
             consolidate(self.location)
+            # Written with the consolidated metadata, in one piece: what is complete is so for every reader.
+            whole = zarr.open_group(self.location, mode="r+", zarr_format=3, use_consolidated=True)
+            whole.attrs.update({"complete": True, "finished": now(), "seconds": seconds})
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -281,8 +306,10 @@ class BasinStore:
         return dict(self._group.attrs)
 
     def sweep_orphans(self) -> None:
-        """Remove temporary files that killed writers left behind."""
-        place_at(self.location).sweep()
+        """Remove temporary files that killed writers left behind (driver only)."""
+        self._fence()
+        with told_as_store_failure(self.location):
+            place_at(self.location).sweep()
 
 
 def _words(names: list[str]) -> list[str]:

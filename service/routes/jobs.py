@@ -67,6 +67,7 @@ def delete_job(job_id: str, jobs: JobsHere, runner: RunnerHere, settings: Settin
         if time.monotonic() > patience:
             raise Unstoppable(f"job {job_id} has not stopped within {_STOP_SECONDS:.0f} s: try again")
         time.sleep(0.05)
-    remove_result(result_location(settings.results, job_id))
+    if (store := jobs.give_up_store(job_id)) is not None:
+        remove_result(result_location(settings.results, store))
     jobs.delete(job_id)
     return Response(status_code=204)

@@ -22,7 +22,7 @@ _NOTHING_YET = problems(s404="there is no such job, or it has not begun")
 def _location(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
     """Place of a job's store, once there is one."""
     record = jobs.get(job_id)
-    location = result_location(settings.results, job_id)
+    location = result_location(settings.results, record.store or job_id)
     if not holds_basin(location):
         raise NotReady(f"job {job_id} is {record.state} and has no result yet")
     return location

@@ -12,9 +12,11 @@ from rattle_kernels import CellGrid
 from service.database import connect_database, migrate, open_database
 from service.job_record import Base
 from service.jobs import Jobs
+from service.quotas import Quotas
 from worker.basin_job import BasinJob
 from worker.swept_parameter import SweptParameter
 
+ROOM = Quotas(queued=10, queued_each=10, places_each=1000)
 BASIN = BasinJob(grid=CellGrid(time_cells=10, velocity_cells=10), iterations=1)
 SWEEP = BasinJob(grid=BASIN.grid, iterations=1, vary=(SweptParameter("damping", (0.5, 0.6)),))
 
@@ -40,7 +42,7 @@ def test_they_make_exactly_the_tables_that_the_code_expects(engine):
 
 def test_jobs_live_through_the_way_down_and_up(database_url, engine):
     opened, sessions = open_database(database_url)
-    submitted = [Jobs(sessions).submit(job, "local")[0] for job in (BASIN, SWEEP)]
+    submitted = [Jobs(sessions, ROOM).submit(job, "local")[0] for job in (BASIN, SWEEP)]
     opened.dispose()
     before = rows(engine)
     migrate(engine, command.downgrade, "0001")
@@ -48,11 +50,11 @@ def test_jobs_live_through_the_way_down_and_up(database_url, engine):
     migrate(engine)
     assert rows(engine) == before
     opened, sessions = open_database(database_url)
-    jobs = Jobs(sessions)
+    jobs = Jobs(sessions, ROOM)
     assert [jobs.get(record.id).kind for record in submitted] == ["basin", "sweep"]
     assert jobs.get(submitted[1].id).request == submitted[1].request
     assert jobs.submit(SWEEP, "local")[0].id == submitted[1].id
-    assert jobs.claim().id == submitted[0].id
+    assert jobs.claim("replica").id == submitted[0].id
     opened.dispose()
 
 
@@ -71,7 +73,7 @@ def test_replicas_that_start_together_migrate_once(database_url):
         barrier.wait()
         try:
             engine, sessions = open_database(database_url)
-            assert Jobs(sessions).answers()
+            assert Jobs(sessions, ROOM).answers()
             engine.dispose()
         except Exception as error:  # shown below
             failures.append(error)
