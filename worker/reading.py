@@ -25,6 +25,7 @@ from worker.errors import InvalidJob, StoreConflict
 from worker.layout import LAYOUT_VERSION
 from worker.panel_picture import draw_attractors, draw_grazing_curve, frame
 from worker.picture import draw_legend
+from worker.storage import place_at
 from worker.swept_parameter import SweptParameter
 
 # Cells drawn each way at the most: a notebook's picture is smaller than a PNG that is asked for.
@@ -37,8 +38,8 @@ def open_basin(location: str | Path) -> xr.Dataset:
     Parameters
     ----------
     location : str or path
-        A folder, or the address of a service's ``result.zarr``. Its metadata may be consolidated (as this project's
-        stores are, and as HTTP needs) or plain.
+        A folder, ``s3://bucket/prefix``, or the address of a service's ``result.zarr``. Its metadata may be
+        consolidated (as this project's stores are, and as HTTP needs) or plain.
 
     Returns
     -------
@@ -62,10 +63,11 @@ def open_basin(location: str | Path) -> xr.Dataset:
 
 
 def _open(location: str) -> xr.Dataset:
+    store = location if location.startswith(("http://", "https://")) else place_at(location).zarr
     try:
-        return xr.open_zarr(location, consolidated=True)
+        return xr.open_zarr(store, consolidated=True)
     except ValueError:  # plain metadata: slower, one request an array
-        return xr.open_zarr(location, consolidated=False)
+        return xr.open_zarr(store, consolidated=False)
 
 
 def job_of(dataset: xr.Dataset) -> BasinJob:
