@@ -8,7 +8,8 @@ from matplotlib.patches import Patch
 
 from rattle_kernels import Attractor, AttractorKind, Oscillator
 from worker import colours
-from worker.panel_picture import draw_attractors, draw_grazing_curve, frame
+from worker.overlay import attractor_marks, grazing_line
+from worker.panel_picture import frame
 from worker.paper.basin_view import BasinView
 from worker.paper.transients import on_transient
 
@@ -45,9 +46,9 @@ def draw_panel(axes: Axes, view: BasinView, *, attractors: bool = True) -> None:
     if attractors:
         t, v = landings_on_transient(view)
         dots = slice(None, None, max(1, t.size // _MOST_DOTS))
-        draw_attractors(axes, (_WANDERING._replace(time=t[dots], velocity=v[dots]),), grid.time_start)
-        draw_attractors(axes, view.attractors, grid.time_start)
-    draw_grazing_curve(axes, view.oscillator, grid.time_start, grid.time_stop)
+        for marks in attractor_marks((_WANDERING._replace(time=t[dots], velocity=v[dots]), *view.attractors)):
+            marks.draw(axes, grid.time_start)
+    grazing_line(view.oscillator).draw(axes, grid.time_start)
     frame(axes, extent)
 
 
