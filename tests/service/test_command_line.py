@@ -106,7 +106,7 @@ def test_a_figure_of_the_paper_is_drawn_and_its_numbers_written_down(tmp_path):
         (["sweep", "--vary", "damping=0.5,0.2", "--out", "x.zarr"], 2, "value 1 of damping"),
         (["plot", "nowhere.zarr", "--out", "x.png"], 1, "nowhere.zarr is no basin store"),
         (["plot", "nowhere.zarr", "--overlay", "saddle", "--out", "x.png"], 2, "choose among grazing,preimages"),
-        (["paper", "fig99", "--out", "x"], 2, "choose one of fig1, fig4, fig6, fig7"),
+        (["paper", "fig99", "--out", "x"], 2, "choose one of fig1, fig2, fig3, fig4"),
         (["paper", "fig7", "--cells", "0", "10", "--out", "x"], 2, "at least one cell each way"),
         (["paper", "fig4"], 2, "--out"),
         (["submit", "nowhere.json"], 2, "nowhere.json cannot be read"),
