@@ -17,13 +17,14 @@ from rattle_kernels import (
     stable_manifold,
 )
 from worker.basin_job import BasinJob
-from worker.overlay import Lines, Overlay, grazing_line, manifold_lines, preimage_lines, saddle_marks
+from worker.overlay import Lines, Marks, manifold_lines, saddle_marks
 from worker.paper.basin_view import BasinView
 from worker.paper.orbits_told import orbits_named, told_orbit
 from worker.paper.papers_oscillator import papers_basin
 
 BASIN = "basin"
-_COLOURS = {"A": "magenta", "B": "lime"}
+# Colours of Fig. 15, and widths: B's stays visible between the stripes of A's.
+_STYLES = {"A": ("magenta", 0.8), "B": ("lime", 1.2)}
 _PREIMAGES = 2
 
 
@@ -73,19 +74,14 @@ def preimages(oscillator: Oscillator, highest: float) -> tuple[tuple[Piece, ...]
 def manifold_overlays(grown: dict[str, Manifold]) -> list[Lines]:
     """A's magenta and B's green, as in Fig. 15; A's, which is the longer one, below."""
     return [
-        manifold_lines(each.branches, f"stable manifold of {each.saddle.name}, {label}", _COLOURS[label], 0.8)
+        manifold_lines(each.branches, f"stable manifold of {each.saddle.name}, {label}", *_STYLES[label])
         for label, each in grown.items()
     ]
 
 
-def curve_overlays(oscillator: Oscillator, orders: tuple[tuple[Piece, ...], ...]) -> list[Lines]:
-    """The grazing curve white, its pre-images black and yellow, as in Fig. 14."""
-    return [*preimage_lines(orders[1:]), grazing_line(oscillator)]
-
-
-def saddle_overlays(grown: dict[str, Manifold]) -> list[Overlay]:
+def saddle_overlays(grown: dict[str, Manifold]) -> tuple[Marks, ...]:
     """Marks on A and B."""
-    return list(saddle_marks(each.saddle for each in grown.values()))
+    return saddle_marks(each.saddle for each in grown.values())
 
 
 def share_of_boundaries(view: BasinView, pieces: Iterable[Piece]) -> float:

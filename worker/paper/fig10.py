@@ -79,11 +79,9 @@ def _draw_diagram(axes: Axes, diagram: _Diagram) -> None:
 
 
 def _draw_basin(axes: Axes, label: str, view: BasinView) -> None:
-    draw_panel(axes, view, attractors=False)
     there = tuple(each for each in view.attractors if each.name == _NAME)
     saddles = [each.orbit for each in orbits_named(view.oscillator, _NAME) if not each.orbit.attracts]
-    for marks in (*attractor_marks(there), *saddle_marks(saddles)):
-        marks.draw(axes, view.job.grid.time_start)
+    draw_panel(axes, view, (*attractor_marks(there), *saddle_marks(saddles)))
     axes.set_title(f"({label}) δ = {view.oscillator.damping:g}", fontsize="medium")
     axes.legend(handles=legend_of(view), loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="x-small")
 

@@ -1,6 +1,7 @@
 """Fig. 12: basins at A of Fig. 11, damping 0.527, where P(3,3,2) and chaos coexist, and histories of both."""
 
 from collections.abc import Mapping
+from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -29,7 +30,7 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     view = view_basin(stores[_BASIN])
     shown = tuple(each for each in view.attractors if each.name == _NAME or each.kind == AttractorKind.CHAOTIC)
     drawing = Figure(figsize=(12.0, 6.8), dpi=90, layout="constrained")
-    places = drawing.subplot_mosaic([["a", "b"], ["a", "c"]], width_ratios=(1.1, 1.0))
+    places: Any = drawing.subplot_mosaic([["a", "b"], ["a", "c"]], width_ratios=(1.1, 1.0))
     draw_marked(places["a"], "a", view, attractor_marks(shown))
     for label, motion in zip("bc", shown, strict=False):
         draw_history_panel(

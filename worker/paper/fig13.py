@@ -45,7 +45,7 @@ def _told(view: BasinView, found: FoundOrbit) -> dict[str, Any]:
 
 def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     drawing = Figure(figsize=(12.0, 9.4), dpi=90, layout="constrained")
-    places = drawing.subplot_mosaic([["a", "b"], ["c", "d"]], height_ratios=(2.2, 1.0))
+    places: Any = drawing.subplot_mosaic([["a", "b"], ["c", "d"]], height_ratios=(2.2, 1.0))
     panels = {}
     for number, (label, panel) in enumerate(_PANELS.items()):
         tell("drawing", number, len(_PANELS))

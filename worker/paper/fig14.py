@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from rattle_kernels import arclength
-from worker.paper.anatomy import BASIN, curve_overlays, preimages, share_of_boundaries, the_basin
+from worker.overlay import preimage_lines
+from worker.paper.anatomy import BASIN, preimages, share_of_boundaries, the_basin
 from worker.paper.basin_panel import draw_panel
 from worker.paper.basin_view import view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
@@ -17,9 +18,7 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     orders = preimages(view.oscillator, view.job.grid.velocity_stop)
     drawing = Figure(figsize=(8.0, 6.4), dpi=100, layout="constrained")
     axes = drawing.subplots()
-    draw_panel(axes, view, attractors=False)
-    for overlay in curve_overlays(view.oscillator, orders):
-        overlay.draw(axes, view.job.grid.time_start)
+    draw_panel(axes, view, preimage_lines(orders[1:]))
     axes.legend(loc="lower left", framealpha=0.6, fontsize="small")
     scale = float(max(piece.v.max() for piece in orders[0]))
     told = [

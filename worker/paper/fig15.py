@@ -27,9 +27,11 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     grown = manifolds(view.oscillator, ARCLENGTH, view.job.grid.velocity_stop)
     drawing = Figure(figsize=(8.0, 6.4), dpi=100, layout="constrained")
     axes = drawing.subplots()
-    draw_panel(axes, view, attractors=False)
-    for overlay in (*manifold_overlays(grown), *saddle_overlays(grown)):
-        overlay.draw(axes, view.job.grid.time_start)
+    draw_panel(axes, view, ())
+    for line in manifold_overlays(grown):
+        line.draw(axes, view.job.grid.time_start)
+    for marks in saddle_overlays(grown):
+        marks.draw(axes, view.job.grid.time_start)
     for label, each in grown.items():
         place = float(each.saddle.t[0]), float(each.saddle.v[0])
         axes.annotate(label, place, (6, 6), textcoords="offset points", color="white", weight="bold")

@@ -6,9 +6,9 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import CellGrid
 from worker.basin_job import BasinJob
+from worker.overlay import preimage_lines
 from worker.paper.anatomy import (
     BASIN,
-    curve_overlays,
     manifold_overlays,
     manifolds,
     preimages,
@@ -36,11 +36,12 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     grown, orders = manifolds(view.oscillator, ARCLENGTH, _HIGHEST), preimages(view.oscillator, _HIGHEST)
     drawing = Figure(figsize=(8.0, 6.4), dpi=100, layout="constrained")
     axes = drawing.subplots()
-    draw_panel(axes, view, attractors=False)
-    lines = [*manifold_overlays(grown), *curve_overlays(view.oscillator, orders)]
-    for overlay in (*lines, *saddle_overlays(grown)):
-        overlay.draw(axes, view.job.grid.time_start)
-    axes.legend(handles=axes.lines[1 : len(lines) + 1], loc="lower left", framealpha=0.6, fontsize="small")
+    draw_panel(axes, view, preimage_lines(orders[1:]))
+    for line in manifold_overlays(grown):
+        line.draw(axes, view.job.grid.time_start)
+    axes.legend(loc="lower left", framealpha=0.6, fontsize="small")
+    for marks in saddle_overlays(grown):
+        marks.draw(axes, view.job.grid.time_start)
     shares = {f"manifold of {label}": share_of_boundaries(view, each.pieces) for label, each in grown.items()}
     shares["both manifolds"] = share_of_boundaries(view, [piece for each in grown.values() for piece in each.pieces])
     curves = [piece for pieces in orders for piece in pieces]

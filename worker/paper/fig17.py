@@ -23,7 +23,7 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     axes = drawing.subplots()
     lines = manifold_overlays(grown)
     for line in lines:
-        line._replace(width=0.4).draw(axes)
+        line._replace(width=0.5 * line.width).draw(axes)
     for marks in saddle_overlays(grown):
         marks._replace(colour="black").draw(axes)
     frame(axes, (0.0, 1.0, 0.0, _HIGHEST))

@@ -13,9 +13,7 @@ from worker.paper.basin_view import BasinView
 
 def draw_marked(axes: Axes, label: str, view: BasinView, marks: Sequence[Marks]) -> None:
     """Draw basins, marks over them, and shares below."""
-    draw_panel(axes, view, attractors=False)
-    for each in marks:
-        each.draw(axes, view.job.grid.time_start)
+    draw_panel(axes, view, marks)
     axes.set_title(f"({label}) δ = {view.oscillator.damping:g}", fontsize="medium")
     axes.legend(handles=legend_of(view), loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, fontsize="small")
 
