@@ -12,7 +12,7 @@ from worker.paper.basin_view import view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.history_panel import draw_history_panel
 from worker.paper.marked_basin import draw_marked, history_of
-from worker.paper.orbits_told import the_orbit, told_orbit
+from worker.paper.orbits_told import the_orbit, told_orbit, told_window
 from worker.paper.papers_oscillator import papers_basin, papers_oscillator
 from worker.paper.solutions_told import told_basin
 
@@ -38,7 +38,8 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
         )
     places["c"].set_xlabel("time since the departure (forcing periods)")
     orbit = the_orbit(papers_oscillator(damping=_DAMPING), _NAME, attracts=True)
-    return Sheet(drawing, told_basin(view) | {"orbit": told_orbit(orbit)})
+    windows = {each.name: told_window(view.oscillator, each) for each in view.attractors if each.upper_contacts > 2}
+    return Sheet(drawing, told_basin(view) | {"orbit": told_orbit(orbit), "windows": windows})
 
 
 FIG12 = PaperFigure("fig12", "basins at damping 0.527, with P(3,3,2) and the chaos beside it", _make, _basins)

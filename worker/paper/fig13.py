@@ -12,7 +12,7 @@ from worker.paper.basin_view import BasinView, view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.history_panel import draw_history_panel
 from worker.paper.marked_basin import draw_marked, history_of
-from worker.paper.orbits_told import orbits_named, told_orbit
+from worker.paper.orbits_told import orbits_named, told_orbit, told_window
 from worker.paper.papers_oscillator import papers_basin
 from worker.paper.solutions_told import told_basin
 
@@ -40,7 +40,9 @@ def _orbit(view: BasinView, name: str) -> FoundOrbit:
 
 
 def _told(view: BasinView, found: FoundOrbit) -> dict[str, Any]:
-    return told_basin(view) | {"orbit": told_orbit(found.orbit) | {"grazing_distance": found.grazing_distance}}
+    windows = {each.name: told_window(view.oscillator, each) for each in view.attractors if each.upper_contacts > 2}
+    orbit = told_orbit(found.orbit) | {"grazing_distance": found.grazing_distance}
+    return told_basin(view) | {"orbit": orbit, "windows": windows}
 
 
 def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:

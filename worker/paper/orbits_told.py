@@ -2,10 +2,23 @@
 
 from typing import Any
 
-from rattle_kernels import FoundOrbit, Oscillator, PeriodicOrbit, SpecialPoint, find_orbits
-from rattle_kernels.special_point import SpecialKind
+from rattle_kernels import (
+    Attractor,
+    FoundOrbit,
+    Oscillator,
+    PeriodicOrbit,
+    SpecialKind,
+    SpecialPoint,
+    continue_orbit,
+    find_orbits,
+    grazing_velocity,
+)
+from rattle_kernels.periodic_orbit import find_periodic_orbit
 
 _SEARCH_CELLS = 40
+# Windows are looked for within this part of the damping.
+_WINDOW = 0.02
+_WINDOW_POINTS = 400
 
 
 def orbits_named(oscillator: Oscillator, name: str) -> tuple[FoundOrbit, ...]:
@@ -46,4 +59,27 @@ def told_point(point: SpecialPoint) -> dict[str, Any]:
         "points": list(zip(point.t.tolist(), point.v.tolist(), strict=True)),
         "residual": point.residual,
         "error": point.error,
+    }
+
+
+def told_window(oscillator: Oscillator, attractor: Attractor) -> dict[str, Any]:
+    """Special points next below and next above in damping, between which a periodic attractor goes on as it is.
+
+    Empty where Newton's method does not find it again, as may be next to a graze.
+    """
+    orbit = find_periodic_orbit(
+        oscillator, float(attractor.time[0]), float(attractor.velocity[0]), attractor.upper_contacts,
+        float(grazing_velocity(oscillator, 0.0)),
+    )  # fmt: skip
+    if orbit is None:
+        return {}
+    here = oscillator.damping
+    bounds = (1.0 - _WINDOW) * here, (1.0 + _WINDOW) * here
+    points = continue_orbit(oscillator, orbit, "damping", bounds, most_points=_WINDOW_POINTS).special_points
+    below = max((point for point in points if point.value < here), key=lambda point: point.value, default=None)
+    above = min((point for point in points if point.value > here), key=lambda point: point.value, default=None)
+    return {
+        side: {"kind": point.kind.value, "damping": point.value, "residual": point.residual}
+        for side, point in (("below", below), ("above", above))
+        if point is not None
     }
