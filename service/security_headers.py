@@ -1,0 +1,56 @@
+"""Headers that keep browsers from doing with answers what they are not for."""
+
+from starlette.datastructures import MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+_NOTHING = "default-src 'none'; frame-ancestors 'none'"
+# FastAPI's pages load their scripts and styles from there.
+_DOCS = (
+    "default-src 'none'; connect-src 'self'; script-src 'unsafe-inline' https://cdn.jsdelivr.net; "
+    "style-src 'unsafe-inline' https://cdn.jsdelivr.net https://fonts.googleapis.com; "
+    "font-src https://fonts.gstatic.com; "
+    "img-src data: https://fastapi.tiangolo.com https://cdn.redoc.ly; worker-src blob:; frame-ancestors 'none'"
+)
+# The explorer brings all that it needs; pictures it makes itself, and `style` attributes it has none.
+_EXPLORER = (
+    "default-src 'self'; img-src 'self' blob: data:; style-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'"
+)
+_PAGES = ("/docs", "/docs/oauth2-redirect", "/redoc")
+
+
+def _policy(path: str) -> str:
+    if path == "/":
+        return _EXPLORER
+    return _DOCS if path in _PAGES else _NOTHING
+
+
+class SecurityHeaders:
+    """ASGI middleware that adds them to every answer.
+
+    Answers are private: kept by no cache, except by the client's own where they carry an ETag to ask again with.
+
+    Parameters
+    ----------
+    app : ASGI application
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer with the headers."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+
+        async def guarded(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                headers["x-content-type-options"] = "nosniff"
+                headers["referrer-policy"] = "no-referrer"
+                headers["content-security-policy"] = _policy(scope["path"])
+                headers.setdefault("cache-control", "private, no-cache" if "etag" in headers else "no-store")
+            await send(message)
+
+        await self.app(scope, receive, guarded)
