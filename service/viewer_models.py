@@ -7,7 +7,10 @@ from pydantic import BaseModel, Field
 
 from rattle_kernels import Attractor
 from worker.colours import MISSING, SPECKLE, Colour, Palette, colours_of
+from worker.overlay import Lines, Overlay
 from worker.panel_outline import PanelOutline
+
+_DIGITS = 7
 
 
 def _hex(colour: Colour) -> str:
@@ -67,6 +70,32 @@ class CurveView(BaseModel):
 
     time: list[float]
     velocity: list[float]
+
+
+class OverlayView(BaseModel):
+    """Curves, or marked departures, of one kind. Phases may run beyond a period."""
+
+    label: str
+    colour: str = Field(description="A colour by its name, as in the paper's pictures")
+    marker: Literal["+", "x", "."] | None = Field(description="null for curves")
+    pieces: list[CurveView] = Field(description="Each by itself: none is joined to another")
+
+    @classmethod
+    def from_overlay(cls, overlay: Overlay) -> "OverlayView":
+        """View of an overlay."""
+        if isinstance(overlay, Lines):
+            marker, pieces = None, [(piece.t, piece.v) for piece in overlay.pieces]
+        else:
+            marker, pieces = overlay.marker, [(overlay.t, overlay.v)]
+        # Finer than any screen, and a third of the bytes.
+        curves = [CurveView(time=t.round(_DIGITS).tolist(), velocity=v.round(_DIGITS).tolist()) for t, v in pieces]
+        return cls(label=overlay.label, colour=overlay.colour, marker=marker, pieces=curves)
+
+
+class OverlaysView(BaseModel):
+    """Overlays of one kind."""
+
+    overlays: list[OverlayView]
 
 
 class OutlineView(BaseModel):

@@ -8,6 +8,7 @@ from rattle_kernels import Attractor, Oscillator, grazing_velocity
 from worker.errors import InvalidJob
 from worker.layout import TileState
 from worker.results import representatives
+from worker.solution_table import SolutionTable
 from worker.store import BasinStore
 from worker.tiles import Tiling
 
@@ -54,6 +55,12 @@ def open_cells(location: str, panel: int = 0) -> BasinStore:
     return store
 
 
+def catalogue_of(store: BasinStore, table: SolutionTable, panel: int) -> dict[int, Attractor]:
+    """Solutions of a panel by number, with its own points; of the first panel as soon as they are known."""
+    numbers = table.numbers_in(panel) or (list(range(len(table.motions))) if panel == 0 else [])
+    return dict(zip(numbers, store.read_catalogue(panel, table, numbers), strict=True)) if numbers else {}
+
+
 def outline_panel(location: str, panel: int) -> PanelOutline:
     """Outline of a panel of the store at a location, finished or not.
 
@@ -69,10 +76,7 @@ def outline_panel(location: str, panel: int) -> PanelOutline:
     tiles = store.tiling.numbers_of(panel)
     states = store.read_ledger()[tiles]
     everywhere = representatives(store, table)
-    numbers = table.numbers_in(panel)
-    # Not complete, but its catalogue is there: that of the first panel is read as soon as it is.
-    own = numbers or (list(range(len(everywhere))) if panel == 0 else [])
-    there = dict(zip(own, store.read_catalogue(panel, table, own), strict=True)) if own else {}
+    there = catalogue_of(store, table, panel)
     grid, oscillator = store.job.grid, store.job.oscillator_of(panel)
     phases = np.linspace(grid.time_start, grid.time_stop, _CURVE_POINTS)
     return PanelOutline(

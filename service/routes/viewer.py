@@ -1,6 +1,7 @@
 """What a viewer draws a basin from: its outline, and its labels tile by tile."""
 
 import gzip
+import threading
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Query, Response
@@ -9,13 +10,19 @@ from service.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, not_modified
 from service.dependencies import JobId, JobsHere, SettingsHere, problems
 from service.errors import NotReady
 from service.routes.results import location_of
-from service.viewer_models import OutlineView
+from service.viewer_models import OutlineView, OverlaysView, OverlayView
+from worker.overlay_kind import OverlayKind
 from worker.panel_outline import outline_panel
+from worker.panel_overlays import overlay_panel
+from worker.results import fingerprint
 from worker.tile_labels import read_tile_labels
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["viewer"])
 
 _NOTHING_YET = problems(s404="there is no such job, or what was asked for is not there yet")
+# Overlays of one request at a time: they are computed here, beside everything else that is asked.
+_COMPUTING = threading.Lock()
+Panel = Annotated[int, Query(ge=0, description="Which basin of a sweep, the last swept parameter fastest")]
 _FOR_GOOD, _ASK_AGAIN = "private, max-age=604800, immutable", "private, no-cache"
 
 
@@ -29,12 +36,40 @@ def get_outline(
     job_id: JobId,
     jobs: JobsHere,
     settings: SettingsHere,
-    panel: Annotated[int, Query(ge=0, description="Which basin of a sweep, the last swept parameter fastest")] = 0,
+    panel: Panel = 0,
     if_none_match: IfNoneMatch = None,
 ) -> Response:
     """Window, tiles and what is in them, solutions with their colours and points, the grazing curve."""
     view = OutlineView.from_outline(outline_panel(location_of(job_id, jobs, settings), panel))
     return view_or_not_modified(view, if_none_match)
+
+
+@router.get(
+    "/overlays/{kind}",
+    response_model=OverlaysView,
+    summary="What can be laid over a basin",
+    responses=_NOTHING_YET | NOT_MODIFIED,
+)
+def get_overlays(
+    job_id: JobId,
+    kind: OverlayKind,
+    jobs: JobsHere,
+    settings: SettingsHere,
+    panel: Panel = 0,
+    if_none_match: IfNoneMatch = None,
+) -> Response:
+    """Curves and marks of one kind, computed when they are asked for: saddles and manifolds take seconds.
+
+    Saddles and manifolds need the catalogue of motions: before it is there, the list is empty.
+    """
+    location = location_of(job_id, jobs, settings)
+    etag = etag_of(fingerprint(location), kind, str(panel))
+    if (known := not_modified(etag, if_none_match)) is not None:
+        return known
+    with _COMPUTING:
+        overlays = [OverlayView.from_overlay(each) for each in overlay_panel(location, panel, kind)]
+    body = OverlaysView(overlays=overlays).model_dump_json()
+    return Response(body, media_type="application/json", headers={"etag": etag})
 
 
 @router.get(
