@@ -8,10 +8,9 @@ import { showHistories } from "./history.js";
 import { showLegend } from "./legend.js";
 import { askForKey } from "./login.js";
 import { followMotion } from "./motion.js";
-import { OVERLAYS } from "./overlays.js";
+import { OverlayList } from "./overlay_list.js";
 import { Picture } from "./picture.js";
 import { Plane } from "./plane.js";
-import { element } from "./chart.js";
 import { stateInWords, showProgress } from "./state.js";
 import { Sweep } from "./sweep.js";
 import { showTakeaway } from "./takeaway.js";
@@ -27,6 +26,7 @@ const at = { job: null, panel: 0, motions: new Map(), result: null, following: n
 const plane = new Plane(by("plane"), { moved, hovered, picked, whole: () => plane.go(at.whole) });
 const form = new Form(by("ask"), (request) => submit(request, false));
 const sweep = new Sweep(by("sweep"), openPanel);
+const overlays = new OverlayList(by("overlays"), plane);
 
 // Saying how it goes.
 
@@ -79,6 +79,7 @@ async function open(job, panel, view, over) {
   const { signal } = (at.following = new AbortController());
   const same = over && sameOscillator(at.job?.request, job.request);
   if (!same) forgetMotions();
+  if (!same) overlays.forget();
   if (!over) plane.clear();
   [at.job, at.panel, at.result] = [job, panel, null];
   const { time, velocity } = job.request.grid;
@@ -142,6 +143,7 @@ async function draw(picture, job, signal) {
   plane.draw();
   legend();
   read();
+  overlays.of(picture.job, picture.panel, picture.outline.complete);
   await followAgain();
   if (job.request.vary) await chartShares(picture, job);
 }
@@ -158,6 +160,7 @@ async function chartShares(picture, job) {
 function openPanel(panel) {
   if (panel === at.panel) return;
   forgetMotions();
+  overlays.forget();
   at.following?.abort();
   const { signal } = (at.following = new AbortController());
   at.panel = panel;
@@ -271,25 +274,6 @@ function forgetMotions() {
 
 // Setting up.
 
-function offerOverlays() {
-  const place = by("overlays");
-  for (const overlay of OVERLAYS) {
-    const line = document.createElement("label");
-    const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: overlay.on });
-    const sign = element("svg", { viewBox: "0 0 26 16", "aria-hidden": "true" });
-    sign.append(element("rect", { width: 26, height: 16, rx: 3, fill: "#48505c" }));
-    sign.append(element("path", { d: overlay.sign.d, stroke: overlay.sign.stroke, "stroke-width": 2, fill: "none", "stroke-linecap": "round" }));
-    box.addEventListener("change", () => {
-      overlay.on = box.checked;
-      plane.overlays = OVERLAYS.filter(({ on }) => on);
-      plane.draw();
-    });
-    line.append(box, sign, overlay.label);
-    place.append(line);
-  }
-  plane.overlays = OVERLAYS.filter(({ on }) => on);
-}
-
 function restyle(look) {
   plane.restyle({ ...look, ground: colour("plot") });
   legend();
@@ -347,7 +331,6 @@ async function openAddress() {
 async function start() {
   whenKeyIsNeeded(askForKey);
   setUpControls();
-  offerOverlays();
   showTools();
   const offered = get("explorer/presets.json").then((presets) => form.offer(presets, readAddress().job ? "" : FIRST_PRESET));
   await Promise.all([offered, openAddress()]);

@@ -66,7 +66,49 @@ function drawAttractors(plot, picture) {
   }
 }
 
-/** Overlays that every basin has. */
+/** Curves as a path in units of the plane: thousands of points are then moved and scaled by the browser itself. */
+function pathOf(pieces) {
+  const path = new Path2D();
+  for (const { time, velocity } of pieces) time.forEach((t, i) => path[i ? "lineTo" : "moveTo"](t, velocity[i]));
+  return path;
+}
+
+function drawPath(plot, path, style) {
+  const { context, view } = plot;
+  const across = plot.width / (view.t1 - view.t0), up = -plot.height / (view.v1 - view.v0);
+  for (const shift of SHIFTS) {
+    const placed = new Path2D();
+    placed.addPath(path, new DOMMatrix([across, 0, 0, up, plot.x(shift), plot.y(0)]));
+    context.lineJoin = "round";
+    for (const [stroke, width] of [[style === "black" ? "rgb(255 255 255 / 45%)" : HALO, 2.6], [style, 1.3]]) {
+      context.strokeStyle = stroke;
+      context.lineWidth = width;
+      context.stroke(placed);
+    }
+  }
+}
+
+function drawUpright(plot, t, v) {
+  const { context } = plot;
+  const y = plot.y(v);
+  onEachPeriod(plot, t, (x) => {
+    context.beginPath();
+    context.moveTo(x - 7, y);
+    context.lineTo(x + 7, y);
+    context.moveTo(x, y - 7);
+    context.lineTo(x, y + 7);
+    strokeTwice(context, "#ffffff", 2.2);
+  });
+}
+
+function drawFetched(plot, overlays) {
+  for (const overlay of overlays) {
+    if (overlay.marker === null) drawPath(plot, (overlay.path ??= pathOf(overlay.pieces)), overlay.colour);
+    else overlay.pieces.forEach(({ time, velocity }) => time.forEach((t, i) => drawUpright(plot, t, velocity[i])));
+  }
+}
+
+/** What can be laid over a basin; what comes with its outline, and what is fetched when it is first switched on. */
 export const OVERLAYS = [
   {
     name: "grazing", label: "Grazing curve", on: true, sign: { d: "M1 12 C9 1 17 1 25 12", stroke: "#ffffff" },
@@ -76,7 +118,16 @@ export const OVERLAYS = [
     name: "attractors", label: "Attractors", on: true, sign: { d: "M4 3 L12 13 M4 13 L12 3 M18 5h.1 M21 9h.1 M19 12h.1 M23 6h.1", stroke: "#ffffff" },
     draw: drawAttractors,
   },
+  { name: "preimages", label: "Pre-images of grazing", on: false, sign: { d: "M1 12 C9 1 17 1 25 12", stroke: "#ffff00" }, fetched: [] },
+  { name: "manifolds", label: "Stable manifolds", on: false, sign: { d: "M1 4 C9 16 17 0 25 12", stroke: "#ff00ff" }, fetched: [] },
+  { name: "saddles", label: "Saddles", on: false, sign: { d: "M13 2V14 M7 8H19", stroke: "#ffffff" }, fetched: [] },
 ];
+
+/** Draw an overlay. */
+export function drawOverlay(plot, overlay, picture) {
+  if (overlay.fetched) drawFetched(plot, overlay.fetched);
+  else overlay.draw(plot, picture);
+}
 
 /** Draw a motion's departures: where each impact on +beta puts it, joined in order. */
 export function drawMotion(plot, departures, name) {

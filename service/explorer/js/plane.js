@@ -1,7 +1,7 @@
 /** The plane of departures: pictures of basins, one over the other, and what a hand does to them. */
 
 import { hatchMissing } from "./hatching.js";
-import { drawCrossHair, drawMotion } from "./overlays.js";
+import { drawCrossHair, drawMotion, drawOverlay } from "./overlays.js";
 import { Plot } from "./plot.js";
 import { colour } from "./theme.js";
 
@@ -134,7 +134,7 @@ export class Plane {
     plot.clipped(() => {
       for (const picture of this.pictures) picture.draw(plot);
       if (top) hatchMissing(plot, top);
-      if (top) for (const overlay of this.overlays) overlay.draw(plot, top);
+      if (top) for (const overlay of this.overlays) drawOverlay(plot, overlay, top);
       for (const [name, departures] of this.motions) drawMotion(plot, departures.map((each) => this.#inView(each)), name);
       if (this.crossHair) drawCrossHair(plot, this.crossHair);
       if (this.pointers?.box) this.#drawBox(plot);
