@@ -1,4 +1,4 @@
-"""Lanes that look where they are after every application of P: have they arrived, which boxes do they pass?
+"""Lanes that look where they are after every application of P: have they arrived, or which boxes do they pass.
 
 The flights are those of `impact_lanes`, to the bit. A lane looks after each return and takes the next point as soon as
 it has arrived: many points are followed at about the speed of the map itself, and one alone costs no call an impact.

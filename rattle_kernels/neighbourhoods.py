@@ -161,7 +161,7 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
         points = attractor.time.tobytes(), attractor.velocity.tobytes()
         if attractor.kind == AttractorKind.CHAOTIC:
             marked[index] = _boxes(oscillator, *points)
-        elif attractor.kind == AttractorKind.PERIODIC:
+        elif attractor.kind == AttractorKind.PERIODIC and attractor.time.size:  # a sweep lists others' orbits, too
             points_of_orbit, forms = _ellipses(oscillator, *points)
             centre.append(points_of_orbit)
             form.append(forms)

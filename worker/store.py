@@ -182,12 +182,12 @@ class BasinStore:
         names = [motion.name for motion in table.motions]
         columns = [np.array(column) for column in zip(*table.motions, strict=True)]
         with told_as_store_failure(self.location):
-            there = self._array(layout.POINTS[0]).shape[-2:]
+            there = self._kept(layout.POINTS[0]).shape[-2:]
             room = max(there[0], len(names)), max(there[1], points)
             if room == there:
                 return
             for variable in layout.POINTS:
-                self._array(variable).resize((*self.job.panel_shape, *room))
+                self._kept(variable).resize((*self.job.panel_shape, *room))
             for variable in self._measured():
                 self._array(variable).resize((*self.job.panel_shape, room[0]))
             for variable, values in zip(
@@ -204,16 +204,19 @@ class BasinStore:
         return layout.MEASURED if self.job.sample is None else (*layout.MEASURED, layout.SHARE_ERROR)
 
     def write_points(self, panel: int, numbers: Sequence[int], attractors: Sequence[Attractor]) -> None:
-        """Write the points of a panel's attractors, under their numbers."""
+        """Write the points of a panel's attractors, under their numbers, and no more than holds them."""
         place = self.job.place_of(panel)
+        room = max(numbers) + 1, max(1, *(attractor.time.size for attractor in attractors))
         with told_as_store_failure(self.location):
             for variable, field in zip(layout.POINTS, ("time", "velocity"), strict=True):
-                array = self._array(variable)
-                padded = np.full(array.shape[-2:], np.nan)
+                array = self._kept(variable)
+                if array.shape[-2] < room[0] or array.shape[-1] < room[1]:  # it has been lengthened meanwhile
+                    array = self._handles[variable.path] = self._array(variable)
+                padded = np.full(room, np.nan)
                 for number, attractor in zip(numbers, attractors, strict=True):
                     values = getattr(attractor, field)
                     padded[number, : values.size] = values
-                array[*place, :, :] = padded
+                array[*place, : room[0], : room[1]] = padded
 
     def write_solutions(self, table: SolutionTable) -> None:
         """Write what solutions are like in each panel, those that there is room for (driver only)."""

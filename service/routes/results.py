@@ -8,10 +8,12 @@ from fastapi.responses import FileResponse
 from service.dependencies import JobsHere, SettingsHere, problems
 from service.errors import JobNotFound, NotReady
 from service.models import ResultView
+from worker.errors import InvalidJob
 from worker.panel_picture import Layer
 from worker.picture import draw_basin
 from worker.result_files import file_of_store, result_location
 from worker.results import summarise
+from worker.share_chart import draw_shares
 from worker.store import holds_basin
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
@@ -44,6 +46,27 @@ def get_picture(job_id: str, jobs: JobsHere, settings: SettingsHere, layer: Laye
     """Draw the basin, also while tiles are still coming: what is missing is hatched."""
     buffer = io.BytesIO()
     draw_basin(_location(job_id, jobs, settings), buffer, layer=layer)
+    return Response(buffer.getvalue(), media_type="image/png")
+
+
+@router.get(
+    "/shares.png",
+    summary="Shares over the swept parameters",
+    response_class=Response,
+    responses={
+        200: {"content": {"image/png": {}}},
+        **problems(s404="there is no such job, or none of its basins is complete yet", s422="the job sweeps nothing"),
+    },
+)
+def get_shares(job_id: str, jobs: JobsHere, settings: SettingsHere) -> Response:
+    """Draw the share of each solution over the swept parameter, or maps of them over two, also while a sweep runs."""
+    location, buffer = _location(job_id, jobs, settings), io.BytesIO()
+    if jobs.get(job_id).kind != "sweep":
+        raise InvalidJob(f"job {job_id} is a single basin: it sweeps no parameter to draw shares over")
+    try:
+        draw_shares(location, buffer)
+    except InvalidJob as error:
+        raise NotReady(f"no basin of job {job_id} is complete yet") from error
     return Response(buffer.getvalue(), media_type="image/png")
 
 
