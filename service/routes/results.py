@@ -5,10 +5,10 @@ import re
 from importlib.metadata import version
 from typing import Annotated
 
-from fastapi import APIRouter, Response
-from fastapi.responses import FileResponse
+from fastapi import APIRouter, Request, Response
 from pydantic import AfterValidator
 
+from service.byte_range import answer_range
 from service.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, not_modified, view_or_not_modified
 from service.dependencies import JobId, JobsHere, SettingsHere, problems
 from service.errors import JobNotFound, NotReady
@@ -105,14 +105,18 @@ def get_shares(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_ma
 @router.get(
     "/result.zarr/{path:path}",
     summary="The Zarr store",
-    response_class=FileResponse,
+    response_class=Response,
     responses={200: {"content": {"application/octet-stream": {}}}, **_NOTHING_YET},
 )
 def get_store(
-    job_id: JobId, path: Annotated[str, AfterValidator(_store_path)], jobs: JobsHere, settings: SettingsHere
+    job_id: JobId,
+    path: Annotated[str, AfterValidator(_store_path)],
+    request: Request,
+    jobs: JobsHere,
+    settings: SettingsHere,
 ) -> Response:
     """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`, also while it grows."""
     file = file_of_store(_location(job_id, jobs, settings), path)
     if file is None:
         raise JobNotFound(f"the store of job {job_id} holds no {path!r}")
-    return FileResponse(file, media_type="application/octet-stream")
+    return answer_range(file, request.headers)
