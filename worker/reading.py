@@ -27,6 +27,7 @@ from worker.layout import LAYOUT_VERSION
 from worker.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
 from worker.panel_picture import frame
 from worker.picture import draw_legend
+from worker.storage import place_at
 from worker.swept_parameter import SweptParameter
 
 # Cells drawn each way at the most: a notebook's picture is smaller than a PNG that is asked for.
@@ -39,8 +40,8 @@ def open_basin(location: str | Path) -> xr.Dataset:
     Parameters
     ----------
     location : str or path
-        A folder, or the address of a service's ``result.zarr``. Its metadata may be consolidated (as this project's
-        stores are, and as HTTP needs) or plain.
+        A folder, ``s3://bucket/prefix``, or the address of a service's ``result.zarr``. Its metadata may be
+        consolidated (as this project's stores are, and as HTTP needs) or plain.
 
     Returns
     -------
@@ -64,10 +65,11 @@ def open_basin(location: str | Path) -> xr.Dataset:
 
 
 def _open(location: str) -> xr.Dataset:
+    store = location if location.startswith(("http://", "https://")) else place_at(location).zarr
     try:
-        return xr.open_zarr(location, consolidated=True)
+        return xr.open_zarr(store, consolidated=True)
     except ValueError:  # plain metadata: slower, one request an array
-        return xr.open_zarr(location, consolidated=False)
+        return xr.open_zarr(store, consolidated=False)
 
 
 def job_of(dataset: xr.Dataset) -> BasinJob:
