@@ -11,6 +11,7 @@ import httpx2 as httpx
 import pytest
 from worker.certificates import make_certificates
 
+from rattle_kernels import warm_up
 from tests.hosts.compose import parts_of_compose_file
 from tests.hosts.network import Network
 from tests.hosts.supervisor import Supervisor
@@ -97,6 +98,7 @@ class Cluster:
 def cluster(tmp_path_factory):
     if os.geteuid() != 0:
         pytest.skip("network namespaces take root")
+    warm_up()  # as in the image, no worker has to compile
     folder = tmp_path_factory.mktemp("hosts")
     files = make_certificates(folder / "certs", 1)
     secrets = folder / "secrets"
