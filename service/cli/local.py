@@ -42,7 +42,7 @@ def serve(
 
 
 def plot(
-    store: Annotated[Path, typer.Argument(help="Zarr store of a basin or a sweep, complete or not")],
+    store: Annotated[str, typer.Argument(help="Zarr store of a basin or a sweep, complete or not")],
     out_: Annotated[Path, typer.Option("--out", help="PNG to write")],
     layer: Annotated[Layer, typer.Option(help="Solutions, or Hsu's group, period or step")] = Layer.SOLUTION,
     shares: Annotated[bool, typer.Option("--shares", help="Shares over the swept parameter instead")] = False,
@@ -50,9 +50,9 @@ def plot(
     """Draw a basin in the paper's colours, or those of a sweep side by side."""
     try:
         if shares:
-            draw_shares(str(store), out_)
+            draw_shares(store, out_)
         else:
-            draw_basin(str(store), out_, layer=layer)
+            draw_basin(store, out_, layer=layer)
     except WorkerError as error:
         give_up(str(error))
     except OSError as error:
