@@ -1,10 +1,15 @@
 """What the explorer draws a basin from, over HTTP."""
 
+import math
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
 
+from service.models import BasinRequest, SweepRequest
 from tests.service.test_bad_input import assert_problem
+from worker.paper.papers_oscillator import papers_oscillator
 
 SMALL = {"grid": {"time": {"cells": 130}, "velocity": {"cells": 130}}, "iterations": 179}
 
@@ -92,6 +97,41 @@ def test_a_panel_of_a_sweep_has_its_own_outline_and_tiles(service):
     assert second["tiles"]["first"] == 1
     with xr.open_zarr(service.data / "results" / f"{job['id']}.zarr") as sweep:
         np.testing.assert_array_equal(tile(service, job, 1)["solution"], sweep.solution.values[1])
+
+
+def test_overlays_are_those_of_the_pictures(service, finished):
+    def overlays(kind):
+        return service.request("GET", f"/v1/jobs/{finished['id']}/overlays/{kind}").json()["overlays"]
+
+    first, second = overlays("preimages")
+    assert (first["label"], first["colour"], second["colour"]) == ("pre-image 1 of grazing", "black", "yellow")
+    assert first["marker"] is None and len(first["pieces"][0]["time"]) == len(first["pieces"][0]["velocity"]) > 10
+    marks = {mark["label"]: mark for mark in overlays("attractors")}
+    assert marks["P(1,1,0)"]["marker"] == "x"
+    assert_problem(service.request("GET", f"/v1/jobs/{finished['id']}/overlays/frame"), 422, "preimages")
+
+
+def test_the_page_comes_with_a_policy_that_lets_nothing_else_in(service):
+    page = service.request("GET", "/")
+    assert page.status_code == 200 and page.headers["content-type"].startswith("text/html")
+    policy = page.headers["content-security-policy"]
+    assert "default-src 'self'" in policy and "unsafe" not in policy and "http" not in policy
+    linked = re.findall(r'(?:src|href)="(explorer/[^"]+)"', page.text)
+    assert len(linked) == 3
+    for path in linked:
+        assert service.request("GET", f"/{path}").status_code == 200
+
+
+def test_every_example_of_the_page_is_a_request_of_the_paper(service):
+    presets = {preset["name"]: preset for preset in service.request("GET", "/explorer/presets.json").json()}
+    jobs = {
+        name: (SweepRequest if "vary" in preset["request"] else BasinRequest).model_validate(preset["request"]).to_job()
+        for name, preset in presets.items()
+    }
+    for name, stiffness in {"fig6a": 1e2, "fig6d": 1e5, "fig7top": 1e6, "fig7bottom": math.inf}.items():
+        assert jobs[name].oscillator == papers_oscillator(stiffness) and jobs[name].iterations == 1499
+    assert [job.panels for job in (jobs["fig8"], jobs["fig9"])] == [9, 9]
+    assert jobs["fig12"].oscillator.damping == 0.527 and jobs["fig13b"].oscillator.damping == 0.5922
 
 
 def check(service, **body):

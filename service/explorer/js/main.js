@@ -4,13 +4,14 @@ import { get, pathOf, post, send, whenKeyIsNeeded } from "./api.js";
 import { readAddress, writeAddress } from "./address.js";
 import { ended, follow } from "./follow.js";
 import { Form } from "./form.js";
-import { showHistories } from "./history.js";
 import { showLegend } from "./legend.js";
 import { askForKey } from "./login.js";
-import { followMotion } from "./motion.js";
+import { Motions } from "./motions.js";
 import { OverlayList } from "./overlay_list.js";
 import { Picture } from "./picture.js";
 import { Plane } from "./plane.js";
+import { listRecent } from "./recent.js";
+import { attempt, inWords, say } from "./say.js";
 import { stateInWords, showProgress } from "./state.js";
 import { Sweep } from "./sweep.js";
 import { showTakeaway } from "./takeaway.js";
@@ -21,28 +22,19 @@ const FIRST_PRESET = "fig7bottom";
 const ZOOM_REST_MS = 350;
 
 const by = (id) => document.getElementById(id);
-const at = { job: null, panel: 0, motions: new Map(), result: null, following: null, zoom: null, mine: null, whole: null, pointed: null };
+const at = { job: null, panel: 0, result: null, following: null, zoom: null, mine: null, whole: null, pointed: null };
 
-const plane = new Plane(by("plane"), { moved, hovered, picked, whole: () => plane.go(at.whole) });
+const plane = new Plane(by("plane"), {
+  moved, hovered, picked: (place, second) => at.job && motions.pick(place, second), whole: showWhole,
+});
 const form = new Form(by("ask"), (request) => submit(request, false));
 const sweep = new Sweep(by("sweep"), openPanel);
+const motions = new Motions(by("history"), plane, oscillatorHere);
 const overlays = new OverlayList(by("overlays"), plane);
 
-// Saying how it goes.
-
-function say(text, wrong = false) {
-  by("state").textContent = text;
-  by("state").classList.toggle("wrong", wrong);
-}
-
-/** Run something that may be refused, and say so in the service's words. */
-async function attempt(work) {
-  try {
-    return await work();
-  } catch (error) {
-    if (error.name !== "AbortError") say(`${error.message[0].toUpperCase()}${error.message.slice(1)}`, true);
-    return null;
-  }
+/** Back to the window that was asked for, before any zooming. */
+function showWhole() {
+  if (at.whole) plane.go(at.whole);
 }
 
 // Jobs.
@@ -56,15 +48,17 @@ async function submit(request, zooming) {
     });
     const job = await answer.json();
     // The same request may be another's job, under way or done: only what is new is ours to cancel.
-    at.mine = job.state === "queued" || Date.parse(job.created) >= Date.parse(answer.headers.get("date")) - 1000 ? job.id : null;
+    at.mine = Date.parse(job.created) >= Date.parse(answer.headers.get("date")) - 1000 ? job.id : null;
     await open(job, 0, zooming ? plane.view : null, zooming);
   });
 }
 
 /** Stop what this page has asked for, and nobody looks at any more. */
 async function withdraw() {
-  if (at.mine && at.job?.id === at.mine && !ended(at.job)) await post(at.job.links.cancel, {});
+  const superseded = at.mine && at.job?.id === at.mine && !ended(at.job);
   at.mine = null;
+  // Where it cannot be stopped it goes on, and the next one is computed all the same.
+  if (superseded) await post(at.job.links.cancel, {}).catch(() => {});
 }
 
 /**
@@ -78,7 +72,7 @@ async function open(job, panel, view, over) {
   at.following?.abort();
   const { signal } = (at.following = new AbortController());
   const same = over && sameOscillator(at.job?.request, job.request);
-  if (!same) forgetMotions();
+  if (!same) motions.forget();
   if (!same) overlays.forget();
   if (!over) plane.clear();
   [at.job, at.panel, at.result] = [job, panel, null];
@@ -119,7 +113,7 @@ async function watch(job, panel, signal) {
     }
     if (!signal.aborted) tell(now, place);
   };
-  const lost = (error) => say(`${error.message[0].toUpperCase()}${error.message.slice(1)}; trying again.`, true);
+  const lost = (error) => say(`${inWords(error)}; trying again.`, true);
   await attempt(() => follow(job, report, lost, signal));
 }
 
@@ -144,7 +138,7 @@ async function draw(picture, job, signal) {
   legend();
   read();
   overlays.of(picture.job, picture.panel, picture.outline.complete);
-  await followAgain();
+  await motions.again();
   if (job.request.vary) await chartShares(picture, job);
 }
 
@@ -159,7 +153,7 @@ async function chartShares(picture, job) {
 
 function openPanel(panel) {
   if (panel === at.panel) return;
-  forgetMotions();
+  motions.forget();
   overlays.forget();
   at.following?.abort();
   const { signal } = (at.following = new AbortController());
@@ -189,8 +183,7 @@ function requestHere() {
 }
 
 function oscillatorHere() {
-  const { request } = at.job;
-  return { ...request.oscillator, ...plane.picture?.outline.parameters };
+  return { ...at.job?.request.oscillator, ...plane.picture?.outline.parameters };
 }
 
 function moved(view) {
@@ -230,48 +223,6 @@ function showTools() {
   for (const id of ["back", "forward", "in", "out", "whole", "box", "layer"]) by(id).disabled = !at.job;
 }
 
-// Motions.
-
-/** Motions that began where nothing was known are followed anew once it is. */
-async function followAgain() {
-  for (const [name, { start }] of at.motions) {
-    const known = start.solution ? null : plane.at(start.t, start.v);
-    if (known) at.motions.set(name, await followMotion(oscillatorHere(), known));
-  }
-  if (at.motions.size) showMotions();
-}
-
-async function picked(place, wantsSecond) {
-  if (!at.job || place.v <= 0) return;
-  const second = by("second");
-  const name = at.motions.size && (wantsSecond || second.getAttribute("aria-pressed") === "true") ? "second" : "first";
-  second.setAttribute("aria-pressed", "false");
-  const known = plane.at(place.t, place.v);
-  const start = known ?? { t: place.t - Math.floor(place.t), v: place.v };
-  start.t -= Math.floor(start.t);
-  const { signal } = at.following;
-  await attempt(async () => {
-    const motion = await followMotion(oscillatorHere(), start);
-    if (signal.aborted) return;
-    if (name === "first") at.motions.delete("second");
-    at.motions.set(name, motion);
-    showMotions();
-  });
-}
-
-function showMotions() {
-  plane.motions = new Map([...at.motions].map(([name, { departures }]) => [name, departures]));
-  showHistories(by("history"), at.job.request.oscillator.half_backlash, at.motions);
-  plane.draw();
-}
-
-function forgetMotions() {
-  at.motions.clear();
-  plane.motions.clear();
-  showHistories(by("history"), 0, at.motions);
-  plane.draw();
-}
-
 // Setting up.
 
 function restyle(look) {
@@ -286,36 +237,21 @@ function setUpControls() {
   by("forward").addEventListener("click", () => history.forward());
   by("in").addEventListener("click", () => plane.zoom(0.7));
   by("out").addEventListener("click", () => plane.zoom(1 / 0.7));
-  by("whole").addEventListener("click", () => plane.go(at.whole));
+  by("whole").addEventListener("click", showWhole);
   const toggle = (button) => {
     const on = button.getAttribute("aria-pressed") !== "true";
     button.setAttribute("aria-pressed", String(on));
     return on;
   };
   by("box").addEventListener("click", () => (plane.boxing = toggle(by("box"))));
-  by("second").addEventListener("click", () => toggle(by("second")));
-  by("forget").addEventListener("click", forgetMotions);
   by("layer").addEventListener("change", () => {
     restyle({ layer: by("layer").value });
     if (at.job) showTakeaway(by("takeaway"), at.job, plane.look.layer);
   });
   by("palette").addEventListener("change", () => restyle({ palette: by("palette").value }));
   setUpTheme(by("theme"), () => restyle({}));
-  by("recent").addEventListener("toggle", () => by("recent").open && attempt(listRecent));
+  by("recent").addEventListener("toggle", () => by("recent").open && attempt(() => listRecent(by("recent").querySelector("ul"))));
   addEventListener("popstate", () => attempt(openAddress));
-}
-
-async function listRecent() {
-  const { jobs } = await get("/v1/jobs?size=10");
-  const items = jobs.map((job) => {
-    const { oscillator, vary } = job.request;
-    const what = vary ? `sweep of ${vary.map(({ parameter }) => parameter).join(", ")}` : `δ ${oscillator.damping}, ε ${oscillator.eccentricity}`;
-    const link = Object.assign(document.createElement("a"), { href: `?job=${job.id}`, textContent: `${what}: ${job.state}` });
-    const item = document.createElement("li");
-    item.append(link);
-    return item;
-  });
-  by("recent").querySelector("ul").replaceChildren(...items);
 }
 
 /** Look at what the address says. */
