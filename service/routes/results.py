@@ -87,7 +87,7 @@ def get_picture(
 )
 def get_shares(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
     """Draw the share of each solution over the swept parameter, or maps of them over two, also while a sweep runs."""
-    location, buffer = _location(job_id, jobs, settings), io.BytesIO()
+    location, buffer = location_of(job_id, jobs, settings), io.BytesIO()
     etag = etag_of(fingerprint(location), "shares", _VERSION)
     known = not_modified(etag, if_none_match)
     if known is not None:
