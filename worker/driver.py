@@ -23,7 +23,8 @@ from worker.tasks import Task
 
 _TRIES = 4
 _POLL_SECONDS = 0.2
-_NO_WORKER_SECONDS = 60.0
+# On a busy machine a worker that was killed is back after a minute.
+_NO_WORKER_SECONDS = 180.0
 _TASKS_A_THREAD = 2
 _LOST = "the connection to the scheduler is lost; submit again when it is back"
 
