@@ -27,7 +27,7 @@ def test_a_service_killed_at_random_moments_loses_nothing(a_service, right):
             kill(service)
     with a_service() as service:
         assert service.submit(BASIN)["id"] == job["id"]
-        assert service.wait(job["id"])["state"] == "succeeded"
+        assert service.wait(job["id"], seconds=150.0)["state"] == "succeeded"
         right(store_of(service, job), "basin", _LOST_AT_ONCE * kills)
 
 
@@ -65,5 +65,5 @@ def test_a_service_killed_at_the_steps_of_a_jobs_life_loses_nothing(a_service, r
             service.wait(job["id"], reached)
             kill(service)
     with a_service() as service:
-        assert service.wait(service.submit(request_)["id"])["state"] == "succeeded"
+        assert service.wait(service.submit(request_)["id"], seconds=150.0)["state"] == "succeeded"
         right(store_of(service, job), kind, _LOST_AT_ONCE * len(STEPS[kind]))
