@@ -10,7 +10,7 @@ from rattle_kernels.basin_integrity import (
     integrity_factor,
     local_integrity_measure,
 )
-from rattle_kernels.bifurcation_diagram import BifurcationDiagram, bifurcation_diagram
+from rattle_kernels.bifurcation_diagram import BifurcationDiagram, Motions, bifurcation_diagram, follow_values
 from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
 from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells, map_points
@@ -88,6 +88,7 @@ __all__ = [
     "ManifoldBranch",
     "ManifoldEnd",
     "ManifoldLimits",
+    "Motions",
     "MarkedWords",
     "NotASaddle",
     "Oscillator",
@@ -126,6 +127,7 @@ __all__ = [
     "eccentricity_bound_smooth_maxima",
     "find_attractors",
     "find_groups",
+    "follow_values",
     "find_saddle",
     "find_orbits",
     "global_integrity_measure",

@@ -11,14 +11,14 @@ from service.body_limit import BodyLimit
 from service.database import open_database
 from service.errors import install_error_handlers
 from service.jobs import Jobs
-from service.routes import basins, health, jobs, results, sweeps, trajectories
+from service.routes import analyses, basins, health, jobs, results, sweeps, trajectories
 from service.runner import Runner
 from service.settings import Settings
 from worker.cluster import connect
 
 _DESCRIPTION = """Basins of attraction of a rattling gear pair.
 
-Submit a basin, follow its job, read the result: a summary, a picture, or the Zarr store itself
+Submit a basin, a sweep or an analysis, follow its job, read the result: a summary, a picture, or the Zarr store itself
 (`xarray.open_zarr(".../v1/jobs/ID/result.zarr")`). A single motion is answered at
 once. Time counts forcing periods; everything else is nondimensional.
 """
@@ -58,6 +58,14 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.settings = settings
     app.add_middleware(BodyLimit, most=settings.max_body_bytes)
     install_error_handlers(app)
-    for router in (basins.router, sweeps.router, trajectories.router, jobs.router, results.router, health.router):
+    for router in (
+        basins.router,
+        sweeps.router,
+        analyses.router,
+        trajectories.router,
+        jobs.router,
+        results.router,
+        health.router,
+    ):
         app.include_router(router)
     return app

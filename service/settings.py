@@ -28,6 +28,9 @@ class Settings(BaseSettings):
     max_basins: PositiveInt = Field(10_000, description="Most basins of a sweep")
     max_sweep_applications: PositiveInt = Field(1_000_000_000_000, description="Most cells times k of a whole sweep")
 
+    max_diagram_applications: PositiveInt = Field(10_000_000_000, description="Most impacts of a bifurcation diagram")
+    max_diagram_points: PositiveInt = Field(20_000_000, description="Most departures that a bifurcation diagram keeps")
+
     @property
     def database(self) -> str:
         """SQLAlchemy URL of the job records."""

@@ -63,7 +63,7 @@ class _Window:
             raise error
         if attempt >= _TRIES:
             reason = f"{type(error).__name__}: {error}" if error else "its worker was lost"
-            what = f"{task.function.__name__} {task.number} of basin {task.panel}"
+            what = task.name or f"{task.function.__name__} {task.number} of basin {task.panel}"
             raise TileFailed(f"{what} failed {_TRIES} times; the last time: {reason}") from error
         self.submit(task, attempt + 1)
         return None

@@ -48,6 +48,8 @@ class BasinStore:
                 self._group = zarr.open_group(location, mode="r+", zarr_format=3, use_consolidated=False)
             except (FileNotFoundError, NotADirectoryError, ValueError) as error:
                 raise StoreConflict(f"{location} is no basin store: nothing there that Zarr can open") from error
+        if "kind" in self._group.attrs:
+            raise StoreConflict(f"{location} is no basin store: it is one of kind {self._group.attrs['kind']}")
         if self._group.attrs.get("layout_version") != layout.LAYOUT_VERSION:
             raise StoreConflict(f"{location} is no basin store of layout {layout.LAYOUT_VERSION}")
         self.job = BasinJob.from_request(json.loads(str(self._group.attrs["request"])))
@@ -68,8 +70,8 @@ class BasinStore:
         StoreFailed
             Where it cannot be written.
         """
-        if not holds_basin(location):
-            if "://" not in location and Path(location).exists() and _holds_something(Path(location)):
+        if not holds_store(location):
+            if "://" not in location and Path(location).exists() and holds_something(Path(location)):
                 raise StoreConflict(f"{location} exists and is no basin store: choose another place, or remove it")
             with told_as_store_failure(location):
                 create_store(location, job)
@@ -283,8 +285,8 @@ def _words(names: list[str]) -> list[str]:
     return [word if words.count(word) == 1 else f"{word}_{words[: i + 1].count(word)}" for i, word in enumerate(words)]
 
 
-def holds_basin(location: str) -> bool:
-    """Whether a basin's store lies at a location: its attributes are the last thing that is created."""
+def holds_store(location: str) -> bool:
+    """Whether a store of any kind lies at a location: its attributes are the last thing that is created."""
     with told_as_store_failure(location):
         try:
             group = zarr.open_group(location, mode="r", zarr_format=3, use_consolidated=False)
@@ -293,7 +295,7 @@ def holds_basin(location: str) -> bool:
         return "layout_version" in group.attrs
 
 
-def _holds_something(path: Path) -> bool:
+def holds_something(path: Path) -> bool:
     """Whether a path is a file, or a folder with anything but the beginnings of a store in it."""
     if not path.is_dir():
         return True

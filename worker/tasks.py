@@ -39,15 +39,16 @@ from worker.tiles import Tile, bands
 
 @dataclass(frozen=True)
 class Task:
-    """One call of a function of this module: ``function(location, digest, number, *arguments)``.
+    """One call: ``function(location, digest, number, *arguments)``, of a function of this module or of `analysis_run`.
 
-    ``number`` is that of a tile, or of a panel; ``panel`` the panel that it is for.
+    ``number`` is that of a tile, a panel or a piece; ``panel`` the panel that it is for; ``name`` what it is called.
     """
 
     function: Callable[..., Any]
     number: int
     panel: int
     arguments: tuple[Any, ...] = ()
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ class LabelReceipt:
     strangers: Scouts
 
 
-def _stop_if_cancelled() -> None:
+def stop_if_cancelled() -> None:
     """Leave a task that has been cancelled: `Future.cancel` alone does not stop a running function."""
     try:
         worker = get_worker()
@@ -116,7 +117,7 @@ def _map_in_bands(store: BasinStore, tile: Tile) -> CellImages:
     job, oscillator = store.job, store.job.oscillator_of(tile.panel)
     parts = []
     for rows in bands(tile, job.iterations):
-        _stop_if_cancelled()
+        stop_if_cancelled()
         parts.append(map_cells(oscillator, job.grid, job.iterations, rows, tile.columns))
     return CellImages(
         np.concatenate([part.image_cell for part in parts]),
@@ -163,7 +164,7 @@ def assemble_panel(location: str, digest: str, panel: int, scouts: Scouts) -> Ca
         store.write_grazing_velocity(
             panel, grazing_velocity(store.job.oscillator_of(panel), store.job.grid.time_centres())
         )
-    _stop_if_cancelled()
+    stop_if_cancelled()
     attractors = find_attractors(store.job.oscillator_of(panel), scouts.time, scouts.velocity)
     return CatalogueReceipt(attractors, time.perf_counter() - begin)
 
@@ -195,7 +196,7 @@ def label_tile(
     """
     store = _open(location, digest)
     tile = store.tiling.tile(number)
-    _stop_if_cancelled()
+    stop_if_cancelled()
     image, t, v = store.read_tile(store.places.mapped, tile)
     groups = _groups(location, digest, tile.panel) if store.places.labelled else None
     begin = time.perf_counter()

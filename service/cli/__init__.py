@@ -1,8 +1,8 @@
-"""The command line: ``rattle serve | basin | sweep | trajectory | paper | submit | jobs | cancel | plot``."""
+"""The command line: ``rattle COMMAND``."""
 
 import typer
 
-from service.cli import compute, local, paper, remote, trajectory
+from service.cli import analyses, compute, local, paper, remote, trajectory
 
 app = typer.Typer(
     name="rattle",
@@ -11,6 +11,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Which motion does a rattling gear end in? Basins of attraction of a backlash oscillator.\n\n"
     "Alone: `rattle basin` computes one here, `rattle sweep` many, `rattle plot` draws them; "
+    "`rattle bifurcation` explains them; "
     "`rattle trajectory` follows one motion, `rattle paper` recomputes a figure of the paper. "
     "With a service: `rattle serve` starts one, "
     "`rattle submit` sends it a request, `rattle jobs` and `rattle cancel` follow and stop what it does.",
@@ -18,6 +19,7 @@ app = typer.Typer(
 app.command()(local.serve)
 app.command()(compute.basin)
 app.command()(compute.sweep)
+app.command()(analyses.bifurcation)
 app.command()(trajectory.trajectory)
 app.command()(paper.paper)
 app.command()(remote.submit)

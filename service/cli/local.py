@@ -10,6 +10,8 @@ import uvicorn
 from service.app import create_app
 from service.cli.console import announce_compiling, err, give_up
 from service.settings import Settings
+from worker.analysis_kinds import ANALYSES, draw_analysis
+from worker.analysis_store import kind_of_store
 from worker.errors import WorkerError
 from worker.panel_picture import Layer
 from worker.picture import draw_basin
@@ -42,14 +44,16 @@ def serve(
 
 
 def plot(
-    store: Annotated[Path, typer.Argument(help="Zarr store of a basin or a sweep, complete or not")],
+    store: Annotated[Path, typer.Argument(help="Zarr store of any kind, complete or not")],
     out_: Annotated[Path, typer.Option("--out", help="PNG to write")],
     layer: Annotated[Layer, typer.Option(help="Solutions, or Hsu's group, period or step")] = Layer.SOLUTION,
     shares: Annotated[bool, typer.Option("--shares", help="Shares over the swept parameter instead")] = False,
 ) -> None:
-    """Draw a basin in the paper's colours, or those of a sweep side by side."""
+    """Draw a basin in the paper's colours, those of a sweep side by side, or what an analysis has found."""
     try:
-        if shares:
+        if kind_of_store(str(store)) in ANALYSES:
+            draw_analysis(str(store), out_)
+        elif shares:
             draw_shares(str(store), out_)
         else:
             draw_basin(str(store), out_, layer=layer)

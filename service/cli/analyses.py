@@ -1,0 +1,107 @@
+"""Commands that compute here, without a service, what explains basins: diagrams, orbits, manifolds, grazing curves."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rattle_kernels import OutsideDomain
+from service.cli.analysis_tables import print_analysis
+from service.cli.compute import Out, Workers, swept_of
+from service.cli.console import announce_compiling, give_up, out, print_seconds, progress_line
+from service.cli.interruptible import run_interruptibly
+from service.cli.oscillator import (
+    AllowNoQuietSolution,
+    Damping,
+    Eccentricity,
+    HalfBacklash,
+    Rule,
+    Stiffness,
+    oscillator_of,
+)
+from service.oscillator_model import PermanentContact, demand_quiet
+from service.settings import Settings
+from worker.analysis_job import AnalysisJob, Region
+from worker.analysis_kinds import ANALYSES
+from worker.analysis_run import AnalysisSummary, run_analysis
+from worker.bifurcation_job import BifurcationJob, Direction
+from worker.cluster import connect
+from worker.errors import InvalidJob, JobCancelled, WorkerError
+from worker.progress import Progress
+
+Time = Annotated[tuple[float, float], typer.Option(help="Phases of the region searched")]
+Velocity = Annotated[tuple[float, float], typer.Option(help="Speeds of the region searched")]
+
+
+def bifurcation(
+    out_: Out,
+    vary: Annotated[str, typer.Option(help="damping=0.5:0.6:1000[:geometric] or damping=0.5,0.55,0.6")],
+    damping: Damping = 0.6,
+    eccentricity: Eccentricity = 0.1,
+    half_backlash: HalfBacklash = 0.6,
+    stiffness: Stiffness = None,
+    rule: Rule = PermanentContact.ENVELOPE,
+    allow_no_quiet_solution: AllowNoQuietSolution = False,
+    seed: Annotated[
+        list[str] | None, typer.Option(help="Departure t,v to begin with; several; without, attractors are found")
+    ] = None,
+    time: Time = (0.0, 1.0),
+    velocity: Velocity = (0.0, 7.0),
+    direction: Annotated[Direction, typer.Option(help="Way in which values are visited")] = Direction.UP,
+    transient: Annotated[int, typer.Option(help="Impacts at each value before any are kept")] = 1000,
+    kept: Annotated[int, typer.Option(help="Departures kept at each value")] = 20,
+    workers: Workers = 2,
+) -> None:
+    """Compute a bifurcation diagram: last departures at each value, the very last seeding the next value."""
+    oscillator = oscillator_of(damping, eccentricity, half_backlash, stiffness, rule)
+
+    def job() -> BifurcationJob:
+        swept = swept_of(vary)
+        about = oscillator
+        if stiffness is None and swept.parameter == "stiffness":
+            about = oscillator._replace(stiffness=1.0)
+        seeds = tuple(_departure(text) for text in seed or ())
+        return BifurcationJob(about, swept, seeds, Region(*time, *velocity), direction, transient, kept)
+
+    _run(job, allow_no_quiet_solution, out_, workers)
+
+
+def _departure(text: str) -> tuple[float, float]:
+    """Departure as the command line writes it."""
+    try:
+        time, velocity = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise InvalidJob(f"--seed {text}: write phase and speed of a departure, as in 0.6,3.77") from error
+    return time, velocity
+
+
+def _run(describe: Callable[[], AnalysisJob], allow_no_quiet_solution: bool, out_: Path, workers: int) -> None:
+    try:
+        job = describe()
+        demand_quiet(job.demand_quiet, unless=allow_no_quiet_solution)
+    except (OutsideDomain, InvalidJob) as error:
+        give_up(str(error), 2)
+    try:
+        summary = _compute(job, str(out_), Settings().scheduler, workers)
+    except JobCancelled:
+        give_up(f"stopped; the same command goes on from what is in {out_}")
+    except WorkerError as error:
+        give_up(str(error))
+    print_analysis({"kind": summary.kind, **summary.told})
+    print_seconds(summary.seconds)
+    out.print(
+        f"{out_} is complete; draw it with: rattle plot {out_} --out picture.png", highlight=False, soft_wrap=True
+    )
+
+
+def _compute(job: AnalysisJob, location: str, scheduler: str | None, workers: int) -> AnalysisSummary:
+    announce_compiling()
+    with connect(scheduler, workers) as client, progress_line(unit="pieces") as line:
+
+        def report(progress: Progress) -> None:
+            line.show(progress.stage, (progress.tiles_done, progress.tiles_total))
+
+        return run_interruptibly(
+            lambda cancel: run_analysis(ANALYSES[job.kind], job, location, client, report=report, cancel=cancel)
+        )
