@@ -32,10 +32,10 @@ from rattle_kernels.impact_map import Impacts, previous_impacts
 from rattle_kernels.iterations import check_iterations
 from rattle_kernels.jit import compiled_before
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
-from rattle_kernels.manifold import ManifoldBranch, ManifoldEnd, ManifoldLimits, stable_manifold, unstable_manifold
+from rattle_kernels.manifold import ManifoldBranch, ManifoldEnd, ManifoldLimits, check_limits, stable_manifold, unstable_manifold
 from rattle_kernels.orbit_beyond_graze import orbit_beyond_graze
 from rattle_kernels.orbit_continuation import Branch, BranchEnd, continue_orbit
-from rattle_kernels.orbit_search import FoundOrbit, find_orbits
+from rattle_kernels.orbit_search import FoundOrbit, find_orbit, find_orbits, merge_orbits
 from rattle_kernels.oscillator import (
     Oscillator,
     OutsideDomain,
@@ -48,7 +48,7 @@ from rattle_kernels.oscillator import (
 )
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.periodic_orbit import PeriodicOrbit
-from rattle_kernels.polyline import CurveResolution, Piece, arclength, split_at_wrap
+from rattle_kernels.polyline import CurveResolution, Piece, arclength, check_resolution, split_at_wrap
 from rattle_kernels.saddle import NotASaddle, find_saddle
 from rattle_kernels.single_contact_orbit import (
     SingleContactOrbit,
@@ -115,7 +115,9 @@ __all__ = [
     "check_grid",
     "check_impacting",
     "check_iterations",
+    "check_limits",
     "check_quiet",
+    "check_resolution",
     "coarser_boxes",
     "compiled_before",
     "continue_attractor",
@@ -128,6 +130,7 @@ __all__ = [
     "find_attractors",
     "find_groups",
     "follow_values",
+    "find_orbit",
     "find_saddle",
     "find_orbits",
     "global_integrity_measure",
@@ -143,6 +146,7 @@ __all__ = [
     "map_points",
     "mark_images",
     "members_of",
+    "merge_orbits",
     "name_solutions",
     "next_impacts",
     "place_images",

@@ -48,10 +48,3 @@ class AnalysisView(BaseModel):
     pieces_done: int = Field(description="Parts of the work that are done and not yet put together; 0 when complete")
     seconds: dict[str, float] = Field(description="Time of the kernels in each stage, summed over pieces")
     zarr: str
-
-
-class OrbitPoint(BaseModel):
-    """A departure of an orbit."""
-
-    time: float
-    velocity: float

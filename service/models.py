@@ -213,7 +213,7 @@ class JobView(BaseModel):
         models: dict[str, type[Request]] = {"sweep": SweepRequest, "basin": BasinRequest, **ANALYSIS_REQUESTS}
         request = models[record.kind].model_validate(record.request)
         return cls(
-            id=record.id, kind=record.kind, state=record.state, request=request,  # type: ignore[arg-type]
+            id=record.id, kind=record.kind, state=record.state, request=request,
             created=record.created, started=record.started, finished=record.finished,
             progress=ProgressView(**record.progress) if record.progress else None,
             error=ErrorView(**record.error) if record.error else None,

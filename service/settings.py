@@ -30,6 +30,8 @@ class Settings(BaseSettings):
 
     max_diagram_applications: PositiveInt = Field(10_000_000_000, description="Most impacts of a bifurcation diagram")
     max_diagram_points: PositiveInt = Field(20_000_000, description="Most departures that a bifurcation diagram keeps")
+    max_orbit_starts: PositiveInt = Field(1_000_000, description="Most cells times greatest n+ of an orbit search")
+    max_branch_points: PositiveInt = Field(20_000, description="Most points each way of a branch or a curve")
 
     @property
     def database(self) -> str:

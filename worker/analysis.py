@@ -19,12 +19,10 @@ Columns = dict[str, np.ndarray]
 """Arrays by name."""
 Parts = Mapping[str, Columns]
 """Columns of the pieces that are done, by the pieces' names."""
-Watch = Callable[[], None]
-"""Called now and then by long work; leaves by an exception where that has been cancelled."""
 
 
 class Piece(NamedTuple):
-    """Work for one worker: ``compute(*arguments, watch=...)`` gives its columns. Its name is unique in the job."""
+    """Work for one worker: ``compute(*arguments, pause=...)`` gives its columns. Its name is unique in the job."""
 
     name: str
     compute: Callable[..., Columns]

@@ -10,8 +10,9 @@ from worker.analysis import Analysis
 from worker.analysis_run import read_analysis
 from worker.analysis_store import kind_of_store
 from worker.bifurcation import BIFURCATION
+from worker.orbits import ORBITS_ANALYSIS
 
-ANALYSES: dict[str, Analysis] = {"bifurcation": BIFURCATION}
+ANALYSES: dict[str, Analysis] = {"bifurcation": BIFURCATION, "orbits": ORBITS_ANALYSIS}
 
 
 def draw_analysis(location: str, target: str | Path | IO[bytes]) -> None:

@@ -42,7 +42,7 @@ def compute_piece(
     if store.digest != digest:
         raise StoreConflict(f"{location} holds the store of another request by now")
     begin = time.perf_counter()
-    columns = compute(*arguments, watch=stop_if_cancelled)
+    columns = compute(*arguments, pause=stop_if_cancelled)
     stop_if_cancelled()
     store.write_part(name, columns)
     return time.perf_counter() - begin

@@ -17,7 +17,8 @@ from rattle_kernels import (
     follow_values,
     next_impacts,
 )
-from worker.analysis import Analysis, Columns, Parts, Piece, Plan, Watch
+from rattle_kernels.pausing import Pause
+from worker.analysis import Analysis, Columns, Parts, Piece, Plan
 from worker.analysis_job import Region
 from worker.bifurcation_job import BifurcationJob
 from worker.bifurcation_picture import draw_diagram
@@ -36,7 +37,7 @@ _SETTLING = 1499
 _MOST_STRETCHES = 200
 
 
-def find_seeds(oscillator: Oscillator, region: Region, *, watch: Watch) -> Columns:
+def find_seeds(oscillator: Oscillator, region: Region, *, pause: Pause) -> Columns:
     """One departure of each attractor that motions from a region end in, permanent contact aside.
 
     Raises
@@ -50,7 +51,7 @@ def find_seeds(oscillator: Oscillator, region: Region, *, watch: Watch) -> Colum
         region.velocity_start + (region.velocity_stop - region.velocity_start) * middles,
     )
     landed = next_impacts(oscillator, t.ravel(), v.ravel(), _SETTLING)
-    watch()
+    pause()
     scouts = choose_scouts(oscillator, landed.t, landed.v)
     found = find_attractors(oscillator, scouts.time, scouts.velocity)
     moving = [each for each in found if each.kind in (AttractorKind.PERIODIC, AttractorKind.CHAOTIC)]
@@ -68,12 +69,12 @@ def find_seeds(oscillator: Oscillator, region: Region, *, watch: Watch) -> Colum
 
 def follow_stretch(
     oscillator: Oscillator, parameter: str, values: np.ndarray, motions: Motions, transient: int, kept: int,
-    *, watch: Watch,
+    *, pause: Pause,
 ) -> Columns:  # fmt: skip
     """One stretch of one chain, and where its motion is left."""
     rows = []
     for band in np.array_split(values, min(_BANDS, values.size)):
-        watch()
+        pause()
         run, motions = follow_values(oscillator, parameter, band, motions, transient, kept)
         rows.append(run)
     columns = {

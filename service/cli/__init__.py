@@ -11,7 +11,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Which motion does a rattling gear end in? Basins of attraction of a backlash oscillator.\n\n"
     "Alone: `rattle basin` computes one here, `rattle sweep` many, `rattle plot` draws them; "
-    "`rattle bifurcation` explains them; "
+    "`rattle bifurcation` and `rattle orbits` explain them; "
     "`rattle trajectory` follows one motion, `rattle paper` recomputes a figure of the paper. "
     "With a service: `rattle serve` starts one, "
     "`rattle submit` sends it a request, `rattle jobs` and `rattle cancel` follow and stop what it does.",
@@ -20,6 +20,7 @@ app.command()(local.serve)
 app.command()(compute.basin)
 app.command()(compute.sweep)
 app.command()(analyses.bifurcation)
+app.command()(analyses.orbits)
 app.command()(trajectory.trajectory)
 app.command()(paper.paper)
 app.command()(remote.submit)

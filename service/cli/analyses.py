@@ -28,6 +28,7 @@ from worker.analysis_run import AnalysisSummary, run_analysis
 from worker.bifurcation_job import BifurcationJob, Direction
 from worker.cluster import connect
 from worker.errors import InvalidJob, JobCancelled, WorkerError
+from worker.orbits_job import Continuation, OrbitSeed, OrbitsJob
 from worker.progress import Progress
 
 Time = Annotated[tuple[float, float], typer.Option(help="Phases of the region searched")]
@@ -65,6 +66,60 @@ def bifurcation(
         return BifurcationJob(about, swept, seeds, Region(*time, *velocity), direction, transient, kept)
 
     _run(job, allow_no_quiet_solution, out_, workers)
+
+
+def orbits(
+    out_: Out,
+    damping: Damping = 0.6,
+    eccentricity: Eccentricity = 0.1,
+    half_backlash: HalfBacklash = 0.6,
+    stiffness: Stiffness = None,
+    rule: Rule = PermanentContact.ENVELOPE,
+    allow_no_quiet_solution: AllowNoQuietSolution = False,
+    longest: Annotated[int, typer.Option(help="Greatest n+ searched for")] = 4,
+    time: Time = (0.0, 1.0),
+    velocity: Velocity = (0.0, 7.0),
+    cells: Annotated[int, typer.Option(help="Cells of the search each way")] = 40,
+    seed: Annotated[
+        list[str] | None, typer.Option(help="t,v[,period] close to an orbit; several; no search then")
+    ] = None,
+    follow: Annotated[str | None, typer.Option(help="damping=0.45:0.7[:points]: follow orbits in a parameter")] = None,
+    curves: Annotated[
+        str | None, typer.Option(help="eccentricity=0.05:0.15[:points]: and special points in a second one")
+    ] = None,
+    workers: Workers = 2,
+) -> None:
+    """Find periodic orbits, stable or not; follow them in a parameter and locate special points."""
+    oscillator = oscillator_of(damping, eccentricity, half_backlash, stiffness, rule)
+
+    def job() -> OrbitsJob:
+        seeds = tuple(_orbit_seed(text) for text in seed or ())
+        along = _continuation("follow", follow), _continuation("curves", curves)
+        return OrbitsJob(oscillator, longest, Region(*time, *velocity), cells, seeds, *along)
+
+    _run(job, allow_no_quiet_solution, out_, workers)
+
+
+def _orbit_seed(text: str) -> OrbitSeed:
+    """Departure and impact period as the command line writes them."""
+    *departure, period = text.split(",") if text.count(",") == 2 else [*text.split(","), "1"]
+    try:
+        time, velocity = (float(part) for part in departure)
+        return OrbitSeed(time, velocity, int(period))
+    except ValueError as error:
+        raise InvalidJob(f"--seed {text}: write phase, speed and impact period, as in 0.786,1.613,2") from error
+
+
+def _continuation(option: str, text: str | None) -> Continuation | None:
+    """Parameter to follow something in, as the command line writes it."""
+    if text is None:
+        return None
+    parameter, _, interval = text.partition("=")
+    try:
+        start, stop, *points = interval.split(":")
+        return Continuation(parameter, float(start), float(stop), *(int(count) for count in points))
+    except (ValueError, TypeError) as error:
+        raise InvalidJob(f"--{option} {text}: write damping=0.45:0.7 or damping=0.45:0.7:5000") from error
 
 
 def _departure(text: str) -> tuple[float, float]:

@@ -32,4 +32,49 @@ def _print_bifurcation(result: dict[str, Any]) -> None:
     _more(sum(motion["stretches_total"] for motion in result["motions"]))
 
 
-_PRINTERS = {"bifurcation": _print_bifurcation}
+def _stability(orbit: dict[str, Any]) -> str:
+    if orbit["attracts"]:
+        return "attracts"
+    return "unstable" if any(imaginary for _, imaginary in orbit["multipliers"]) else "saddle"
+
+
+def _complex(pair: list[float]) -> str:
+    return f"{pair[0]:.6g}{pair[1]:+.4g}i" if pair[1] else f"{pair[0]:.6g}"
+
+
+def print_orbits(orbits: list[dict[str, Any]]) -> None:
+    """Table of periodic orbits, each by its slowest departure."""
+    table = Table("", "orbit", "t", "v", "multipliers", "", "from grazing", "residual")
+    for number, orbit in enumerate(orbits[:_MOST_ROWS]):
+        first = orbit["departures"][0]
+        table.add_row(
+            str(number), orbit["name"], f"{first['time']:.10f}", f"{first['velocity']:.10f}",
+            ", ".join(_complex(pair) for pair in orbit["multipliers"]), _stability(orbit),
+            f"{orbit['grazing_distance']:.4g}", f"{orbit['residual']:.0e}",
+        )  # fmt: skip
+    out.print(table)
+    _more(len(orbits))
+
+
+def _print_orbits(result: dict[str, Any]) -> None:
+    print_orbits(result["orbits"])
+    for number, branch in enumerate(result["branches"]):
+        name = result["orbits"][branch["orbit"]]["name"]
+        ends = "; ".join(end["message"] for end in branch["ends"])
+        out.print(f"branch {number} of {name}, {branch['points']} points: {ends}", highlight=False, soft_wrap=True)
+    if result["special_points"]:
+        table = Table("", "special point", "value", "orbit", "branch", "error", "residual")
+        for number, point in enumerate(result["special_points"][:_MOST_ROWS]):
+            table.add_row(
+                str(number), point["kind"], f"{point['value']:.13g}", point["orbit"], str(point["branch"]),
+                f"{point['error']:.0e}", f"{point['residual']:.0e}",
+            )  # fmt: skip
+        out.print(table)
+        _more(len(result["special_points"]))
+    for curve in result["curves"]:
+        ends = "; ".join(curve["ends"])
+        told = f"curve of special point {curve['special_point']}, {curve['points']} points: {ends}"
+        out.print(told, highlight=False, soft_wrap=True)
+
+
+_PRINTERS = {"bifurcation": _print_bifurcation, "orbits": _print_orbits}
