@@ -16,7 +16,13 @@ from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
 from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells, map_points
 from rattle_kernels.continuation import attractor_distance, continue_attractor
 from rattle_kernels.grazing_curve import grazing_velocity
-from rattle_kernels.grazing_preimages import TooManyPoints, grazing_preimages
+from rattle_kernels.grazing_preimages import (
+    STRETCHES,
+    TooManyPoints,
+    grazing_preimages,
+    join_stretches,
+    preimages_of_stretch,
+)
 from rattle_kernels.image_set import (
     ImageSet,
     MarkedWords,
@@ -32,7 +38,14 @@ from rattle_kernels.impact_map import Impacts, previous_impacts
 from rattle_kernels.iterations import check_iterations
 from rattle_kernels.jit import compiled_before
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
-from rattle_kernels.manifold import ManifoldBranch, ManifoldEnd, ManifoldLimits, check_limits, stable_manifold, unstable_manifold
+from rattle_kernels.manifold import (
+    ManifoldBranch,
+    ManifoldEnd,
+    ManifoldLimits,
+    check_limits,
+    stable_manifold,
+    unstable_manifold,
+)
 from rattle_kernels.orbit_beyond_graze import orbit_beyond_graze
 from rattle_kernels.orbit_continuation import Branch, BranchEnd, continue_orbit
 from rattle_kernels.orbit_search import FoundOrbit, find_orbit, find_orbits, merge_orbits
@@ -66,6 +79,7 @@ __all__ = [
     "PERMANENT_CONTACT",
     "SINK",
     "STRANGER",
+    "STRETCHES",
     "UNDECIDED",
     "Attractor",
     "AttractorKind",
@@ -138,6 +152,7 @@ __all__ = [
     "grazing_velocity",
     "has_members",
     "integrity_factor",
+    "join_stretches",
     "label_cells",
     "landing_boxes",
     "least_disturbance",
@@ -151,6 +166,7 @@ __all__ = [
     "next_impacts",
     "place_images",
     "orbit_beyond_graze",
+    "preimages_of_stretch",
     "previous_impacts",
     "split_at_wrap",
     "stable_manifold",

@@ -10,9 +10,16 @@ from worker.analysis import Analysis
 from worker.analysis_run import read_analysis
 from worker.analysis_store import kind_of_store
 from worker.bifurcation import BIFURCATION
+from worker.grazing_curves import GRAZING_CURVE
+from worker.manifolds import MANIFOLD
 from worker.orbits import ORBITS_ANALYSIS
 
-ANALYSES: dict[str, Analysis] = {"bifurcation": BIFURCATION, "orbits": ORBITS_ANALYSIS}
+ANALYSES: dict[str, Analysis] = {
+    "bifurcation": BIFURCATION,
+    "orbits": ORBITS_ANALYSIS,
+    "manifold": MANIFOLD,
+    "grazing_curve": GRAZING_CURVE,
+}
 
 
 def draw_analysis(location: str, target: str | Path | IO[bytes]) -> None:

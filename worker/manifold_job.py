@@ -8,8 +8,8 @@ from typing import Any, ClassVar, NamedTuple
 from rattle_kernels import CurveResolution, ManifoldLimits, check_impacting, check_limits, check_resolution
 from worker.analysis_job import AnalysisJob, Region, check_region, check_velocity
 from worker.errors import InvalidJob
-from worker.oscillator_request import oscillator_from
 from worker.orbits_job import OrbitSeed, check_orbit_seed
+from worker.oscillator_request import oscillator_from
 
 
 class Side(StrEnum):

@@ -11,7 +11,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Which motion does a rattling gear end in? Basins of attraction of a backlash oscillator.\n\n"
     "Alone: `rattle basin` computes one here, `rattle sweep` many, `rattle plot` draws them; "
-    "`rattle bifurcation` and `rattle orbits` explain them; "
+    "`rattle bifurcation`, `rattle orbits`, `rattle manifold` and `rattle grazing-curve` explain them; "
     "`rattle trajectory` follows one motion, `rattle paper` recomputes a figure of the paper. "
     "With a service: `rattle serve` starts one, "
     "`rattle submit` sends it a request, `rattle jobs` and `rattle cancel` follow and stop what it does.",
@@ -21,6 +21,8 @@ app.command()(compute.basin)
 app.command()(compute.sweep)
 app.command()(analyses.bifurcation)
 app.command()(analyses.orbits)
+app.command()(analyses.manifold)
+app.command()(analyses.grazing_curve)
 app.command()(trajectory.trajectory)
 app.command()(paper.paper)
 app.command()(remote.submit)

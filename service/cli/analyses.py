@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rattle_kernels import OutsideDomain
+from rattle_kernels import CurveResolution, ManifoldLimits, Oscillator, OutsideDomain
 from service.cli.analysis_tables import print_analysis
 from service.cli.compute import Out, Workers, swept_of
 from service.cli.console import announce_compiling, give_up, out, print_seconds, progress_line
@@ -28,11 +28,16 @@ from worker.analysis_run import AnalysisSummary, run_analysis
 from worker.bifurcation_job import BifurcationJob, Direction
 from worker.cluster import connect
 from worker.errors import InvalidJob, JobCancelled, WorkerError
+from worker.grazing_curve_job import GrazingCurveJob
+from worker.manifold_job import Itinerary, ManifoldJob, Side
 from worker.orbits_job import Continuation, OrbitSeed, OrbitsJob
 from worker.progress import Progress
 
 Time = Annotated[tuple[float, float], typer.Option(help="Phases of the region searched")]
 Velocity = Annotated[tuple[float, float], typer.Option(help="Speeds of the region searched")]
+Kept = Annotated[tuple[float, float], typer.Option(help="Speeds to keep")]
+Chord = Annotated[float, typer.Option(help="Longest distance between neighbouring points")]
+Angle = Annotated[float, typer.Option(help="Largest angle between chords, radians")]
 
 
 def bifurcation(
@@ -100,14 +105,14 @@ def orbits(
     _run(job, allow_no_quiet_solution, out_, workers)
 
 
-def _orbit_seed(text: str) -> OrbitSeed:
+def _orbit_seed(text: str, option: str = "seed") -> OrbitSeed:
     """Departure and impact period as the command line writes them."""
     *departure, period = text.split(",") if text.count(",") == 2 else [*text.split(","), "1"]
     try:
         time, velocity = (float(part) for part in departure)
         return OrbitSeed(time, velocity, int(period))
     except ValueError as error:
-        raise InvalidJob(f"--seed {text}: write phase, speed and impact period, as in 0.786,1.613,2") from error
+        raise InvalidJob(f"--{option} {text}: write phase, speed and impact period, as in 0.786,1.613,2") from error
 
 
 def _continuation(option: str, text: str | None) -> Continuation | None:
@@ -120,6 +125,57 @@ def _continuation(option: str, text: str | None) -> Continuation | None:
         return Continuation(parameter, float(start), float(stop), *(int(count) for count in points))
     except (ValueError, TypeError) as error:
         raise InvalidJob(f"--{option} {text}: write damping=0.45:0.7 or damping=0.45:0.7:5000") from error
+
+
+def manifold(
+    out_: Out,
+    saddle: Annotated[
+        list[str], typer.Option(help="t,v[,period] close to a saddle, or an itinerary P(1,1,0); several")
+    ],
+    damping: Damping = 0.6,
+    eccentricity: Eccentricity = 0.1,
+    half_backlash: HalfBacklash = 0.6,
+    side: Annotated[Side, typer.Option(help="Which manifolds")] = Side.STABLE,
+    arclength: Annotated[float, typer.Option(help="Of each branch")] = 20.0,
+    velocity: Kept = (0.0, 7.0),
+    chord: Chord = 0.01,
+    angle: Angle = 0.2,
+    workers: Workers = 2,
+) -> None:
+    """Grow stable and unstable manifolds of saddles of the impacting model."""
+
+    def job() -> ManifoldJob:
+        saddles = tuple(Itinerary.from_text(text) if "(" in text else _orbit_seed(text, "saddle") for text in saddle)
+        limits = ManifoldLimits(arclength, *velocity)
+        oscillator = Oscillator(damping, eccentricity, half_backlash)
+        return ManifoldJob(oscillator, saddles, side, limits, _resolution(chord, angle))
+
+    _run(job, False, out_, workers)
+
+
+def grazing_curve(
+    out_: Out,
+    damping: Damping = 0.6,
+    eccentricity: Eccentricity = 0.1,
+    half_backlash: HalfBacklash = 0.6,
+    order: Annotated[int, typer.Option(help="Highest order of pre-images; 0 is the grazing curve itself")] = 2,
+    velocity: Kept = (0.0, 7.0),
+    chord: Chord = 0.01,
+    angle: Angle = 0.2,
+    workers: Workers = 2,
+) -> None:
+    """Draw the grazing curve of the impacting model and its pre-images."""
+
+    def job() -> GrazingCurveJob:
+        oscillator = Oscillator(damping, eccentricity, half_backlash)
+        return GrazingCurveJob(oscillator, order, velocity, _resolution(chord, angle))
+
+    _run(job, False, out_, workers)
+
+
+def _resolution(chord: float, angle: float) -> CurveResolution:
+    """Resolution whose finest chord is the default one, or the chord where that is finer."""
+    return CurveResolution(chord, angle, min(chord, CurveResolution().finest))
 
 
 def _departure(text: str) -> tuple[float, float]:

@@ -77,4 +77,31 @@ def _print_orbits(result: dict[str, Any]) -> None:
         out.print(told, highlight=False, soft_wrap=True)
 
 
-_PRINTERS = {"bifurcation": _print_bifurcation, "orbits": _print_orbits}
+def _print_manifold(result: dict[str, Any]) -> None:
+    print_orbits(result["saddles"])
+    table = Table("saddle", "manifold", "departure", "side", "arclength", "pieces", "vertices", "why it ends")
+    for branch in result["branches"][:_MOST_ROWS]:
+        table.add_row(
+            f"{branch['saddle']}: {result['saddles'][branch['saddle']]['name']}", branch["manifold"],
+            str(branch["departure"]), "later" if branch["side"] > 0 else "earlier", f"{branch['arclength']:.4f}",
+            str(branch["pieces"]), str(branch["vertices"]), branch["end"],
+        )  # fmt: skip
+    out.print(table)
+    _more(len(result["branches"]))
+
+
+def _print_grazing_curve(result: dict[str, Any]) -> None:
+    table = Table("order", "pieces", "vertices", "arclength", "")
+    for order in result["orders"]:
+        told = "" if order["complete"] else "incomplete: it needs more points than allowed"
+        sizes = (f"{order['arclength']:.4f}", told)
+        table.add_row(*(str(order[name]) for name in ("order", "pieces", "vertices")), *sizes)
+    out.print(table)
+
+
+_PRINTERS = {
+    "bifurcation": _print_bifurcation,
+    "orbits": _print_orbits,
+    "manifold": _print_manifold,
+    "grazing_curve": _print_grazing_curve,
+}
