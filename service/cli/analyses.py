@@ -130,7 +130,7 @@ def _continuation(option: str, text: str | None) -> Continuation | None:
 def manifold(
     out_: Out,
     saddle: Annotated[
-        list[str], typer.Option(help="t,v[,period] close to a saddle, or an itinerary P(1,1,0); several")
+        list[str], typer.Option(help="t,v[,period] close to a saddle, or P(1,1,0); several")
     ],
     damping: Damping = 0.6,
     eccentricity: Eccentricity = 0.1,
