@@ -8,10 +8,10 @@ from pydantic import TypeAdapter
 from service.analysis_requests import AnalysisResult
 from service.models import ResultView
 from worker.analysis_kinds import ANALYSES, draw_analysis
-from worker.analysis_run import summarise_analysis
+from worker.analysis_run import fingerprint_of_analysis, summarise_analysis
 from worker.panel_picture import Layer
 from worker.picture import draw_basin
-from worker.results import summarise
+from worker.results import fingerprint, summarise
 
 _ANALYSIS_RESULT: TypeAdapter[AnalysisResult] = TypeAdapter(AnalysisResult)
 
@@ -35,3 +35,8 @@ def draw_result(kind: str, location: str, target: IO[bytes], layer: Layer) -> No
         draw_analysis(location, target)
     else:
         draw_basin(location, target, layer=layer)
+
+
+def result_fingerprint(kind: str, location: str) -> bytes:
+    """What changes whenever a picture of the result does."""
+    return fingerprint_of_analysis(location) if kind in ANALYSES else fingerprint(location)

@@ -114,6 +114,11 @@ class AnalysisJob:
             return False
         return True
 
+    @property
+    def places(self) -> int:
+        """None: neither cells nor points of samples are computed."""
+        return 0
+
     def asked(self) -> dict[str, Any]:
         """What is asked about the oscillator, as JSON."""
         raise NotImplementedError

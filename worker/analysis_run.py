@@ -19,6 +19,7 @@ from worker.analysis_store import AnalysisStore, StoredParts
 from worker.driver import run_tasks
 from worker.errors import StoreConflict
 from worker.progress import Progress, Report, Stage
+from worker.store import Fence, unfenced
 from worker.tasks import Task, stop_if_cancelled
 
 
@@ -49,7 +50,14 @@ def compute_piece(
 
 
 def run_analysis(
-    analysis: Analysis, job: AnalysisJob, location: str, client: Client, *, report: Report, cancel: threading.Event
+    analysis: Analysis,
+    job: AnalysisJob,
+    location: str,
+    client: Client,
+    *,
+    report: Report,
+    cancel: threading.Event,
+    fence: Fence = unfenced,
 ) -> AnalysisSummary:
     """Compute an analysis into a store, or finish what was begun.
 
@@ -64,6 +72,8 @@ def run_analysis(
         Called with a `Progress` after every piece.
     cancel : threading.Event
         Set it to stop; the store stays readable and can be resumed.
+    fence : Fence
+        Called before everything that only the driver writes.
 
     Returns
     -------
@@ -71,9 +81,9 @@ def run_analysis(
 
     Raises
     ------
-    JobCancelled, NotFound, StoreConflict, StoreFailed, TileFailed, ClusterFailed
+    JobCancelled, LeaseLost, NotFound, StoreConflict, StoreFailed, TileFailed, ClusterFailed
     """
-    store = AnalysisStore.create_or_resume(location, analysis, job)
+    store = AnalysisStore.create_or_resume(location, analysis, job, fence)
     if store.complete:
         store.remove_parts()
         return summarise_analysis(analysis, location)
@@ -146,6 +156,17 @@ def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, Anal
     job = analysis.from_request(store.request)
     columns = store.read_tables() if store.complete else analysis.assemble(job, store.parts())
     return job, columns, store
+
+
+def fingerprint_of_analysis(location: str) -> bytes:
+    """What changes whenever a picture of the store does: which parts are there, and whether it is complete.
+
+    Raises
+    ------
+    StoreConflict, StoreFailed
+    """
+    store = AnalysisStore(location)
+    return " ".join([str(store.complete), *sorted(store.parts())]).encode()
 
 
 def summarise_analysis(analysis: Analysis, location: str) -> AnalysisSummary:

@@ -7,7 +7,6 @@ stopped. When the store is complete its parts are removed: what is left is the s
 
 import json
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,8 @@ from worker.analysis_job import AnalysisJob
 from worker.errors import StoreConflict, told_as_store_failure
 from worker.layout import Variable
 from worker.new_store import CONFIG, birth_certificate, consolidate, now
-from worker.store import holds_something, holds_store
+from worker.storage import place_at
+from worker.store import Fence, holds_store, unfenced
 
 ANALYSIS_LAYOUT_VERSION = 1
 _PARTS = "parts"
@@ -32,7 +32,9 @@ class AnalysisStore:
     Parameters
     ----------
     location : str
-        A folder, or a URL that Zarr understands.
+        As in `worker.storage`.
+    fence : Fence
+        Of the driver.
 
     Raises
     ------
@@ -42,11 +44,11 @@ class AnalysisStore:
         Where it cannot be read.
     """
 
-    def __init__(self, location: str) -> None:
-        self.location = location
+    def __init__(self, location: str, fence: Fence = unfenced) -> None:
+        self.location, self._fence = location, fence
         with told_as_store_failure(location):
             try:
-                self._group = zarr.open_group(location, mode="r+", zarr_format=3, use_consolidated=False)
+                self._group = zarr.open_group(place_at(location).zarr, mode="r+", zarr_format=3, use_consolidated=False)
             except (FileNotFoundError, NotADirectoryError, ValueError) as error:
                 raise StoreConflict(f"{location} is no store: nothing there that Zarr can open") from error
         if "kind" not in self._group.attrs:
@@ -55,7 +57,9 @@ class AnalysisStore:
             raise StoreConflict(f"{location} is no analysis of layout {ANALYSIS_LAYOUT_VERSION}")
 
     @classmethod
-    def create_or_resume(cls, location: str, analysis: Analysis, job: AnalysisJob) -> "AnalysisStore":
+    def create_or_resume(
+        cls, location: str, analysis: Analysis, job: AnalysisJob, fence: Fence = unfenced
+    ) -> "AnalysisStore":
         """Store of `job` at `location`: the one that is there, or a new one.
 
         Raises
@@ -66,11 +70,12 @@ class AnalysisStore:
             Where it cannot be written.
         """
         if not holds_store(location):
-            if "://" not in location and Path(location).exists() and holds_something(Path(location)):
-                raise StoreConflict(f"{location} exists and is no store: choose another place, or remove it")
+            fence()
             with told_as_store_failure(location):
+                if place_at(location).taken():
+                    raise StoreConflict(f"{location} exists and is no store: choose another place, or remove it")
                 _create(location, analysis, job)
-        store = cls(location)
+        store = cls(location, fence)
         if store.digest != job.digest:
             raise StoreConflict(
                 f"{location} holds the store of another request: choose another place, or remove it\n"
@@ -123,6 +128,7 @@ class AnalysisStore:
 
     def publish(self, variables: tuple[Variable, ...], columns: Columns) -> None:
         """Write the tables, in place of those that are there (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
             for variable in variables:
                 if variable.name in self._group:
@@ -138,12 +144,14 @@ class AnalysisStore:
 
     def finish(self, seconds: dict[str, float]) -> None:
         """Mark the store complete, and remove the parts (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
-            self._group.attrs.update({"complete": True, "finished": now(), "seconds": seconds})
+            self._group.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
         self.remove_parts()
 
     def remove_parts(self) -> None:
         """Remove the parts of a store whose tables are complete (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
             if _PARTS in self._group:
                 del self._group[_PARTS]
@@ -188,15 +196,15 @@ def kind_of_store(location: str) -> str:
     if not holds_store(location):
         raise StoreConflict(f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open")
     with told_as_store_failure(location):
-        group = zarr.open_group(location, mode="r", zarr_format=3, use_consolidated=False)
+        group = zarr.open_group(place_at(location).zarr, mode="r", zarr_format=3, use_consolidated=False)
         return str(group.attrs.get("kind", "basin"))
 
 
 def _create(location: str, analysis: Analysis, job: AnalysisJob) -> None:
     """Lay out a new store: attributes alone, as nobody knows yet how long its tables will be."""
-    group = zarr.create_group(location, zarr_format=3, overwrite=True)
+    group = zarr.create_group(place_at(location).zarr, zarr_format=3, overwrite=True)
     born = birth_certificate(analysis.title, job.request(), job.digest)
-    group.attrs.update(born | {"kind": job.kind, "layout_version": ANALYSIS_LAYOUT_VERSION})
+    group.update_attributes(born | {"kind": job.kind, "layout_version": ANALYSIS_LAYOUT_VERSION})
     consolidate(location)
 
 

@@ -6,12 +6,16 @@ WorkerError
     StoreConflict    something else lies at the location: choose another, or delete it
     StoreFailed      the store could not be read or written: the message holds the system's reason; resume when mended
     TileFailed       a tile kept failing: the message names it and its last error
-    ClusterFailed    no scheduler or no worker answered
+    ClusterFailed    no scheduler or no worker answered: what had been computed is in the store; resume when they do
+    LeaseLost        another driver has taken the job over: leave it alone
     JobCancelled     somebody asked for it
 """
 
 import contextlib
+import re
 from collections.abc import Iterator
+
+from obstore.exceptions import BaseError as ObjectStoreError
 
 from rattle_kernels import OutsideDomain
 
@@ -68,6 +72,10 @@ class ClusterFailed(WorkerError):
     """The scheduler or its workers cannot be reached."""
 
 
+class LeaseLost(WorkerError):
+    """The job is another driver's by now."""
+
+
 class JobCancelled(WorkerError):
     """The job was cancelled; what had been computed is in the store, and its ledger tells what."""
 
@@ -77,6 +85,12 @@ def told_as_store_failure(location: str) -> Iterator[None]:
     """Say of any failure of the system which store it befell."""
     try:
         yield
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise StoreFailed(f"the store {location} cannot be read or written: {reason}") from error
+    except (OSError, ObjectStoreError) as error:
+        raise StoreFailed(f"the store {location} cannot be read or written: {_reason(error)}") from error
+
+
+def _reason(error: Exception) -> str:
+    """The system's reason in a line; that of S3 is in the XML of its answer, where it has answered."""
+    told = getattr(error, "strerror", None) or str(error)
+    answer = re.search(r"<Code>(.*?)</Code>\s*<Message>(.*?)</Message>", told)
+    return f"{answer.group(1)}: {answer.group(2)}" if answer else told.partition("\n")[0].strip()

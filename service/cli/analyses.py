@@ -129,9 +129,7 @@ def _continuation(option: str, text: str | None) -> Continuation | None:
 
 def manifold(
     out_: Out,
-    saddle: Annotated[
-        list[str], typer.Option(help="t,v[,period] close to a saddle, or P(1,1,0); several")
-    ],
+    saddle: Annotated[list[str], typer.Option(help="t,v[,period] close to a saddle, or P(1,1,0); several")],
     damping: Damping = 0.6,
     eccentricity: Eccentricity = 0.1,
     half_backlash: HalfBacklash = 0.6,
@@ -194,7 +192,7 @@ def _run(describe: Callable[[], AnalysisJob], allow_no_quiet_solution: bool, out
     except (OutsideDomain, InvalidJob) as error:
         give_up(str(error), 2)
     try:
-        summary = _compute(job, str(out_), Settings().scheduler, workers)
+        summary = _compute(job, str(out_), Settings(), workers)
     except JobCancelled:
         give_up(f"stopped; the same command goes on from what is in {out_}")
     except WorkerError as error:
@@ -206,9 +204,10 @@ def _run(describe: Callable[[], AnalysisJob], allow_no_quiet_solution: bool, out
     )
 
 
-def _compute(job: AnalysisJob, location: str, scheduler: str | None, workers: int) -> AnalysisSummary:
+def _compute(job: AnalysisJob, location: str, settings: Settings, workers: int) -> AnalysisSummary:
     announce_compiling()
-    with connect(scheduler, workers) as client, progress_line(unit="pieces") as line:
+    cluster = connect(settings.scheduler, workers, settings.certificates)
+    with cluster as client, progress_line(unit="pieces") as line:
 
         def report(progress: Progress) -> None:
             line.show(progress.stage, (progress.tiles_done, progress.tiles_total))

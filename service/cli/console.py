@@ -10,8 +10,6 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from rattle_kernels import compiled_before
-
 out = Console()
 err = Console(stderr=True)
 _PLAIN_LINE_SECONDS = 2.0
@@ -26,6 +24,8 @@ def give_up(message: str, code: int = 1) -> NoReturn:
 
 def announce_compiling() -> None:
     """Say why nothing happens for some seconds, where kernels have not been compiled on this machine yet."""
+    from rattle_kernels import compiled_before  # loads Numba, which commands that only ask a service do without
+
     if not compiled_before():
         err.print("compiling the kernels: some ten seconds, the first time only")
 

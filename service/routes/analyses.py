@@ -10,8 +10,11 @@ from service.submission import SubmissionHere
 router = APIRouter(prefix="/v1", tags=["submit"])
 
 _REFUSED = problems(
-    s400="malformed JSON", s413="body too large", s422="what is wrong with the request, field by field"
-)  # fmt: skip
+    s400="malformed JSON",
+    s413="body too large",
+    s422="what is wrong with the request, field by field",
+    s429="too much waits or is under way: the header Retry-After says when to ask again",
+)
 
 
 @router.post(
@@ -24,7 +27,8 @@ _REFUSED = problems(
 def submit_bifurcation(request: BifurcationRequest, submission: SubmissionHere) -> JobView:
     """Record a bifurcation diagram to be computed.
 
-    The same request again answers with the same job; after a failure or a cancellation, with a new one.
+    The same request again answers with the same job; after a failure or a cancellation, with a new one
+    that goes on from what is there.
     """
     return submission.accept(request)
 
@@ -39,7 +43,8 @@ def submit_bifurcation(request: BifurcationRequest, submission: SubmissionHere) 
 def submit_orbits(request: OrbitsRequest, submission: SubmissionHere) -> JobView:
     """Record periodic orbits to be found, and on request followed in one parameter or two.
 
-    The same request again answers with the same job; after a failure or a cancellation, with a new one.
+    The same request again answers with the same job; after a failure or a cancellation, with a new one
+    that goes on from what is there.
     """
     return submission.accept(request)
 
@@ -69,6 +74,7 @@ def submit_manifold(request: ManifoldRequest, submission: SubmissionHere) -> Job
 def submit_grazing_curve(request: GrazingCurveRequest, submission: SubmissionHere) -> JobView:
     """Record a grazing curve and its pre-images to be computed.
 
-    The same request again answers with the same job; after a failure or a cancellation, with a new one.
+    The same request again answers with the same job; after a failure or a cancellation, with a new one
+    that goes on from what is there.
     """
     return submission.accept(request)

@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+import typer
 import xarray as xr
 from typer.testing import CliRunner
 
@@ -19,9 +20,7 @@ def rattle(*arguments):
     return subprocess.run(command, capture_output=True, text=True, timeout=90)
 
 
-@pytest.mark.parametrize(
-    "command", ["serve", "basin", "sweep", "trajectory", "paper", "submit", "jobs", "cancel", "plot"]
-)
+@pytest.mark.parametrize("command", typer.main.get_command(app).commands)
 def test_every_command_explains_itself(command):
     answer = CliRunner().invoke(app, [command, "--help"])
     assert answer.exit_code == 0 and len(answer.output) > 200
@@ -105,7 +104,8 @@ def test_a_figure_of_the_paper_is_drawn_and_its_numbers_written_down(tmp_path):
         (["sweep", "--vary", "damping=0.5:0.6", "--out", "x.zarr"], 2, "write damping=0.5,0.55,0.6 or"),
         (["sweep", "--vary", "damping=0.5,0.2", "--out", "x.zarr"], 2, "value 1 of damping"),
         (["plot", "nowhere.zarr", "--out", "x.png"], 1, "nowhere.zarr is no basin store"),
-        (["paper", "fig99", "--out", "x"], 2, "choose one of fig1, fig4, fig6, fig7"),
+        (["plot", "nowhere.zarr", "--overlay", "saddle", "--out", "x.png"], 2, "choose among grazing,preimages"),
+        (["paper", "fig99", "--out", "x"], 2, "choose one of fig1, fig2, fig3, fig4"),
         (["paper", "fig7", "--cells", "0", "10", "--out", "x"], 2, "at least one cell each way"),
         (["paper", "fig4"], 2, "--out"),
         (["submit", "nowhere.json"], 2, "nowhere.json cannot be read"),
@@ -150,3 +150,16 @@ def test_a_refused_request_is_explained(service, tmp_path):
     request.write_text('{"oscillator": {"eccentricity": 0.2}}')
     answer = CliRunner().invoke(app, ["submit", str(request), "--url", service.url])
     assert answer.exit_code == 2 and "epsilon_crit2" in answer.output
+
+
+def test_every_command_is_listed_as_it_describes_itself():
+    listed = typer.main.get_command(app)
+    for name, stand_in in listed.commands.items():
+        _, command, _ = listed.resolve_command(None, [name])
+        assert command.help.startswith(stand_in.help.rstrip(".")), name
+
+
+def test_commands_that_only_ask_load_no_kernels_and_no_cluster():
+    look = "import sys; from service.cli import app, remote; print({'numba', 'dask', 'matplotlib'} & set(sys.modules))"
+    told = subprocess.run([sys.executable, "-c", look], capture_output=True, text=True, timeout=60)
+    assert told.stdout.strip() == "set()", told.stdout + told.stderr
