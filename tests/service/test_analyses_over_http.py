@@ -1,9 +1,13 @@
 """Diagrams, orbits, manifolds and grazing curves over HTTP, as a client sees them, and what is refused."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
+from typer.testing import CliRunner
 
+from service.cli import app
 from tests.service.test_bad_input import assert_problem, left_behind
 
 OSCILLATOR = {"damping": 0.575, "eccentricity": 0.1, "half_backlash": 0.6}
@@ -116,6 +120,18 @@ def test_pre_images_are_told_order_by_order(finished):
     _, result = finished["grazing-curves"]
     assert [(order["order"], order["pieces"], order["complete"]) for order in result["orders"]][0] == (0, 1, True)
     assert len(result["orders"]) == 2 and result["orders"][1]["arclength"] > result["orders"][0]["arclength"]
+
+
+@pytest.mark.parametrize("route", ROUTES)
+def test_a_shell_submits_every_kind_and_prints_what_was_found(service, finished, tmp_path, route):
+    job, _ = finished[route]
+    request = tmp_path / "request.json"
+    request.write_text(json.dumps(job["request"]))
+    command = ["submit", str(request), "--wait", "--url", service.url]
+    answer = CliRunner(env={"COLUMNS": "200"}).invoke(app, command)
+    assert answer.exit_code == 0, answer.output
+    told = {"bifurcations": "permanent contact", "orbits": "0.59971576259", "manifolds": "3.7699111843"}
+    assert job["id"] in answer.output and told.get(route, "vertices") in answer.output
 
 
 @pytest.mark.parametrize(
