@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from rich.table import Table
+from rich.table import Column, Table
 
 from service.cli.console import out
 
@@ -44,7 +44,9 @@ def _complex(pair: list[float]) -> str:
 
 def print_orbits(orbits: list[dict[str, Any]]) -> None:
     """Table of periodic orbits, each by its slowest departure."""
-    table = Table("", "orbit", "t", "v", "multipliers", "", "from grazing", "residual")
+    digits = (Column(name, no_wrap=True) for name in ("t", "v"))
+    folded = Column("multipliers", overflow="fold"), Column("", no_wrap=True), "from grazing", "residual"
+    table = Table("", Column("orbit", no_wrap=True), *digits, *folded)
     for number, orbit in enumerate(orbits[:_MOST_ROWS]):
         first = orbit["departures"][0]
         table.add_row(
@@ -63,7 +65,7 @@ def _print_orbits(result: dict[str, Any]) -> None:
         ends = "; ".join(end["message"] for end in branch["ends"])
         out.print(f"branch {number} of {name}, {branch['points']} points: {ends}", highlight=False, soft_wrap=True)
     if result["special_points"]:
-        table = Table("", "special point", "value", "orbit", "branch", "error", "residual")
+        table = Table("", "special point", Column("value", no_wrap=True), "orbit", "branch", "error", "residual")
         for number, point in enumerate(result["special_points"][:_MOST_ROWS]):
             table.add_row(
                 str(number), point["kind"], f"{point['value']:.13g}", point["orbit"], str(point["branch"]),
@@ -79,14 +81,13 @@ def _print_orbits(result: dict[str, Any]) -> None:
 
 def _print_manifold(result: dict[str, Any]) -> None:
     print_orbits(result["saddles"])
-    table = Table("saddle", "manifold", "departure", "side", "arclength", "pieces", "vertices", "why it ends")
     for branch in result["branches"][:_MOST_ROWS]:
-        table.add_row(
-            f"{branch['saddle']}: {result['saddles'][branch['saddle']]['name']}", branch["manifold"],
-            str(branch["departure"]), "later" if branch["side"] > 0 else "earlier", f"{branch['arclength']:.4f}",
-            str(branch["pieces"]), str(branch["vertices"]), branch["end"],
-        )  # fmt: skip
-    out.print(table)
+        name = f"{branch['saddle']}: {result['saddles'][branch['saddle']]['name']}"
+        where = f"departure {branch['departure']}, {'later' if branch['side'] > 0 else 'earlier'} phases"
+        size = f"arclength {branch['arclength']:.4f}, {branch['pieces']} pieces, {branch['vertices']} vertices"
+        out.print(
+            f"{branch['manifold']} branch of {name}, {where}: {size}; {branch['end']}", highlight=False, soft_wrap=True
+        )
     _more(len(result["branches"]))
 
 
