@@ -58,6 +58,7 @@ from rattle_kernels.oscillator import (
     eccentricity_bound_convexity,
     eccentricity_bound_quiet,
     eccentricity_bound_smooth_maxima,
+    stiffness_bound,
 )
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.periodic_orbit import PeriodicOrbit
@@ -170,6 +171,7 @@ __all__ = [
     "previous_impacts",
     "split_at_wrap",
     "stable_manifold",
+    "stiffness_bound",
     "time_history",
     "single_contact_orbits",
     "uncertainty_exponent",

@@ -28,7 +28,7 @@ _VERSION = version("gear-rattle")
 _NOTHING_YET = problems(s404="there is no such job, or it has not begun")
 
 
-def _location(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
+def location_of(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
     """Place of a job's store, once there is one."""
     record = jobs.get(job_id)
     location = result_location(settings.results, record.store or job_id)
@@ -55,7 +55,7 @@ def get_result(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_ma
 
     Also while the job runs, and then it says that it is not complete.
     """
-    location = _location(job_id, jobs, settings)
+    location = location_of(job_id, jobs, settings)
     view = result_view(jobs.get(job_id).kind, location, f"/v1/jobs/{job_id}/result.zarr")
     return view_or_not_modified(view, if_none_match)
 
@@ -74,7 +74,7 @@ def get_picture(
     if_none_match: IfNoneMatch = None,
 ) -> Response:
     """Draw the basin, also while tiles are still coming: what is missing is hatched. Or what an analysis has found."""
-    location, kind = _location(job_id, jobs, settings), jobs.get(job_id).kind
+    location, kind = location_of(job_id, jobs, settings), jobs.get(job_id).kind
     # Asked before the picture is drawn: a tile that comes meanwhile is in the picture, and changes the next ETag.
     etag = etag_of(result_fingerprint(kind, location), layer, _VERSION)
     known = not_modified(etag, if_none_match)
@@ -97,7 +97,7 @@ def get_picture(
 )
 def get_shares(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
     """Draw the share of each solution over the swept parameter, or maps of them over two, also while a sweep runs."""
-    location, buffer = _location(job_id, jobs, settings), io.BytesIO()
+    location, buffer = location_of(job_id, jobs, settings), io.BytesIO()
     kind = jobs.get(job_id).kind
     if kind != "sweep":
         raise InvalidJob(f"job {job_id} is of kind {kind}: only a sweep has a parameter to draw shares over")
@@ -127,7 +127,7 @@ def get_store(
     settings: SettingsHere,
 ) -> Response:
     """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`, also while it grows."""
-    file = file_of_store(_location(job_id, jobs, settings), path)
+    file = file_of_store(location_of(job_id, jobs, settings), path)
     if file is None:
         raise JobNotFound(f"the store of job {job_id} holds no {path!r}")
     return answer_range(file, request.headers)
