@@ -29,8 +29,9 @@ from rattle_kernels.image_set import (
 )
 from rattle_kernels.impact_lanes import next_impacts
 from rattle_kernels.impact_map import Impacts, previous_impacts
-from rattle_kernels.iterations import check_iterations
+from rattle_kernels.iterations import check_iterations, expected_applications, settled_iterations
 from rattle_kernels.jit import compiled_before
+from rattle_kernels.lane_traps import NO_TRAPS, LaneTraps
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
 from rattle_kernels.manifold import ManifoldBranch, ManifoldEnd, ManifoldLimits, stable_manifold, unstable_manifold
 from rattle_kernels.orbit_beyond_graze import orbit_beyond_graze
