@@ -7,7 +7,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: help demo test test-slow check bench serve openapi lock clean
+.PHONY: help demo test test-slow test-faults check bench serve openapi lock clean
 
 help:  ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -27,7 +27,10 @@ test: $(READY)  ## run the tests (minutes)
 	$(BIN)/python -m pytest
 
 test-slow: $(READY)  ## run the slow tests as well
-	$(BIN)/python -m pytest -m 'slow or not slow'
+	$(BIN)/python -m pytest -m 'not faults'
+
+test-faults: $(READY)  ## kill and fill things from outside (minutes; as root also full and read-only disks)
+	$(BIN)/python -m pytest -m faults
 
 check: $(READY)  ## formatting, lint, types, import layers, spelling
 	$(BIN)/ruff format --check .

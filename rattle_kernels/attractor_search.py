@@ -13,7 +13,7 @@ Seeds are taken in ascending order, so the catalogue depends on the set of seeds
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -29,6 +29,8 @@ from rattle_kernels.outcome import Outcome
 from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 
 _SETTLING = 4096
+# A quarter of a second.
+_APPLICATIONS_AT_A_TIME = 1 << 24
 _LONGEST_PERIOD = 512
 _CLOSE_RETURN = 1e-6
 _LYAPUNOV_IMPACTS = 32_768
@@ -130,11 +132,20 @@ def _united(known: Attractor, motion: Attractor) -> Attractor:
     return motion._replace(time=time, velocity=np.concatenate([known.velocity[::2], motion.velocity[::2]]))
 
 
-def _settle(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int) -> tuple[np.ndarray, np.ndarray]:
+def _settle(
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int, pause: Callable[[], None]
+) -> tuple[np.ndarray, np.ndarray]:
     """Where points are after many applications, those captured left out."""
-    settled, _ = run_lanes(oscillator, t, v, applications, shortcuts=True)
-    left = settled.outcome == Outcome.RETURNED
-    return settled.t[left], settled.v[left]
+    times, speeds = [t[:0]], [v[:0]]
+    at_a_time = max(64, _APPLICATIONS_AT_A_TIME // applications)
+    for start in range(0, t.size, at_a_time):
+        pause()
+        part = slice(start, start + at_a_time)
+        settled, _ = run_lanes(oscillator, t[part], v[part], applications, shortcuts=True)
+        left = settled.outcome == Outcome.RETURNED
+        times.append(settled.t[left])
+        speeds.append(settled.v[left])
+    return np.concatenate(times), np.concatenate(speeds)
 
 
 def _canonical(found: Sequence[Attractor]) -> tuple[Attractor, ...]:
@@ -152,6 +163,7 @@ def find_attractors(
     t: np.typing.ArrayLike,
     v: np.typing.ArrayLike,
     known: Sequence[Attractor] = (),
+    pause: Callable[[], None] = lambda: None,
 ) -> tuple[Attractor, ...]:
     """Catalogue of the motions that seeds end in.
 
@@ -163,6 +175,8 @@ def find_attractors(
         Seeds: phases and speeds of departures from +beta, such as one landing point of every part of the plane.
     known : sequence of Attractor
         A catalogue to extend.
+    pause : callable
+        Called several times a second; what it raises ends the search.
 
     Returns
     -------
@@ -178,9 +192,10 @@ def find_attractors(
     checked = check_domain(oscillator)
     catalogue = list(known) or [PERMANENT_CONTACT_ATTRACTOR]
     seeds = np.unique(np.column_stack([np.asarray(t, np.float64), np.asarray(v, np.float64)]), axis=0)
-    t_left, v_left = _settle(checked, seeds[:, 0].copy(), seeds[:, 1].copy(), _SETTLING)
+    t_left, v_left = _settle(checked, seeds[:, 0].copy(), seeds[:, 1].copy(), _SETTLING, pause)
     fruitless = 0
     while t_left.size and fruitless < _FRUITLESS_SEEDS:
+        pause()
         places = locate(checked, neighbourhoods(checked, catalogue), t_left, v_left)
         t_left, v_left = t_left[places < 0], v_left[places < 0]
         if not t_left.size:
@@ -197,5 +212,5 @@ def find_attractors(
             fruitless += 1
             # A long transient: the others are likely on one too, and lanes follow them a hundred times faster than one
             # by one.
-            t_left, v_left = _settle(checked, t_left, v_left, 16 * _SETTLING)
+            t_left, v_left = _settle(checked, t_left, v_left, 16 * _SETTLING, pause)
     return _canonical(catalogue)

@@ -14,7 +14,7 @@ of any cell.
 *Capture* by ever lower bounces is decided by `capture`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -203,7 +203,14 @@ def _look(oscillator, bound, around, t, v, streak, candidate, place):
             place[i] = hit
 
 
-def locate(oscillator: Oscillator, around: Neighbourhoods, t: np.ndarray, v: np.ndarray, legs: int = 0) -> np.ndarray:
+def locate(
+    oscillator: Oscillator,
+    around: Neighbourhoods,
+    t: np.ndarray,
+    v: np.ndarray,
+    legs: int = 0,
+    pause: Callable[[], None] = lambda: None,
+) -> np.ndarray:
     """Follow points by P until each has arrived at an attractor.
 
     Parameters
@@ -217,6 +224,8 @@ def locate(oscillator: Oscillator, around: Neighbourhoods, t: np.ndarray, v: np.
     legs : int
         How often a point that has not arrived within 200 impacts is carried another 4093 and looked at for 40 more
         (transients).
+    pause : callable
+        Called between legs; what it raises ends the search.
 
     Returns
     -------
@@ -227,6 +236,7 @@ def locate(oscillator: Oscillator, around: Neighbourhoods, t: np.ndarray, v: np.
     place = np.full(t.size, -1, np.int64)
     left = np.arange(t.size)
     for leg in range(legs + 1):
+        pause()
         if leg > 0:
             carried, _ = run_lanes(oscillator, t, v, 4093, shortcuts=True)
             place[left[carried.outcome == Outcome.PERMANENT_CONTACT]] = 0

@@ -1,6 +1,6 @@
 """Solution of each landing point: the motion it truly ends in, whatever window it was seen in."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -15,10 +15,16 @@ STRANGER = -1
 # Transients of chaotic saddles: 32 more legs of 4093 impacts before a point is called a stranger.
 _LEGS = 32
 _LATTICE = 512
+# A leg of so many points takes some 0.4 s.
+_POINTS_AT_A_TIME = 8192
 
 
 def name_solutions(
-    oscillator: Oscillator, attractors: Sequence[Attractor], t: np.typing.ArrayLike, v: np.typing.ArrayLike
+    oscillator: Oscillator,
+    attractors: Sequence[Attractor],
+    t: np.typing.ArrayLike,
+    v: np.typing.ArrayLike,
+    pause: Callable[[], None] = lambda: None,
 ) -> np.ndarray:
     """Index of the attractor that each landing point ends in, found by following P from it.
 
@@ -30,6 +36,8 @@ def name_solutions(
         A catalogue of `find_attractors`: permanent contact first.
     t, v : array_like, shape (n,)
         Landing points: finite phases and speeds of departures from +beta.
+    pause : callable
+        Called several times a second; what it raises ends the search.
 
     Returns
     -------
@@ -49,7 +57,12 @@ def name_solutions(
         raise ValueError("landing points must be finite with positive speeds; captured cells have none: leave them out")
     times = times - np.floor(times)
     times[times == 1.0] = 0.0  # what a phase just below 0 rounds to
-    return locate(checked, neighbourhoods(checked, attractors), times, speeds, legs=_LEGS).astype(np.int16)
+    around = neighbourhoods(checked, attractors)
+    places = np.empty(times.size, np.int16)
+    for start in range(0, times.size, _POINTS_AT_A_TIME):
+        part = slice(start, start + _POINTS_AT_A_TIME)
+        places[part] = locate(checked, around, times[part], speeds[part], _LEGS, pause)
+    return places
 
 
 def landing_boxes(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.ArrayLike) -> np.ndarray:

@@ -9,6 +9,7 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 
 from rattle_kernels import OutsideDomain
@@ -38,24 +39,46 @@ class LimitExceeded(Exception):
     """The request is larger than this service allows."""
 
 
+class TooMuch(Exception):
+    """A quota is exhausted for now.
+
+    Attributes
+    ----------
+    seconds : int
+        When to ask again.
+    """
+
+    def __init__(self, message: str, seconds: int) -> None:
+        super().__init__(message)
+        self.seconds = seconds
+
+
 class Unstoppable(Exception):
     """A job did not stop in time."""
+
+
+class NotYours(Exception):
+    """The job is another caller's."""
 
 
 _TABLE: dict[type[Exception], tuple[int, str]] = {
     OutsideDomain: (422, "outside-domain"),
     InvalidJob: (422, "invalid-request"),
     LimitExceeded: (422, "limit-exceeded"),
+    TooMuch: (429, "too-much"),
     JobNotFound: (404, "not-found"),
     NotReady: (404, "not-ready"),
     StoreConflict: (409, "store-conflict"),
     Unstoppable: (409, "still-stopping"),
+    NotYours: (403, "not-yours"),
     StoreFailed: (503, "store-failed"),
     ClusterFailed: (503, "cluster-failed"),
     TileFailed: (500, "tile-failed"),
     JobCancelled: (409, "cancelled"),
 }
 
+DATABASE_FAILED = "database-failed", "the database does not answer; try again later"
+"""Kind and detail of a problem."""
 _KIND_OF_STATUS = {
     400: "malformed-request", 404: "not-found", 405: "method-not-allowed", 413: "body-too-large", 415:
     "unsupported-media-type", 416: "range-not-satisfiable", 422: "invalid-request",
@@ -90,7 +113,8 @@ async def _known(request: Request, error: Exception) -> JSONResponse:
     elif isinstance(error, OutsideDomain):
         place = "oscillator", error.parameter
     errors = [{"location": ["body", *place], "message": str(error)}] if place else []
-    return problem(status, kind, str(error), request.url.path, errors)
+    headers = {"Retry-After": str(error.seconds)} if isinstance(error, TooMuch) else None
+    return problem(status, kind, str(error), request.url.path, errors, headers)
 
 
 def _field_error(item: dict[str, Any]) -> dict[str, Any]:
@@ -124,6 +148,11 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
     return problem(error.status_code, kind, detail, request.url.path, headers=error.headers)
 
 
+async def _database(request: Request, error: Exception) -> JSONResponse:
+    _log.error("the database does not answer at %s", request.url.path, exc_info=error)
+    return problem(503, *DATABASE_FAILED, request.url.path)
+
+
 async def _unexpected(request: Request, error: Exception) -> JSONResponse:
     identifier = uuid.uuid4().hex
     _log.error("unexpected error %s at %s", identifier, request.url.path, exc_info=error)
@@ -136,4 +165,5 @@ def install_error_handlers(app: FastAPI) -> None:
         app.add_exception_handler(known, _known)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(SQLAlchemyError, _database)
     app.add_exception_handler(Exception, _unexpected)

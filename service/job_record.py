@@ -5,15 +5,19 @@
        |          +--> cancelling --> cancelled
        +--> cancelled
 
-A running job goes back to queued when the service stops under it, and is resumed from its store. The last three states
-never change again. Every change of state is a compare-and-swap in the database.
+A running job goes back to queued when the service stops under it, or the cluster is lost, and is resumed from its
+store. The last three states never change again. Every change of state is a compare-and-swap in the database.
+
+A job that runs is leased to the replica of the service that runs it, and stays so while that replica says in time that
+it lives. A job whose lease has run out is taken over by any replica; the one that lost it can change nothing of it any
+more.
 """
 
 from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
-from sqlalchemy import JSON, DateTime, Enum, String
+from sqlalchemy import JSON, BigInteger, DateTime, Enum, Float, Index, String
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 
@@ -33,6 +37,10 @@ class JobState(StrEnum):
         return self in (JobState.SUCCEEDED, JobState.FAILED, JobState.CANCELLED)
 
 
+LIVE = (JobState.QUEUED, JobState.RUNNING, JobState.CANCELLING)
+"""States that are not final."""
+
+
 class Base(DeclarativeBase):
     """Tables of the service."""
 
@@ -41,11 +49,15 @@ class JobRecord(Base):
     """One job."""
 
     __tablename__ = "jobs"
+    __table_args__ = (
+        Index("ix_jobs_waiting", "state", "submitter", "number"),
+        Index("ix_jobs_served", "submitter", "started"),
+    )
 
     number: Mapped[int] = mapped_column(primary_key=True, autoincrement=True)
     id: Mapped[str] = mapped_column(String(32), unique=True)
     kind: Mapped[str] = mapped_column(String(16))
-    digest: Mapped[str] = mapped_column(String(64))
+    digest: Mapped[str] = mapped_column(String(64), index=True)
     # The digest while the job can still answer a request, NULL once it has failed or was cancelled: unique, so that the
     # same request is the same job, whoever sends it at whatever moment.
     answering: Mapped[str | None] = mapped_column(String(64), unique=True)
@@ -60,4 +72,12 @@ class JobRecord(Base):
     submitter: Mapped[str] = mapped_column(String(64), index=True)
     created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
     started: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
-    finished: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
+    finished: Mapped[datetime | None] = mapped_column(DateTime(timezone=True), index=True)
+    # Which claim of which replica runs the job, and until when by the database's clock, in seconds since 1970.
+    lease_owner: Mapped[str | None] = mapped_column(String(64))
+    lease_until: Mapped[float | None] = mapped_column(Float)
+    # Cells or points that it computes, which quotas count.
+    places: Mapped[int] = mapped_column(BigInteger, server_default="0")
+    # Name of its result's store: its own id, or that of the failed or cancelled job whose result it goes on from; NULL
+    # while it is being deleted.
+    store: Mapped[str | None] = mapped_column(String(32))

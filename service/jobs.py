@@ -1,53 +1,81 @@
-"""What happens to job records: submission, changes of state, progress."""
+"""What happens to job records: submission, leases, changes of state, progress."""
 
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import delete, select, update
+from sqlalchemy import ColumnElement, and_, delete, func, or_, select, text, update
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import Session, aliased
 
+from service.database_time import database_time
 from service.errors import JobNotFound
-from service.job_record import JobRecord, JobState
+from service.events import forget_events, note_event
+from service.job_record import LIVE, JobRecord, JobState
+from service.quotas import Quotas
+from service.replica import is_dead
 from worker.job_kinds import Job
 
-_LIVE = (JobState.QUEUED, JobState.RUNNING, JobState.CANCELLING)
+LEASE_SECONDS = 20.0
+"""How long a replica need not be heard of before its jobs are taken over."""
+_HELD = (JobState.RUNNING, JobState.CANCELLING)
+# Any number, as long as every replica takes the same one.
+_SUBMISSION_LOCK = 6
 
 
 def _now() -> datetime:
     return datetime.now(UTC)
 
 
+def _lease_over() -> ColumnElement[bool]:
+    return or_(JobRecord.lease_until.is_(None), JobRecord.lease_until < database_time())
+
+
 class Jobs:
     """The job records.
 
     Guarantees. The same request is answered with the same job as long as that job can answer it; after a failure or a
-    cancellation a new one is made. A state changes only from the state it is expected in, and a final state never.
+    cancellation a new one is made, which goes on from what is in the store. A state changes only from the state it is
+    expected in, and a final state never. A job is leased to one claim at a time, and what is done in the name of
+    another one changes nothing.
 
     Parameters
     ----------
     sessions : callable
         Makes database sessions.
+    quotas : Quotas
+        What submissions are refused beyond.
     """
 
-    def __init__(self, sessions: Callable[[], Session]) -> None:
-        self._sessions = sessions
+    def __init__(self, sessions: Callable[[], Session], quotas: Quotas) -> None:
+        self._sessions, self._quotas = sessions, quotas
 
     def submit(self, job: Job, submitter: str) -> tuple[JobRecord, bool]:
-        """Record of the job that answers a request, and whether it is new; `submitter` is noted where it is."""
+        """Record of the job that answers a request, and whether it is new; `submitter` is noted where it is.
+
+        Raises
+        ------
+        TooMuch, LimitExceeded
+            Where a quota leaves no room for a new job.
+        """
+        answering = select(JobRecord).where(JobRecord.answering == job.digest)
         while True:
             with self._sessions() as session:
-                known = session.scalar(select(JobRecord).where(JobRecord.answering == job.digest))
-                if known is not None:
+                if (known := session.scalar(answering)) is not None:
                     return known, False
+                _one_at_a_time(session)
+                self._quotas.check(session, submitter, job.places)
+                job_id = uuid.uuid4().hex
                 record = JobRecord(
-                    id=uuid.uuid4().hex, kind=job.kind, digest=job.digest, answering=job.digest, state=JobState.QUEUED,
-                    request=job.request(), submitter=submitter, created=_now(),
+                    id=job_id, kind=job.kind, digest=job.digest, answering=job.digest, state=JobState.QUEUED,
+                    request=job.request(), submitter=submitter, created=_now(), places=job.places,
+                    store=_store_left(session, job.digest) or job_id,
                 )  # fmt: skip
                 session.add(record)
                 try:
+                    session.flush()
+                    note_event(session, record.id, record.state)
                     session.commit()
                 except IntegrityError:
                     continue  # another replica recorded the same request in the meantime: take that one
@@ -76,31 +104,89 @@ class Jobs:
         with self._sessions() as session:
             return list(session.scalars(query))
 
-    def claim(self) -> JobRecord | None:
-        """Oldest queued job, now running; None where none is queued."""
-        with self._sessions() as session:
-            query = select(JobRecord).where(JobRecord.state == JobState.QUEUED).order_by(JobRecord.number).limit(1)
-            record = session.scalar(query)
-        if record is None or not self.move(record.id, JobState.QUEUED, JobState.RUNNING, started=_now()):
-            return None
-        return self.get(record.id)
+    def claim(self, owner: str, *, but: Collection[str] = (), newcomers: bool = False) -> JobRecord | None:
+        """A job that is queued, or that a dead replica has left running: now leased, and running.
 
-    def move(self, job_id: str, expected: JobState, state: JobState, **values: Any) -> bool:
-        """Change a state from the expected one; False where it was another."""
+        It is of the submitter with the fewest jobs running, then the one who was served longest ago, and the oldest of
+        that submitter's.
+
+        Parameters
+        ----------
+        owner : str
+            Who claims; unlike any other claim.
+        but : collection of str
+            Jobs that are not to be claimed.
+        newcomers : bool
+            Only of submitters that have nothing running.
+        """
+        free = and_(
+            or_(JobRecord.state == JobState.QUEUED, and_(JobRecord.state == JobState.RUNNING, _lease_over())),
+            JobRecord.id.not_in(but),
+        )
+        values = {
+            "state": JobState.RUNNING, "started": _now(), "lease_owner": owner,
+            "lease_until": database_time() + LEASE_SECONDS,
+        }  # fmt: skip
+        while True:
+            with self._sessions() as session:
+                number = session.scalar(_next_in_turn(free, newcomers))
+                if number is None:
+                    return None
+                taken = session.execute(update(JobRecord).where(JobRecord.number == number, free).values(values))
+                session.commit()
+                if taken.rowcount == 1:  # type: ignore[attr-defined]
+                    return session.scalar(select(JobRecord).where(JobRecord.number == number))
+
+    def renew(self, owners: Collection[str]) -> dict[str, JobState]:
+        """Renew the leases of some claims; those that still hold theirs, with the states of their jobs."""
+        ours = JobRecord.lease_owner.in_(owners), JobRecord.state.in_(_HELD)
+        with self._sessions() as session:
+            session.execute(update(JobRecord).where(*ours).values(lease_until=database_time() + LEASE_SECONDS))
+            session.commit()
+            held = session.execute(select(JobRecord.lease_owner, JobRecord.state).where(*ours)).all()
+        return {str(owner): state for owner, state in held}
+
+    def free_the_dead(self) -> None:
+        """End the leases of replicas that are seen to be dead, and cancel what nobody is left to cancel."""
+        with self._sessions() as session:
+            owners = session.scalars(select(JobRecord.lease_owner).where(JobRecord.state.in_(_HELD)).distinct()).all()
+            dead = [owner for owner in owners if owner is not None and is_dead(owner.partition("/")[0])]
+            if dead:
+                session.execute(update(JobRecord).where(JobRecord.lease_owner.in_(dead)).values(lease_until=None))
+                session.commit()
+            left = session.scalars(
+                select(JobRecord.id).where(JobRecord.state == JobState.CANCELLING, _lease_over())
+            ).all()
+        for job_id in left:
+            self.move(job_id, JobState.CANCELLING, JobState.CANCELLED)
+
+    def move(
+        self, job_id: str, expected: JobState, state: JobState, *, owner: str | None = None, **values: Any
+    ) -> bool:
+        """Change a state from the expected one; False where it was another, or the job is not `owner`'s (if given)."""
+        if state not in _HELD:
+            values |= {"lease_owner": None, "lease_until": None}
         if state.final:
             values["finished"] = _now()
         if state in (JobState.FAILED, JobState.CANCELLED):
             values["answering"] = None
+        change = update(JobRecord).where(JobRecord.id == job_id, JobRecord.state == expected)
+        if owner is not None:
+            change = change.where(JobRecord.lease_owner == owner)
         with self._sessions() as session:
-            change = update(JobRecord).where(JobRecord.id == job_id, JobRecord.state == expected)
-            done = session.execute(change.values(state=state, **values))
+            done = bool(session.execute(change.values(state=state, **values)).rowcount == 1)  # type: ignore[attr-defined]
+            if done:
+                note_event(session, job_id, state, error=values.get("error"))
             session.commit()
-        return bool(done.rowcount == 1)  # type: ignore[attr-defined]
+        return done
 
-    def record_progress(self, job_id: str, progress: dict[str, Any]) -> None:
-        """Note how far a running job is."""
+    def record_progress(self, job_id: str, progress: dict[str, Any], owner: str) -> None:
+        """Note how far a running job is, where it is `owner`'s."""
+        noted = update(JobRecord).where(JobRecord.id == job_id, JobRecord.lease_owner == owner)
         with self._sessions() as session:
-            session.execute(update(JobRecord).where(JobRecord.id == job_id).values(progress=progress))
+            state = session.scalar(noted.values(progress=progress).returning(JobRecord.state))
+            if state is not None and not state.final:
+                note_event(session, job_id, state, progress)
             session.commit()
 
     def request_cancel(self, job_id: str) -> JobRecord:
@@ -114,11 +200,34 @@ class Jobs:
             break
         return self.get(job_id)
 
+    def give_up_store(self, job_id: str) -> str | None:
+        """Part an ended job from its store; the store's name, where no other job needs it.
+
+        Another one does that has gone on from there, or that may.
+        """
+        with self._sessions() as session:
+            _one_at_a_time(session)
+            store = session.scalar(select(JobRecord.store).where(JobRecord.id == job_id))
+            ours = JobRecord.id == job_id, JobRecord.state.not_in(LIVE)
+            session.execute(update(JobRecord).where(*ours).values(store=None))
+            needed = JobRecord.store == store, JobRecord.answering.is_not(None)
+            others = session.scalar(select(func.count()).where(*needed))
+            session.commit()
+        return None if others else store
+
     def delete(self, job_id: str) -> None:
         """Remove the record of a job that has ended."""
         with self._sessions() as session:
-            session.execute(delete(JobRecord).where(JobRecord.id == job_id, JobRecord.state.not_in(_LIVE)))
+            gone = delete(JobRecord).where(JobRecord.id == job_id, JobRecord.state.not_in(LIVE))
+            if session.execute(gone).rowcount == 1:  # type: ignore[attr-defined]
+                forget_events(session, job_id)
             session.commit()
+
+    def count(self) -> dict[JobState, int]:
+        """How many jobs are in each state."""
+        with self._sessions() as session:
+            counts = select(JobRecord.state, func.count()).group_by(JobRecord.state)
+            return dict(session.execute(counts).all())
 
     def answers(self) -> bool:
         """Whether the database does."""
@@ -129,10 +238,34 @@ class Jobs:
             return False
         return True
 
-    def recover(self) -> None:
-        """After a crash: jobs left running are queued again, those being cancelled are cancelled."""
-        with self._sessions() as session:
-            left = session.scalars(select(JobRecord).where(JobRecord.state.in_(_LIVE[1:]))).all()
-        for record in left:
-            state = JobState.QUEUED if record.state == JobState.RUNNING else JobState.CANCELLED
-            self.move(record.id, record.state, state)
+
+def _one_at_a_time(session: Session) -> None:
+    """Let no other submission count until this one is recorded; SQLite's transactions are so by themselves."""
+    if session.get_bind().dialect.name == "postgresql":
+        session.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": _SUBMISSION_LOCK})
+
+
+def _store_left(session: Session, digest: str) -> str | None:
+    """Store of the last job of this digest that failed or was cancelled."""
+    ended = JobRecord.digest == digest, JobRecord.store.is_not(None)
+    return session.scalar(select(JobRecord.store).where(*ended).order_by(JobRecord.number.desc()).limit(1))
+
+
+def _next_in_turn(free: ColumnElement[bool], newcomers: bool) -> Any:
+    """Query for the number of the job whose turn it is."""
+    waiting = (
+        select(JobRecord.submitter, func.min(JobRecord.number).label("number"))
+        .where(free)
+        .group_by(JobRecord.submitter)
+        .subquery()
+    )
+    other = aliased(JobRecord)
+    theirs = other.submitter == waiting.c.submitter
+    running = (
+        select(func.count(other.number))
+        .where(theirs, other.state.in_(_HELD), other.lease_until >= database_time())
+        .scalar_subquery()
+    )
+    served = select(func.max(other.started)).where(theirs).scalar_subquery()
+    query = select(waiting.c.number).order_by(running, served.asc().nulls_first(), waiting.c.number).limit(1)
+    return query.where(running == 0) if newcomers else query

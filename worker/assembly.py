@@ -5,7 +5,7 @@ the map and holds every cycle. So the tiles report their images, the map is read
 in memory, and then every tile labels its own cells by look-up. No array is ever whole in one memory.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -28,7 +28,13 @@ def places_of_images(store: BasinStore, members: ImageSet, tiles: Iterable[int])
     return place
 
 
-def assemble_groups(store: BasinStore, panel: int) -> CellGroups:
-    """Hsu's group, period and step on a panel's image set."""
+def assemble_groups(store: BasinStore, panel: int, pause: Callable[[], None] = lambda: None) -> CellGroups:
+    """Hsu's group, period and step on a panel's image set; `pause` is called between tiles, to leave by raising."""
     members = store.read_image_words(panel)
-    return find_groups(members, places_of_images(store, members, store.tiling.numbers_of(panel)))
+
+    def tiles() -> Iterable[int]:
+        for number in store.tiling.numbers_of(panel):
+            pause()
+            yield number
+
+    return find_groups(members, places_of_images(store, members, tiles()))

@@ -109,6 +109,11 @@ class BasinJob:
         return math.prod(self.panel_shape)
 
     @property
+    def places(self) -> int:
+        """Cells, or points of samples, of all panels."""
+        return self.grid.cells * self.panels
+
+    @property
     def kind(self) -> str:
         """``basin``, or ``sweep`` where something is swept."""
         return "sweep" if self.vary else "basin"

@@ -4,15 +4,19 @@ Why not one ``client.map``: with every future held, each killed worker made the 
 already, and marked innocent tiles as killers. So: about two tasks a thread are in flight; a future is released as soon
 as its receipt is here; a lost task is submitted again under a new key (a known key would be answered with its old,
 cancelled future); and after a few failures of its own a task fails the job.
+
+Jobs that run on one client at the same time share its window: the scheduler takes tasks in the order in which they were
+submitted, so each job gets its turn, and one that has just begun waits for a few tasks of the others at the most.
 """
 
 import threading
 import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from typing import Any
+from weakref import WeakKeyDictionary
 
-from distributed import Client, Future, wait
+from distributed import CancelledError, Client, Future, wait
 
 from worker.errors import ClusterFailed, JobCancelled, TileFailed, WorkerError
 from worker.tasks import Task
@@ -21,6 +25,7 @@ _TRIES = 4
 _POLL_SECONDS = 0.2
 _NO_WORKER_SECONDS = 60.0
 _TASKS_A_THREAD = 2
+_LOST = "the connection to the scheduler is lost; submit again when it is back"
 
 
 def _threads(client: Client) -> int:
@@ -31,8 +36,27 @@ def _threads(client: Client) -> int:
 
 
 def window_size(client: Client) -> int:
-    """How many tasks are in flight at the most."""
+    """How many tasks of all jobs are in flight at the most."""
     return _TASKS_A_THREAD * max(1, _threads(client))
+
+
+class _Windows:
+    """How many jobs share each client."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._open: WeakKeyDictionary[Client, int] = WeakKeyDictionary()
+
+    def add(self, client: Client, more: int) -> None:
+        with self._lock:
+            self._open[client] = self._open.get(client, 0) + more
+
+    def share(self, client: Client, size: int) -> int:
+        """Part of a window of some size that each job has."""
+        return max(1, -(-size // max(1, self._open.get(client, 1))))
+
+
+_windows = _Windows()
 
 
 class _Window:
@@ -40,9 +64,15 @@ class _Window:
 
     def __init__(self, client: Client, address: tuple[str, str]) -> None:
         self.client, self.address = client, address
+        self.size = window_size(client)
         self.run = uuid.uuid4().hex[:12]
         self.submitted = 0
         self.task_of: dict[Future, tuple[Task, int]] = {}
+        _windows.add(client, 1)
+
+    @property
+    def full(self) -> bool:
+        return len(self.task_of) >= _windows.share(self.client, self.size)
 
     def submit(self, task: Task, attempt: int = 1) -> None:
         self.submitted += 1
@@ -75,16 +105,21 @@ class _Window:
                 done: set[Future] = wait(list(self.task_of), timeout=_POLL_SECONDS, return_when="FIRST_COMPLETED").done
         except TimeoutError:
             return set()
+        except CancelledError as error:  # by nobody here: the scheduler that knew them is gone
+            raise ClusterFailed(_LOST) from error
         return done
 
-    def cancel(self) -> None:
-        self.client.cancel(list(self.task_of), force=True)
+    def close(self) -> None:
+        """Cancel what is in flight."""
+        _windows.add(self.client, -1)
+        if self.client.status == "running":
+            self.client.cancel(list(self.task_of), force=True)
         self.task_of.clear()
 
 
 def run_tasks(
     client: Client, address: tuple[str, str], following: Callable[[], Task | None], cancel: threading.Event
-) -> Iterator[tuple[Task, Any]]:
+) -> Generator[tuple[Task, Any], None, None]:
     """Yield each task with its receipt as it completes.
 
     Parameters
@@ -103,13 +138,12 @@ def run_tasks(
         Whatever is still in flight has been cancelled then.
     """
     window = _Window(client, address)
-    size = window_size(client)
     last_seen = time.monotonic()
     try:
         while True:
             if cancel.is_set():
                 raise JobCancelled("cancelled on request")
-            while len(window.task_of) < size and (task := following()) is not None:
+            while not window.full and (task := following()) is not None:
                 window.submit(task)
             if not window.task_of:
                 return
@@ -120,13 +154,13 @@ def run_tasks(
                 if taken is not None:
                     yield taken
     finally:
-        window.cancel()
+        window.close()
 
 
 def _check_workers(client: Client, last_seen: float) -> float:
     """Time at which a worker was last known; fails when there has been none for a minute."""
     if client.status in ("closed", "closing", "connecting"):
-        raise ClusterFailed("the connection to the scheduler is lost; submit again when it is back")
+        raise ClusterFailed(_LOST)
     if _threads(client) > 0:
         return time.monotonic()
     if time.monotonic() - last_seen > _NO_WORKER_SECONDS:

@@ -5,7 +5,8 @@ WorkerError
     StoreConflict    something else lies at the location: choose another, or delete it
     StoreFailed      the store could not be read or written: the message holds the system's reason; resume when mended
     TileFailed       a tile kept failing: the message names it and its last error
-    ClusterFailed    no scheduler or no worker answered
+    ClusterFailed    no scheduler or no worker answered: what had been computed is in the store; resume when they do
+    LeaseLost        another driver has taken the job over: leave it alone
     JobCancelled     somebody asked for it
 """
 
@@ -61,6 +62,10 @@ class TileFailed(WorkerError):
 
 class ClusterFailed(WorkerError):
     """The scheduler or its workers cannot be reached."""
+
+
+class LeaseLost(WorkerError):
+    """The job is another driver's by now."""
 
 
 class JobCancelled(WorkerError):

@@ -10,6 +10,7 @@ from distributed import Client
 from worker.basin_job import BasinJob
 from worker.pipeline import run_basin
 from worker.progress import Report
+from worker.store import Fence
 
 
 class Job(Protocol):
@@ -23,6 +24,10 @@ class Job(Protocol):
     def digest(self) -> str:
         """Hash of what it asks for: equal digests, equal bytes."""
 
+    @property
+    def places(self) -> int:
+        """Cells, or points of samples, that it computes."""
+
     def request(self) -> dict[str, Any]:
         """Request that asks for it, as JSON."""
 
@@ -30,7 +35,9 @@ class Job(Protocol):
 class Run(Protocol):
     """How a job is run: into a store at a location, or on from what lies there."""
 
-    def __call__(self, job: Any, location: str, client: Client, *, report: Report, cancel: threading.Event) -> object:
+    def __call__(
+        self, job: Any, location: str, client: Client, *, report: Report, cancel: threading.Event, fence: Fence
+    ) -> object:
         """Run a job; see `worker.pipeline.run_basin`."""
 
 

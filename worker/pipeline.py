@@ -9,6 +9,7 @@ are complete in their order. After any crash the same call computes only what is
 the byte.
 """
 
+import contextlib
 import heapq
 import threading
 import time
@@ -25,7 +26,7 @@ from worker.numbering import Numbered, Numbering
 from worker.panel import Panel
 from worker.progress import Progress, Report, Stage
 from worker.results import BasinSummary, summarise
-from worker.store import BasinStore
+from worker.store import BasinStore, Fence, unfenced
 from worker.tasks import Task, assemble_panel, extend_catalogue, label_tile, map_tile, number_tile, write_points
 
 _LEDGER_SECONDS = 0.5
@@ -39,7 +40,15 @@ _KERNELS = {
 }  # fmt: skip
 
 
-def run_basin(job: BasinJob, location: str, client: Client, *, report: Report, cancel: threading.Event) -> BasinSummary:
+def run_basin(
+    job: BasinJob,
+    location: str,
+    client: Client,
+    *,
+    report: Report,
+    cancel: threading.Event,
+    fence: Fence = unfenced,
+) -> BasinSummary:
     """Compute a job's basins into a store, or finish what was begun.
 
     Parameters
@@ -52,6 +61,8 @@ def run_basin(job: BasinJob, location: str, client: Client, *, report: Report, c
         Called with a `Progress` after every task.
     cancel : threading.Event
         Set it to stop; the store stays readable and can be resumed.
+    fence : Fence
+        Where another driver may take the job over.
 
     Returns
     -------
@@ -59,16 +70,18 @@ def run_basin(job: BasinJob, location: str, client: Client, *, report: Report, c
 
     Raises
     ------
-    JobCancelled, StoreConflict, StoreFailed, TileFailed, ClusterFailed
+    JobCancelled, LeaseLost, StoreConflict, StoreFailed, TileFailed, ClusterFailed
     """
-    store = BasinStore.create_or_resume(location, job)
+    store = BasinStore.create_or_resume(location, job, fence)
     if not store.complete:
         run = _Run(store, report, _PANELS_A_TASK * window_size(client))
         try:
-            for task, receipt in run_tasks(client, (location, store.digest), run.following, cancel):
-                run.take(task, receipt)
+            with contextlib.closing(run_tasks(client, (location, store.digest), run.following, cancel)) as done:
+                for task, receipt in done:
+                    run.take(task, receipt)
         finally:
             run.record.save()
+            store.sweep_orphans()
         run.finish()
     return summarise(location)
 
@@ -81,8 +94,9 @@ class _Record:
         self.states = store.read_ledger().copy()
         self.table = store.read_solutions()
         self.reserved = store.read_image_counts().copy()
-        # Complete are the first panels, one after the other.
-        self.panels = int(np.cumprod(self.table.complete).sum())
+        # Complete are the first panels, one after the other; the ledger is written after the table.
+        assembled = (self.states.reshape(-1, store.tiling.tiles_of_panel) == TileState.ASSEMBLED).all(axis=1)
+        self.panels = int(np.cumprod(self.table.complete & assembled).sum())
         self.table.forget_after(self.panels)
         after = self.states[self.panels * store.tiling.tiles_of_panel :]
         after[after > TileState.COMPUTED] = TileState.COMPUTED

@@ -8,7 +8,7 @@ such as those over HTTP, which cannot list a folder, see all there is at any mom
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,13 @@ from worker.new_store import CONFIG, consolidate, create_array, create_store, no
 from worker.solution_table import Motion, SolutionTable
 from worker.tiles import Tile
 
+Fence = Callable[[], None]
+"""Called before everything that only the driver writes: raises `LeaseLost` where the job is another driver's by now."""
+
+
+def unfenced() -> None:
+    """The fence of a driver that nobody can take a job from."""
+
 
 class BasinStore:
     """A job's store, open for reading and writing.
@@ -32,6 +39,8 @@ class BasinStore:
     ----------
     location : str
         A folder, or a URL that Zarr understands.
+    fence : Fence
+        Of the driver.
 
     Raises
     ------
@@ -41,8 +50,8 @@ class BasinStore:
         Where it cannot be read.
     """
 
-    def __init__(self, location: str) -> None:
-        self.location = location
+    def __init__(self, location: str, fence: Fence = unfenced) -> None:
+        self.location, self._fence = location, fence
         with told_as_store_failure(location):
             try:
                 self._group = zarr.open_group(location, mode="r+", zarr_format=3, use_consolidated=False)
@@ -58,7 +67,7 @@ class BasinStore:
         self._handles: dict[str, Any] = {}
 
     @classmethod
-    def create_or_resume(cls, location: str, job: BasinJob) -> "BasinStore":
+    def create_or_resume(cls, location: str, job: BasinJob, fence: Fence = unfenced) -> "BasinStore":
         """Store of `job` at `location`: the one that is there, or a new one.
 
         Raises
@@ -71,9 +80,10 @@ class BasinStore:
         if not holds_basin(location):
             if "://" not in location and Path(location).exists() and _holds_something(Path(location)):
                 raise StoreConflict(f"{location} exists and is no basin store: choose another place, or remove it")
+            fence()
             with told_as_store_failure(location):
                 create_store(location, job)
-        store = cls(location)
+        store = cls(location, fence)
         if store.digest != job.digest:
             raise StoreConflict(
                 f"{location} holds the store of another request: choose another place, or remove it\n"
@@ -125,12 +135,14 @@ class BasinStore:
 
     def write_ledger(self, states: np.ndarray) -> None:
         """Replace the ledger (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
             array = self._kept(self.places.ledger)
             array[...] = states.reshape(array.shape)
 
     def write_image_words(self, panel: int, words: np.ndarray) -> None:
-        """Write the distinct images of a panel."""
+        """Write the distinct images of a panel (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
             self._kept(layout.IMAGE_WORDS)[*self.job.place_of(panel), :] = words
 
@@ -162,6 +174,7 @@ class BasinStore:
 
     def write_image_counts(self, counts: np.ndarray) -> None:
         """Note how many places of each panel have each reserved image, shape (panels, 3) (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
             self._array(layout.IMAGE_COUNTS)[...] = counts.reshape(*self.job.panel_shape, 3)
 
@@ -179,6 +192,7 @@ class BasinStore:
         points : int
             Most points of an attractor.
         """
+        self._fence()
         names = [motion.name for motion in table.motions]
         columns = [np.array(column) for column in zip(*table.motions, strict=True)]
         with told_as_store_failure(self.location):
@@ -186,8 +200,6 @@ class BasinStore:
             room = max(there[0], len(names)), max(there[1], points)
             if room == there:
                 return
-            for variable in layout.POINTS:
-                self._array(variable).resize((*self.job.panel_shape, *room))
             for variable in self._measured():
                 self._array(variable).resize((*self.job.panel_shape, room[0]))
             for variable, values in zip(
@@ -197,31 +209,39 @@ class BasinStore:
                 array.resize(room[:1])
                 array[: len(names)] = values
             flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
-            self._group[self.places.solution.path].attrs.update(flags)
+            self._group[self.places.solution.path].update_attributes(flags)
+            # Last of all the one that tells how much room there is: a driver that is killed before does it all again.
+            for variable in reversed(layout.POINTS):
+                self._array(variable).resize((*self.job.panel_shape, *room))
             consolidate(self.location)
 
     def _measured(self) -> tuple[Variable, ...]:
         return layout.MEASURED if self.job.sample is None else (*layout.MEASURED, layout.SHARE_ERROR)
 
     def write_points(self, panel: int, numbers: Sequence[int], attractors: Sequence[Attractor]) -> None:
-        """Write the points of a panel's attractors, under their numbers."""
+        """Write the points of a panel's attractors, under their numbers.
+
+        Only as many as there are: which chunks a panel has does not depend on how much room others needed before.
+        """
         place = self.job.place_of(panel)
+        shape = max(numbers) + 1, max(attractor.time.size for attractor in attractors)
         with told_as_store_failure(self.location):
             for variable, field in zip(layout.POINTS, ("time", "velocity"), strict=True):
-                array = self._array(variable)
-                padded = np.full(array.shape[-2:], np.nan)
+                padded = np.full(shape, np.nan)
                 for number, attractor in zip(numbers, attractors, strict=True):
                     values = getattr(attractor, field)
                     padded[number, : values.size] = values
-                array[*place, :, :] = padded
+                self._array(variable)[*place, : shape[0], : shape[1]] = padded
 
     def write_solutions(self, table: SolutionTable) -> None:
         """Write what solutions are like in each panel, those that there is room for (driver only)."""
+        self._fence()
         columns = [table.share, table.exponent, table.error]
         if self.job.sample is not None:
             columns.append(np.sqrt(table.share * (1.0 - table.share) / self.job.sample.points))
         with told_as_store_failure(self.location):
-            for variable, values in zip(self._measured(), columns, strict=True):
+            # Shares last: they tell which panels are complete.
+            for variable, values in reversed(list(zip(self._measured(), columns, strict=True))):
                 array = self._array(variable)
                 room = min(array.shape[-1], len(table.motions))
                 array[..., :room] = values[:, :room].reshape(*self.job.panel_shape, room)
@@ -231,10 +251,15 @@ class BasinStore:
         with told_as_store_failure(self.location):
             motions = [np.asarray(self._array(variable)[...]) for variable in layout.MOTIONS[:4]]
             columns = [np.asarray(self._array(variable)[...]) for variable in layout.MEASURED]
-        share, exponent, error = (column.reshape(self.job.panels, column.shape[-1]) for column in columns)
+        # A driver that was killed while it made room has left some longer than others, or empty at their ends.
+        room = min(column.shape[-1] for column in motions + columns)
+        filled = [column[:room] != variable.fill for column, variable in zip(motions, layout.MOTIONS[:4], strict=True)]
+        known = int(np.cumprod(np.all(filled, axis=0)).sum())
         listed = [
-            Motion(AttractorKind(int(kind)), *map(int, contacts)) for kind, *contacts in zip(*motions, strict=True)
+            Motion(AttractorKind(kind), *contacts)
+            for kind, *contacts in zip(*(column[:known].tolist() for column in motions), strict=True)
         ]
+        share, exponent, error = (column.reshape(self.job.panels, column.shape[-1])[:, :known] for column in columns)
         return SolutionTable(listed, share, exponent, error)
 
     def read_catalogue(self, panel: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
@@ -252,6 +277,7 @@ class BasinStore:
 
     def write_changes(self, columns: Sequence[np.ndarray]) -> None:
         """Write the births and deaths of solutions (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
             for variable, values in zip(layout.CHANGES, columns, strict=True):
                 if variable.name in self._group:
@@ -259,11 +285,13 @@ class BasinStore:
                 create_array(self._group, self.job, variable, values.shape)[...] = values
 
     def finish(self, seconds: dict[str, float]) -> None:
-        """Mark the store complete and consolidate its metadata (driver only)."""
+        """Consolidate the store's metadata and mark it complete (driver only)."""
+        self._fence()
         with told_as_store_failure(self.location):
-            self._group.attrs.update({"complete": True, "finished": now(), "seconds": seconds})
-            self.sweep_orphans()
             consolidate(self.location)
+            # Written with the consolidated metadata, in one piece: what is complete is so for every reader.
+            whole = zarr.open_group(self.location, mode="r+", zarr_format=3, use_consolidated=True)
+            whole.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -271,7 +299,8 @@ class BasinStore:
         return dict(self._group.attrs)
 
     def sweep_orphans(self) -> None:
-        """Remove temporary files that killed writers left behind."""
+        """Remove temporary files that killed writers left behind (driver only)."""
+        self._fence()
         if "://" not in self.location:
             for orphan in Path(self.location).rglob("*.partial"):
                 orphan.unlink(missing_ok=True)
@@ -297,4 +326,5 @@ def _holds_something(path: Path) -> bool:
     """Whether a path is a file, or a folder with anything but the beginnings of a store in it."""
     if not path.is_dir():
         return True
-    return any(path.iterdir()) and not (path / "zarr.json").exists()
+    begun = (path / "zarr.json").exists()
+    return not begun and any(each.suffix != ".partial" for each in path.iterdir())

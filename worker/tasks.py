@@ -4,7 +4,7 @@ Each returns a receipt, never the arrays: those go straight from the worker into
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -34,7 +34,7 @@ from worker.assembly import assemble_groups
 from worker.errors import JobCancelled, StoreConflict
 from worker.scouts import Scouts, choose_scouts
 from worker.store import BasinStore
-from worker.tiles import Tile, bands
+from worker.tiles import Tile, bands, runs_of_points
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,10 @@ class LabelReceipt:
 
 
 def _stop_if_cancelled() -> None:
-    """Leave a task that has been cancelled: `Future.cancel` alone does not stop a running function."""
+    """Leave a task that has been cancelled: `Future.cancel` alone does not stop a running function.
+
+    Called several times a second, wherever a task may take longer than that.
+    """
     try:
         worker = get_worker()
         state = worker.state.tasks.get(worker.get_current_task())
@@ -105,8 +108,13 @@ def _receipt(store: BasinStore, panel: int, images: CellImages, seconds: float) 
 def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
     job = store.job
     assert job.sample is not None
+    oscillator = job.oscillator_of(tile.panel)
     t, v = job.sample.departures(job.grid, *tile.columns)
-    images = map_points(job.oscillator_of(tile.panel), job.grid, job.iterations, t, v)
+    parts = []
+    for points in runs_of_points(t.size, job.iterations):
+        _stop_if_cancelled()
+        parts.append(map_points(oscillator, job.grid, job.iterations, t[slice(*points)], v[slice(*points)]))
+    images = _joined(parts)
     # A sample has no cells: what lands, lands outside of all.
     cells = np.minimum(images.image_cell, SINK)
     return CellImages(cells[None], images.landing_time[None], images.landing_velocity[None], images.applications)
@@ -118,6 +126,10 @@ def _map_in_bands(store: BasinStore, tile: Tile) -> CellImages:
     for rows in bands(tile, job.iterations):
         _stop_if_cancelled()
         parts.append(map_cells(oscillator, job.grid, job.iterations, rows, tile.columns))
+    return _joined(parts)
+
+
+def _joined(parts: Sequence[CellImages]) -> CellImages:
     return CellImages(
         np.concatenate([part.image_cell for part in parts]),
         np.concatenate([part.landing_time for part in parts]),
@@ -159,12 +171,12 @@ def assemble_panel(location: str, digest: str, panel: int, scouts: Scouts) -> Ca
     store = _open(location, digest)
     begin = time.perf_counter()
     if store.job.sample is None:
-        store.write_groups(panel, assemble_groups(store, panel))
+        store.write_groups(panel, assemble_groups(store, panel, _stop_if_cancelled))
         store.write_grazing_velocity(
             panel, grazing_velocity(store.job.oscillator_of(panel), store.job.grid.time_centres())
         )
-    _stop_if_cancelled()
-    attractors = find_attractors(store.job.oscillator_of(panel), scouts.time, scouts.velocity)
+    oscillator = store.job.oscillator_of(panel)
+    attractors = find_attractors(oscillator, scouts.time, scouts.velocity, pause=_stop_if_cancelled)
     return CatalogueReceipt(attractors, time.perf_counter() - begin)
 
 
@@ -175,7 +187,7 @@ def extend_catalogue(
     store = _open(location, digest)
     begin = time.perf_counter()
     oscillator = store.job.oscillator_of(panel)
-    attractors = find_attractors(oscillator, strangers.time, strangers.velocity, known=known)
+    attractors = find_attractors(oscillator, strangers.time, strangers.velocity, known=known, pause=_stop_if_cancelled)
     return CatalogueReceipt(attractors, time.perf_counter() - begin)
 
 
@@ -203,7 +215,9 @@ def label_tile(
     solution = np.full(image.shape, STRANGER, np.int16)
     solution[image == PERMANENT_CONTACT] = 0
     landed = image >= SINK
-    solution[landed] = name_solutions(store.job.oscillator_of(tile.panel), attractors, t[landed], v[landed])
+    solution[landed] = name_solutions(
+        store.job.oscillator_of(tile.panel), attractors, t[landed], v[landed], pause=_stop_if_cancelled
+    )
     strangers = (solution == STRANGER) & landed
     kinds = [attractor.kind for attractor in attractors]
     if AttractorKind.UNDECIDED in kinds:

@@ -17,6 +17,8 @@ _BAND_SECONDS = 0.1
 # At least 16 tiles, four for each of four workers, as long as a tile is worth its overhead of a few milliseconds.
 _LEAST_TILES = 16
 _LEAST_CELLS = 64 * 64
+# Trajectories that a kernel follows at a time.
+_LANES = 64
 # A tile of 1024 x 1024 is 24 MB in memory while it is computed.
 _MOST_CELLS = 1024 * 1024
 
@@ -127,3 +129,10 @@ def bands(tile: Tile, iterations: int) -> Iterator[tuple[int, int]]:
     rows = max(1, int(_BAND_SECONDS / (_SECONDS_PER_APPLICATION * iterations * width)))
     for start in range(tile.rows[0], tile.rows[1], rows):
         yield start, min(start + rows, tile.rows[1])
+
+
+def runs_of_points(points: int, iterations: int) -> Iterator[tuple[int, int]]:
+    """Runs of a sample's points, each about a tenth of a second of work, of whole lanes."""
+    lanes = max(1, int(_BAND_SECONDS / (_SECONDS_PER_APPLICATION * iterations * _LANES)))
+    for start in range(0, points, lanes * _LANES):
+        yield start, min(start + lanes * _LANES, points)

@@ -1,50 +1,76 @@
 """Results: summary, picture, and the Zarr store itself over HTTP."""
 
 import io
+import re
+from importlib.metadata import version
+from typing import Annotated
 
 from fastapi import APIRouter, Response
 from fastapi.responses import FileResponse
+from pydantic import AfterValidator
 
-from service.dependencies import JobsHere, SettingsHere, problems
+from service.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, not_modified, view_or_not_modified
+from service.dependencies import JobId, JobsHere, SettingsHere, problems
 from service.errors import JobNotFound, NotReady
 from service.models import ResultView
 from worker.panel_picture import Layer
 from worker.picture import draw_basin
 from worker.result_files import file_of_store, result_location
-from worker.results import summarise
+from worker.results import fingerprint, summarise
 from worker.store import holds_basin
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
 
+_VERSION = version("gear-rattle")
 _NOTHING_YET = problems(s404="there is no such job, or it has not begun")
 
 
 def _location(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
     """Place of a job's store, once there is one."""
     record = jobs.get(job_id)
-    location = result_location(settings.results, job_id)
+    location = result_location(settings.results, record.store or job_id)
     if not holds_basin(location):
         raise NotReady(f"job {job_id} is {record.state} and has no result yet")
     return location
 
 
-@router.get("/result", summary="Summary of a result", responses=_NOTHING_YET)
-def get_result(job_id: str, jobs: JobsHere, settings: SettingsHere) -> ResultView:
+def _store_path(path: str) -> str:
+    # Whatever is no place in a store ends here, before anything makes a path of it.
+    if not re.fullmatch(r"[A-Za-z0-9._/-]{1,512}", path) or {"", ".", ".."} & set(path.split("/")):
+        raise JobNotFound(f"a store holds no {path!r}")
+    return path
+
+
+@router.get("/result", response_model=ResultView, summary="Summary of a result", responses=_NOTHING_YET | NOT_MODIFIED)
+def get_result(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
     """Solutions, shares and attractors; also while the job runs, and then it says that it is not complete."""
-    return ResultView.from_summary(summarise(_location(job_id, jobs, settings)), f"/v1/jobs/{job_id}/result.zarr")
+    view = ResultView.from_summary(summarise(_location(job_id, jobs, settings)), f"/v1/jobs/{job_id}/result.zarr")
+    return view_or_not_modified(view, if_none_match)
 
 
 @router.get(
     "/picture.png",
     summary="Picture of a result",
     response_class=Response,
-    responses={200: {"content": {"image/png": {}}}, **_NOTHING_YET},
+    responses={200: {"content": {"image/png": {}}}, **_NOTHING_YET, **NOT_MODIFIED},
 )
-def get_picture(job_id: str, jobs: JobsHere, settings: SettingsHere, layer: Layer = Layer.SOLUTION) -> Response:
+def get_picture(
+    job_id: JobId,
+    jobs: JobsHere,
+    settings: SettingsHere,
+    layer: Layer = Layer.SOLUTION,
+    if_none_match: IfNoneMatch = None,
+) -> Response:
     """Draw the basin, also while tiles are still coming: what is missing is hatched."""
+    location = _location(job_id, jobs, settings)
+    # Asked before the picture is drawn: a tile that comes meanwhile is in the picture, and changes the next ETag.
+    etag = etag_of(fingerprint(location), layer, _VERSION)
+    known = not_modified(etag, if_none_match)
+    if known is not None:
+        return known
     buffer = io.BytesIO()
-    draw_basin(_location(job_id, jobs, settings), buffer, layer=layer)
-    return Response(buffer.getvalue(), media_type="image/png")
+    draw_basin(location, buffer, layer=layer)
+    return Response(buffer.getvalue(), media_type="image/png", headers={"etag": etag})
 
 
 @router.head("/result.zarr/{path:path}", include_in_schema=False)
@@ -54,7 +80,9 @@ def get_picture(job_id: str, jobs: JobsHere, settings: SettingsHere, layer: Laye
     response_class=FileResponse,
     responses={200: {"content": {"application/octet-stream": {}}}, **_NOTHING_YET},
 )
-def get_store(job_id: str, path: str, jobs: JobsHere, settings: SettingsHere) -> Response:
+def get_store(
+    job_id: JobId, path: Annotated[str, AfterValidator(_store_path)], jobs: JobsHere, settings: SettingsHere
+) -> Response:
     """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`, also while it grows."""
     file = file_of_store(_location(job_id, jobs, settings), path)
     if file is None:

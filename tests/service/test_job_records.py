@@ -1,21 +1,28 @@
 """Job records under concurrency: one truth, final states final."""
 
+import subprocess
+import sys
 import threading
+import time
 
 import pytest
 
 from rattle_kernels import CellGrid
 from service.database import open_database
-from service.errors import JobNotFound
+from service.errors import JobNotFound, LimitExceeded, TooMuch
 from service.job_record import JobState
 from service.jobs import Jobs
+from service.quotas import Quotas
+from service.replica import replica_name
 from worker.basin_job import BasinJob
+
+ROOM = Quotas(queued=1000, queued_each=1000, places_each=10**9)
 
 
 @pytest.fixture
 def jobs(tmp_path):
     engine, sessions = open_database(f"sqlite:///{tmp_path / 'jobs.sqlite'}")
-    yield Jobs(sessions)
+    yield Jobs(sessions, ROOM)
     engine.dispose()
 
 
@@ -48,11 +55,10 @@ def test_simultaneous_submissions_of_one_request_are_one_job(jobs):
 def test_a_job_is_claimed_once(jobs):
     for cells in (10, 11, 12):
         jobs.submit(a_job(cells), "local")
-    claimed = [record.id for record in together(6, jobs.claim) if record is not None]
-    assert len(claimed) == len(set(claimed)) >= 1
-    while (record := jobs.claim()) is not None:
-        claimed.append(record.id)
-    assert len(set(claimed)) == len(claimed) == 3
+    names = iter(range(6))
+    claimed = [record.id for record in together(6, lambda: jobs.claim(f"claim {next(names)}")) if record is not None]
+    assert len(claimed) == len(set(claimed)) == 3
+    assert jobs.claim("later") is None
 
 
 def test_only_one_of_two_contradictory_changes_wins(jobs):
@@ -66,8 +72,7 @@ def test_a_final_state_never_changes(jobs, final):
     record, _ = jobs.submit(a_job(), "local")
     jobs.move(record.id, JobState.QUEUED, final)
     assert jobs.request_cancel(record.id).state == final
-    jobs.recover()
-    assert jobs.get(record.id).state == final and jobs.claim() is None
+    assert jobs.get(record.id).state == final and jobs.claim("any") is None
 
 
 def test_after_a_failure_the_request_is_a_new_job(jobs):
@@ -77,21 +82,140 @@ def test_after_a_failure_the_request_is_a_new_job(jobs):
     assert new and second.id != first.id
 
 
-def test_a_crash_leaves_no_job_running(jobs):
-    running, _ = jobs.submit(a_job(10), "local")
-    jobs.claim()
-    stopping, _ = jobs.submit(a_job(11), "local")
-    jobs.claim()
-    jobs.request_cancel(stopping.id)
-    jobs.recover()
-    assert jobs.get(running.id).state == JobState.QUEUED
-    assert jobs.get(stopping.id).state == JobState.CANCELLED
+@pytest.fixture
+def short_leases(monkeypatch):
+    monkeypatch.setattr("service.jobs.LEASE_SECONDS", 0.2)
+
+
+def test_a_job_whose_lease_has_run_out_is_taken_over_and_is_lost_to_its_first_owner(jobs, short_leases):
+    record, _ = jobs.submit(a_job(), "local")
+    first = jobs.claim("first")
+    assert jobs.claim("second") is None
+    time.sleep(0.1)
+    assert jobs.renew(["first"]) == {"first": JobState.RUNNING}
+    time.sleep(0.15)
+    assert jobs.claim("second") is None
+    time.sleep(0.1)
+    assert jobs.claim("second").id == first.id
+    assert jobs.renew(["first"]) == {}
+    jobs.record_progress(record.id, {"stage": "done"}, "first")
+    assert not jobs.move(record.id, JobState.RUNNING, JobState.FAILED, owner="first")
+    assert jobs.get(record.id).progress is None and jobs.get(record.id).lease_owner == "second"
+    assert jobs.move(record.id, JobState.RUNNING, JobState.SUCCEEDED, owner="second")
+    assert jobs.get(record.id).lease_owner is None
+
+
+def test_what_nobody_is_left_to_cancel_is_cancelled(jobs, short_leases):
+    record, _ = jobs.submit(a_job(), "local")
+    jobs.claim("first")
+    assert jobs.request_cancel(record.id).state == JobState.CANCELLING
+    jobs.free_the_dead()
+    assert jobs.get(record.id).state == JobState.CANCELLING
+    time.sleep(0.25)
+    jobs.free_the_dead()
+    assert jobs.get(record.id).state == JobState.CANCELLED
+
+
+def test_leases_of_a_process_that_is_seen_to_be_dead_end_at_once(jobs):
+    named = subprocess.run(
+        [sys.executable, "-c", "from service.replica import replica_name; print(replica_name())"],
+        capture_output=True, text=True, check=True,
+    ).stdout.strip()  # fmt: skip
+    left, _ = jobs.submit(a_job(10), "local")
+    jobs.claim(f"{named}/1")
+    living, _ = jobs.submit(a_job(11), "local")
+    jobs.claim(f"{replica_name()}/1")
+    far, _ = jobs.submit(a_job(12), "local")
+    jobs.claim("of.another.machine.1.2/1")
+    jobs.free_the_dead()
+    assert jobs.claim("mine").id == left.id
+    assert jobs.claim("mine") is None
+
+
+def test_submitters_take_turns_and_each_ones_jobs_go_in_their_order(jobs):
+    many = [jobs.submit(a_job(cells), "many")[0].id for cells in (10, 11, 12, 13)]
+    few = [jobs.submit(a_job(cells), "few")[0].id for cells in (20, 21)]
+    one = jobs.submit(a_job(30), "one")[0].id
+    claimed = [jobs.claim(f"claim {i}").id for i in range(7)]
+    assert claimed == [many[0], few[0], one, many[1], few[1], many[2], many[3]]
+
+
+def test_who_was_served_longest_ago_is_next_where_jobs_end_at_once(jobs):
+    for cells in (10, 11, 12):
+        jobs.submit(a_job(cells), "many")
+    for cells in (20, 21):
+        jobs.submit(a_job(cells), "few")
+    turns = []
+    for i in range(5):
+        record = jobs.claim(f"claim {i}")
+        turns.append(record.submitter)
+        jobs.move(record.id, JobState.RUNNING, JobState.SUCCEEDED)
+    assert turns == ["many", "few", "many", "few", "many"]
+
+
+def test_the_place_for_newcomers_is_not_for_who_has_something_running(jobs):
+    jobs.submit(a_job(10), "many")
+    jobs.submit(a_job(11), "many")
+    assert jobs.claim("first", newcomers=True).submitter == "many"
+    assert jobs.claim("second", newcomers=True) is None
+    new, _ = jobs.submit(a_job(12), "new")
+    assert jobs.claim("second", newcomers=True).id == new.id
+
+
+def refusal(jobs, job, submitter):
+    with pytest.raises(TooMuch) as refused:
+        jobs.submit(job, submitter)
+    assert 1 <= refused.value.seconds <= 60
+    return str(refused.value)
+
+
+def test_each_quota_refuses_what_is_too_much_by_name_until_there_is_room(jobs):
+    tight = Jobs(jobs._sessions, Quotas(queued=3, queued_each=2, places_each=1000))
+    first, _ = tight.submit(a_job(10), "a")
+    tight.submit(a_job(11), "a")
+    assert "RATTLE_MAX_QUEUED_EACH" in refusal(tight, a_job(12), "a")
+    known, new = tight.submit(a_job(10), "a")
+    assert known.id == first.id and not new
+    tight.submit(a_job(13), "b")
+    assert "RATTLE_MAX_QUEUED)" in refusal(tight, a_job(14), "b")
+    tight.claim("any")
+    assert "RATTLE_MAX_PLACES_EACH" in refusal(tight, a_job(30), "a")
+    assert tight.submit(a_job(15), "c")[1]
+    with pytest.raises(LimitExceeded, match="RATTLE_MAX_PLACES_EACH"):
+        tight.submit(a_job(32), "d")
+
+
+def test_simultaneous_submissions_do_not_exceed_a_quota(jobs):
+    tight = Jobs(jobs._sessions, Quotas(queued=3, queued_each=3, places_each=1000))
+    cells = iter(range(5, 13))
+
+    def submit():
+        try:
+            return tight.submit(a_job(next(cells)), "a")[1]
+        except TooMuch:
+            return False
+
+    assert together(8, submit).count(True) == 3
+
+
+def test_a_new_job_goes_on_from_the_store_of_the_one_that_failed(jobs):
+    first, _ = jobs.submit(a_job(), "local")
+    jobs.claim("any")
+    jobs.move(first.id, JobState.RUNNING, JobState.FAILED, error={"kind": "store-failed", "detail": "full"})
+    second, _ = jobs.submit(a_job(), "local")
+    assert second.id != first.id and second.store == first.store == first.id
+    assert jobs.give_up_store(first.id) is None
+    jobs.delete(first.id)
+    jobs.request_cancel(second.id)
+    assert jobs.give_up_store(second.id) == first.id
+    third, _ = jobs.submit(a_job(), "local")
+    assert third.store == third.id
 
 
 def test_a_queued_job_is_cancelled_at_once(jobs):
     record, _ = jobs.submit(a_job(), "local")
     assert jobs.request_cancel(record.id).state == JobState.CANCELLED
-    assert jobs.claim() is None
+    assert jobs.claim("any") is None
 
 
 def test_a_live_job_is_not_deleted(jobs):
