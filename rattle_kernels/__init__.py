@@ -29,7 +29,7 @@ from rattle_kernels.image_set import (
 )
 from rattle_kernels.impact_lanes import next_impacts
 from rattle_kernels.impact_map import Impacts, previous_impacts
-from rattle_kernels.iterations import check_iterations, expected_applications, settled_iterations
+from rattle_kernels.iterations import WEAK_DAMPING, check_iterations, expected_applications, settled_iterations
 from rattle_kernels.jit import compiled_before
 from rattle_kernels.lane_traps import NO_TRAPS, LaneTraps
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
@@ -60,6 +60,7 @@ from rattle_kernels.solutions import STRANGER, coarser_boxes, landing_boxes, nam
 from rattle_kernels.special_point import SpecialKind, SpecialPoint
 from rattle_kernels.special_point_curve import SpecialCurve, continue_special_point
 from rattle_kernels.time_history import Contacts, Direction, TimeHistory, time_history
+from rattle_kernels.trap import set_traps
 from rattle_kernels.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
 from rattle_kernels.warm_up import warm_up
 
@@ -68,6 +69,7 @@ __all__ = [
     "SINK",
     "STRANGER",
     "UNDECIDED",
+    "WEAK_DAMPING",
     "Attractor",
     "AttractorKind",
     "BasinEntropy",
@@ -85,11 +87,13 @@ __all__ = [
     "ImageSet",
     "Impacts",
     "LargestDisc",
+    "LaneTraps",
     "LeastDisturbance",
     "ManifoldBranch",
     "ManifoldEnd",
     "ManifoldLimits",
     "MarkedWords",
+    "NO_TRAPS",
     "NotASaddle",
     "Oscillator",
     "Outcome",
@@ -127,6 +131,7 @@ __all__ = [
     "eccentricity_bound_smooth_maxima",
     "find_attractors",
     "find_groups",
+    "expected_applications",
     "find_saddle",
     "find_orbits",
     "global_integrity_measure",
@@ -150,6 +155,8 @@ __all__ = [
     "split_at_wrap",
     "stable_manifold",
     "time_history",
+    "set_traps",
+    "settled_iterations",
     "single_contact_orbits",
     "uncertainty_exponent",
     "unite",

@@ -13,6 +13,9 @@ PAPERS_ITERATIONS = 1499
 # The paper keeps its k from here on (Fig. 9).
 _PAPERS_DAMPING = 0.5
 _SETTLED = 900.0
+_LEAST_DAMPING = 9e-5
+WEAK_DAMPING = 0.02
+"""Where a scout pass pays: above, transients are no longer than it would take."""
 # Impacts until a trajectory is trapped or captured, times delta: 50 at 6e-4, less above.
 _TRAPPED = 54.0
 
@@ -54,6 +57,8 @@ def check_iterations(iterations: int) -> int:
 def settled_iterations(damping: float) -> int:
     """The k of a request that names none: 1499 where the damping is 0.5 or more, else the first prime from 900/damping.
 
+    Below a damping of 9e-5 it grows no further.
+
     Parameters
     ----------
     damping : float
@@ -70,12 +75,12 @@ def settled_iterations(damping: float) -> int:
     """
     if damping >= _PAPERS_DAMPING:
         return PAPERS_ITERATIONS
-    least = math.ceil(_SETTLED / damping)
+    least = math.ceil(_SETTLED / max(damping, _LEAST_DAMPING))
     return least if is_prime(least) else nearest_primes(least)[-1]
 
 
 def expected_applications(damping: float, iterations: int) -> float:
-    """About how many applications of P a cell takes, shortcuts and all; what work is measured by.
+    """About how many applications of P a cell takes at most: all, but where damping is weak and orbits are known.
 
     Parameters
     ----------
@@ -88,4 +93,6 @@ def expected_applications(damping: float, iterations: int) -> float:
     float
         At most `iterations`.
     """
-    return min(float(iterations), max(PAPERS_ITERATIONS, _TRAPPED / damping))
+    if damping > WEAK_DAMPING:
+        return float(iterations)
+    return min(float(iterations), _TRAPPED / max(damping, _LEAST_DAMPING))

@@ -40,6 +40,7 @@ from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.lane_traps import DEGREE, NO_TRAPS, NOWHERE, POWERS, LaneTraps
 from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
+
 _LARGEST, _SMALLEST, _SHRINK = 0.2, 1e-6, 0.5
 # Once a trap is found, what lies between it and the last failure is tried from above.
 _STRETCHES = (1.7, 1.4, 1.2)
@@ -258,7 +259,9 @@ def _gather(oscillator: Oscillator, traps: Sequence[Trap], speed_scale: float) -
     radius = np.array([trap.radius for trap in traps])
     nearest = np.full((_ROWS, _COLUMNS), NOWHERE, np.int64)
     top = 1.05 * float(speed.max())
-    _paint(time, speed, np.concatenate(frames), np.repeat(radius, periods), top, nearest, np.full(nearest.shape, np.inf))
+    _paint(
+        time, speed, np.concatenate(frames), np.repeat(radius, periods), top, nearest, np.full(nearest.shape, np.inf)
+    )
     coefficients = np.array([trap.coefficients for trap in traps])
     return LaneTraps(
         nearest, top,

@@ -1,5 +1,6 @@
 """Requests that are too large are refused before anything is done that takes time in proportion to them."""
 
+from rattle_kernels import expected_applications
 from service.errors import LimitExceeded
 from service.models import BasinRequest, SweepRequest
 from service.settings import Settings
@@ -14,10 +15,13 @@ def check_size(request: BasinRequest, settings: Settings) -> None:
         Naming the limit, by its setting.
     """
     cells, basins = request.places, request.basins if isinstance(request, SweepRequest) else 1
-    applications = cells * request.iterations
+    iterations = request.k
+    # Where damping is weak, no cell takes all of them.
+    each = expected_applications(request.least_damping, min(iterations, settings.max_iterations))
+    applications = round(cells * each)
     for what, size, limit in (
         ("cells or points", cells, "max_cells"),
-        ("iterations", request.iterations, "max_iterations"),
+        ("iterations", iterations, "max_iterations"),
         ("cells times iterations", applications, "max_applications"),
         ("basins", basins, "max_basins"),
         ("cells times iterations of all basins", basins * applications, "max_sweep_applications"),

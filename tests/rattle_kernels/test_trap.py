@@ -9,6 +9,7 @@ from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.lane_traps import potential_in
 from rattle_kernels.periodic_orbit import find_periodic_orbit
 from rattle_kernels.trap import find_trap, set_traps
+from tests.rattle_kernels.machine import MACHINE, attractor_of, orbit_near
 
 ROAD = [Oscillator(0.06, 0.01, 0.06), Oscillator(6e-3, 1e-3, 6e-3), Oscillator(6e-3, 1e-3, 6e-3, stiffness=1000.0)]
 ITERATIONS = 60_013
@@ -38,28 +39,22 @@ def test_images_are_those_of_the_plain_loop(oscillator):
     assert caught.applications < 0.8 * map_points(oscillator, grid, ITERATIONS, t, v).applications
 
 
-def test_traps_at_the_machines_damping_are_wide_and_contract():
-    oscillator = Oscillator(6e-4, 1e-4, 6e-4)
-    scale = lane_tables(oscillator).speed_scale
-    # P(1, 1, 0) and P(1, 2, 0), near where the limit without damping has them.
-    for t, v, period in ((0.5, 2.0 * np.pi * 6e-4, 1), (0.3, 2.475 * 6e-4, 2)):
-        orbit = next(
-            found
-            for phase in np.linspace(0.0, 0.95, 20)
-            if (found := find_periodic_orbit(oscillator, phase + t, v, period, scale)) is not None and found.attracts
-        )
-        trap = find_trap(oscillator, orbit, scale)
-        assert trap.radius > 3e-3
-        angles = np.linspace(0.0, 2.0 * np.pi, 333, endpoint=False)
-        dt, dv = np.linalg.inv(trap.frame) @ (0.5 * trap.radius * np.array([np.cos(angles), np.sin(angles)]))
-        after = next_impacts(oscillator, orbit.t[0] + dt, orbit.v[0] + dv, 200 * period)
-        attractor = find_attractors(oscillator, orbit.t[:1], orbit.v[:1])[1]
-        traps = set_traps(oscillator, (attractor,))
-        start = [potential_in(traps, 0, *point) for point in zip(orbit.t[0] + dt, orbit.v[0] + dv, strict=True)]
-        end = [potential_in(traps, 0, *point) for point in zip(after.t, after.v, strict=True)]
-        # 200 turns: by e^-0.12 in the limit, by e^-0.06 at least.
-        assert (np.array(end) < np.exp(-0.06) * np.array(start)).all()
-        assert (np.array(end) > np.exp(-0.24) * np.array(start)).all()
+@pytest.mark.parametrize(("speed", "period"), [(2.0 * np.pi, 1), (2.475, 2)])
+def test_traps_at_the_machines_damping_are_wide_and_contract(speed, period):
+    orbit = orbit_near(speed, period)
+    trap = find_trap(MACHINE, orbit, lane_tables(MACHINE).speed_scale)
+    assert trap.radius > 3e-3
+    angles = np.linspace(0.0, 2.0 * np.pi, 333, endpoint=False)
+    dt, dv = np.linalg.inv(trap.frame) @ (0.5 * trap.radius * np.array([np.cos(angles), np.sin(angles)]))
+    after = next_impacts(MACHINE, orbit.t[0] + dt, orbit.v[0] + dv, 200 * period)
+    traps = set_traps(MACHINE, (attractor_of(orbit),))
+    start, end = (
+        np.array([potential_in(traps, 0, *point) for point in zip(t, v, strict=True)])
+        for t, v in ((orbit.t[0] + dt, orbit.v[0] + dv), (after.t, after.v))
+    )
+    # 200 turns: by e^-0.12 in the limit, by e^-0.06 at least.
+    assert (end < np.exp(-0.06) * start).all()
+    assert (end > np.exp(-0.24) * start).all()
 
 
 def test_an_orbit_with_real_multipliers_has_no_trap():
