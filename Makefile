@@ -7,7 +7,11 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: help demo test test-slow test-faults check bench serve openapi lock clean
+# Debian's packages, for root; others are told what to ask for.
+install = { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install --yes -qq --no-install-recommends $(1) >/dev/null; } || \
+  { echo "install these packages first: $(1)"; exit 1; }
+
+.PHONY: help demo test test-slow test-faults test-backends test-containers test-hosts check bench serve openapi lock clean
 
 help:  ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -27,10 +31,22 @@ test: $(READY)  ## run the tests (minutes)
 	$(BIN)/python -m pytest
 
 test-slow: $(READY)  ## run the slow tests as well
-	$(BIN)/python -m pytest -m 'not faults'
+	$(BIN)/python -m pytest -m 'not browser and not faults and not containers and not hosts'
 
 test-faults: $(READY)  ## kill and fill things from outside (minutes; as root also full and read-only disks)
 	$(BIN)/python -m pytest -m faults
+
+test-backends: $(READY)  ## the tests of service and worker once more, on PostgreSQL and S3
+	@command -v initdb >/dev/null || ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || $(call install,postgresql)
+	RATTLE_TEST_BACKENDS=1 $(BIN)/python -m pytest tests/service tests/worker
+
+test-containers: $(READY)  ## build the image and run it, without an engine; as root
+	@command -v buildah podman runc debootstrap >/dev/null || $(call install,buildah podman runc debootstrap)
+	$(BIN)/python -m pytest tests/containers -m containers --timeout 2400
+
+test-hosts: $(READY)  ## the compose file's commands as hosts of a network, one of which is cut off
+	@command -v initdb >/dev/null || ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || $(call install,postgresql)
+	$(BIN)/python -m pytest tests/hosts -m hosts --timeout 600
 
 check: $(READY)  ## formatting, lint, types, import layers, spelling
 	$(BIN)/ruff format --check .
@@ -49,9 +65,12 @@ serve: $(READY)  ## the service with two local workers on 127.0.0.1:8000
 openapi: $(READY)  ## write docs/openapi.yaml from the code
 	$(BIN)/python -m service.openapi > docs/openapi.yaml
 
-lock: $(READY)  ## pin every dependency anew (needs uv)
-	uv pip compile --quiet --generate-hashes --no-emit-index-url --no-emit-find-links --no-header --no-annotate --no-emit-package gear-rattle \
-	  --python-version 3.11 --extra dev --output-file requirements/lock.txt pyproject.toml
+LOCK := uv pip compile --quiet --generate-hashes --no-emit-index-url --no-emit-find-links --no-header --no-annotate \
+  --no-emit-package gear-rattle --python-version 3.11
+
+lock: $(READY)  ## pin every dependency anew, and of those the ones that the container image has (needs uv)
+	$(LOCK) --extra dev --output-file requirements/lock.txt pyproject.toml
+	$(LOCK) --extra image --constraint requirements/lock.txt --output-file requirements/image.txt pyproject.toml
 
 clean:  ## remove the environment, caches and the demo's results
 	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis demo/basin.zarr demo/basin.png demo/data

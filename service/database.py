@@ -1,16 +1,22 @@
 """The database: connection, migration, and nothing that knows what a job is."""
 
+import sqlite3
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from alembic import command
 from alembic.config import Config
-from sqlalchemy import Engine, create_engine, event
+from sqlalchemy import Engine, create_engine, event, text
 from sqlalchemy.engine import make_url
 from sqlalchemy.orm import Session, sessionmaker
 
 _BUSY_SECONDS = 30
+# Of PostgreSQL: how long a server that is gone is waited for; times of day in UTC, as SQLite keeps them; and a number
+# of our own, by which replicas that start together migrate one after another.
+_POSTGRESQL = {"connect_timeout": 5, "options": "-c timezone=UTC", "application_name": "gear-rattle"}
+_MIGRATION_LOCK = 0x72617474
 
 
 def _tune_sqlite(engine: Engine) -> None:
@@ -22,13 +28,26 @@ def _tune_sqlite(engine: Engine) -> None:
     @event.listens_for(engine, "connect")
     def _connected(connection: Any, _: object) -> None:
         connection.isolation_level = None
-        connection.execute("PRAGMA journal_mode=WAL")
-        connection.execute("PRAGMA synchronous=NORMAL")
         connection.execute(f"PRAGMA busy_timeout={_BUSY_SECONDS * 1000}")
+        _write_ahead(connection)
+        connection.execute("PRAGMA synchronous=NORMAL")
 
     @event.listens_for(engine, "begin")
     def _begun(connection: Any) -> None:
         connection.exec_driver_sql("BEGIN IMMEDIATE")
+
+
+def _write_ahead(connection: Any) -> None:
+    """Switch to WAL: the one statement that SQLite refuses at once, timeout or not, while another does the same."""
+    patience = time.monotonic() + _BUSY_SECONDS
+    while True:
+        try:
+            connection.execute("PRAGMA journal_mode=WAL")
+            return
+        except sqlite3.OperationalError:
+            if time.monotonic() > patience:
+                raise
+            time.sleep(0.02)
 
 
 def open_database(url: str) -> tuple[Engine, Callable[[], Session]]:
@@ -44,15 +63,40 @@ def open_database(url: str) -> tuple[Engine, Callable[[], Session]]:
     (Engine, callable)
         The callable makes sessions.
     """
+    engine = connect_database(url)
+    migrate(engine)
+    return engine, sessionmaker(engine, expire_on_commit=False)
+
+
+def connect_database(url: str) -> Engine:
+    """Engine of the database at a SQLAlchemy URL, whatever its schema."""
     parsed = make_url(url)
+    if parsed.get_backend_name() == "postgresql":
+        # A connection that the server has closed, as when it was started anew, is noticed before it is used.
+        return create_engine(parsed, pool_pre_ping=True, connect_args=_POSTGRESQL)
     if parsed.get_backend_name() == "sqlite" and parsed.database:
         Path(parsed.database).parent.mkdir(parents=True, exist_ok=True)
     engine = create_engine(parsed)
     if engine.dialect.name == "sqlite":
         _tune_sqlite(engine)
+    return engine
+
+
+def migrate(engine: Engine, change: Callable[[Config, str], None] = command.upgrade, revision: str = "head") -> None:
+    """Bring a database to a revision of its schema, in one transaction.
+
+    Parameters
+    ----------
+    engine : Engine
+    change : callable
+        Alembic's ``upgrade``, or its ``downgrade``.
+    revision : str
+        Number of a migration; ``head`` is the newest, ``base`` is before the first.
+    """
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
     with engine.begin() as connection:
+        if connection.dialect.name == "postgresql":
+            connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _MIGRATION_LOCK})
         config.attributes["connection"] = connection
-        command.upgrade(config, "head")
-    return engine, sessionmaker(engine, expire_on_commit=False)
+        change(config, revision)

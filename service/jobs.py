@@ -132,10 +132,13 @@ class Jobs:
                 number = session.scalar(_next_in_turn(free, newcomers))
                 if number is None:
                     return None
-                taken = session.execute(update(JobRecord).where(JobRecord.number == number, free).values(values))
+                taken = update(JobRecord).where(JobRecord.number == number, free).values(values)
+                job_id = session.scalar(taken.returning(JobRecord.id))
+                if job_id is not None:
+                    note_event(session, job_id, JobState.RUNNING)
                 session.commit()
-                if taken.rowcount == 1:  # type: ignore[attr-defined]
-                    return session.scalar(select(JobRecord).where(JobRecord.number == number))
+                if job_id is not None:
+                    return session.scalar(select(JobRecord).where(JobRecord.id == job_id))
 
     def renew(self, owners: Collection[str]) -> dict[str, JobState]:
         """Renew the leases of some claims; those that still hold theirs, with the states of their jobs."""

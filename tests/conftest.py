@@ -1,13 +1,50 @@
 """What all tests share."""
 
+import contextlib
+import os
+
 import pytest
 from hypothesis import settings
 
-from tests.running_service import running_service
+from tests.object_store import running_object_store
+from tests.postgresql import running_postgresql
+from tests.running_service import BACKENDS, running_service
 
 # The first call of a kernel compiles it; the limit per test is pytest-timeout's.
 settings.register_profile("rattle", deadline=None, derandomize=True)
 settings.load_profile("rattle")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def backends():
+    """With RATTLE_TEST_BACKENDS, all services of the tests keep their jobs in PostgreSQL and their results in S3."""
+    with contextlib.ExitStack() as stack:
+        if os.environ.get("RATTLE_TEST_BACKENDS"):
+            BACKENDS.postgresql = stack.enter_context(running_postgresql())
+            BACKENDS.object_store = stack.enter_context(running_object_store())
+        yield BACKENDS
+
+
+@pytest.fixture(scope="session")
+def postgresql(backends):
+    """A PostgreSQL server, shared: tests use databases of their own."""
+    with contextlib.nullcontext(backends.postgresql) if backends.postgresql else running_postgresql() as server:
+        yield server
+
+
+@pytest.fixture(scope="session")
+def object_store(backends):
+    """An S3 server, shared: tests use prefixes of their own."""
+    with contextlib.nullcontext(backends.object_store) if backends.object_store else running_object_store() as server:
+        yield server
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database_url(request, tmp_path):
+    """An empty database of each kind."""
+    if request.param == "sqlite":
+        return f"sqlite:///{tmp_path / 'jobs.sqlite'}"
+    return request.getfixturevalue("postgresql").new_database()
 
 
 @pytest.fixture(scope="session")

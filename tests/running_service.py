@@ -1,9 +1,9 @@
 """A real service in a process of its own, for tests that speak HTTP."""
 
 import contextlib
+import hashlib
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -11,6 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import httpx2 as httpx
+
+from tests.object_store import BUCKET
+from tests.ports import free_port
+from worker.result_files import result_location
 
 
 @dataclass
@@ -20,6 +24,11 @@ class RunningService:
     url: str
     data: Path
     process: subprocess.Popen
+    results: str
+
+    def store_of(self, job):
+        """Place of a job's store, as `worker.reading.open_basin` takes it."""
+        return result_location(self.results, job["id"])
 
     def request(self, method, path, **options):
         """Answer to a request."""
@@ -42,11 +51,23 @@ class RunningService:
             time.sleep(0.05)
 
 
-def free_port():
-    """A port that was free a moment ago."""
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return listener.getsockname()[1]
+@dataclass
+class Backends:
+    """Servers that services keep their jobs and results in, where tests are to use them."""
+
+    postgresql: object = None
+    object_store: object = None
+
+    def variables(self, data):
+        """Variables of a service whose data folder this is: the same folder, the same database and results."""
+        if self.postgresql is None:
+            return {}
+        name = "service_" + hashlib.sha256(str(data).encode()).hexdigest()[:16]
+        database = self.postgresql.new_database(name)
+        return {"RATTLE_DATABASE_URL": database, "RATTLE_STORE": f"s3://{BUCKET}/{name}"}
+
+
+BACKENDS = Backends()
 
 
 @contextlib.contextmanager
@@ -63,10 +84,12 @@ def running_service(data, **environment):
         "--data",
         str(data),
     ]
-    variables = os.environ | {name: str(value) for name, value in environment.items()}
+    settings = BACKENDS.variables(data) | {name: str(value) for name, value in environment.items()}
+    variables = os.environ | settings
     log = open(Path(data) / "serve.log", "ab")
     process = subprocess.Popen(command, env=variables, stdout=log, stderr=log)
-    service = RunningService(f"http://127.0.0.1:{port}", Path(data), process)
+    results = settings.get("RATTLE_STORE", str(Path(data) / "results"))
+    service = RunningService(f"http://127.0.0.1:{port}", Path(data), process, results)
     try:
         _wait_until_ready(service)
         yield service

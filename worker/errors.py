@@ -11,7 +11,10 @@ WorkerError
 """
 
 import contextlib
+import re
 from collections.abc import Iterator
+
+from obstore.exceptions import BaseError as ObjectStoreError
 
 from rattle_kernels import OutsideDomain
 
@@ -77,6 +80,12 @@ def told_as_store_failure(location: str) -> Iterator[None]:
     """Say of any failure of the system which store it befell."""
     try:
         yield
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise StoreFailed(f"the store {location} cannot be read or written: {reason}") from error
+    except (OSError, ObjectStoreError) as error:
+        raise StoreFailed(f"the store {location} cannot be read or written: {_reason(error)}") from error
+
+
+def _reason(error: Exception) -> str:
+    """The system's reason in a line; that of S3 is in the XML of its answer, where it has answered."""
+    told = getattr(error, "strerror", None) or str(error)
+    answer = re.search(r"<Code>(.*?)</Code>\s*<Message>(.*?)</Message>", told)
+    return f"{answer.group(1)}: {answer.group(2)}" if answer else told.partition("\n")[0].strip()

@@ -15,6 +15,7 @@ from zarr.errors import ZarrUserWarning
 from worker import layout
 from worker.basin_job import BasinJob
 from worker.layout import Places, TileState, Variable
+from worker.storage import place_at
 from worker.tiles import Tiling, cut, cut_row
 
 # Not kept by Zarr: a handle opened without it would delete chunks that equal the fill value.
@@ -46,7 +47,7 @@ def consolidate(location: str) -> None:
     with warnings.catch_warnings():
         # Consolidated metadata are Zarr-Python's own, not yet part of the specification: other readers ignore them.
         warnings.simplefilter("ignore", ZarrUserWarning)
-        zarr.consolidate_metadata(location, zarr_format=3)
+        zarr.consolidate_metadata(place_at(location).zarr, zarr_format=3)
 
 
 def create_array(
@@ -74,7 +75,7 @@ def create_array(
 
 def create_store(location: str, job: BasinJob) -> None:
     """Lay out a new store; the attributes that make it one are written last."""
-    group = zarr.create_group(location, zarr_format=3, overwrite=True)
+    group = zarr.create_group(place_at(location).zarr, zarr_format=3, overwrite=True)
     tiling, places = tiling_of(job), places_of(job)
     sampled = job.sample is not None
     shape: tuple[int, ...] = (job.grid.time_cells,) if sampled else job.grid.shape

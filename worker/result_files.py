@@ -1,14 +1,12 @@
 """Where results lie, and their files."""
 
-import shutil
-from pathlib import Path
-
 from worker.errors import told_as_store_failure
+from worker.storage import StoredFile, place_at
 
 
-def result_location(folder: str, job_id: str) -> str:
-    """Place of a job's store in a folder of results."""
-    return f"{folder.rstrip('/')}/{job_id}.zarr"
+def result_location(root: str, job_id: str) -> str:
+    """Place of a job's store below the root of all results."""
+    return f"{root.rstrip('/')}/{job_id}.zarr"
 
 
 def remove_result(location: str) -> None:
@@ -19,16 +17,17 @@ def remove_result(location: str) -> None:
     StoreFailed
         Where it cannot be removed.
     """
-    if Path(location).exists():
-        with told_as_store_failure(location):
-            shutil.rmtree(location)
+    with told_as_store_failure(location):
+        place_at(location).remove()
 
 
-def file_of_store(location: str, path: str) -> Path | None:
-    """File of a store by its path within, or none; a path that leads out of the store is none of its files."""
-    root = Path(location).resolve()
-    try:
-        file = (root / path).resolve()
-        return file if file.is_relative_to(root) and file.is_file() else None
-    except (OSError, ValueError):  # a name that no file can have
-        return None
+def file_of_store(location: str, path: str) -> StoredFile | None:
+    """File of a store by its path within, or none; a path that leads out of the store is none of its files.
+
+    Raises
+    ------
+    StoreFailed
+        Where it cannot be read.
+    """
+    with told_as_store_failure(location):
+        return place_at(location).read(path)

@@ -9,7 +9,6 @@ such as those over HTTP, which cannot list a folder, see all there is at any mom
 
 import json
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,10 +17,11 @@ import zarr
 from rattle_kernels import Attractor, AttractorKind, CellGroups, ImageSet, with_counts
 from worker import layout
 from worker.basin_job import BasinJob
-from worker.errors import StoreConflict, told_as_store_failure
+from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
 from worker.layout import Variable
 from worker.new_store import CONFIG, consolidate, create_array, create_store, now, places_of, tiling_of
 from worker.solution_table import Motion, SolutionTable
+from worker.storage import place_at
 from worker.tiles import Tile
 
 Fence = Callable[[], None]
@@ -38,7 +38,7 @@ class BasinStore:
     Parameters
     ----------
     location : str
-        A folder, or a URL that Zarr understands.
+        As in `worker.storage`.
     fence : Fence
         Of the driver.
 
@@ -54,7 +54,7 @@ class BasinStore:
         self.location, self._fence = location, fence
         with told_as_store_failure(location):
             try:
-                self._group = zarr.open_group(location, mode="r+", zarr_format=3, use_consolidated=False)
+                self._group = _open_group(location, "r+")
             except (FileNotFoundError, NotADirectoryError, ValueError) as error:
                 raise StoreConflict(f"{location} is no basin store: nothing there that Zarr can open") from error
         if self._group.attrs.get("layout_version") != layout.LAYOUT_VERSION:
@@ -78,10 +78,10 @@ class BasinStore:
             Where it cannot be written.
         """
         if not holds_basin(location):
-            if "://" not in location and Path(location).exists() and _holds_something(Path(location)):
-                raise StoreConflict(f"{location} exists and is no basin store: choose another place, or remove it")
             fence()
             with told_as_store_failure(location):
+                if place_at(location).taken():
+                    raise StoreConflict(f"{location} exists and is no basin store: choose another place, or remove it")
                 create_store(location, job)
         store = cls(location, fence)
         if store.digest != job.digest:
@@ -117,11 +117,21 @@ class BasinStore:
                 self._kept(variable)[region] = value if self.job.sample is None else value[0]
 
     def read_tile(self, variables: Sequence[Variable], tile: Tile) -> tuple[np.ndarray, ...]:
-        """Read one tile of some variables."""
+        """Read one tile of some variables, all of it written before.
+
+        Raises
+        ------
+        StoreFailed
+            Where it cannot be read, or is not there: Zarr takes what is missing for fill values, which are no data.
+        """
         region = self._region(tile)
         shape = tile.rows[1] - tile.rows[0], tile.columns[1] - tile.columns[0]
         with told_as_store_failure(self.location):
-            return tuple(np.asarray(self._kept(variable)[region]).reshape(shape) for variable in variables)
+            values = tuple(np.asarray(self._kept(variable)[region]).reshape(shape) for variable in variables)
+        for variable, value in zip(variables, values, strict=True):
+            if (value == variable.fill).any():
+                raise StoreFailed(f"the store {self.location} has lost a part of {variable.path}: {tile}")
+        return values
 
     def read_whole(self, variables: Sequence[Variable]) -> tuple[np.ndarray, ...]:
         """Read some variables whole."""
@@ -301,9 +311,8 @@ class BasinStore:
     def sweep_orphans(self) -> None:
         """Remove temporary files that killed writers left behind (driver only)."""
         self._fence()
-        if "://" not in self.location:
-            for orphan in Path(self.location).rglob("*.partial"):
-                orphan.unlink(missing_ok=True)
+        with told_as_store_failure(self.location):
+            place_at(self.location).sweep()
 
 
 def _words(names: list[str]) -> list[str]:
@@ -316,15 +325,12 @@ def holds_basin(location: str) -> bool:
     """Whether a basin's store lies at a location: its attributes are the last thing that is created."""
     with told_as_store_failure(location):
         try:
-            group = zarr.open_group(location, mode="r", zarr_format=3, use_consolidated=False)
+            group = _open_group(location, "r")
         except (FileNotFoundError, NotADirectoryError, ValueError):
+            place_at(location).check()
             return False
         return "layout_version" in group.attrs
 
 
-def _holds_something(path: Path) -> bool:
-    """Whether a path is a file, or a folder with anything but the beginnings of a store in it."""
-    if not path.is_dir():
-        return True
-    begun = (path / "zarr.json").exists()
-    return not begun and any(each.suffix != ".partial" for each in path.iterdir())
+def _open_group(location: str, mode: str) -> Any:
+    return zarr.open_group(place_at(location).zarr, mode=mode, zarr_format=3, use_consolidated=False)

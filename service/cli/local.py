@@ -12,7 +12,8 @@ from service.cli.keys import opened_keys
 from service.logs import write_logs
 from service.server import Server
 from service.settings import Settings
-from worker.errors import WorkerError
+from worker.errors import InvalidJob, WorkerError
+from worker.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
 from worker.panel_picture import Layer
 from worker.picture import draw_basin
 from worker.share_chart import draw_shares
@@ -62,13 +63,18 @@ def plot(
     out_: Annotated[Path, typer.Option("--out", help="PNG to write")],
     layer: Annotated[Layer, typer.Option(help="Solutions, or Hsu's group, period or step")] = Layer.SOLUTION,
     shares: Annotated[bool, typer.Option("--shares", help="Shares over the swept parameter instead")] = False,
+    overlay: Annotated[str, typer.Option(help=f"What lies over basins, of {','.join(OverlayKind)}")] = ",".join(
+        USUAL_OVERLAYS
+    ),
 ) -> None:
     """Draw a basin in the paper's colours, or those of a sweep side by side."""
     try:
         if shares:
             draw_shares(str(store), out_)
         else:
-            draw_basin(str(store), out_, layer=layer)
+            draw_basin(str(store), out_, layer=layer, overlays=parse_overlays(overlay))
+    except InvalidJob as error:
+        give_up(str(error), 2)
     except WorkerError as error:
         give_up(str(error))
     except OSError as error:

@@ -5,18 +5,20 @@ import re
 from importlib.metadata import version
 from typing import Annotated
 
-from fastapi import APIRouter, Response
-from fastapi.responses import FileResponse
+from fastapi import APIRouter, Request, Response
 from pydantic import AfterValidator
 
+from service.byte_range import answer_range
 from service.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, not_modified, view_or_not_modified
 from service.dependencies import JobId, JobsHere, SettingsHere, problems
 from service.errors import JobNotFound, NotReady
 from service.models import ResultView
+from worker.errors import InvalidJob
 from worker.panel_picture import Layer
 from worker.picture import draw_basin
 from worker.result_files import file_of_store, result_location
 from worker.results import fingerprint, summarise
+from worker.share_chart import draw_shares
 from worker.store import holds_basin
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
@@ -73,18 +75,48 @@ def get_picture(
     return Response(buffer.getvalue(), media_type="image/png", headers={"etag": etag})
 
 
+@router.get(
+    "/shares.png",
+    summary="Shares over the swept parameters",
+    response_class=Response,
+    responses={
+        200: {"content": {"image/png": {}}},
+        **problems(s404="there is no such job, or none of its basins is complete yet", s422="the job sweeps nothing"),
+        **NOT_MODIFIED,
+    },
+)
+def get_shares(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
+    """Draw the share of each solution over the swept parameter, or maps of them over two, also while a sweep runs."""
+    location, buffer = _location(job_id, jobs, settings), io.BytesIO()
+    etag = etag_of(fingerprint(location), "shares", _VERSION)
+    known = not_modified(etag, if_none_match)
+    if known is not None:
+        return known
+    if jobs.get(job_id).kind != "sweep":
+        raise InvalidJob(f"job {job_id} is a single basin: it sweeps no parameter to draw shares over")
+    try:
+        draw_shares(location, buffer)
+    except InvalidJob as error:
+        raise NotReady(f"no basin of job {job_id} is complete yet") from error
+    return Response(buffer.getvalue(), media_type="image/png", headers={"etag": etag})
+
+
 @router.head("/result.zarr/{path:path}", include_in_schema=False)
 @router.get(
     "/result.zarr/{path:path}",
     summary="The Zarr store",
-    response_class=FileResponse,
+    response_class=Response,
     responses={200: {"content": {"application/octet-stream": {}}}, **_NOTHING_YET},
 )
 def get_store(
-    job_id: JobId, path: Annotated[str, AfterValidator(_store_path)], jobs: JobsHere, settings: SettingsHere
+    job_id: JobId,
+    path: Annotated[str, AfterValidator(_store_path)],
+    request: Request,
+    jobs: JobsHere,
+    settings: SettingsHere,
 ) -> Response:
     """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`, also while it grows."""
     file = file_of_store(_location(job_id, jobs, settings), path)
     if file is None:
         raise JobNotFound(f"the store of job {job_id} holds no {path!r}")
-    return FileResponse(file, media_type="application/octet-stream")
+    return answer_range(file, request.headers)

@@ -5,7 +5,13 @@ from hypothesis import strategies as st
 
 from rattle_kernels import SINK, CellGrid, check_grid
 from rattle_kernels.cell_grid import cell_number
-from rattle_kernels.iterations import check_iterations, expected_applications, is_prime, nearest_primes, settled_iterations
+from rattle_kernels.iterations import (
+    check_iterations,
+    expected_applications,
+    is_prime,
+    nearest_primes,
+    settled_iterations,
+)
 from rattle_kernels.jit import step
 
 

@@ -29,11 +29,11 @@ def service(monkeypatch, tmp_path):
 
 
 def start(jobs, job):
-    assert jobs.move(job.id, JobState.QUEUED, JobState.RUNNING)
+    assert jobs.claim(f"test/{job.id}").id == job.id
 
 
 def further(jobs, job, tiles):
-    jobs.record_progress(job.id, PROGRESS | {"tiles_done": tiles})
+    jobs.record_progress(job.id, PROGRESS | {"tiles_done": tiles}, f"test/{job.id}")
 
 
 def end(jobs, job, state=JobState.SUCCEEDED, **values):
@@ -116,7 +116,7 @@ def test_a_client_that_has_seen_the_end_is_told_not_to_come_back(service):
 
 def test_events_come_from_the_database_whoever_writes_them(service, tmp_path):
     job = service.add_job()
-    other_replica = Jobs(service.jobs._sessions)
+    other_replica = Jobs(service.jobs._sessions, service.jobs._quotas)
     with stream(service, job) as events:
         next(events)
         begin = time.monotonic()

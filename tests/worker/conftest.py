@@ -13,7 +13,8 @@ from worker.store import BasinStore
 
 
 @pytest.fixture(scope="session")
-def client():
+def client(object_store):
+    """Of workers that find the S3 server."""
     with local_cluster(workers=2) as client:
         yield client
 

@@ -1,0 +1,83 @@
+"""The Dockerfile and the compose file are sound, say what they must, and keep no secret."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+DOCKER = Path(__file__).parents[2] / "docker"
+COMPOSE = yaml.safe_load((DOCKER / "compose.yaml").read_text())
+PARTS = [name for name, part in COMPOSE["services"].items() if part["image"] == "gear-rattle"]
+
+
+def linted(program, *arguments):
+    command = [Path(sys.executable).parent / program, *arguments]
+    answer = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    return answer.returncode, answer.stdout + answer.stderr
+
+
+def test_the_dockerfile_passes_its_linter():
+    assert linted("hadolint", DOCKER / "Dockerfile") == (0, "")
+
+
+def test_the_compose_file_is_of_the_schema():
+    code, told = linted("check-jsonschema", "--builtin-schema", "vendor.compose-spec", DOCKER / "compose.yaml")
+    assert code == 0, told
+
+
+def test_the_image_has_a_user_of_its_own_and_a_health_check():
+    last_stage = (DOCKER / "Dockerfile").read_text().rpartition("\nFROM ")[2]
+    assert re.search(r"^USER \d+$", last_stage, re.MULTILINE) and "HEALTHCHECK" in last_stage
+
+
+def test_there_is_everything_that_a_cluster_needs():
+    assert COMPOSE["services"].keys() == {"service", "scheduler", "worker", "database", "objects", "bucket"}
+    assert PARTS == ["service", "scheduler", "worker"]
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_every_part_is_restarted_whatever_its_code_and_can_do_little(name):
+    part = COMPOSE["services"][name]
+    assert part["restart"] == "always" and part["read_only"] and part["tmpfs"] == ["/tmp"]
+    assert part["cap_drop"] == ["ALL"] and part["security_opt"] == ["no-new-privileges:true"]
+    assert part["healthcheck"]["test"][0] == "CMD"
+    assert "privileged" not in part and "network_mode" not in part
+
+
+def test_only_the_service_is_published_and_on_loopback_unless_asked_otherwise():
+    published = {name: part["ports"] for name, part in COMPOSE["services"].items() if "ports" in part}
+    assert published == {"service": ["${RATTLE_PUBLISH:-127.0.0.1:8000}:8000"]}
+
+
+def test_parts_of_the_cluster_speak_tls_and_show_no_dashboard():
+    for name in ("scheduler", "worker"):
+        command = COMPOSE["services"][name]["command"]
+        assert "tls" in command and "--tls-key /run/secrets/key" in command and "--no-dashboard" in command
+    assert COMPOSE["services"]["service"]["environment"]["RATTLE_SCHEDULER"].startswith("tls://")
+
+
+def test_secrets_come_from_outside_and_are_demanded():
+    for name, part in COMPOSE["services"].items():
+        for variable, value in part.get("environment", {}).items():
+            if re.search("PASSWORD|SECRET|KEY|DATABASE_URL", variable) and not str(value).startswith("/run/secrets/"):
+                assert re.search(r"\$\{\w+:\?", value), f"{name}: {variable}"
+    assert re.findall(r"^(.*(?:PASSWORD|SECRET).*)=$", (DOCKER / "env.example").read_text(), re.MULTILINE)
+
+
+@pytest.mark.parametrize("script", ["start.sh", "processor.sh", "slim.sh"])
+def test_scripts_are_of_the_plain_shell(script):
+    subprocess.run(["sh", "-n", DOCKER / script], check=True)
+
+
+def test_a_processor_is_told_and_kept_where_it_is_given():
+    def name_of(**environment):
+        command = ["sh", DOCKER / "processor.sh", "sh", "-c", "echo ${NUMBA_CPU_NAME:-none} ${NUMBA_CPU_FEATURES-none}"]
+        return subprocess.run(
+            command, env={"PATH": "/usr/bin:/bin"} | environment, capture_output=True, text=True, check=True
+        ).stdout.strip()
+
+    assert name_of() in ("x86-64-v4", "x86-64-v3", "none none")
+    assert name_of(NUMBA_CPU_NAME="x86-64-v3") == "x86-64-v3"

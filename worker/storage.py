@@ -1,0 +1,170 @@
+"""Where stores lie: the one module that knows folders from buckets.
+
+    /data/results/ID.zarr             a folder
+    s3://bucket/results/ID.zarr       objects of S3 that share this prefix
+
+Endpoint, region and credentials of S3 come from the usual ``AWS_...`` variables of the environment, never from a
+location: locations are logged and travel to workers.
+"""
+
+import os
+import re
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import obstore
+from obstore.store import S3Store
+from zarr.storage import ObjectStore
+
+from worker.errors import StoreFailed
+
+if TYPE_CHECKING:  # not there when it runs
+    from obstore.store import ClientConfig, RetryConfig
+
+_S3 = "s3://"
+# A server that is gone is told within seconds, and one that is busy is asked again for longer than a leader is elected.
+_RETRIES: "RetryConfig" = {
+    "max_retries": 6,
+    "retry_timeout": timedelta(seconds=15),
+    "backoff": {"init_backoff": timedelta(seconds=0.1), "max_backoff": timedelta(seconds=3), "base": 2},
+}
+_TIMEOUTS: "ClientConfig" = {"connect_timeout": "5s", "timeout": "30s"}
+_DEFAULT_REGION = "us-east-1"
+_REGIONS = ("AWS_REGION", "AWS_DEFAULT_REGION")
+_ENDPOINTS = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT")
+
+
+@dataclass(frozen=True)
+class StoredFile:
+    """One file of a store, whole, and a tag that changes with its content."""
+
+    content: bytes
+    tag: str
+
+
+class Place(Protocol):
+    """Somewhere a store lies, or can lie."""
+
+    @property
+    def zarr(self) -> Any:
+        """What Zarr and xarray open it by."""
+
+    def check(self) -> None:
+        """Raise the system's error where no store can lie there, as where a bucket is gone."""
+
+    def taken(self) -> bool:
+        """Whether something lies there that is not even the beginning of a store."""
+
+    def read(self, path: str) -> StoredFile | None:
+        """One file by its path within; None where there is none, or the path leads out."""
+
+    def sweep(self) -> None:
+        """Remove what killed writers have left."""
+
+    def remove(self) -> None:
+        """Remove everything; nothing happens where there is nothing."""
+
+
+def place_at(location: str) -> Place:
+    """Place by its location.
+
+    Raises
+    ------
+    StoreFailed
+        Where a location is neither a folder nor of the form ``s3://bucket/prefix``.
+    """
+    if location.startswith(_S3):
+        bucket, _, prefix = location.removeprefix(_S3).partition("/")
+        if not bucket or not prefix.strip("/"):
+            raise StoreFailed(f"{location} is no place for stores: write s3://bucket/prefix")
+        return _Objects(location, bucket, prefix.strip("/"))
+    if "://" in location:
+        raise StoreFailed(f"{location} is no place for stores: write a folder or s3://bucket/prefix")
+    return _Folder(Path(location))
+
+
+class _Folder:
+    """A folder of the file system."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.zarr = str(path)
+
+    def check(self) -> None:
+        pass  # folders are made when a store is
+
+    def taken(self) -> bool:
+        if not self.path.is_dir():
+            return self.path.exists()
+        begun = (self.path / "zarr.json").exists()
+        return not begun and any(each.suffix != ".partial" for each in self.path.iterdir())
+
+    def read(self, path: str) -> StoredFile | None:
+        root = self.path.resolve()
+        try:
+            file = (root / path).resolve()
+            if not file.is_relative_to(root) or not file.is_file():
+                return None
+            with file.open("rb") as opened:  # one file, even where it is replaced in the meantime
+                status = os.fstat(opened.fileno())
+                return StoredFile(opened.read(), f"{status.st_mtime_ns:x}-{status.st_size:x}")
+        except (FileNotFoundError, ValueError):  # removed in the meantime, or a name that no file can have
+            return None
+
+    def sweep(self) -> None:
+        for orphan in self.path.rglob("*.partial"):
+            orphan.unlink(missing_ok=True)
+
+    def remove(self) -> None:
+        if self.path.exists():
+            shutil.rmtree(self.path)
+
+
+class _WholeObjects(ObjectStore):
+    """Objects that are written in one request each: a killed writer leaves the old one or the new one, and no parts."""
+
+    async def set(self, key: str, value: Any) -> None:
+        self._check_writable()
+        await obstore.put_async(self.store, key, value.as_buffer_like(), use_multipart=False)
+
+
+class _Objects:
+    """Objects of S3 below a prefix."""
+
+    def __init__(self, location: str, bucket: str, prefix: str) -> None:
+        # Whoever writes an address that begins with http:// has decided to do without TLS.
+        options: ClientConfig = {**_TIMEOUTS, "allow_http": _variable(_ENDPOINTS).startswith("http://")}
+        region = _variable(_REGIONS) or _DEFAULT_REGION
+        self._store = S3Store(bucket, prefix=prefix, region=region, retry_config=_RETRIES, client_options=options)
+        self.zarr = _WholeObjects(self._store)
+
+    def _paths(self) -> list[str]:
+        return [found["path"] for batch in obstore.list(self._store) for found in batch]
+
+    def check(self) -> None:
+        next(obstore.list(self._store, chunk_size=1), None)
+
+    def taken(self) -> bool:
+        paths = self._paths()
+        return bool(paths) and "zarr.json" not in paths
+
+    def read(self, path: str) -> StoredFile | None:
+        try:
+            answer = obstore.get(self._store, path)
+        except (FileNotFoundError, ValueError):  # none there, or a path with steps such as ".."
+            return None
+        return StoredFile(bytes(answer.bytes()), re.sub(r"\W", "", answer.meta["e_tag"] or ""))
+
+    def sweep(self) -> None:
+        """Nothing: objects appear as a whole or not at all."""
+
+    def remove(self) -> None:
+        obstore.delete(self._store, self._paths())
+
+
+def _variable(names: Sequence[str]) -> str:
+    return next((os.environ[name] for name in names if os.environ.get(name)), "")
