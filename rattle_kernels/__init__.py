@@ -35,8 +35,9 @@ from rattle_kernels.image_set import (
 )
 from rattle_kernels.impact_lanes import next_impacts
 from rattle_kernels.impact_map import Impacts, previous_impacts
-from rattle_kernels.iterations import check_iterations
+from rattle_kernels.iterations import WEAK_DAMPING, check_iterations, expected_applications, settled_iterations
 from rattle_kernels.jit import compiled_before
+from rattle_kernels.lane_traps import NO_TRAPS, LaneTraps
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
 from rattle_kernels.manifold import (
     ManifoldBranch,
@@ -73,6 +74,7 @@ from rattle_kernels.solutions import STRANGER, coarser_boxes, landing_boxes, nam
 from rattle_kernels.special_point import SpecialKind, SpecialPoint
 from rattle_kernels.special_point_curve import SpecialCurve, continue_special_point
 from rattle_kernels.time_history import Contacts, Direction, TimeHistory, time_history
+from rattle_kernels.trap import set_traps
 from rattle_kernels.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
 from rattle_kernels.warm_up import warm_up
 
@@ -82,6 +84,7 @@ __all__ = [
     "STRANGER",
     "STRETCHES",
     "UNDECIDED",
+    "WEAK_DAMPING",
     "Attractor",
     "AttractorKind",
     "BasinEntropy",
@@ -99,12 +102,14 @@ __all__ = [
     "ImageSet",
     "Impacts",
     "LargestDisc",
+    "LaneTraps",
     "LeastDisturbance",
     "ManifoldBranch",
     "ManifoldEnd",
     "ManifoldLimits",
     "Motions",
     "MarkedWords",
+    "NO_TRAPS",
     "NotASaddle",
     "Oscillator",
     "Outcome",
@@ -144,6 +149,7 @@ __all__ = [
     "eccentricity_bound_smooth_maxima",
     "find_attractors",
     "find_groups",
+    "expected_applications",
     "follow_values",
     "find_orbit",
     "find_saddle",
@@ -173,6 +179,8 @@ __all__ = [
     "stable_manifold",
     "stiffness_bound",
     "time_history",
+    "set_traps",
+    "settled_iterations",
     "single_contact_orbits",
     "uncertainty_exponent",
     "unite",

@@ -7,14 +7,14 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from rattle_kernels import Attractor, CellGrid
+from rattle_kernels import Attractor, CellGrid, expected_applications, settled_iterations
 from service.analysis_requests import ANALYSIS_REQUESTS, AnalysisKind, AnalysisRequest
 from service.event_record import EventRecord
 from service.job_record import JobRecord, JobState
 from service.oscillator_model import PIECEWISE_LINEAR, ImpactingOscillator, OscillatorRequest, demand_quiet
 from service.strict import Count, Real, Request
 from service.vary_model import VaryRequest
-from worker.basin_job import BasinJob
+from worker.basin_job import SETTLED, BasinJob
 from worker.errors import InvalidJob
 from worker.progress import Stage
 from worker.results import BasinSummary, Change, PanelSummary
@@ -76,16 +76,21 @@ class BasinRequest(Request):
 
     oscillator: OscillatorRequest = Field(default_factory=ImpactingOscillator)
     grid: GridRequest = Field(default_factory=GridRequest)
-    iterations: Count = Field(1499, description="k of P_corr o P^k: 1 or a prime")
+    iterations: Count | None = Field(
+        None,
+        description="k of P_corr o P^k: 1 or a prime. By default 1499 where the least damping is 0.5 or more, else the "
+        "first prime from 900/damping",
+    )
 
     sample: SampleRequest | None = Field(None, description="Points in place of cells; leave out `cells` then")
 
     def sizes(self) -> tuple[tuple[str, float, str], ...]:
         """What is large about the request: in words, how large, and the setting that bounds it."""
-        applications = self.places * self.iterations
+        # Where damping is weak, no cell takes all of them.
+        applications = round(self.places * expected_applications(self.least_damping, self.k))
         return (
             ("cells or points", self.places, "max_cells"),
-            ("iterations", self.iterations, "max_iterations"),
+            ("iterations", self.k, "max_iterations"),
             ("cells times iterations", applications, "max_applications"),
             ("basins", self.basins, "max_basins"),
             ("cells times iterations of all basins", self.basins * applications, "max_sweep_applications"),
@@ -101,6 +106,16 @@ class BasinRequest(Request):
         """Cells of the grid, or points of the sample."""
         return self.sample.points if self.sample else self.grid.time.cells * self.grid.velocity.cells
 
+    @property
+    def least_damping(self) -> float:
+        """The damping, of a sweep the least one."""
+        return self.oscillator.damping
+
+    @property
+    def k(self) -> int:
+        """k, or the one of the damping where none is asked for."""
+        return self.iterations or settled_iterations(self.least_damping)
+
     def to_job(self) -> BasinJob:
         """Job that this asks for.
 
@@ -115,7 +130,7 @@ class BasinRequest(Request):
                 raise InvalidJob(f"a sample has no cells: leave out grid.{name}.cells", ("grid", name, "cells"))
         grid = CellGrid(time.start, time.stop, time.cells, velocity.start, velocity.stop, velocity.cells)
         sample = Sample(self.sample.points, self.sample.seed) if self.sample else None
-        job = BasinJob(self.oscillator.to_oscillator(), grid, self.iterations, self._vary(), sample)
+        job = BasinJob(self.oscillator.to_oscillator(), grid, self.iterations or SETTLED, self._vary(), sample)
         demand_quiet(job.demand_quiet, unless=self.oscillator.allow_no_quiet_solution)
         return job
 
@@ -160,6 +175,12 @@ class SweepRequest(BasinRequest):
     def basins(self) -> int:
         """Number of basins."""
         return math.prod(each.size for each in self.vary)
+
+    @property
+    def least_damping(self) -> float:
+        """The least damping."""
+        dampings = [each.least for each in self.vary if each.parameter == "damping"]
+        return min(dampings, default=self.oscillator.damping)
 
     def _vary(self) -> tuple[SweptParameter, ...]:
         return tuple(each.to_swept(("vary", axis)) for axis, each in enumerate(self.vary))

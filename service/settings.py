@@ -42,7 +42,7 @@ class Settings(BaseSettings):
     request_seconds: PositiveFloat = Field(30.0, description="Longest time that a request may take to arrive")
     max_body_bytes: PositiveInt = Field(1_048_576, description="Largest request body")
     max_cells: PositiveInt = Field(25_000_000, description="Most cells, or points of a sample, of one basin")
-    max_iterations: PositiveInt = Field(1_000_003, description="Largest k")
+    max_iterations: PositiveInt = Field(10_000_019, description="Largest k")
     max_samples: PositiveInt = Field(100_000, description="Most samples of one trajectory, contacts aside")
     max_contacts: PositiveInt = Field(20_000, description="Contacts at which a trajectory is truncated")
     max_applications: PositiveInt = Field(100_000_000_000, description="Most cells times k of one basin")

@@ -26,6 +26,12 @@ class VaryRequest(Request):
         """Number of values."""
         return len(self.values) if self.values is not None else self.count or 0
 
+    @property
+    def least(self) -> float:
+        """Least value."""
+        ends = (end for end in (self.start, self.stop) if end is not None)
+        return min(self.values or ends, default=1.0)
+
     def to_swept(self, place: tuple[str | int, ...]) -> SweptParameter:
         """Swept parameter that this describes; `place` is where it stands in the request.
 

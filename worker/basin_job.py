@@ -15,6 +15,8 @@ from rattle_kernels import (
     check_grid,
     check_iterations,
     check_quiet,
+    expected_applications,
+    settled_iterations,
 )
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.oscillator_request import oscillator_from, oscillator_request
@@ -23,6 +25,9 @@ from worker.swept_parameter import SweptParameter, check_swept
 
 # Part of every digest: a store of another layout, or of kernels that answer otherwise, is another result.
 RESULT_VERSION = 2
+
+SETTLED = -1
+"""In place of k: the one of `settled_iterations`."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +45,7 @@ class BasinJob:
     grid : CellGrid
         The paper's by default. With a sample it becomes one row of as many cells as there are points.
     iterations : int
-        k: 1 or a prime.
+        k: 1 or a prime; SETTLED for the one that gives a settled picture at the least damping (`settled_iterations`).
     vary : tuple of SweptParameter
         None, one or two.
     sample : Sample or None
@@ -54,7 +59,7 @@ class BasinJob:
 
     oscillator: Oscillator = field(default_factory=Oscillator)
     grid: CellGrid = field(default_factory=CellGrid)
-    iterations: int = 1499
+    iterations: int = SETTLED
     vary: tuple[SweptParameter, ...] = ()
     sample: Sample | None = None
 
@@ -66,11 +71,14 @@ class BasinJob:
             object.__setattr__(self, "grid", row)
         try:
             object.__setattr__(self, "grid", check_grid(self.grid))
-            check_iterations(self.iterations)
+            if self.iterations != SETTLED:
+                check_iterations(self.iterations)
         except ValueError as error:
             raise InvalidJob(str(error)) from error
         self._check_panels(check_domain)
         object.__setattr__(self, "oscillator", check_domain(self.oscillator))
+        if self.iterations == SETTLED:
+            object.__setattr__(self, "iterations", settled_iterations(self._least_damping))
 
     def demand_quiet(self) -> None:
         """Refuse a job in which some panel has no quiet solution (Eq. 3).
@@ -98,6 +106,16 @@ class BasinJob:
         names = [swept.parameter for swept in self.vary]
         axis = names.index(parameter) if parameter in names else len(names) - 1
         return axis, self.place_of(panel)[axis]
+
+    @property
+    def _least_damping(self) -> float:
+        swept = [value for each in self.vary if each.parameter == "damping" for value in each.values]
+        return min(swept, default=self.oscillator.damping)
+
+    @property
+    def applications(self) -> int:
+        """About how many applications of P a place takes at the least damping."""
+        return round(expected_applications(self._least_damping, self.iterations))
 
     @property
     def panel_shape(self) -> tuple[int, ...]:

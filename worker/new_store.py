@@ -39,7 +39,7 @@ def places_of(job: BasinJob) -> Places:
 
 def tiling_of(job: BasinJob) -> Tiling:
     """How a job's panels are cut: by the request alone."""
-    return (cut if job.sample is None else cut_row)(job.grid, job.iterations, job.panels)
+    return (cut if job.sample is None else cut_row)(job.grid, job.applications, job.panels)
 
 
 def consolidate(location: str) -> None:
