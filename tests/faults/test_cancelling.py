@@ -7,8 +7,8 @@ import pytest
 
 from tests.faults.farm import local_workers, wait_for
 
-MAPPING = {"grid": {"time": {"cells": 2000}, "velocity": {"cells": 2000}}, "iterations": 100003}
-SAMPLE = {"sample": {"points": 100000}, "iterations": 1000003}
+MAPPING = {"grid": {"time": {"cells": 2000}, "velocity": {"cells": 2000}}, "iterations": 15013}
+SAMPLE = {"sample": {"points": 50000}, "iterations": 1000003}
 LABELLING = {"grid": {"time": {"cells": 1000}, "velocity": {"cells": 1000}}, "iterations": 1}
 
 
