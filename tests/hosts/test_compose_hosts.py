@@ -49,7 +49,7 @@ class Cluster:
         """Output of a command that is run on a host beside its part, as by `docker compose exec`."""
         command = self.network.on(host, command)
         environment = environment_of(self.parts[host])
-        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=60).stdout
+        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=180).stdout
 
     def request(self, method, path, **options):
         """Answer of the service to a holder of the key."""
@@ -57,7 +57,7 @@ class Cluster:
         headers = {"authorization": f"Bearer {self.key}"}
         return httpx.request(method, url, headers=headers, timeout=30, **options)
 
-    def wait(self, what, holds, seconds=90):
+    def wait(self, what, holds, seconds=240):
         """Wait until something holds."""
         patience = time.monotonic() + seconds
         while True:
