@@ -7,12 +7,20 @@ from importlib.metadata import version
 from anyio import to_thread
 from fastapi import FastAPI
 
-from service.body_limit import BodyLimit
+from service.access import Access
+from service.api_document import describe
 from service.database import open_database
+from service.doors import Doors
 from service.errors import install_error_handlers
+from service.event_feed import EventFeed
+from service.events import Events
 from service.jobs import Jobs
-from service.routes import basins, health, jobs, results, sweeps, trajectories
+from service.keys import KeyRing, Keys
+from service.readiness import Probe, Probes
+from service.request_body import RequestBody
+from service.routes import basins, events, health, jobs, metrics, results, sweeps, trajectories
 from service.runner import Runner
+from service.security_headers import SecurityHeaders
 from service.settings import Settings
 from worker.lasting_cluster import LastingCluster
 
@@ -41,15 +49,20 @@ def create_app(settings: Settings) -> FastAPI:
         engine, sessions = open_database(settings.database)
         stack = contextlib.ExitStack()
         stack.callback(engine.dispose)
-        cluster = LastingCluster(settings.scheduler, settings.workers)
+        cluster = LastingCluster(settings.scheduler, settings.workers, settings.certificates)
         stack.callback(cluster.close)
         await to_thread.run_sync(cluster.open)
         app.state.jobs = Jobs(sessions, settings.quotas)
+        app.state.key_ring = KeyRing(Keys(sessions), settings.keys_demanded)
+        app.state.events = Events(sessions)
+        app.state.feed = EventFeed(app.state.events)
         app.state.runner = Runner(app.state.jobs, cluster, settings.results, settings.concurrent_jobs)
+        app.state.probes = Probes(Probe(app.state.jobs.answers, False), Probe(app.state.runner.workers, 0))
         app.state.runner.start()
         try:
             yield
         finally:
+            app.state.feed.close()
             await to_thread.run_sync(app.state.runner.stop)
             await to_thread.run_sync(stack.close)
 
@@ -58,8 +71,13 @@ def create_app(settings: Settings) -> FastAPI:
         license_info={"name": "BSD-3-Clause", "identifier": "BSD-3-Clause"},
     )  # fmt: skip
     app.state.settings = settings
-    app.add_middleware(BodyLimit, most=settings.max_body_bytes)
+    # The last one that is added meets a request first.
+    app.add_middleware(RequestBody, most=settings.max_body_bytes)
+    app.add_middleware(Doors)
+    app.add_middleware(SecurityHeaders)
+    app.add_middleware(Access)
     install_error_handlers(app)
-    for router in (basins.router, sweeps.router, trajectories.router, jobs.router, results.router, health.router):
-        app.include_router(router)
+    for each in (basins, sweeps, trajectories, jobs, events, results, health, metrics):
+        app.include_router(each.router)
+    app.openapi = lambda: describe(app)  # type: ignore[method-assign]
     return app

@@ -1,10 +1,19 @@
 """What routes are given: the settings, the job records, the runner."""
 
+import re
 from typing import Annotated
 
-from fastapi import Depends, Request
+from fastapi import Depends, Path, Request
+from pydantic import AfterValidator
 
+from service.errors import JobNotFound, NotYours
+from service.event_feed import EventFeed
+from service.events import Events
+from service.job_record import JobRecord
 from service.jobs import Jobs
+from service.key_record import KeyScope
+from service.keys import Caller
+from service.readiness import Probes
 from service.runner import Runner
 from service.settings import Settings
 
@@ -24,12 +33,54 @@ def _runner(request: Request) -> Runner:
     return runner
 
 
-def _submitter() -> str:
-    return LOCAL
+def _events(request: Request) -> Events:
+    events: Events = request.app.state.events
+    return events
 
 
-LOCAL = "local"
-"""Who submits where the doors are open."""
+def _feed(request: Request) -> EventFeed:
+    feed: EventFeed = request.app.state.feed
+    return feed
+
+
+def _probes(request: Request) -> Probes:
+    probes: Probes = request.app.state.probes
+    return probes
+
+
+def _caller(request: Request) -> Caller:
+    caller: Caller = request.state.caller
+    return caller
+
+
+def _job_id(text: str) -> str:
+    # Whatever is no id ends here, before anything looks it up or makes a path of it.
+    if not re.fullmatch(_JOB_ID, text):
+        raise JobNotFound(f"there is no job {text}: an id has 32 hexadecimal digits")
+    return text
+
+
+def _submitter(caller: "CallerHere") -> str:
+    return caller.name
+
+
+def demand_ownership(record: JobRecord, caller: Caller) -> None:
+    """Refuse to touch another caller's job.
+
+    Raises
+    ------
+    NotYours
+    """
+    if record.submitter != caller.name and not caller.may(KeyScope.ADMIN):
+        raise NotYours(f"job {record.id} was submitted by {record.submitter}: that needs the scope {KeyScope.ADMIN}")
+
+
+_JOB_ID = "[0-9a-f]{32}"
+JobId = Annotated[str, Path(json_schema_extra={"pattern": f"^{_JOB_ID}$"}), AfterValidator(_job_id)]
+EventsHere = Annotated[Events, Depends(_events)]
+ProbesHere = Annotated[Probes, Depends(_probes)]
+FeedHere = Annotated[EventFeed, Depends(_feed)]
+CallerHere = Annotated[Caller, Depends(_caller)]
 SettingsHere = Annotated[Settings, Depends(_settings)]
 JobsHere = Annotated[Jobs, Depends(_jobs)]
 RunnerHere = Annotated[Runner, Depends(_runner)]

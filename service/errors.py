@@ -9,6 +9,7 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 
 from rattle_kernels import OutsideDomain
@@ -56,6 +57,10 @@ class Unstoppable(Exception):
     """A job did not stop in time."""
 
 
+class NotYours(Exception):
+    """The job is another caller's."""
+
+
 _TABLE: dict[type[Exception], tuple[int, str]] = {
     OutsideDomain: (422, "outside-domain"),
     InvalidJob: (422, "invalid-request"),
@@ -65,12 +70,15 @@ _TABLE: dict[type[Exception], tuple[int, str]] = {
     NotReady: (404, "not-ready"),
     StoreConflict: (409, "store-conflict"),
     Unstoppable: (409, "still-stopping"),
+    NotYours: (403, "not-yours"),
     StoreFailed: (503, "store-failed"),
     ClusterFailed: (503, "cluster-failed"),
     TileFailed: (500, "tile-failed"),
     JobCancelled: (409, "cancelled"),
 }
 
+DATABASE_FAILED = "database-failed", "the database does not answer; try again later"
+"""Kind and detail of a problem."""
 _KIND_OF_STATUS = {
     400: "malformed-request", 404: "not-found", 405: "method-not-allowed", 413: "body-too-large", 415:
     "unsupported-media-type", 416: "range-not-satisfiable", 422: "invalid-request",
@@ -140,6 +148,11 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
     return problem(error.status_code, kind, detail, request.url.path, headers=error.headers)
 
 
+async def _database(request: Request, error: Exception) -> JSONResponse:
+    _log.error("the database does not answer at %s", request.url.path, exc_info=error)
+    return problem(503, *DATABASE_FAILED, request.url.path)
+
+
 async def _unexpected(request: Request, error: Exception) -> JSONResponse:
     identifier = uuid.uuid4().hex
     _log.error("unexpected error %s at %s", identifier, request.url.path, exc_info=error)
@@ -152,4 +165,5 @@ def install_error_handlers(app: FastAPI) -> None:
         app.add_exception_handler(known, _known)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(SQLAlchemyError, _database)
     app.add_exception_handler(Exception, _unexpected)

@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session, aliased
 
 from service.database_time import database_time
 from service.errors import JobNotFound
+from service.events import forget_events, note_event
 from service.job_record import LIVE, JobRecord, JobState
 from service.quotas import Quotas
 from service.replica import is_dead
@@ -73,6 +74,8 @@ class Jobs:
                 )  # fmt: skip
                 session.add(record)
                 try:
+                    session.flush()
+                    note_event(session, record.id, record.state)
                     session.commit()
                 except IntegrityError:
                     continue  # another replica recorded the same request in the meantime: take that one
@@ -129,10 +132,13 @@ class Jobs:
                 number = session.scalar(_next_in_turn(free, newcomers))
                 if number is None:
                     return None
-                taken = session.execute(update(JobRecord).where(JobRecord.number == number, free).values(values))
+                taken = update(JobRecord).where(JobRecord.number == number, free).values(values)
+                job_id = session.scalar(taken.returning(JobRecord.id))
+                if job_id is not None:
+                    note_event(session, job_id, JobState.RUNNING)
                 session.commit()
-                if taken.rowcount == 1:  # type: ignore[attr-defined]
-                    return session.scalar(select(JobRecord).where(JobRecord.number == number))
+                if job_id is not None:
+                    return session.scalar(select(JobRecord).where(JobRecord.id == job_id))
 
     def renew(self, owners: Collection[str]) -> dict[str, JobState]:
         """Renew the leases of some claims; those that still hold theirs, with the states of their jobs."""
@@ -171,15 +177,19 @@ class Jobs:
         if owner is not None:
             change = change.where(JobRecord.lease_owner == owner)
         with self._sessions() as session:
-            done = session.execute(change.values(state=state, **values))
+            done = bool(session.execute(change.values(state=state, **values)).rowcount == 1)  # type: ignore[attr-defined]
+            if done:
+                note_event(session, job_id, state, error=values.get("error"))
             session.commit()
-        return bool(done.rowcount == 1)  # type: ignore[attr-defined]
+        return done
 
     def record_progress(self, job_id: str, progress: dict[str, Any], owner: str) -> None:
         """Note how far a running job is, where it is `owner`'s."""
         noted = update(JobRecord).where(JobRecord.id == job_id, JobRecord.lease_owner == owner)
         with self._sessions() as session:
-            session.execute(noted.values(progress=progress))
+            state = session.scalar(noted.values(progress=progress).returning(JobRecord.state))
+            if state is not None and not state.final:
+                note_event(session, job_id, state, progress)
             session.commit()
 
     def request_cancel(self, job_id: str) -> JobRecord:
@@ -211,8 +221,16 @@ class Jobs:
     def delete(self, job_id: str) -> None:
         """Remove the record of a job that has ended."""
         with self._sessions() as session:
-            session.execute(delete(JobRecord).where(JobRecord.id == job_id, JobRecord.state.not_in(LIVE)))
+            gone = delete(JobRecord).where(JobRecord.id == job_id, JobRecord.state.not_in(LIVE))
+            if session.execute(gone).rowcount == 1:  # type: ignore[attr-defined]
+                forget_events(session, job_id)
             session.commit()
+
+    def count(self) -> dict[JobState, int]:
+        """How many jobs are in each state."""
+        with self._sessions() as session:
+            counts = select(JobRecord.state, func.count()).group_by(JobRecord.state)
+            return dict(session.execute(counts).all())
 
     def answers(self) -> bool:
         """Whether the database does."""

@@ -2,12 +2,13 @@
 
 import dataclasses
 import math
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from rattle_kernels import Attractor, CellGrid
+from service.event_record import EventRecord
 from service.job_record import JobRecord, JobState
 from service.oscillator_model import PIECEWISE_LINEAR, ImpactingOscillator, OscillatorRequest, demand_quiet
 from service.strict import Count, Real, Request
@@ -16,6 +17,9 @@ from worker.errors import InvalidJob
 from worker.results import BasinSummary, Change, PanelSummary
 from worker.sample import Sample
 from worker.swept_parameter import MOST_SWEPT, Spacing, SweptParameter
+
+# SQLite keeps no time zone: what comes from there without one is in UTC, as all moments are.
+Moment = Annotated[datetime, AfterValidator(lambda moment: moment if moment.tzinfo else moment.replace(tzinfo=UTC))]
 
 
 class TimeWindow(Request):
@@ -176,10 +180,19 @@ class SweepRequest(BasinRequest):
         return tuple(each.to_swept(("vary", axis)) for axis, each in enumerate(self.vary))
 
 
-class ProgressView(BaseModel):
-    """How far a job is; counts are those of the stage."""
+class BasinProgressView(BaseModel):
+    """How far one basin of a sweep is."""
 
-    stage: Literal["mapping", "assembling", "labelling", "done"]
+    basin: int = Field(description="Its number: the last swept parameter runs fastest")
+    stage: Literal["computing", "mapping", "assembling", "labelling"]
+    tiles_done: int
+    tiles_total: int
+
+
+class ProgressView(BaseModel):
+    """How far a job is; counts are those of the stage, of a sweep those of its complete basins."""
+
+    stage: Literal["computing", "mapping", "assembling", "labelling", "done"]
     tiles_done: int
     tiles_total: int
     cells_done: int
@@ -188,6 +201,9 @@ class ProgressView(BaseModel):
     seconds_left: float | None = Field(description="Estimate for this stage, null until there is one")
     basins_done: int = Field(0, description="Basins of a sweep that are complete")
     basins_total: int = Field(1, description="Basins of the job: one where nothing is swept")
+    under_way: tuple[BasinProgressView, ...] = Field(
+        (), description="Basins of a sweep that are begun and not complete"
+    )
 
 
 class ErrorView(BaseModel):
@@ -202,9 +218,11 @@ class Links(BaseModel):
 
     self: str
     cancel: str
+    events: str
     result: str
     zarr: str
     picture: str
+    shares: str | None = Field(None, description="Chart of shares over the swept parameters, of sweeps")
 
 
 class JobView(BaseModel):
@@ -214,9 +232,9 @@ class JobView(BaseModel):
     kind: Literal["basin", "sweep"]
     state: JobState
     request: SweepRequest | BasinRequest
-    created: datetime
-    started: datetime | None
-    finished: datetime | None
+    created: Moment
+    started: Moment | None
+    finished: Moment | None
     progress: ProgressView | None = Field(description="null until the job has started")
     error: ErrorView | None = Field(description="Set where the state is failed")
     links: Links
@@ -232,9 +250,28 @@ class JobView(BaseModel):
             progress=ProgressView(**record.progress) if record.progress else None,
             error=ErrorView(**record.error) if record.error else None,
             links=Links(
-                self=here, cancel=f"{here}/cancel", result=f"{here}/result", zarr=f"{here}/result.zarr",
-                picture=f"{here}/picture.png",
+                self=here, cancel=f"{here}/cancel", events=f"{here}/events", result=f"{here}/result",
+                zarr=f"{here}/result.zarr", picture=f"{here}/picture.png",
+                shares=f"{here}/shares.png" if record.kind == "sweep" else None,
             ),
+        )  # fmt: skip
+
+
+class EventView(BaseModel):
+    """Something that has happened to a job: it has changed its state, or it is further than before."""
+
+    state: JobState
+    at: Moment
+    progress: ProgressView | None = Field(description="Set where the event is called progress")
+    error: ErrorView | None = Field(description="Set where the state is failed")
+
+    @classmethod
+    def from_record(cls, record: EventRecord) -> "EventView":
+        """View of an event record."""
+        return cls(
+            state=record.state, at=record.moment,
+            progress=ProgressView(**record.progress) if record.progress else None,
+            error=ErrorView(**record.error) if record.error else None,
         )  # fmt: skip
 
 

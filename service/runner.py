@@ -5,14 +5,17 @@ import itertools
 import logging
 import threading
 import time
+from datetime import UTC, datetime
 from typing import Any
 
 from sqlalchemy.exc import SQLAlchemyError
 
+from service import metrics
 from service.errors import kind_of
 from service.job_record import JobState
 from service.jobs import Jobs
 from service.lease import Lease
+from service.logs import about_job
 from service.replica import replica_name
 from worker.cluster import Client
 from worker.errors import ClusterFailed, JobCancelled, LeaseLost, WorkerError
@@ -59,7 +62,6 @@ class Runner:
 
     def __init__(self, jobs: Jobs, cluster: LastingCluster, results: str, most: int) -> None:
         self.jobs, self.cluster, self.results, self.most = jobs, cluster, results, most
-        self.lease_losses = 0
         self._name = replica_name()
         self._claims = itertools.count(1)
         self._bell = threading.Event()
@@ -153,12 +155,20 @@ class Runner:
                     lease.lose()
 
     def _run(self, lease: Lease, client: Client) -> None:
+        with about_job(lease.record.id):
+            self._run_told(lease, client)
+
+    def _run_told(self, lease: Lease, client: Client) -> None:
+        record = lease.record
+        _log.info("runs: %s of %s", record.kind, record.submitter)
+        if record.progress is None:
+            metrics.job_started((datetime.now(UTC) - record.created.replace(tzinfo=UTC)).total_seconds())
         try:
             ends, values = self._compute(lease, client)
             if not lease.lost:
                 self._record_end(lease, ends, values)
             if lease.lost:
-                self.lease_losses += 1
+                metrics.lease_lost()
                 _log.warning("job %s was taken over by another replica, or may be: it is left alone", lease.record.id)
         finally:
             with self._lock:
@@ -180,7 +190,7 @@ class Runner:
                 _log.warning("job %s is queued again: %s", record.id, error)
                 return _STOPPED, {}
             if not isinstance(error, WorkerError):
-                _log.exception("job %s failed", record.id)
+                _log.exception("job failed")
             told = {"kind": kind_of(error), "detail": f"{error}" if isinstance(error, WorkerError) else repr(error)}
             return _FAILED, {"error": told}
         return _SUCCEEDED, {}
@@ -191,11 +201,17 @@ class Runner:
             try:
                 for expected, state in ends.items():
                     if self.jobs.move(lease.record.id, expected, state, owner=lease.owner, **values):
+                        self._tell_end(state)
                         return
                 lease.lose()
             except SQLAlchemyError:
                 _log.exception("the end of job %s could not be recorded; trying again", lease.record.id)
                 time.sleep(_POLL_SECONDS)
+
+    def _tell_end(self, state: JobState) -> None:
+        if state.final:
+            _log.info("ends: %s", state)
+            metrics.job_ended(state)
 
 
 class _Throttled:
@@ -205,8 +221,10 @@ class _Throttled:
         self.jobs, self.lease = jobs, lease
         self.stage: Stage | None = None
         self.written = 0.0
+        self.pace = metrics.Pace()
 
     def __call__(self, progress: Progress) -> None:
+        self.pace(progress)
         now = time.monotonic()
         if progress.stage == self.stage and now - self.written < _PROGRESS_SECONDS:
             return

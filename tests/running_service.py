@@ -35,8 +35,8 @@ class RunningService:
         return httpx.request(method, self.url + path, timeout=30.0, **options)
 
     def submit(self, body):
-        """Job of a basin request."""
-        answer = self.request("POST", "/v1/basins", json=body)
+        """Job of a request for a basin, or a sweep."""
+        answer = self.request("POST", "/v1/sweeps" if "vary" in body else "/v1/basins", json=body)
         assert answer.status_code == 202, answer.text
         return answer.json()
 

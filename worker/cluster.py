@@ -4,20 +4,27 @@ import contextlib
 import logging
 import os
 import signal
+import time
 from collections.abc import Iterator
 
 import dask
-from distributed import Client, LocalCluster, WorkerPlugin
+from distributed import Client, LocalCluster, Security, WorkerPlugin
 
 from rattle_kernels import warm_up
+from worker.certificates import Certificates
 from worker.errors import ClusterFailed
 
 _CONNECT_SECONDS = 10
 _CLOSE_SECONDS = 10
+_FORGET_SECONDS = 3
 # Workers yield to the service, which must answer while both cores compute.
 _NICENESS = 10
 # Each connection keeps its last messages for developers, a thousand by default: with catalogues in them, 100 MB.
 _MESSAGES_KEPT = {"distributed.admin.low-level-log-length": 20}
+
+
+# Dask's parts answer over HTTP as well, and tell whoever asks what they do: they are left nothing to say.
+_NO_PAGES: dict[str, list[str]] = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
 
 
 class WarmKernels(WorkerPlugin):
@@ -58,11 +65,13 @@ def local_cluster(workers: int = 2) -> Iterator[Client]:
         # A worker holds the one task that it computes: when it dies, that one is to blame, and no other.
         "distributed.scheduler.worker-saturation": 1.0,
         "distributed.scheduler.allowed-failures": 1,
+        **_NO_PAGES,
     }
     with dask.config.set(settings):
         cluster = LocalCluster(
-            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0",
-            silence_logs=logging.CRITICAL, host="127.0.0.1",
+            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0",
+            silence_logs=logging.CRITICAL, host="127.0.0.1", protocol="tls://", security=Security.temporary(),
+            scheduler_kwargs={"dashboard": False},
         )  # fmt: skip
     try:
         with _closing(Client(cluster, set_as_default=False)) as client:
@@ -82,6 +91,11 @@ def _end(cluster: LocalCluster) -> None:
         nanny.auto_restart = False
         with contextlib.suppress(ProcessLookupError, TypeError):  # gone by itself, or never started
             os.kill(nanny.pid, signal.SIGKILL)
+    # A scheduler that still believes in them would write to them as it closes, and tell of it in a traceback when
+    # nothing silences it any more.
+    patience = time.monotonic() + _FORGET_SECONDS
+    while cluster.scheduler.workers and time.monotonic() < patience:
+        time.sleep(0.01)
     with contextlib.suppress(TimeoutError):
         cluster.close(timeout=_CLOSE_SECONDS)
 
@@ -96,22 +110,24 @@ def _closing(client: Client) -> Iterator[Client]:
 
 
 @contextlib.contextmanager
-def remote_cluster(address: str) -> Iterator[Client]:
+def remote_cluster(address: str, certificates: Certificates | None = None) -> Iterator[Client]:
     """Client of a scheduler that runs elsewhere.
 
     Parameters
     ----------
     address : str
-        As in ``tcp://host:8786``.
+        As in ``tcp://host:8786`` or ``tls://host:8786``.
+    certificates : Certificates
+        What a ``tls://`` scheduler demands.
 
     Raises
     ------
     ClusterFailed
-        Where nothing answers there.
+        Where nothing answers there, or it does not know these certificates.
     """
     dask.config.set(_MESSAGES_KEPT)
     try:
-        client = Client(address, timeout=_CONNECT_SECONDS, set_as_default=False)
+        client = Client(address, timeout=_CONNECT_SECONDS, set_as_default=False, security=_security(certificates))
     except (OSError, ValueError) as error:
         raise ClusterFailed(f"no Dask scheduler answers at {address}: {error}") from error
     with _closing(client):
@@ -119,6 +135,28 @@ def remote_cluster(address: str) -> Iterator[Client]:
         yield client
 
 
-def connect(address: str | None, workers: int) -> contextlib.AbstractContextManager[Client]:
+def _security(certificates: Certificates | None) -> Security | None:
+    if certificates is None:
+        return None
+    for file in (certificates.authority, certificates.certificate, certificates.key):
+        if not file.is_file():
+            raise ClusterFailed(f"there is no certificate or key at {file}; `rattle certs` makes them")
+    return Security(
+        tls_ca_file=str(certificates.authority), tls_client_cert=str(certificates.certificate),
+        tls_client_key=str(certificates.key), require_encryption=True,
+    )  # fmt: skip
+
+
+def connect(
+    address: str | None, workers: int, certificates: Certificates | None = None
+) -> contextlib.AbstractContextManager[Client]:
     """Client of the scheduler at `address`, or of an embedded cluster of `workers` where there is none."""
-    return remote_cluster(address) if address else local_cluster(workers)
+    return remote_cluster(address, certificates) if address else local_cluster(workers)
+
+
+def count_workers(client: Client, seconds: float) -> int:
+    """Workers that the scheduler knows; 0 where it does not answer in time."""
+    try:
+        return len(client.sync(client.scheduler.ncores, callback_timeout=seconds))
+    except (OSError, RuntimeError, TimeoutError):
+        return 0

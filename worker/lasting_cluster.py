@@ -4,12 +4,14 @@ import contextlib
 import logging
 import time
 
-from worker.cluster import Client, connect
+from worker.certificates import Certificates
+from worker.cluster import Client, connect, count_workers
 from worker.errors import ClusterFailed
 
 _log = logging.getLogger("rattle.cluster")
 # Killed workers are back within seconds; an embedded cluster without any for so long has lost their nannies.
 _NO_WORKER_SECONDS = 60.0
+_ANSWER_SECONDS = 2.0
 
 
 class LastingCluster:
@@ -23,10 +25,12 @@ class LastingCluster:
         Of a Dask scheduler; None for an embedded cluster.
     workers : int
         Of the embedded cluster.
+    certificates : Certificates
+        What a ``tls://`` scheduler demands.
     """
 
-    def __init__(self, address: str | None, workers: int) -> None:
-        self._address, self._workers = address, workers
+    def __init__(self, address: str | None, workers: int, certificates: Certificates | None = None) -> None:
+        self._address, self._workers, self._certificates = address, workers, certificates
         self._stack = contextlib.ExitStack()
         self._client: Client | None = None
         self._seen = 0.0
@@ -35,7 +39,7 @@ class LastingCluster:
     def open(self) -> None:
         """Connect; where no scheduler answers, later will do."""
         try:
-            self._client = self._stack.enter_context(connect(self._address, self._workers))
+            self._client = self._stack.enter_context(connect(self._address, self._workers, self._certificates))
         except ClusterFailed as error:
             if str(error) != self._told:  # once, not every few seconds
                 _log.warning("%s; trying again", error)
@@ -60,7 +64,7 @@ class LastingCluster:
         client = self._client
         with contextlib.suppress(Exception):
             if client is not None and client.status == "running":
-                return len(client.nthreads())
+                return count_workers(client, _ANSWER_SECONDS)
         return 0
 
     def _lost(self) -> bool:

@@ -87,7 +87,8 @@ def create_store(location: str, job: BasinJob) -> None:
     _create_coordinates(group, job, tiling)
     _create_assembly(group, job)
     _create_solutions(group, job)
-    group.attrs.update(_birth_certificate(job, tile))
+    # In one piece: `attrs.update` writes as often as there are attributes.
+    group.update_attributes(_birth_certificate(job, tile))
     consolidate(location)
 
 

@@ -1,5 +1,6 @@
 """Picture of one basin in the paper's axes and colours (Figs. 6 to 16), also while tiles are still coming."""
 
+from collections.abc import Collection
 from enum import StrEnum
 
 import numpy as np
@@ -7,9 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
 from matplotlib.patches import Rectangle
 
-from rattle_kernels import Attractor, AttractorKind, Oscillator, grazing_velocity
+from rattle_kernels import Attractor
 from worker import colours
 from worker.layout import MISSING, SAMPLE_COORDINATES, TileState
+from worker.overlay_kind import OverlayKind, overlays_for
 from worker.solution_table import SolutionTable
 from worker.store import BasinStore
 
@@ -21,22 +23,6 @@ class Layer(StrEnum):
     GROUP = "group"
     PERIOD = "period"
     STEP = "step"
-
-
-def draw_attractors(axes: Axes, attractors: tuple[Attractor, ...], time_start: float) -> None:
-    """Mark the states of attractors at phases from `time_start` on: white crosses, black dots for chaos."""
-    for attractor in attractors:
-        t = time_start + (attractor.time - time_start) % 1.0
-        if attractor.kind == AttractorKind.PERIODIC:
-            axes.plot(t, attractor.velocity, "x", color="white", markersize=7, markeredgewidth=1.6)
-        elif attractor.kind == AttractorKind.CHAOTIC:
-            axes.plot(t, attractor.velocity, ".", color="black", markersize=1.0, markeredgewidth=0.0)
-
-
-def draw_grazing_curve(axes: Axes, oscillator: Oscillator, time_start: float, time_stop: float) -> None:
-    """Draw v*(t) between two phases in white."""
-    t = np.linspace(time_start, time_stop, 512)
-    axes.plot(t, grazing_velocity(oscillator, t), color="white", linewidth=1.4)
 
 
 def frame(axes: Axes, extent: tuple[float, float, float, float]) -> None:
@@ -91,13 +77,12 @@ class PanelPicture:
         return self.palette[np.where(solution >= 0, solution, len(self.solutions))]
 
     def draw_solutions(self, axes: Axes) -> None:
-        """Draw cells, or points of a sample, in the colours of their solutions, and the attractors."""
+        """Draw cells, or points of a sample, in the colours of their solutions."""
         if self.store.job.sample is None:
             image = colours.paint_cells(self._read(Layer.SOLUTION), self._read(Layer.GROUP), self.solutions)
             axes.imshow(image, origin="lower", extent=self.extent, aspect="auto", interpolation="nearest")
         else:
             self._draw_points(axes)
-        self._draw_attractors(axes)
 
     def _draw_points(self, axes: Axes) -> None:
         solution = self._read(Layer.SOLUTION)[0]
@@ -106,12 +91,11 @@ class PanelPicture:
         axes.scatter(t[known], v[known], s=2.0, c=self._colours(solution)[known], linewidths=0.0)
         axes.set_facecolor(colours.MISSING)
 
-    def _draw_attractors(self, axes: Axes) -> None:
+    def _catalogue(self) -> tuple[Attractor, ...]:
         numbers = self.table.numbers_in(self.panel)
         if not numbers and self.panel == 0:  # not complete, but its catalogue is there
             numbers = list(range(len(self.solutions)))
-        catalogue = self.store.read_catalogue(self.panel, self.table, numbers)
-        draw_attractors(axes, catalogue, self.store.job.grid.time_start)
+        return self.store.read_catalogue(self.panel, self.table, numbers)
 
     def draw_numbers(self, axes: Axes, layer: Layer) -> AxesImage:
         """Draw one of Hsu's numbers."""
@@ -139,8 +123,10 @@ class PanelPicture:
                 Rectangle(corner, *size, facecolor=colours.MISSING, edgecolor="gray", hatch=hatch, linewidth=0.0)
             )
 
-    def draw_frame(self, axes: Axes) -> None:
-        """Draw the grazing curve, and set the limits to the window's."""
-        draw_grazing_curve(axes, self.store.job.oscillator_of(self.panel), *self.extent[:2])
+    def draw_overlays(self, axes: Axes, kinds: Collection[OverlayKind]) -> None:
+        """Lay curves and marks over the panel, and set the limits to the window's."""
+        oscillator = self.store.job.oscillator_of(self.panel)
+        for overlay in overlays_for(kinds, oscillator, self._catalogue(), self.extent[2:]):
+            overlay.draw(axes, self.extent[0])
         axes.set_xlim(self.extent[:2])
         axes.set_ylim(self.extent[2:])

@@ -1,5 +1,6 @@
 """Pictures of a store: one basin, or those of a sweep side by side in shared colours."""
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import IO
 
@@ -13,6 +14,7 @@ from rattle_kernels import Attractor
 from worker import colours
 from worker.errors import InvalidJob
 from worker.layout import TileState
+from worker.overlay_kind import USUAL_OVERLAYS, OverlayKind
 from worker.panel_picture import Layer, PanelPicture
 from worker.results import representatives
 from worker.solution_table import SolutionTable
@@ -86,7 +88,10 @@ def _arrangement(store: BasinStore) -> list[list[int]]:
     return [panels[start : start + across] for start in range(0, len(panels), across)]
 
 
-def draw_basin(location: str, target: str | Path | IO[bytes], *, layer: Layer = Layer.SOLUTION) -> None:
+def draw_basin(
+    location: str, target: str | Path | IO[bytes], *, layer: Layer = Layer.SOLUTION,
+    overlays: Collection[OverlayKind] = USUAL_OVERLAYS,
+) -> None:  # fmt: skip
     """Draw the basins in a store as a PNG.
 
     Parameters
@@ -97,11 +102,14 @@ def draw_basin(location: str, target: str | Path | IO[bytes], *, layer: Layer = 
         Where the PNG goes.
     layer : Layer
         Solutions in the paper's colours, or Hsu's group, period or step.
+    overlays : collection of OverlayKind
+        What is laid over each basin.
 
     Raises
     ------
     InvalidJob
-        Where the store is of a sample, which has no cells and so none of Hsu's numbers.
+        Where the store is of a sample, which has no cells and so none of Hsu's numbers; where an overlay is not known
+        for the model.
     StoreConflict, StoreFailed
         Where there is no basin's store, or it cannot be read.
     """
@@ -114,7 +122,7 @@ def draw_basin(location: str, target: str | Path | IO[bytes], *, layer: Layer = 
     figure = Figure(figsize=size, dpi=110, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
-    _draw_panels(figure, axes, store, rows, layer)
+    _draw_panels(figure, axes, store, rows, layer, overlays)
     shown = sum(len(row) for row in rows)
     if store.job.vary:
         figure.suptitle(_title(store, shown))
@@ -127,7 +135,14 @@ def draw_basin(location: str, target: str | Path | IO[bytes], *, layer: Layer = 
     figure.savefig(target, format="png", metadata={"Software": None})
 
 
-def _draw_panels(figure: Figure, axes: np.ndarray, store: BasinStore, rows: list[list[int]], layer: Layer) -> None:
+def _draw_panels(
+    figure: Figure,
+    axes: np.ndarray,
+    store: BasinStore,
+    rows: list[list[int]],
+    layer: Layer,
+    overlays: Collection[OverlayKind],
+) -> None:
     table = store.read_solutions()
     solutions = representatives(store, table)
     most_cells = max(_MOST_CELLS // axes.shape[1], 1)
@@ -142,7 +157,7 @@ def _draw_panels(figure: Figure, axes: np.ndarray, store: BasinStore, rows: list
         else:
             images.append(panel.draw_numbers(place, layer))
         panel.hatch_missing(place)
-        panel.draw_frame(place)
+        panel.draw_overlays(place, overlays)
         values = store.job.values_of(panel.panel).items()
         place.set_title(", ".join(f"{SYMBOLS[name]} = {value:g}" for name, value in values), fontsize="small")
     if images:

@@ -11,6 +11,7 @@
 """
 
 import json
+from collections.abc import Collection
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -23,7 +24,8 @@ from worker import colours
 from worker.basin_job import BasinJob
 from worker.errors import InvalidJob, StoreConflict
 from worker.layout import LAYOUT_VERSION
-from worker.panel_picture import draw_attractors, draw_grazing_curve, frame
+from worker.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
+from worker.panel_picture import frame
 from worker.picture import draw_legend
 from worker.storage import place_at
 from worker.swept_parameter import SweptParameter
@@ -142,8 +144,11 @@ def _extent(dataset: xr.Dataset) -> tuple[float, float, float, float]:
     return *_edges(dataset.time.values, width), *_edges(dataset.velocity.values, height)
 
 
-def plot_basin(dataset: xr.Dataset, ax: Axes | None = None, *, legend: bool = True) -> Axes:
-    """Draw the solutions of a basin in the project's colours, with the grazing curve and the attractors over them.
+def plot_basin(
+    dataset: xr.Dataset, ax: Axes | None = None, *, legend: bool = True,
+    overlays: Collection[OverlayKind] = USUAL_OVERLAYS,
+) -> Axes:  # fmt: skip
+    """Draw the solutions of a basin in the project's colours, with curves and marks over them.
 
     Parameters
     ----------
@@ -154,10 +159,18 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None, *, legend: bool = Tr
         Where to draw; the current axes by default.
     legend : bool
         Whether the motions are listed beside the axes, with their shares of all cells.
+    overlays : collection of OverlayKind
+        What is laid over them: ``("grazing", "preimages", "manifolds", "attractors", "saddles")`` or some of these;
+        what else there is, as an `Overlay` of `worker.overlay`, draws itself on the axes.
 
     Returns
     -------
     matplotlib.axes.Axes
+
+    Raises
+    ------
+    InvalidJob
+        Where an overlay is not known for the model.
 
     Notes
     -----
@@ -169,8 +182,8 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None, *, legend: bool = Tr
     thinned = dataset[["solution", "group"]].isel(time=every, velocity=every)
     image = colours.paint_cells(thinned.solution.values, thinned.group.values, attractors)
     axes.imshow(image, origin="lower", extent=extent, aspect="auto", interpolation="nearest")
-    draw_attractors(axes, attractors, extent[0])
-    draw_grazing_curve(axes, job_of(dataset).oscillator, *extent[:2])
+    for overlay in overlays_for(overlays, job_of(dataset).oscillator, attractors, extent[2:]):
+        overlay.draw(axes, extent[0])
     if legend and attractors:
         draw_legend(axes, attractors, dataset.share.values)
     frame(axes, extent)

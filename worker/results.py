@@ -91,6 +91,21 @@ def summarise(location: str) -> BasinSummary:
     )
 
 
+def fingerprint(location: str) -> bytes:
+    """What changes whenever a picture of the store does: its ledger, and what is known of its solutions.
+
+    Raises
+    ------
+    StoreConflict, StoreFailed
+        Where there is no basin's store, or it cannot be read.
+    """
+    store = BasinStore(location)
+    table = store.read_solutions()
+    return b"".join(
+        (bytes([store.complete]), store.read_ledger().tobytes(), repr(table.motions).encode(), table.share.tobytes())
+    )
+
+
 def representatives(store: BasinStore, table: SolutionTable) -> tuple[Attractor, ...]:
     """Each solution as the first panel that has it does; while none is complete, as the first panel's catalogue."""
     there = np.isfinite(table.share)

@@ -219,7 +219,7 @@ class BasinStore:
                 array.resize(room[:1])
                 array[: len(names)] = values
             flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
-            self._group[self.places.solution.path].attrs.update(flags)
+            self._group[self.places.solution.path].update_attributes(flags)
             # Last of all the one that tells how much room there is: a driver that is killed before does it all again.
             for variable in reversed(layout.POINTS):
                 self._array(variable).resize((*self.job.panel_shape, *room))
@@ -229,16 +229,19 @@ class BasinStore:
         return layout.MEASURED if self.job.sample is None else (*layout.MEASURED, layout.SHARE_ERROR)
 
     def write_points(self, panel: int, numbers: Sequence[int], attractors: Sequence[Attractor]) -> None:
-        """Write the points of a panel's attractors, under their numbers."""
+        """Write the points of a panel's attractors, under their numbers.
+
+        Only as many as there are: which chunks a panel has does not depend on how much room others needed before.
+        """
         place = self.job.place_of(panel)
+        shape = max(numbers) + 1, max(attractor.time.size for attractor in attractors)
         with told_as_store_failure(self.location):
             for variable, field in zip(layout.POINTS, ("time", "velocity"), strict=True):
-                array = self._array(variable)
-                padded = np.full(array.shape[-2:], np.nan)
+                padded = np.full(shape, np.nan)
                 for number, attractor in zip(numbers, attractors, strict=True):
                     values = getattr(attractor, field)
                     padded[number, : values.size] = values
-                array[*place, :, :] = padded
+                self._array(variable)[*place, : shape[0], : shape[1]] = padded
 
     def write_solutions(self, table: SolutionTable) -> None:
         """Write what solutions are like in each panel, those that there is room for (driver only)."""
@@ -298,7 +301,7 @@ class BasinStore:
             consolidate(self.location)
             # Written with the consolidated metadata, in one piece: what is complete is so for every reader.
             whole = zarr.open_group(self.location, mode="r+", zarr_format=3, use_consolidated=True)
-            whole.attrs.update({"complete": True, "finished": now(), "seconds": seconds})
+            whole.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
 
     @property
     def attributes(self) -> dict[str, Any]:

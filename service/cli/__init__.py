@@ -27,6 +27,8 @@ _COMMANDS = {
     "submit": ("remote", "Submit a request to a service; the same request again is the same job."),
     "jobs": ("remote", "List the service's jobs, newest first."),
     "cancel": ("remote", "Stop a job; what it has computed stays readable."),
+    "keys": ("keys", "Make, list and revoke the keys to a service's doors."),
+    "certs": ("certs", "Make the certificates by which the parts of a Dask cluster know each other."),
     "plot": ("local", "Draw a basin in the paper's colours, or those of a sweep side by side."),
 }
 """In which module a command is, and what ``rattle --help`` says of it."""
@@ -61,7 +63,8 @@ app = typer.Typer(
     "Alone: `rattle basin` computes one here, `rattle sweep` many, `rattle plot` draws them; "
     "`rattle trajectory` follows one motion, `rattle paper` recomputes a figure of the paper. "
     "With a service: `rattle serve` starts one, "
-    "`rattle submit` sends it a request, `rattle jobs` and `rattle cancel` follow and stop what it does.",
+    "`rattle submit` sends it a request, `rattle jobs` and `rattle cancel` follow and stop what it does; "
+    "`rattle keys` and `rattle certs` guard it.",
 )
 for _name, (_, _help) in _COMMANDS.items():
     app.command(_name, help=_help)(lambda: None)

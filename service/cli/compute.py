@@ -132,7 +132,7 @@ def _run(describe: Callable[[], BasinJob], allow_no_quiet_solution: bool, out_: 
     except (OutsideDomain, InvalidJob) as error:
         give_up(str(error), 2)
     try:
-        summary = _compute(job, out_, Settings().scheduler, workers)
+        summary = _compute(job, out_, Settings(), workers)
     except JobCancelled:
         give_up(f"stopped; the same command goes on from what is in {out_}")
     except WorkerError as error:
@@ -174,9 +174,10 @@ def _number(value: float) -> float | None:
     return value if value == value else None
 
 
-def _compute(job: BasinJob, location: str, scheduler: str | None, workers: int) -> BasinSummary:
+def _compute(job: BasinJob, location: str, settings: Settings, workers: int) -> BasinSummary:
     announce_compiling()
-    with connect(scheduler, workers) as client, progress_line() as line:
+    cluster = connect(settings.scheduler, workers, settings.certificates)
+    with cluster as client, progress_line() as line:
 
         def report(progress: Progress) -> None:
             line.show(

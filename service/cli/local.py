@@ -5,21 +5,24 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-import uvicorn
 
 from service.app import create_app
 from service.cli.console import announce_compiling, err, give_up
+from service.cli.keys import opened_keys
+from service.logs import write_logs
+from service.server import Server
 from service.settings import Settings
-from worker.errors import WorkerError
+from worker.errors import InvalidJob, WorkerError
+from worker.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
 from worker.panel_picture import Layer
 from worker.picture import draw_basin
 from worker.share_chart import draw_shares
 
-_LOOPBACK = ("127.0.0.1", "::1", "localhost")
-
 
 def serve(
-    host: Annotated[str | None, typer.Option(help="Address to listen on; loopback only  [default: 127.0.0.1]")] = None,
+    host: Annotated[
+        str | None, typer.Option(help="Address to listen on; any but loopback demands keys  [default: 127.0.0.1]")
+    ] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on  [default: 8000]")] = None,
     data: Annotated[Path | None, typer.Option(help="Folder of database and results  [default: rattle-data]")] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Local worker processes  [default: 2]")] = None,
@@ -27,18 +30,32 @@ def serve(
     """Start the service, its database and two local workers; Ctrl-C stops it, the next start resumes its jobs."""
     given = {"host": host, "port": port, "data": data, "workers": workers}
     settings = Settings(**{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
-    if settings.host not in _LOOPBACK:
-        give_up(f"{settings.host} is no loopback address: the service has no log-in and listens on 127.0.0.1 only", 2)
+    _demand_keys(settings)
+    write_logs(settings.log_format, settings.log_level)
     err.print(f"starting on http://{settings.host}:{settings.port}")
     announce_compiling()
     # Uvicorn stops gracefully, then raises the signal that it caught again: a service that was asked to stop has not
     # failed.
     for asked in (signal.SIGTERM, signal.SIGINT):
         signal.signal(asked, lambda *_: None)
-    # A stream that a client holds open must not keep the service from stopping.
-    uvicorn.run(
-        create_app(settings), host=settings.host, port=settings.port, log_level="warning", timeout_graceful_shutdown=2
-    )
+    Server(create_app(settings), settings).run()
+
+
+def _demand_keys(settings: Settings) -> None:
+    """Refuse to start where keys are demanded and there is none that opens anything."""
+    if not settings.keys_demanded:
+        return
+    if not _has_key(settings):
+        why = "RATTLE_REQUIRE_KEYS is set" if settings.require_keys else f"{settings.host} is no loopback address"
+        give_up(f"{why}, so callers need keys, and there is none: make one by `rattle keys add NAME`", 2)
+
+
+def _has_key(settings: Settings) -> bool:
+    if settings.database_url is None and not settings.database_file.exists():
+        return False  # a command that is refused leaves no database behind
+    with opened_keys(settings) as keys:
+        live, _ = keys.live()
+    return bool(live)
 
 
 def plot(
@@ -46,13 +63,18 @@ def plot(
     out_: Annotated[Path, typer.Option("--out", help="PNG to write")],
     layer: Annotated[Layer, typer.Option(help="Solutions, or Hsu's group, period or step")] = Layer.SOLUTION,
     shares: Annotated[bool, typer.Option("--shares", help="Shares over the swept parameter instead")] = False,
+    overlay: Annotated[str, typer.Option(help=f"What lies over basins, of {','.join(OverlayKind)}")] = ",".join(
+        USUAL_OVERLAYS
+    ),
 ) -> None:
     """Draw a basin in the paper's colours, or those of a sweep side by side."""
     try:
         if shares:
             draw_shares(store, out_)
         else:
-            draw_basin(store, out_, layer=layer)
+            draw_basin(store, out_, layer=layer, overlays=parse_overlays(overlay))
+    except InvalidJob as error:
+        give_up(str(error), 2)
     except WorkerError as error:
         give_up(str(error))
     except OSError as error:

@@ -47,12 +47,19 @@ def _produce(figure: "PaperFigure", folder: Path, grid: CellGrid, workers: int) 
     from worker.paper.production import produce
 
     announce_compiling()
-    scheduler = Settings().scheduler
+    settings = Settings()
     with progress_line(unit="") as line:
 
         def tell(what: str, done: int, total: int) -> None:
             line.show(what, (done, total))
 
         return run_interruptibly(
-            lambda cancel: produce(figure, folder, grid, lambda: connect(scheduler, workers), tell=tell, cancel=cancel)
+            lambda cancel: produce(
+                figure,
+                folder,
+                grid,
+                lambda: connect(settings.scheduler, workers, settings.certificates),
+                tell=tell,
+                cancel=cancel,
+            )
         )

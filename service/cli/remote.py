@@ -13,19 +13,24 @@ from rich.table import Table
 from service.cli.console import ProgressLine, give_up, out, print_changes, print_seconds, print_solutions, progress_line
 
 Url = Annotated[str, typer.Option(envvar="RATTLE_URL", help="Address of the service")]
+Key = Annotated[
+    str | None, typer.Option(envvar="RATTLE_KEY", show_envvar=True, help="Key of a service that demands one")
+]
 _HERE = "http://127.0.0.1:8000"
 _POLL_SECONDS = 0.2
 
 
-def _ask(method: str, url: str, path: str, **options: Any) -> Any:
+def _ask(method: str, url: str, path: str, key: str | None, **options: Any) -> Any:
     """JSON answer of the service; an error in words where there is none."""
+    headers = options.pop("headers", {}) | ({"authorization": f"Bearer {key}"} if key else {})
     try:
-        response = httpx.request(method, url.rstrip("/") + path, timeout=30.0, **options)
+        response = httpx.request(method, url.rstrip("/") + path, timeout=30.0, headers=headers, **options)
     except httpx.HTTPError as error:
         give_up(f"no service answers at {url} ({error}); start one with `rattle serve`, or name another with --url")
     if response.is_error:
         problem = response.json()
-        give_up(problem["detail"], 2 if response.status_code in (400, 404, 422) else 1)
+        hint = "; give it by --key or RATTLE_KEY" if response.status_code == 401 else ""
+        give_up(problem["detail"] + hint, 2 if response.status_code in (400, 401, 403, 404, 422) else 1)
     return response.json()
 
 
@@ -33,16 +38,17 @@ def submit(
     request: Annotated[Path, typer.Argument(help="JSON file of a basin or sweep request; - reads standard input")],
     wait: Annotated[bool, typer.Option("--wait", help="Follow the job to its end")] = False,
     url: Url = _HERE,
+    key: Key = None,
 ) -> None:
     """Submit a request to a service; the same request again is the same job."""
     try:
         body = typer.get_text_stream("stdin").read() if str(request) == "-" else request.read_text()
     except OSError as error:
         give_up(f"{request} cannot be read: {error.strerror}", 2)
-    job = _ask("POST", url, f"/v1/{_kind_of(body)}", content=body, headers={"content-type": "application/json"})
+    job = _ask("POST", url, f"/v1/{_kind_of(body)}", key, content=body, headers={"content-type": "application/json"})
     out.print(f"job {job['id']} is {job['state']}", highlight=False)
     if wait:
-        _follow(url, job["id"])
+        _follow(url, job["id"], key)
 
 
 def _kind_of(body: str) -> str:
@@ -54,10 +60,10 @@ def _kind_of(body: str) -> str:
     return "basins"
 
 
-def _follow(url: str, job_id: str) -> None:
+def _follow(url: str, job_id: str, key: str | None) -> None:
     try:
         with progress_line() as line:
-            job = _until_the_end(url, job_id, line)
+            job = _until_the_end(url, job_id, key, line)
     except KeyboardInterrupt:
         out.print(
             f"no longer following; the job goes on. Look with `rattle jobs`, stop it with `rattle cancel {job_id}`"
@@ -66,7 +72,7 @@ def _follow(url: str, job_id: str) -> None:
     if job["state"] != "succeeded":
         detail = f": {job['error']['detail']}" if job["error"] else ""
         give_up(f"job {job_id} is {job['state']}{detail}")
-    result = _ask("GET", url, f"/v1/jobs/{job_id}/result")
+    result = _ask("GET", url, f"/v1/jobs/{job_id}/result", key)
     print_solutions([(s["name"], s["share"], s["lyapunov_exponent"], s["points"][:1]) for s in result["solutions"]])
     names = [solution["name"] for solution in result["solutions"]]
     print_changes(
@@ -79,9 +85,9 @@ def _follow(url: str, job_id: str) -> None:
     out.print(f"xarray.open_zarr({(url.rstrip('/') + result['zarr'])!r})", highlight=False, soft_wrap=True)
 
 
-def _until_the_end(url: str, job_id: str, line: ProgressLine) -> dict[str, Any]:
+def _until_the_end(url: str, job_id: str, key: str | None, line: ProgressLine) -> dict[str, Any]:
     while True:
-        job: dict[str, Any] = _ask("GET", url, f"/v1/jobs/{job_id}")
+        job: dict[str, Any] = _ask("GET", url, f"/v1/jobs/{job_id}", key)
         progress = job["progress"]
         if progress:
             tiles, basins = ((progress[f"{what}_done"], progress[f"{what}_total"]) for what in ("tiles", "basins"))
@@ -93,11 +99,12 @@ def _until_the_end(url: str, job_id: str, line: ProgressLine) -> dict[str, Any]:
 
 def jobs(
     url: Url = _HERE,
+    key: Key = None,
     limit: Annotated[int, typer.Option(min=1, max=200, help="How many")] = 20,
     as_json: Annotated[bool, typer.Option("--json", help="As JSON")] = False,
 ) -> None:
     """List the service's jobs, newest first."""
-    page = _ask("GET", url, f"/v1/jobs?size={limit}")
+    page = _ask("GET", url, f"/v1/jobs?size={limit}", key)
     if as_json:
         typer.echo(json.dumps(page["jobs"], indent=2))
         return
@@ -120,7 +127,7 @@ def _span(values: list[float]) -> str:
     return f"{values[0]:g} to {values[-1]:g} ({len(values)})"
 
 
-def cancel(job_id: Annotated[str, typer.Argument(help="Id of the job")], url: Url = _HERE) -> None:
+def cancel(job_id: Annotated[str, typer.Argument(help="Id of the job")], url: Url = _HERE, key: Key = None) -> None:
     """Stop a job; what it has computed stays readable."""
-    job = _ask("POST", url, f"/v1/jobs/{job_id}/cancel")
+    job = _ask("POST", url, f"/v1/jobs/{job_id}/cancel", key)
     out.print(f"job {job['id']} is {job['state']}", highlight=False)

@@ -2,8 +2,13 @@
 
 from alembic import context
 
-from service.job_record import Base
+from service.event_record import EventRecord
+from service.job_record import JobRecord
+from service.key_record import KeyRecord
 
-context.configure(connection=context.config.attributes["connection"], target_metadata=Base.metadata)
+# A table that has been imported is known to the metadata that they share.
+TABLES = JobRecord, KeyRecord, EventRecord
+
+context.configure(connection=context.config.attributes["connection"], target_metadata=TABLES[0].metadata)
 with context.begin_transaction():
     context.run_migrations()

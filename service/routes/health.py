@@ -1,9 +1,11 @@
 """Liveness and readiness."""
 
+import asyncio
+
 from fastapi import APIRouter, Response
 from pydantic import BaseModel
 
-from service.dependencies import JobsHere, RunnerHere
+from service.dependencies import ProbesHere
 
 router = APIRouter(tags=["health"])
 
@@ -31,10 +33,9 @@ def healthz() -> Health:
 @router.get(
     "/readyz", summary="Readiness", responses={503: {"model": Readiness, "description": "something is missing"}}
 )
-def readyz(response: Response, jobs: JobsHere, runner: RunnerHere) -> Readiness:
-    """Whether the database, the scheduler and at least one worker answer."""
-    database = jobs.answers()
-    workers = runner.workers()
+async def readyz(response: Response, probes: ProbesHere) -> Readiness:
+    """Whether the database, the scheduler and at least one worker answer, each within three seconds."""
+    database, workers = await asyncio.gather(probes.database(), probes.workers())
     ready = database and workers > 0
     response.status_code = 200 if ready else 503
     return Readiness(ready=ready, database=database, workers=workers)

@@ -5,7 +5,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
 
-from service.dependencies import JobsHere, RunnerHere, SettingsHere, problems
+from service.conditional import NOT_MODIFIED, IfNoneMatch, view_or_not_modified
+from service.dependencies import CallerHere, JobId, JobsHere, RunnerHere, SettingsHere, demand_ownership, problems
 from service.errors import Unstoppable
 from service.job_record import JobState
 from service.models import JobPage, JobView
@@ -36,17 +37,18 @@ def list_jobs(
     return JobPage(jobs=[JobView.from_record(record) for record in shown], next=following)
 
 
-@router.get("/{job_id}", response_model_exclude_unset=True, summary="State of a job", responses=_NO_JOB)
-def get_job(job_id: str, jobs: JobsHere) -> JobView:
+@router.get("/{job_id}", response_model=JobView, summary="State of a job", responses=_NO_JOB | NOT_MODIFIED)
+def get_job(job_id: JobId, jobs: JobsHere, if_none_match: IfNoneMatch = None) -> Response:
     """State, progress and links of a job."""
-    return JobView.from_record(jobs.get(job_id))
+    return view_or_not_modified(JobView.from_record(jobs.get(job_id)), if_none_match, exclude_unset=True)
 
 
 @router.post(
     "/{job_id}/cancel", status_code=202, response_model_exclude_unset=True, summary="Cancel a job", responses=_NO_JOB
 )
-def cancel_job(job_id: str, jobs: JobsHere, runner: RunnerHere) -> JobView:
+def cancel_job(job_id: JobId, jobs: JobsHere, runner: RunnerHere, caller: CallerHere) -> JobView:
     """Stop a job. What it has computed stays readable; a job that has ended stays as it is."""
+    demand_ownership(jobs.get(job_id), caller)
     record = jobs.request_cancel(job_id)
     runner.cancel(job_id)
     return JobView.from_record(record)
@@ -58,8 +60,11 @@ def cancel_job(job_id: str, jobs: JobsHere, runner: RunnerHere) -> JobView:
     summary="Delete a job and its result",
     responses=_NO_JOB | problems(s409="the job did not stop in time: try again"),
 )
-def delete_job(job_id: str, jobs: JobsHere, runner: RunnerHere, settings: SettingsHere) -> Response:
+def delete_job(
+    job_id: JobId, jobs: JobsHere, runner: RunnerHere, settings: SettingsHere, caller: CallerHere
+) -> Response:
     """Stop a job if it is running, then remove its result and its record."""
+    demand_ownership(jobs.get(job_id), caller)
     jobs.request_cancel(job_id)
     runner.cancel(job_id)
     patience = time.monotonic() + _STOP_SECONDS

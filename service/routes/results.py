@@ -1,21 +1,29 @@
 """Results: summary, picture, and the Zarr store itself over HTTP."""
 
 import io
+import re
+from importlib.metadata import version
+from typing import Annotated
 
 from fastapi import APIRouter, Request, Response
+from pydantic import AfterValidator
 
 from service.byte_range import answer_range
-from service.dependencies import JobsHere, SettingsHere, problems
+from service.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, not_modified, view_or_not_modified
+from service.dependencies import JobId, JobsHere, SettingsHere, problems
 from service.errors import JobNotFound, NotReady
 from service.models import ResultView
+from worker.errors import InvalidJob
 from worker.panel_picture import Layer
 from worker.picture import draw_basin
 from worker.result_files import file_of_store, result_location
-from worker.results import summarise
+from worker.results import fingerprint, summarise
+from worker.share_chart import draw_shares
 from worker.store import holds_basin
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
 
+_VERSION = version("gear-rattle")
 _NOTHING_YET = problems(s404="there is no such job, or it has not begun")
 
 
@@ -28,23 +36,69 @@ def _location(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
     return location
 
 
-@router.get("/result", summary="Summary of a result", responses=_NOTHING_YET)
-def get_result(job_id: str, jobs: JobsHere, settings: SettingsHere) -> ResultView:
+def _store_path(path: str) -> str:
+    # Whatever is no place in a store ends here, before anything makes a path of it.
+    if not re.fullmatch(r"[A-Za-z0-9._/-]{1,512}", path) or {"", ".", ".."} & set(path.split("/")):
+        raise JobNotFound(f"a store holds no {path!r}")
+    return path
+
+
+@router.get("/result", response_model=ResultView, summary="Summary of a result", responses=_NOTHING_YET | NOT_MODIFIED)
+def get_result(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
     """Solutions, shares and attractors; also while the job runs, and then it says that it is not complete."""
-    return ResultView.from_summary(summarise(_location(job_id, jobs, settings)), f"/v1/jobs/{job_id}/result.zarr")
+    view = ResultView.from_summary(summarise(_location(job_id, jobs, settings)), f"/v1/jobs/{job_id}/result.zarr")
+    return view_or_not_modified(view, if_none_match)
 
 
 @router.get(
     "/picture.png",
     summary="Picture of a result",
     response_class=Response,
-    responses={200: {"content": {"image/png": {}}}, **_NOTHING_YET},
+    responses={200: {"content": {"image/png": {}}}, **_NOTHING_YET, **NOT_MODIFIED},
 )
-def get_picture(job_id: str, jobs: JobsHere, settings: SettingsHere, layer: Layer = Layer.SOLUTION) -> Response:
+def get_picture(
+    job_id: JobId,
+    jobs: JobsHere,
+    settings: SettingsHere,
+    layer: Layer = Layer.SOLUTION,
+    if_none_match: IfNoneMatch = None,
+) -> Response:
     """Draw the basin, also while tiles are still coming: what is missing is hatched."""
+    location = _location(job_id, jobs, settings)
+    # Asked before the picture is drawn: a tile that comes meanwhile is in the picture, and changes the next ETag.
+    etag = etag_of(fingerprint(location), layer, _VERSION)
+    known = not_modified(etag, if_none_match)
+    if known is not None:
+        return known
     buffer = io.BytesIO()
-    draw_basin(_location(job_id, jobs, settings), buffer, layer=layer)
-    return Response(buffer.getvalue(), media_type="image/png")
+    draw_basin(location, buffer, layer=layer)
+    return Response(buffer.getvalue(), media_type="image/png", headers={"etag": etag})
+
+
+@router.get(
+    "/shares.png",
+    summary="Shares over the swept parameters",
+    response_class=Response,
+    responses={
+        200: {"content": {"image/png": {}}},
+        **problems(s404="there is no such job, or none of its basins is complete yet", s422="the job sweeps nothing"),
+        **NOT_MODIFIED,
+    },
+)
+def get_shares(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
+    """Draw the share of each solution over the swept parameter, or maps of them over two, also while a sweep runs."""
+    location, buffer = _location(job_id, jobs, settings), io.BytesIO()
+    etag = etag_of(fingerprint(location), "shares", _VERSION)
+    known = not_modified(etag, if_none_match)
+    if known is not None:
+        return known
+    if jobs.get(job_id).kind != "sweep":
+        raise InvalidJob(f"job {job_id} is a single basin: it sweeps no parameter to draw shares over")
+    try:
+        draw_shares(location, buffer)
+    except InvalidJob as error:
+        raise NotReady(f"no basin of job {job_id} is complete yet") from error
+    return Response(buffer.getvalue(), media_type="image/png", headers={"etag": etag})
 
 
 @router.head("/result.zarr/{path:path}", include_in_schema=False)
@@ -54,7 +108,13 @@ def get_picture(job_id: str, jobs: JobsHere, settings: SettingsHere, layer: Laye
     response_class=Response,
     responses={200: {"content": {"application/octet-stream": {}}}, **_NOTHING_YET},
 )
-def get_store(job_id: str, path: str, request: Request, jobs: JobsHere, settings: SettingsHere) -> Response:
+def get_store(
+    job_id: JobId,
+    path: Annotated[str, AfterValidator(_store_path)],
+    request: Request,
+    jobs: JobsHere,
+    settings: SettingsHere,
+) -> Response:
     """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`, also while it grows."""
     file = file_of_store(_location(job_id, jobs, settings), path)
     if file is None:

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import httpx2 as httpx
 import pytest
-from worker.certificates import make_certificates
 
 from rattle_kernels import warm_up
 from tests.hosts.compose import parts_of_compose_file
@@ -17,6 +16,7 @@ from tests.hosts.network import Network
 from tests.hosts.supervisor import Supervisor
 from tests.object_store import ObjectStore
 from tests.postgresql import running_postgresql
+from worker.certificates import make_certificates
 
 pytestmark = pytest.mark.hosts
 

@@ -54,7 +54,7 @@ RAW = [
     ("[]", 422, "send a JSON object"),
     ('"basin"', 422, "send a JSON object"),
     ('{"oscillator": "\\ud800"}', 422, "body.oscillator"),
-    ("[" * 100_000, 400, "error parsing the body"),
+    ("[" * 100_000, 400, "nested too deeply"),
 ]
 
 

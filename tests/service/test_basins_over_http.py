@@ -92,12 +92,34 @@ def test_every_layer_has_a_picture(service, finished, layer):
     assert answer.headers["content-type"] == "image/png" and answer.content.startswith(b"\x89PNG")
 
 
+def test_a_picture_and_a_result_that_have_not_changed_are_not_sent_again(service, finished):
+    picture, result = finished["links"]["picture"], finished["links"]["result"]
+    etags = [service.request("GET", path).headers["etag"] for path in (picture, f"{picture}?layer=step", result)]
+    assert len(set(etags)) == 3
+    for path, etag in zip((picture, f"{picture}?layer=step", result), etags, strict=True):
+        again = service.request("GET", path, headers={"if-none-match": etag})
+        assert again.status_code == 304 and again.content == b""
+    assert service.request("GET", picture, headers={"if-none-match": etags[1]}).status_code == 200
+
+
+def test_events_of_a_job_tell_its_stages_and_its_end(service):
+    job = service.submit(request(cells=100))
+    told = service.request("GET", job["links"]["events"]).text
+    assert [line for line in told.splitlines() if line.startswith("event: ")][-1] == "event: state"
+    assert '"state":"running"' in told and '"state":"succeeded"' in told
+
+
 def test_a_running_job_shows_what_it_has_and_stops_when_cancelled(service):
     job = service.submit(LONG)
     job = service.wait(job["id"], lambda job: job["progress"] and job["progress"]["tiles_done"] >= 2)
     result = service.request("GET", job["links"]["result"]).json()
     assert not result["complete"] and 0 < result["tiles_computed"] < result["tiles"]
-    assert service.request("GET", job["links"]["picture"]).content.startswith(b"\x89PNG")
+    picture = service.request("GET", job["links"]["picture"])
+    assert picture.content.startswith(b"\x89PNG")
+    tiles = job["progress"]["tiles_done"]
+    service.wait(job["id"], lambda job: job["progress"]["tiles_done"] > tiles + 1)
+    known = {"if-none-match": picture.headers["etag"]}
+    assert service.request("GET", job["links"]["picture"], headers=known).status_code == 200
     with xr.open_zarr(service.url + job["links"]["zarr"]) as basin:
         assert basin.attrs["complete"] is False
         there = np.argwhere(basin.tile_state.values >= 2)[0]

@@ -1,16 +1,15 @@
 """A basin through the worker: right, resumable, the same to the byte whatever happened on the way."""
 
-import hashlib
 import os
 import signal
 import threading
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
 from rattle_kernels import CellGrid, Oscillator, map_cells
+from tests.store_content import content
 from worker.basin_job import BasinJob
 from worker.errors import JobCancelled, StoreConflict, StoreFailed
 from worker.layout import TileState
@@ -23,12 +22,6 @@ JOB = BasinJob(grid=CellGrid(time_cells=200, velocity_cells=200))
 
 def run(job, location, client, *, report=lambda _: None, cancel=None):
     return run_basin(job, str(location), client, report=report, cancel=cancel or threading.Event())
-
-
-def content(location):
-    """Hash of every chunk of a store; metadata hold times and are left out."""
-    files = sorted(path for path in Path(location).rglob("*") if path.is_file() and path.name != "zarr.json")
-    return {str(path.relative_to(location)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,7 @@
 """A panel of basins as the paper draws them: colours by solution, grazing curve, attractors; transients are shown."""
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,7 +9,8 @@ from matplotlib.patches import Patch
 
 from rattle_kernels import Attractor, AttractorKind, Oscillator
 from worker import colours
-from worker.panel_picture import draw_attractors, draw_grazing_curve, frame
+from worker.overlay import Overlay, attractor_marks, grazing_line
+from worker.panel_picture import frame
 from worker.paper.basin_view import BasinView
 from worker.paper.transients import on_transient
 
@@ -24,7 +26,14 @@ def landings_on_transient(view: BasinView) -> tuple[np.ndarray, np.ndarray]:
     return view.landing_time[wandering], view.landing_velocity[wandering]
 
 
-def draw_panel(axes: Axes, view: BasinView, *, attractors: bool = True) -> None:
+def attractor_overlays(view: BasinView) -> tuple[Overlay, ...]:
+    """Periodic attractors (white crosses), chaotic ones and landing points on transients (black dots)."""
+    t, v = landings_on_transient(view)
+    dots = slice(None, None, max(1, t.size // _MOST_DOTS))
+    return attractor_marks((_WANDERING._replace(time=t[dots], velocity=v[dots]), *view.attractors))
+
+
+def draw_panel(axes: Axes, view: BasinView, overlays: Iterable[Overlay]) -> None:
     """Draw the basins of one oscillator.
 
     Parameters
@@ -33,21 +42,16 @@ def draw_panel(axes: Axes, view: BasinView, *, attractors: bool = True) -> None:
     view : BasinView
         Cells on a chaotic transient after k applications are speckled dark red, as the paper shows them; those that
         have settled have the colour of the solution.
-    attractors : bool
-        Whether periodic attractors (white crosses), chaotic ones and landing points on transients (black dots) are
-        overlaid.
+    overlays : iterable of Overlay
+        What lies between the cells and the grazing curve.
     """
     grid = view.job.grid
     solution = np.where(on_transient(view), len(view.attractors), view.solution)
     image = colours.paint_cells(solution, view.group, (*view.attractors, _WANDERING))
     extent = grid.time_start, grid.time_stop, grid.velocity_start, grid.velocity_stop
     axes.imshow(np.round(image, 2), origin="lower", extent=extent, aspect="auto", interpolation="nearest")
-    if attractors:
-        t, v = landings_on_transient(view)
-        dots = slice(None, None, max(1, t.size // _MOST_DOTS))
-        draw_attractors(axes, (_WANDERING._replace(time=t[dots], velocity=v[dots]),), grid.time_start)
-        draw_attractors(axes, view.attractors, grid.time_start)
-    draw_grazing_curve(axes, view.oscillator, grid.time_start, grid.time_stop)
+    for overlay in (*overlays, grazing_line(view.oscillator)):
+        overlay.draw(axes, grid.time_start)
     frame(axes, extent)
 
 

@@ -28,7 +28,7 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     panels = drawing.subplots(2, 2).flat
     for number, (axes, name) in enumerate(zip(panels, _STIFFNESSES, strict=True)):
         tell("drawing", number, len(_STIFFNESSES))
-        draw_panel(axes, views[name], attractors=False)
+        draw_panel(axes, views[name], ())
         axes.set_title(f"({'abcd'[number]}) {model_of(views[name].oscillator)}", fontsize="medium")
         axes.legend(handles=legend_of(views[name]), loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="x-small")
     panels_told = {

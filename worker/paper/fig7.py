@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import Attractor, CellGrid, Oscillator, TimeHistory, time_history
 from worker.basin_job import BasinJob
-from worker.paper.basin_panel import draw_panel, landings_on_transient, legend_of, model_of
+from worker.paper.basin_panel import attractor_overlays, draw_panel, landings_on_transient, legend_of, model_of
 from worker.paper.basin_view import BasinView, view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.history_panel import draw_history_panel, point_from
@@ -71,7 +71,7 @@ def _draw_row(drawing: Any, view: BasinView) -> None:
     """One model: its basins, and beside them the histories with arrows."""
     basin, beside = drawing.subfigures(1, 2, width_ratios=(1.3, 1.0))
     axes = basin.subplots()
-    draw_panel(axes, view)
+    draw_panel(axes, view, attractor_overlays(view))
     axes.set_title(f"{model_of(view.oscillator)}, k = {view.job.iterations}", fontsize="medium")
     axes.legend(handles=legend_of(view), loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2, fontsize="small")
     examples = _examples(view)

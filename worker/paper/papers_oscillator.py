@@ -8,11 +8,11 @@ from worker.basin_job import BasinJob
 ITERATIONS = 1499
 
 
-def papers_oscillator(stiffness: float = math.inf) -> Oscillator:
-    """Oscillator of Figs. 6 and 7: of that stiffness, or impacting."""
-    return Oscillator(damping=0.6, eccentricity=0.1, half_backlash=0.6, stiffness=stiffness)
+def papers_oscillator(stiffness: float = math.inf, damping: float = 0.6) -> Oscillator:
+    """Oscillator of the paper's Secs. 5 and 6: of that stiffness, or impacting."""
+    return Oscillator(damping=damping, eccentricity=0.1, half_backlash=0.6, stiffness=stiffness)
 
 
-def papers_basin(grid: CellGrid, stiffness: float = math.inf) -> BasinJob:
+def papers_basin(grid: CellGrid, stiffness: float = math.inf, damping: float = 0.6) -> BasinJob:
     """Job of its basins under ``P_corr o P^1499``."""
-    return BasinJob(papers_oscillator(stiffness), grid, ITERATIONS)
+    return BasinJob(papers_oscillator(stiffness, damping), grid, ITERATIONS)

@@ -2,14 +2,29 @@
 
 from worker.errors import InvalidJob
 from worker.paper.fig1 import FIG1
+from worker.paper.fig2 import FIG2
+from worker.paper.fig3 import FIG3
 from worker.paper.fig4 import FIG4
+from worker.paper.fig5 import FIG5
 from worker.paper.fig6 import FIG6
 from worker.paper.fig7 import FIG7
 from worker.paper.fig8 import FIG8
 from worker.paper.fig9 import FIG9
+from worker.paper.fig10 import FIG10
+from worker.paper.fig11 import FIG11
+from worker.paper.fig12 import FIG12
+from worker.paper.fig13 import FIG13
+from worker.paper.fig14 import FIG14
+from worker.paper.fig15 import FIG15
+from worker.paper.fig16 import FIG16
+from worker.paper.fig17 import FIG17
 from worker.paper.figure import PaperFigure
 
-PAPER_FIGURES: dict[str, PaperFigure] = {figure.name: figure for figure in (FIG1, FIG4, FIG6, FIG7, FIG8, FIG9)}
+_IN_ORDER = (
+    FIG1, FIG2, FIG3, FIG4, FIG5, FIG6, FIG7, FIG8, FIG9, FIG10, FIG11, FIG12, FIG13, FIG14, FIG15, FIG16, FIG17,
+)  # fmt: skip
+
+PAPER_FIGURES: dict[str, PaperFigure] = {figure.name: figure for figure in _IN_ORDER}
 
 
 def figure_named(name: str) -> PaperFigure:

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from rattle_kernels import CellGrid
 from worker.basin_job import BasinJob
 from worker.colours import CHAOTIC, colours_of
-from worker.paper.basin_panel import draw_panel
+from worker.paper.basin_panel import attractor_overlays, draw_panel
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.papers_oscillator import ITERATIONS, papers_oscillator
 from worker.paper.solutions_told import told_basin
@@ -44,7 +44,7 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     (swept,) = sweep.job.vary
     for number, (axes, view) in enumerate(zip(places, sweep.panels, strict=True)):
         tell("drawing", number, _PANELS)
-        draw_panel(axes, view)
+        draw_panel(axes, view, attractor_overlays(view))
         axes.label_outer()
         value = f"{SYMBOLS[swept.parameter]} = {swept.values[number]:g}"
         axes.set_title(f"({'abcdefghi'[number]}) {value}", fontsize="medium")

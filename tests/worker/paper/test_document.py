@@ -1,6 +1,7 @@
 """What docs/paper.md prints is what the committed numbers say, and its pictures are of modest size."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -57,3 +58,57 @@ def test_the_transient_of_fig7_and_the_departures_of_fig1_are_as_printed():
     numbers = numbers_of("fig1")
     settled = sum(motion["departures"] for motion in numbers["rattling"])
     assert f"{numbers['quiet']['departures']} fall quiet, {settled} rattle on one of {len(numbers['rattling'])}" in fig1
+
+
+def numbers_in(told):
+    """All numbers in what a JSON file holds."""
+    if isinstance(told, dict | list):
+        parts = told.values() if isinstance(told, dict) else told
+        return [number for part in parts for number in numbers_in(part)]
+    return [told] if isinstance(told, float) else []
+
+
+LONG_NUMBERS = ["fig2", "fig3", "fig5", "fig10", "fig11", "fig12", "fig13", "fig15"]
+
+
+@pytest.mark.parametrize("name", LONG_NUMBERS)
+def test_every_number_of_ten_digits_is_one_of_the_json(name):
+    told = numbers_in(numbers_of(name))
+    printed = re.findall(r"\d+\.\d{10}\b", section(name))
+    assert len(printed) >= 2
+    for number in printed:
+        assert any(abs(float(number) - value) <= 1e-10 for value in told), number
+
+
+@pytest.mark.parametrize("name", ["fig10", "fig12", "fig13"])
+def test_shares_of_basins_over_damping_are_as_printed(name):
+    numbers = numbers_of(name)
+    for panel in numbers.get("panels", {"": numbers}).values():
+        for solution in panel["solutions"]:
+            share = f"{100 * solution['share']:.2f}"
+            assert share == "0.00" or re.search(rf"\b{share}\b", section(name)), (solution["name"], share)
+
+
+def test_what_the_paper_states_of_special_points_is_found():
+    node, points = numbers_of("fig10")["saddle_node"], numbers_of("fig11")["special_points"]
+    assert abs(node["damping"] - 0.5997) < 5e-5 and node["kind"] == "saddle-node"
+    assert points["B"]["orbit"] == "P(2,2,1)" and 5e-5 < 0.5819 - points["B"]["damping"] < 6e-5
+    assert points["C"]["orbit"] == "P(4,4,2)" and abs(points["C"]["damping"] - 0.5922) < 5e-5
+    assert all(point["residual"] < 1e-12 and point["error"] < 1e-11 for point in (node, *points.values()))
+
+
+def test_curves_are_as_printed():
+    fig14, fig16 = numbers_of("fig14"), numbers_of("fig16")["shares_of_boundaries"]
+    shares = [order["share_of_boundaries"] for order in fig14["orders"]] + [fig14["share_of_boundaries"]]
+    assert all(f"{100 * share:.1f} %" in section("fig14") for share in shares)
+    assert [order["arcs"] for order in fig14["orders"]] == [1, 2, 7]
+    assert fig16["both manifolds"] == numbers_of("fig15")["share_of_boundaries"] == 1.0
+    assert f"{fig16['grazing curve and pre-images 1, 2']:.3f}" in section("fig16")
+    branches = {label: each["branches"] for label, each in numbers_of("fig17")["manifolds"].items()}
+    points = [sum(branch["points"] for branch in branches[label]) for label in "AB"]
+    assert all(f"{count:,}" in section("fig17") for count in points)
+
+
+def test_each_figure_is_in_the_table_with_its_command():
+    rows = re.findall(r"^\| `(fig\d+)` \|", DOCUMENT, re.MULTILINE)
+    assert rows == list(PAPER_FIGURES) == [f"fig{number}" for number in range(1, 18)]

@@ -1,0 +1,65 @@
+"""SIGKILL of the service: at random moments, and between the steps of a job's life."""
+
+import random
+import time
+
+from tests.faults.conftest import BASIN, SWEEP
+from tests.faults.test_workers_and_schedulers_killed import store_of
+
+# Tiles in flight, and those whose receipts came after the ledger was last written.
+_LOST_AT_ONCE = 8
+
+
+def kill(service):
+    service.process.kill()
+    service.process.wait(10)
+
+
+def test_a_service_killed_at_random_moments_loses_nothing(a_service, right):
+    chance, kills, job = random.Random(4), 4, None
+    for _ in range(kills):
+        with a_service() as service:
+            job = service.submit(BASIN)
+            service.wait(job["id"], lambda job: job["state"] != "queued")
+            time.sleep(chance.uniform(0.1, 2.0))
+            kill(service)
+    with a_service() as service:
+        assert service.submit(BASIN)["id"] == job["id"]
+        assert service.wait(job["id"])["state"] == "succeeded"
+        right(store_of(service, job), "basin", _LOST_AT_ONCE * kills)
+
+
+def progressed(**reached):
+    """Whether a job's progress has come so far."""
+
+    def check(job):
+        progress = job["progress"] or {}
+        return job["state"] == "succeeded" or all(
+            progress.get(name, 0) >= least if name != "stage" else progress.get(name) == least
+            for name, least in reached.items()
+        )
+
+    return check
+
+
+STEPS = [
+    lambda job: True,
+    lambda job: job["state"] == "running",
+    progressed(tiles_done=1),
+    progressed(stage="assembling"),
+    progressed(stage="labelling"),
+    progressed(basins_done=1),
+    progressed(basins_done=2),
+    progressed(basins_done=3),
+]
+
+
+def test_a_service_killed_at_every_step_of_a_jobs_life_loses_nothing(a_service, right):
+    for reached in STEPS:
+        with a_service() as service:
+            job = service.submit(SWEEP)
+            service.wait(job["id"], reached)
+            kill(service)
+    with a_service() as service:
+        assert service.wait(service.submit(SWEEP)["id"])["state"] == "succeeded"
+        right(store_of(service, job), "sweep", _LOST_AT_ONCE * len(STEPS))

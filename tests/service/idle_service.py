@@ -1,0 +1,86 @@
+"""A service in a thread of this process, without a cluster: jobs stay as tests put them, and it starts at once."""
+
+import contextlib
+import threading
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+import httpx2 as httpx
+
+from rattle_kernels import CellGrid
+from service import app as application
+from service.server import Server
+from service.settings import Settings
+from tests.running_service import free_port
+from worker.basin_job import BasinJob
+
+
+class NoCluster:
+    """Connects to nothing."""
+
+    def __init__(self, *_: Any) -> None: ...
+    def open(self) -> None: ...
+    def close(self) -> None: ...
+
+
+class IdleRunner:
+    """Runs nothing, and has as many workers as a test says."""
+
+    def __init__(self, *_: Any) -> None:
+        self.there = 2
+
+    def start(self) -> None: ...
+    def stop(self) -> None: ...
+    def ring(self) -> None: ...
+    def cancel(self, job_id: str) -> None: ...
+
+    def workers(self) -> int:
+        return self.there
+
+
+@dataclass
+class IdleService:
+    url: str
+    port: int
+    app: Any
+    headers: dict[str, str] = field(default_factory=dict)
+
+    def request(self, method, path, **options):
+        options["headers"] = self.headers | options.get("headers", {})
+        return httpx.request(method, self.url + path, timeout=30.0, **options)
+
+    @property
+    def jobs(self):
+        return self.app.state.jobs
+
+    @property
+    def results(self):
+        return self.app.state.settings.results
+
+    def add_job(self, cells=10, submitter="local"):
+        grid = CellGrid(time_cells=cells, velocity_cells=cells)
+        return self.jobs.submit(BasinJob(grid=grid, iterations=1), submitter)[0]
+
+
+@contextlib.contextmanager
+def idle_service(monkeypatch, data, **settings):
+    """Run one until the context ends."""
+    monkeypatch.setattr(application, "LastingCluster", NoCluster)
+    monkeypatch.setattr(application, "Runner", IdleRunner)
+    port = free_port()
+    asked = Settings(data=data, port=port, **settings)
+    app = application.create_app(asked)
+    server = Server(app, asked)
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    try:
+        patience = time.monotonic() + 20
+        while not server.started:
+            assert thread.is_alive() and time.monotonic() < patience, "the service does not start"
+            time.sleep(0.01)
+        yield IdleService(f"http://127.0.0.1:{port}", port, app)
+    finally:
+        server.should_exit = True
+        thread.join(20)
+        assert not thread.is_alive(), "the service does not stop"

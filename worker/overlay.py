@@ -1,0 +1,108 @@
+"""What is laid over a picture of basins: curves, and marked departures, on the phases that the picture shows.
+
+Pieces of a curve are drawn apart: none is joined to another across a break, and a piece that runs beyond the last phase
+of the picture goes on at its first.
+"""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from rattle_kernels import (
+    Attractor,
+    AttractorKind,
+    ManifoldBranch,
+    Oscillator,
+    PeriodicOrbit,
+    Piece,
+    grazing_velocity,
+    split_at_wrap,
+)
+
+# Points of the grazing curve: it bends little.
+_CURVE_POINTS = 513
+# Of the grazing curve and its pre-images, by order (Figs. 14 and 16).
+_BY_ORDER = ("white", "black", "yellow")
+
+
+class Lines(NamedTuple):
+    """Curves of one kind.
+
+    ``pieces`` have phases that may run beyond a period; ``label`` names them in a legend; ``width`` is in points.
+    """
+
+    label: str
+    colour: str
+    pieces: tuple[Piece, ...]
+    width: float = 1.0
+
+    def draw(self, axes: Axes, time_start: float = 0.0) -> None:
+        """Draw them on axes that show one period from `time_start` on."""
+        parts = split_at_wrap(Piece(piece.t - time_start, piece.v) for piece in self.pieces)
+        # One line with gaps: thousands of pieces are drawn as fast as one.
+        gap = np.array([np.nan])
+        t, v = ([array for part in parts for array in (part[axis], gap)] for axis in (0, 1))
+        if parts:
+            axes.plot(
+                time_start + np.concatenate(t), np.concatenate(v), color=self.colour, linewidth=self.width,
+                label=self.label,
+            )  # fmt: skip
+
+
+class Marks(NamedTuple):
+    """Marked departures; ``marker`` is matplotlib's, ``size`` its size in points."""
+
+    label: str
+    colour: str
+    t: np.ndarray
+    v: np.ndarray
+    marker: str
+    size: float = 7.0
+
+    def draw(self, axes: Axes, time_start: float = 0.0) -> None:
+        """Draw them on axes that show one period from `time_start` on."""
+        t = time_start + (self.t - time_start) % 1.0
+        axes.plot(
+            t, self.v, self.marker, color=self.colour, markersize=self.size,
+            markeredgewidth=0.0 if self.marker == "." else 1.6, label=self.label,
+        )  # fmt: skip
+
+
+Overlay = Lines | Marks
+
+
+def attractor_marks(attractors: Iterable[Attractor], colour: str = "white") -> tuple[Marks, ...]:
+    """Crosses on the departures of periodic attractors, in a colour, and black dots on those of chaotic ones."""
+    marks = []
+    for attractor in attractors:
+        if attractor.kind == AttractorKind.PERIODIC:
+            marks.append(Marks(attractor.name, colour, attractor.time, attractor.velocity, "x"))
+        elif attractor.kind == AttractorKind.CHAOTIC:
+            marks.append(Marks(attractor.name, "black", attractor.time, attractor.velocity, ".", 1.0))
+    return tuple(marks)
+
+
+def saddle_marks(saddles: Iterable[PeriodicOrbit], colour: str = "white") -> tuple[Marks, ...]:
+    """Upright crosses on the departures of saddles, as in Fig. 10."""
+    return tuple(Marks(f"saddle {saddle.name}", colour, saddle.t, saddle.v, "+", 9.0) for saddle in saddles)
+
+
+def grazing_line(oscillator: Oscillator) -> Lines:
+    """The grazing curve v*(t), white, of either model."""
+    t = np.linspace(0.0, 1.0, _CURVE_POINTS)
+    return Lines("grazing curve", _BY_ORDER[0], (Piece(t, grazing_velocity(oscillator, t)),), 1.4)
+
+
+def preimage_lines(orders: Iterable[Iterable[Piece]]) -> tuple[Lines, ...]:
+    """Pre-images of the grazing curve, orders 1, 2, ..., as `grazing_preimages` gives them after the curve itself."""
+    return tuple(
+        Lines(f"pre-image {order} of grazing", _BY_ORDER[1 + (order - 1) % (len(_BY_ORDER) - 1)], tuple(pieces))
+        for order, pieces in enumerate(orders, 1)
+    )
+
+
+def manifold_lines(branches: Iterable[ManifoldBranch], label: str, colour: str, width: float = 1.0) -> Lines:
+    """All branches of a saddle's manifold."""
+    return Lines(label, colour, tuple(piece for branch in branches for piece in branch.pieces), width)
