@@ -100,7 +100,7 @@ def sweep(
     grid = CellGrid(*time, cells[0], *velocity, cells[1])
 
     def job() -> BasinJob:
-        swept = tuple(_swept(text) for text in vary)
+        swept = tuple(swept_of(text) for text in vary)
         if stiffness is None and any(each.parameter == "stiffness" for each in swept):
             # The model is the piecewise linear one; its stiffness is the sweep's.
             return BasinJob(oscillator._replace(stiffness=1.0), grid, iterations, swept, _sample(sample, seed))
@@ -113,7 +113,7 @@ def _sample(points: int | None, seed: int) -> Sample | None:
     return Sample(points, seed) if points is not None else None
 
 
-def _swept(text: str) -> SweptParameter:
+def swept_of(text: str) -> SweptParameter:
     """Swept parameter as the command line writes it."""
     parameter, _, values = text.partition("=")
     try:
