@@ -302,7 +302,7 @@ class BasinStore:
         with told_as_store_failure(self.location):
             consolidate(self.location)
             # Written with the consolidated metadata, in one piece: what is complete is so for every reader.
-            whole = zarr.open_group(self.location, mode="r+", zarr_format=3, use_consolidated=True)
+            whole = _open_group(self.location, "r+", consolidated=True)
             whole.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
 
     @property
@@ -334,5 +334,5 @@ def holds_store(location: str) -> bool:
         return "layout_version" in group.attrs
 
 
-def _open_group(location: str, mode: str) -> Any:
-    return zarr.open_group(place_at(location).zarr, mode=mode, zarr_format=3, use_consolidated=False)
+def _open_group(location: str, mode: str, *, consolidated: bool = False) -> Any:
+    return zarr.open_group(place_at(location).zarr, mode=mode, zarr_format=3, use_consolidated=consolidated)
