@@ -39,20 +39,19 @@ def _stability(orbit: dict[str, Any]) -> str:
 
 
 def _complex(pair: list[float]) -> str:
-    return f"{pair[0]:.6g}{pair[1]:+.4g}i" if pair[1] else f"{pair[0]:.6g}"
+    return f"{pair[0]:.4g}{pair[1]:+.4g}i" if pair[1] else f"{pair[0]:.6g}"
 
 
 def print_orbits(orbits: list[dict[str, Any]]) -> None:
     """Table of periodic orbits, each by its slowest departure."""
-    digits = (Column(name, no_wrap=True) for name in ("t", "v"))
-    folded = Column("multipliers", overflow="fold"), Column("", no_wrap=True), "from grazing", "residual"
-    table = Table("", Column("orbit", no_wrap=True), *digits, *folded)
+    told = (Column(name, no_wrap=True) for name in ("orbit", "t", "v", "multipliers"))
+    table = Table("", *told, "grazing", "residual")
     for number, orbit in enumerate(orbits[:_MOST_ROWS]):
         first = orbit["departures"][0]
         table.add_row(
-            str(number), orbit["name"], f"{first['time']:.10f}", f"{first['velocity']:.10f}",
-            ", ".join(_complex(pair) for pair in orbit["multipliers"]), _stability(orbit),
-            f"{orbit['grazing_distance']:.4g}", f"{orbit['residual']:.0e}",
+            str(number), f"{orbit['name']}\n{_stability(orbit)}", f"{first['time']:.10f}", f"{first['velocity']:.10f}",
+            "\n".join(_complex(pair) for pair in orbit["multipliers"]), f"{orbit['grazing_distance']:.4g}",
+            f"{orbit['residual']:.0e}",
         )  # fmt: skip
     out.print(table)
     _more(len(orbits))
