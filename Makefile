@@ -42,11 +42,11 @@ test-backends: $(READY)  ## the tests of service and worker once more, on Postgr
 
 test-containers: $(READY)  ## build the image and run it, without an engine; as root
 	@command -v buildah podman runc debootstrap >/dev/null || $(call install,buildah podman runc debootstrap)
-	$(BIN)/python -m pytest tests/containers -m containers --timeout 2400
+	$(BIN)/python -m pytest tests/containers -m containers --timeout 5400
 
 test-hosts: $(READY)  ## the compose file's commands as hosts of a network, one of which is cut off
 	@command -v initdb >/dev/null || ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || $(call install,postgresql)
-	$(BIN)/python -m pytest tests/hosts -m hosts --timeout 600
+	$(BIN)/python -m pytest tests/hosts -m hosts --timeout 1200
 
 check: $(READY)  ## formatting, lint, types, import layers, spelling
 	$(BIN)/ruff format --check .

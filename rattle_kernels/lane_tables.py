@@ -25,7 +25,7 @@ from rattle_kernels.contact_flight import stay_in_contact
 from rattle_kernels.flight import TWO_PI, rest_acceleration
 from rattle_kernels.grazing_curve import LEAVING, grazing_flight, grazing_velocity
 from rattle_kernels.impact_map import LOWER, RETURNED, UPPER, next_contact
-from rattle_kernels.jit import kernel
+from rattle_kernels.jit import kernel, step
 from rattle_kernels.oscillator import Oscillator
 
 FALL_BACK, DROP, RISE = 0, 1, 2
@@ -37,6 +37,11 @@ PHASES = 192
 ABSCISSAE = 96
 ROW = ABSCISSAE + 1
 BLOCK = (PHASES + 1) * ROW
+
+# Every fourth node each way is solved for, the others are interpolated, unless two orders of interpolation differ by
+# this part: a tenth of what bilinear look-up is off anyway. Solving for all of them took ten times as long.
+_EVERY = 4
+_DOUBT = 1e-5
 
 # Intervals of the grazing curve's own table, interpolated linearly: only flights within some 1e-5 of the curve are
 # unsure.
@@ -76,29 +81,84 @@ class LaneTables(NamedTuple):
     capture_bound: float
 
 
+@step
+def _node(oscillator, speed_scale, graze, kind, i, j):
+    """The value tabulated at a node; `graze` are speed and duration of the grazing flight at its phase."""
+    phase, abscissa = (i % PHASES) / PHASES, j / ABSCISSAE
+    graze_speed, graze_duration = graze
+    if kind == FALL_BACK:
+        speed = graze_speed * abscissa
+        if j == 0:
+            return 2.0 / rest_acceleration(oscillator, phase)
+        return next_contact(oscillator, UPPER, phase, -speed, 1.0).duration / speed
+    if j == ABSCISSAE:
+        return 2.0 * oscillator.half_backlash
+    if kind == DROP:
+        if j == 0:
+            return graze_speed * graze_duration
+        speed = graze_speed / (1.0 - abscissa * abscissa)
+        return next_contact(oscillator, UPPER, phase, -speed, 1.0).duration * speed
+    speed = speed_scale * abscissa / (1.0 - abscissa)
+    return next_contact(oscillator, LOWER, phase, speed, 1.0).duration * (speed + speed_scale)
+
+
+@step
+def _fill_node(oscillator, speed_scale, graze, guess, nodes, weights):
+    """Interpolate a node from six of its row or column; solve for it where four of them say otherwise."""
+    kind, i, j, first, stride = nodes
+    six, four = 0.0, 0.0
+    for at in range(6):
+        value = guess[first[at] * stride[0] + stride[1]]
+        six += weights[0, at] * value
+        four += weights[1, at] * value
+    solved = abs(six - four) > _DOUBT * abs(six)
+    guess[kind * BLOCK + i * ROW + j] = _node(oscillator, speed_scale, graze, kind, i, j) if solved else six
+
+
 @kernel
-def _fill_guess(oscillator, speed_scale, guess):
-    two_beta = 2.0 * oscillator.half_backlash
-    for i in range(PHASES + 1):
-        phase = (i % PHASES) / PHASES
-        graze_speed, graze_duration, _ = grazing_flight(oscillator, phase, LEAVING)
-        at = i * ROW
-        guess[FALL_BACK * BLOCK + at] = 2.0 / rest_acceleration(oscillator, phase)
-        guess[DROP * BLOCK + at] = graze_speed * graze_duration
-        guess[RISE * BLOCK + at] = next_contact(oscillator, LOWER, phase, 0.0, 1.0).duration * speed_scale
-        for j in range(1, ABSCISSAE + 1):
-            abscissa = j / ABSCISSAE
-            speed = graze_speed * abscissa
-            guess[FALL_BACK * BLOCK + at + j] = next_contact(oscillator, UPPER, phase, -speed, 1.0).duration / speed
-            if j == ABSCISSAE:
-                break
-            speed = graze_speed / (1.0 - abscissa * abscissa)
-            guess[DROP * BLOCK + at + j] = next_contact(oscillator, UPPER, phase, -speed, 1.0).duration * speed
-            speed = speed_scale * abscissa / (1.0 - abscissa)
-            rise = next_contact(oscillator, LOWER, phase, speed, 1.0).duration
-            guess[RISE * BLOCK + at + j] = rise * (speed + speed_scale)
-        guess[DROP * BLOCK + at + ABSCISSAE] = two_beta
-        guess[RISE * BLOCK + at + ABSCISSAE] = two_beta
+def _fill_guess(oscillator, speed_scale, along_row, along_column, guess):
+    columns, row_weights = along_row
+    rows, column_weights = along_column
+    for pass_ in range(2):
+        for i in range(PHASES + 1):
+            if (i % _EVERY == 0) != (pass_ == 0):
+                continue
+            speed, duration, _ = grazing_flight(oscillator, (i % PHASES) / PHASES, LEAVING)
+            graze = speed, duration
+            for kind in range(3):
+                at = kind * BLOCK + i * ROW
+                if pass_ == 0:
+                    for j in range(0, ABSCISSAE + 1, _EVERY):
+                        guess[at + j] = _node(oscillator, speed_scale, graze, kind, i, j)
+                for j in range(ABSCISSAE + 1):
+                    if pass_ == 1:
+                        nodes = kind, i, j, rows[i], (ROW, kind * BLOCK + j)
+                        _fill_node(oscillator, speed_scale, graze, guess, nodes, column_weights[i])
+                    elif j % _EVERY != 0:
+                        nodes = kind, i, j, columns[j], (1, at)
+                        _fill_node(oscillator, speed_scale, graze, guess, nodes, row_weights[j])
+
+
+def _stencils(intervals: int, *, wraps: bool) -> tuple[np.ndarray, np.ndarray]:
+    """For each node of a row or column six of every fourth, and Lagrange's weights of all six and of the next four."""
+    nodes, weights = np.empty((intervals + 1, 6), np.int64), np.zeros((intervals + 1, 2, 6))
+    coarse = intervals // _EVERY
+    for i in range(intervals + 1):
+        x = i / _EVERY
+        first = math.floor(x) - 2
+        first = first if wraps else min(max(first, 0), coarse - 5)
+        inner = min(max(math.floor(x) - 1 - first, 0), 2)
+        for which, chosen in enumerate((range(6), range(inner, inner + 4))):
+            for at in chosen:
+                others = [other for other in chosen if other != at]
+                weights[i, which, at] = math.prod((x - first - other) / (at - other) for other in others)
+        places = np.arange(first, first + 6) * _EVERY
+        nodes[i] = places % intervals if wraps else places
+    return nodes, weights
+
+
+_ALONG_ROW = _stencils(ABSCISSAE, wraps=False)
+_ALONG_COLUMN = _stencils(PHASES, wraps=True)
 
 
 @kernel
@@ -162,6 +222,6 @@ def lane_tables(oscillator: Oscillator) -> LaneTables:
     """
     graze_speed, error, speed_scale = _graze_table(oscillator)
     guess = np.empty(3 * BLOCK)
-    _fill_guess(oscillator, speed_scale, guess)
+    _fill_guess(oscillator, speed_scale, _ALONG_ROW, _ALONG_COLUMN, guess)
     bound = capture_bound(oscillator, np.empty(12), np.empty(12))
     return LaneTables(guess, graze_speed, error, speed_scale, *_stay_table(oscillator), bound)

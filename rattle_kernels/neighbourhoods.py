@@ -21,22 +21,18 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.attractor import Attractor, AttractorKind
-from rattle_kernels.capture import is_captured
 from rattle_kernels.impact_lanes import next_impacts, run_lanes
-from rattle_kernels.jit import kernel
+from rattle_kernels.lane_arrival import BOXES, UNMARKED, boxes_passed, follow
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 
-BOXES = 2048
-_ARRIVAL_STREAK = 24
 _MARKING_ROUNDS = 256
 _ROUNDS = 200
 # After a carry: enough for a streak. What has settled is recognised at once, what has not is carried on.
 _ROUNDS_AFTER_A_CARRY = 40
 _SHARED_BOX = -2
-_UNMARKED = -1
 _SAME_PART = 0.1
 
 _LARGEST_ELLIPSE = 0.05
@@ -109,13 +105,12 @@ def _ellipses(oscillator: Oscillator, times: bytes, speeds: bytes) -> tuple[np.n
 @lru_cache(maxsize=16)
 def _boxes(oscillator: Oscillator, times: bytes, speeds: bytes) -> np.ndarray:
     """Numbers of the boxes that the points of a chaotic attractor and their next iterates hit, ascending."""
-    scale = lane_tables(oscillator).speed_scale
     t, v = np.frombuffer(times), np.frombuffer(speeds)
-    hit = []
-    for _ in range(_MARKING_ROUNDS):
-        hit.append((v / scale * BOXES).astype(np.int64) * BOXES + (t * BOXES).astype(np.int64))
-        t, v, _, _ = next_impacts(oscillator, t, v)
-    return np.unique(np.concatenate(hit))
+    passed = np.empty((t.size, _MARKING_ROUNDS), np.int64)
+    boxes_passed(oscillator, lane_tables(oscillator), t, v, passed)
+    marked = np.zeros(passed.max(initial=0) + 1, bool)
+    marked[passed[passed >= 0]] = True
+    return np.flatnonzero(marked)
 
 
 def hit_the_same_boxes(oscillator: Oscillator, one: Attractor, other: Attractor) -> bool:
@@ -140,9 +135,9 @@ def hit_the_same_boxes(oscillator: Oscillator, one: Attractor, other: Attractor)
 def _own_boxes(marked: dict[int, np.ndarray]) -> np.ndarray:
     """Lattice of the boxes' owners; a box that two attractors hit tells nothing."""
     rows = 1 + max((int(boxes[-1]) // BOXES for boxes in marked.values()), default=0)
-    owner = np.full(rows * BOXES, _UNMARKED, np.int16)
+    owner = np.full(rows * BOXES, UNMARKED, np.int16)
     for index, boxes in marked.items():
-        owner[boxes] = np.where(owner[boxes] == _UNMARKED, index, _SHARED_BOX)
+        owner[boxes] = np.where(owner[boxes] == UNMARKED, index, _SHARED_BOX)
     return owner.reshape(rows, BOXES)
 
 
@@ -166,7 +161,7 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
         points = attractor.time.tobytes(), attractor.velocity.tobytes()
         if attractor.kind == AttractorKind.CHAOTIC:
             marked[index] = _boxes(oscillator, *points)
-        elif attractor.kind == AttractorKind.PERIODIC:
+        elif attractor.kind == AttractorKind.PERIODIC and attractor.time.size:  # a sweep lists others' orbits, too
             points_of_orbit, forms = _ellipses(oscillator, *points)
             centre.append(points_of_orbit)
             form.append(forms)
@@ -175,32 +170,6 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
     return Neighbourhoods(
         np.concatenate(centre), np.concatenate(form), np.array(owner, np.int64), _own_boxes(marked), scale
     )
-
-
-@kernel
-def _look(oscillator, bound, around, t, v, streak, candidate, place):
-    """Note where points have arrived: place is set to the attractor's index, 0 for permanent contact."""
-    for i in range(t.size):
-        if is_captured(oscillator, bound, t[i], v[i]):
-            place[i] = 0
-            continue
-        for j in range(around.owner.size):
-            dt = t[i] - around.centre[j, 0]
-            dt -= np.floor(dt + 0.5)
-            dv = v[i] - around.centre[j, 1]
-            if around.form[j, 0] * dt * dt + 2.0 * around.form[j, 1] * dt * dv + around.form[j, 2] * dv * dv <= 1.0:
-                place[i] = around.owner[j]
-                break
-        if place[i] >= 0:
-            continue
-        height = v[i] / around.speed_scale * BOXES
-        # Compared before it is cast: no integer holds any speed.
-        below_top = height < around.box_owner.shape[0]
-        hit = around.box_owner[int(height), int(t[i] * BOXES)] if below_top else _UNMARKED
-        streak[i] = streak[i] + 1 if hit >= 0 and hit == candidate[i] else (1 if hit >= 0 else 0)
-        candidate[i] = hit
-        if streak[i] >= _ARRIVAL_STREAK:
-            place[i] = hit
 
 
 def locate(
@@ -232,9 +201,9 @@ def locate(
     ndarray of int64, shape (n,)
         Index of the attractor, -1 where it arrived at none. Each point's answer is independent of the others.
     """
-    bound = lane_tables(oscillator).capture_bound
+    tables = lane_tables(oscillator)
     place = np.full(t.size, -1, np.int64)
-    left = np.arange(t.size)
+    left, t, v = np.arange(t.size), t.copy(), v.copy()
     for leg in range(legs + 1):
         pause()
         if leg > 0:
@@ -242,27 +211,10 @@ def locate(
             place[left[carried.outcome == Outcome.PERMANENT_CONTACT]] = 0
             going = carried.outcome == Outcome.RETURNED
             left, t, v = left[going], carried.t[going], carried.v[going]
-        rounds = _ROUNDS_AFTER_A_CARRY if leg > 0 else _ROUNDS
-        left, t, v = _follow(oscillator, bound, around, left, t, v, place, rounds)
+        arrived = np.full(left.size, -1, np.int64)
+        follow(oscillator, tables, around, _ROUNDS_AFTER_A_CARRY if leg > 0 else _ROUNDS, t, v, arrived)
+        place[left] = arrived
+        left, t, v = (field[arrived < 0] for field in (left, t, v))
         if not left.size:
             break
     return place
-
-
-def _follow(oscillator, bound, around, left, t, v, place, rounds):
-    """Follow points for so many impacts, looking at each; return those that have not arrived."""
-    streak, candidate = np.zeros(left.size, np.int64), np.full(left.size, _UNMARKED, np.int64)
-    for round_ in range(rounds):
-        arrived = np.full(left.size, -1, np.int64)
-        _look(oscillator, bound, around, t, v, streak, candidate, arrived)
-        place[left] = arrived
-        going = arrived < 0
-        if not going.all():
-            left, t, v, streak, candidate = (field[going] for field in (left, t, v, streak, candidate))
-        if not left.size or round_ == rounds - 1:
-            break
-        moved, _ = run_lanes(oscillator, t, v, 1, shortcuts=False)
-        goes = moved.outcome != Outcome.PERMANENT_CONTACT
-        place[left[~goes]] = 0
-        left, t, v, streak, candidate = (field[goes] for field in (left, moved.t, moved.v, streak, candidate))
-    return left, t, v

@@ -165,8 +165,17 @@ class SweepRequest(BasinRequest):
         return tuple(each.to_swept(("vary", axis)) for axis, each in enumerate(self.vary))
 
 
+class BasinProgressView(BaseModel):
+    """How far one basin of a sweep is."""
+
+    basin: int = Field(description="Its number: the last swept parameter runs fastest")
+    stage: Stage
+    tiles_done: int
+    tiles_total: int
+
+
 class ProgressView(BaseModel):
-    """How far a job is; counts are those of the stage."""
+    """How far a job is; counts are those of the stage, of a sweep those of its complete basins."""
 
     stage: Stage
     tiles_done: int = Field(description="Tiles of basins; pieces of what has no tiles")
@@ -177,6 +186,9 @@ class ProgressView(BaseModel):
     seconds_left: float | None = Field(description="Estimate for this stage, null until there is one")
     basins_done: int = Field(0, description="Basins of a sweep that are complete")
     basins_total: int = Field(1, description="Basins of the job: one where nothing is swept, none of an analysis")
+    under_way: tuple[BasinProgressView, ...] = Field(
+        (), description="Basins of a sweep that are begun and not complete"
+    )
 
 
 class ErrorView(BaseModel):
@@ -195,6 +207,7 @@ class Links(BaseModel):
     result: str
     zarr: str
     picture: str
+    shares: str | None = Field(None, description="Chart of shares over the swept parameters, of sweeps")
 
 
 class JobView(BaseModel):
@@ -225,6 +238,7 @@ class JobView(BaseModel):
             links=Links(
                 self=here, cancel=f"{here}/cancel", events=f"{here}/events", result=f"{here}/result",
                 zarr=f"{here}/result.zarr", picture=f"{here}/picture.png",
+                shares=f"{here}/shares.png" if record.kind == "sweep" else None,
             ),
         )  # fmt: skip
 

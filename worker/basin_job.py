@@ -22,7 +22,7 @@ from worker.sample import Sample
 from worker.swept_parameter import SweptParameter, check_swept
 
 # Part of every digest: a store of another layout, or of kernels that answer otherwise, is another result.
-RESULT_VERSION = 1
+RESULT_VERSION = 2
 
 
 @dataclass(frozen=True)

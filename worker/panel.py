@@ -15,6 +15,7 @@ import numpy as np
 from rattle_kernels import Attractor, AttractorKind
 from rattle_kernels.attractor import UNDECIDED_ATTRACTOR
 from worker.layout import TileState
+from worker.progress import Stage
 from worker.scouts import Scouts, gather_scouts
 from worker.store import BasinStore
 from worker.tasks import (
@@ -41,13 +42,15 @@ class Panel:
     ----------
     store : BasinStore
     number : int
-    states : ndarray of uint8
-        The ledger of all tiles; what has been computed is surveyed, not computed again.
+    states : ndarray of uint8, or dict
+        States of its tiles, by their numbers; what has been computed is surveyed, not computed again.
     numbered : bool
         Whether the panel's own catalogue has the numbers that all panels share, as that of the first panel has.
     """
 
-    def __init__(self, store: BasinStore, number: int, states: np.ndarray, *, numbered: bool) -> None:
+    def __init__(
+        self, store: BasinStore, number: int, states: np.ndarray | dict[int, TileState], *, numbered: bool
+    ) -> None:
         self.store, self.number, self.numbered = store, number, numbered
         self.attractors: tuple[Attractor, ...] = ()
         self.counts = np.zeros(0, np.int64)
@@ -59,6 +62,7 @@ class Panel:
         self._scouts: dict[int, Scouts] = {}
         self._labels: dict[int, LabelReceipt] = {}
         self._round = 0
+        self._assembling = False
 
     def begin(self) -> list[Task]:
         """Map what is missing, survey what is there."""
@@ -67,6 +71,24 @@ class Panel:
             Task(map_tile if self._states[tile] < TileState.COMPUTED else survey_tile, tile, self.number)
             for tile in reversed(self._tiles)
         ]
+
+    def adopt(self, attractors: tuple[Attractor, ...], counts: np.ndarray, reserved: np.ndarray) -> None:
+        """Take over what the panel is found to be where one task has done all of it."""
+        self.attractors, self.counts, self.reserved, self.solved = attractors, counts, reserved, True
+
+    @property
+    def stage(self) -> Stage:
+        """What it does at the moment."""
+        if self.attractors or self.solved:
+            return Stage.LABELLING
+        return Stage.ASSEMBLING if self._assembling else Stage.MAPPING
+
+    @property
+    def tiles_done(self) -> int:
+        """Tiles that have passed that stage."""
+        if self.solved:
+            return len(self._tiles)
+        return len(self._labels) if self.attractors else len(self._scouts)
 
     def take(self, task: Task, receipt: Any) -> list[Task]:
         """Tasks that can be done now that one has been."""
@@ -90,6 +112,7 @@ class Panel:
         # In the order of tiles, so that nothing depends on timing.
         scouts = gather_scouts([self._scouts[tile] for tile in self._tiles])
         self._scouts.clear()
+        self._assembling = True
         return [Task(assemble_panel, self.number, self.number, (scouts,))]
 
     def _catalogued(self, _: int, receipt: CatalogueReceipt) -> list[Task]:

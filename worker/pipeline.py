@@ -24,10 +24,20 @@ from worker.driver import run_tasks, window_size
 from worker.layout import TileState
 from worker.numbering import Numbered, Numbering
 from worker.panel import Panel
-from worker.progress import Progress, Report, Stage
+from worker.progress import BasinProgress, Progress, Report, Stage
 from worker.results import BasinSummary, summarise
 from worker.store import BasinStore, Fence, unfenced
-from worker.tasks import Task, assemble_panel, extend_catalogue, label_tile, map_tile, number_tile, write_points
+from worker.tasks import (
+    Task,
+    assemble_panel,
+    extend_catalogue,
+    label_tile,
+    map_tile,
+    number_panel,
+    number_tile,
+    write_points,
+)
+from worker.whole_panel import PanelReceipt, solve_panel
 
 _LEDGER_SECONDS = 0.5
 _TABLE_SECONDS = 2.0
@@ -35,8 +45,8 @@ _TABLE_SECONDS = 2.0
 # have found waits in memory.
 _PANELS_A_TASK = 4
 _KERNELS = {
-    map_tile: "map_kernels", assemble_panel: "assemble_kernels", extend_catalogue: "assemble_kernels",
-    label_tile: "label_kernels",
+    "map_tile": "map_kernels", "assemble_panel": "assemble_kernels", "extend_catalogue": "assemble_kernels",
+    "label_tile": "label_kernels",
 }  # fmt: skip
 
 
@@ -152,6 +162,8 @@ class _Run:
         self._assembled = self.record.panels
         self._ready: list[tuple[int, int, Task]] = []
         self._pushed = 0
+        # Basins of one tile each: their tasks would be too small for a cluster.
+        self._small = store.tiling.tiles_of_panel == 1 and store.job.panels > 1
         self._pace = _Pace(store, self.record.states)
         self._tell()
 
@@ -170,14 +182,22 @@ class _Run:
             panel = Panel(self.store, self._admitted, self.record.states, numbered=self._admitted == 0)
             self.panels[panel.number] = panel
             self._admitted += 1
-            self._push(panel.begin())
+            self._push(self._begin(panel))
         return heapq.heappop(self._ready)[2] if self._ready else None
+
+    def _begin(self, panel: Panel) -> list[Task]:
+        if not self._small:
+            return panel.begin()
+        state = TileState(self.record.states[panel.number])
+        return [Task(solve_panel, panel.number, panel.number, (state, panel.numbered))]
 
     def take(self, task: Task, receipt: Any) -> None:
         """Note what a task has done, and what can be done now."""
         panel = self.panels[task.panel]
-        if task.function in (number_tile, write_points):
+        if task.function in (number_tile, number_panel, write_points):
             self._writes_left[panel.number] -= 1
+        elif task.function is solve_panel:
+            self._adopt(panel, receipt)
         else:
             self._push(panel.take(task, receipt))
             self._note(task, receipt, panel)
@@ -186,10 +206,21 @@ class _Run:
         self.record.save_sometimes()
         self._tell()
 
+    def _adopt(self, panel: Panel, receipt: PanelReceipt) -> None:
+        """Take over a panel that one task has done."""
+        for name, seconds in receipt.seconds.items():
+            if name in _KERNELS:
+                self._pace.add(_KERNELS[name], seconds)
+        panel.adopt(receipt.attractors, receipt.counts, receipt.reserved)
+        self.record.reserved[panel.number] = panel.reserved
+        self.record.states[panel.number] = TileState.COMPUTED
+        if panel.numbered:
+            self._introduce(panel)
+
     def _note(self, task: Task, receipt: Any, panel: Panel) -> None:
         states = self.record.states
-        if task.function in _KERNELS:
-            self._pace.add(_KERNELS[task.function], receipt.seconds)
+        if task.function.__name__ in _KERNELS:
+            self._pace.add(_KERNELS[task.function.__name__], receipt.seconds)
         if task.function is map_tile:
             states[task.number] = TileState.COMPUTED
         elif task.function is label_tile and panel.numbered:
@@ -210,12 +241,13 @@ class _Run:
         self.record.announce(panel, numbered)
         self.store.make_room(self.record.table, max(attractor.time.size for attractor in numbered.attractors))
         self.numbered[panel.number] = numbered
-        numbers = tuple(numbered.numbers)
+        numbers, own = tuple(numbered.numbers), len(panel.attractors)
         tasks = [Task(write_points, panel.number, panel.number, (numbers, numbered.attractors))]
-        if not panel.numbered:
-            own = numbers[: len(panel.attractors)]
+        if self._small and not panel.numbered:
+            tasks = [Task(number_panel, panel.number, panel.number, (numbers, numbered.attractors, own))]
+        elif not panel.numbered:
             tiles = self.store.tiling.numbers_of(panel.number)
-            tasks += [Task(number_tile, tile, panel.number, (own,)) for tile in tiles]
+            tasks += [Task(number_tile, tile, panel.number, (numbers[:own],)) for tile in tiles]
         self._writes_left[panel.number] = self._writes_left.get(panel.number, 0) + len(tasks)
         self._push(tasks)
 
@@ -233,12 +265,20 @@ class _Run:
             del self._writes_left[number]
 
     def _tell(self) -> None:
-        states, panels = self.record.states, self.store.job.panels
-        if (states < TileState.COMPUTED).any():
+        if self.store.job.panels > 1:
+            stage = Stage.COMPUTING
+        elif (self.record.states < TileState.COMPUTED).any():
             stage = Stage.MAPPING
         else:
-            stage = Stage.ASSEMBLING if self._assembled < panels else Stage.LABELLING
-        self.report(self._pace.progress(stage, self.record.panels))
+            stage = Stage.LABELLING if self._assembled else Stage.ASSEMBLING
+        self.report(self._pace.progress(stage, self.record.panels, self._under_way()))
+
+    def _under_way(self) -> tuple[BasinProgress, ...]:
+        if self.store.job.panels == 1:
+            return ()
+        tiles = self.store.tiling.tiles_of_panel
+        begun = [(panel, Stage.COMPUTING if self._small else panel.stage) for panel in self.panels.values()]
+        return tuple(BasinProgress(panel.number, stage, panel.tiles_done, tiles) for panel, stage in begun)
 
     def finish(self) -> None:
         """Mark the store complete."""
@@ -266,7 +306,7 @@ class _Pace:
             self.add(self.stage.value, time.monotonic() - self.begun)
         self.stage, self.begun, self.at_start = stage, time.monotonic(), done
 
-    def progress(self, stage: Stage, basins_done: int) -> Progress:
+    def progress(self, stage: Stage, basins_done: int, under_way: tuple[BasinProgress, ...] = ()) -> Progress:
         """Progress of a stage, by how many tiles have reached its state."""
         reached = TileState.COMPUTED if stage == Stage.MAPPING else TileState.ASSEMBLED
         done, total = int((self.states >= reached).sum()), self.states.size
@@ -278,7 +318,7 @@ class _Pace:
         left = (total - done) / pace if pace else None
         return Progress(
             stage, done, total, round(done / total * cells), cells, pace * cells / total, left, basins_done,
-            self.job.panels,
+            self.job.panels, under_way,
         )  # fmt: skip
 
     def finish(self) -> dict[str, float]:

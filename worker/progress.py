@@ -6,8 +6,10 @@ from enum import StrEnum
 
 
 class Stage(StrEnum):
-    """What a running job does at the moment; of a sweep, what the basin does that is least far."""
+    """What a running job does at the moment, or one basin of it."""
 
+    COMPUTING = "computing"
+    """All of the following: of a sweep whose basins are at different stages, or of a small basin in one go."""
     MAPPING = "mapping"
     """Tiles compute the images of their cells."""
     ASSEMBLING = "assembling"
@@ -29,9 +31,20 @@ class Stage(StrEnum):
 
 
 @dataclass(frozen=True)
+class BasinProgress:
+    """How far one basin of a sweep is: its number, its stage, and how many of its tiles have passed that."""
+
+    basin: int
+    stage: Stage
+    tiles_done: int
+    tiles_total: int
+
+
+@dataclass(frozen=True)
 class Progress:
     """State of one stage; tiles already in the store when a job is resumed count as done.
 
+    A sweep is in one stage, computing, from beginning to end: its tiles are done when their basin is complete.
     What has no tiles has pieces in their place, and neither cells nor basins: 0 of 0.
     """
 
@@ -41,12 +54,14 @@ class Progress:
     cells_done: int
     cells_total: int
     cells_per_second: float
-    """Cells that this run has mapped per second; 0 until the first tile."""
+    """Cells that this run has done per second; 0 until the first tile."""
     seconds_left: float | None
     """Estimate for this stage; None until there is one."""
     basins_done: int
     basins_total: int
     """Basins of a sweep that are complete, and how many there are; one where nothing is swept."""
+    under_way: tuple[BasinProgress, ...] = ()
+    """Basins of a sweep that are begun and not complete, a few at any time."""
 
 
 Report = Callable[[Progress], None]

@@ -141,7 +141,7 @@ def _joined(parts: Sequence[CellImages]) -> CellImages:
 
 def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     """Compute the images of one tile and write them."""
-    store = _open(location, digest)
+    store = open_store(location, digest)
     tile = store.tiling.tile(number)
     begin = time.perf_counter()
     images = (_map_in_bands if store.job.sample is None else _map_sample)(store, tile)
@@ -152,14 +152,14 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
 
 def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
     """Receipt of a tile that is in the store already, from the store."""
-    store = _open(location, digest)
+    store = open_store(location, digest)
     tile = store.tiling.tile(number)
     image, t, v = store.read_tile(store.places.mapped, tile)
     return _receipt(store, tile.panel, CellImages(image, t, v, 0), 0.0)
 
 
 @lru_cache(maxsize=4)
-def _open(location: str, digest: str) -> BasinStore:
+def open_store(location: str, digest: str) -> BasinStore:
     """Store of the job with this digest, opened once per process: the same digest is the same layout."""
     store = BasinStore(location)
     if store.digest != digest:
@@ -169,7 +169,7 @@ def _open(location: str, digest: str) -> BasinStore:
 
 def assemble_panel(location: str, digest: str, panel: int, scouts: Scouts) -> CatalogueReceipt:
     """Run Hsu's algorithm on a panel's image set, and find the attractors that its scouts end in."""
-    store = _open(location, digest)
+    store = open_store(location, digest)
     begin = time.perf_counter()
     if store.job.sample is None:
         store.write_groups(panel, assemble_groups(store, panel, stop_if_cancelled))
@@ -185,7 +185,7 @@ def extend_catalogue(
     location: str, digest: str, panel: int, known: tuple[Attractor, ...], strangers: Scouts
 ) -> CatalogueReceipt:
     """A panel's catalogue with what strangers end in."""
-    store = _open(location, digest)
+    store = open_store(location, digest)
     begin = time.perf_counter()
     oscillator = store.job.oscillator_of(panel)
     attractors = find_attractors(oscillator, strangers.time, strangers.velocity, known=known, pause=stop_if_cancelled)
@@ -195,7 +195,7 @@ def extend_catalogue(
 @lru_cache(maxsize=4)
 def _groups(location: str, digest: str, panel: int) -> CellGroups:
     """What labels are looked up in, read once per process: it costs more than labelling a tile."""
-    return _open(location, digest).read_groups(panel)
+    return open_store(location, digest).read_groups(panel)
 
 
 def label_tile(
@@ -206,7 +206,7 @@ def label_tile(
     Solutions are indices into the panel's own catalogue; they are written as such, beside the panel's image set, unless
     those are their numbers already.
     """
-    store = _open(location, digest)
+    store = open_store(location, digest)
     tile = store.tiling.tile(number)
     stop_if_cancelled()
     image, t, v = store.read_tile(store.places.mapped, tile)
@@ -237,7 +237,7 @@ def _own_cells(store: BasinStore, tile: Tile) -> np.ndarray:
 
 def number_tile(location: str, digest: str, number: int, numbers: tuple[int, ...]) -> None:
     """Write one tile's solutions by the numbers that all panels share."""
-    store = _open(location, digest)
+    store = open_store(location, digest)
     tile = store.tiling.tile(number)
     (own,) = store.read_tile((store.places.own_solution,), tile)
     store.write_tile((store.places.solution,), tile, (np.array(numbers, np.int16)[own],))
@@ -247,4 +247,13 @@ def write_points(
     location: str, digest: str, panel: int, numbers: tuple[int, ...], attractors: tuple[Attractor, ...]
 ) -> None:
     """Write the points of a panel's attractors under their numbers."""
-    _open(location, digest).write_points(panel, numbers, attractors)
+    open_store(location, digest).write_points(panel, numbers, attractors)
+
+
+def number_panel(
+    location: str, digest: str, panel: int, numbers: tuple[int, ...], attractors: tuple[Attractor, ...], own: int
+) -> None:
+    """Write all of a small panel that needs its numbers; the first `own` of them are of its own catalogue."""
+    write_points(location, digest, panel, numbers, attractors)
+    for tile in open_store(location, digest).tiling.numbers_of(panel):
+        number_tile(location, digest, tile, numbers[:own])

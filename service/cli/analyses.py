@@ -1,7 +1,6 @@
 """Commands that compute here, without a service, what explains basins: diagrams, orbits, manifolds, grazing curves."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -185,14 +184,14 @@ def _departure(text: str) -> tuple[float, float]:
     return time, velocity
 
 
-def _run(describe: Callable[[], AnalysisJob], allow_no_quiet_solution: bool, out_: Path, workers: int) -> None:
+def _run(describe: Callable[[], AnalysisJob], allow_no_quiet_solution: bool, out_: str, workers: int) -> None:
     try:
         job = describe()
         demand_quiet(job.demand_quiet, unless=allow_no_quiet_solution)
     except (OutsideDomain, InvalidJob) as error:
         give_up(str(error), 2)
     try:
-        summary = _compute(job, str(out_), Settings(), workers)
+        summary = _compute(job, out_, Settings(), workers)
     except JobCancelled:
         give_up(f"stopped; the same command goes on from what is in {out_}")
     except WorkerError as error:

@@ -61,7 +61,7 @@ def _has_key(settings: Settings) -> bool:
 
 
 def plot(
-    store: Annotated[Path, typer.Argument(help="Zarr store of any kind, complete or not")],
+    store: Annotated[str, typer.Argument(help="Zarr store of any kind, complete or not")],
     out_: Annotated[Path, typer.Option("--out", help="PNG to write")],
     layer: Annotated[Layer, typer.Option(help="Solutions, or Hsu's group, period or step")] = Layer.SOLUTION,
     shares: Annotated[bool, typer.Option("--shares", help="Shares over the swept parameter instead")] = False,
@@ -71,12 +71,12 @@ def plot(
 ) -> None:
     """Draw a basin in the paper's colours, those of a sweep side by side, or what an analysis has found."""
     try:
-        if kind_of_store(str(store)) in ANALYSES:
-            draw_analysis(str(store), out_)
+        if kind_of_store(store) in ANALYSES:
+            draw_analysis(store, out_)
         elif shares:
-            draw_shares(str(store), out_)
+            draw_shares(store, out_)
         else:
-            draw_basin(str(store), out_, layer=layer, overlays=parse_overlays(overlay))
+            draw_basin(store, out_, layer=layer, overlays=parse_overlays(overlay))
     except InvalidJob as error:
         give_up(str(error), 2)
     except WorkerError as error:

@@ -15,8 +15,11 @@ from service.dependencies import JobId, JobsHere, SettingsHere, problems
 from service.errors import JobNotFound, NotReady
 from service.models import ResultView
 from service.result_view import draw_result, result_fingerprint, result_view
+from worker.errors import InvalidJob
 from worker.panel_picture import Layer
 from worker.result_files import file_of_store, result_location
+from worker.results import fingerprint
+from worker.share_chart import draw_shares
 from worker.store import holds_store
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
@@ -79,6 +82,33 @@ def get_picture(
         return known
     buffer = io.BytesIO()
     draw_result(kind, location, buffer, layer)
+    return Response(buffer.getvalue(), media_type="image/png", headers={"etag": etag})
+
+
+@router.get(
+    "/shares.png",
+    summary="Shares over the swept parameters",
+    response_class=Response,
+    responses={
+        200: {"content": {"image/png": {}}},
+        **problems(s404="there is no such job, or none of its basins is complete yet", s422="the job sweeps nothing"),
+        **NOT_MODIFIED,
+    },
+)
+def get_shares(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
+    """Draw the share of each solution over the swept parameter, or maps of them over two, also while a sweep runs."""
+    location, buffer = _location(job_id, jobs, settings), io.BytesIO()
+    kind = jobs.get(job_id).kind
+    if kind != "sweep":
+        raise InvalidJob(f"job {job_id} is of kind {kind}: only a sweep has a parameter to draw shares over")
+    etag = etag_of(fingerprint(location), "shares", _VERSION)
+    known = not_modified(etag, if_none_match)
+    if known is not None:
+        return known
+    try:
+        draw_shares(location, buffer)
+    except InvalidJob as error:
+        raise NotReady(f"no basin of job {job_id} is complete yet") from error
     return Response(buffer.getvalue(), media_type="image/png", headers={"etag": etag})
 
 

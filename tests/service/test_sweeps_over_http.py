@@ -59,6 +59,17 @@ def test_the_store_and_the_picture_of_a_sweep_are_served(service, finished):
     assert answer.headers["content-type"] == "image/png" and answer.content.startswith(b"\x89PNG")
 
 
+def test_the_chart_of_shares_is_served_of_sweeps_alone(service, finished):
+    answer = service.request("GET", finished["links"]["shares"])
+    assert answer.headers["content-type"] == "image/png" and answer.content.startswith(b"\x89PNG")
+    body = {"grid": {"time": {"cells": 12}, "velocity": {"cells": 12}}, "iterations": 101}
+    basin = service.wait(service.submit(body)["id"])
+    assert basin["links"]["shares"] is None
+    refused = service.request("GET", f"/v1/jobs/{basin['id']}/shares.png")
+    assert_problem(refused, 422, "is a single basin: it sweeps no parameter")
+    assert_problem(service.request("GET", "/v1/jobs/0/shares.png"), 404, "there is no job 0")
+
+
 def test_a_single_basin_is_the_sweep_of_nothing(service):
     body = {"grid": {"time": {"cells": 12}, "velocity": {"cells": 12}}, "iterations": 101}
     job = service.wait(service.submit(body)["id"])
