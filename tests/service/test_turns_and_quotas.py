@@ -46,7 +46,7 @@ def visitor(tmp_path):
     engine, sessions = open_database(settings.database)
     app.state.jobs, app.state.runner = Jobs(sessions, settings.quotas), NoRunner()
     app.state.key_ring = KeyRing(Keys(sessions), demanded=False)
-    yield TestClient(app)
+    yield TestClient(app, base_url="http://127.0.0.1")
     engine.dispose()
 
 
