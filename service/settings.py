@@ -32,7 +32,7 @@ class Settings(BaseSettings):
     log_format: LogFormat = Field(LogFormat.PLAIN, description="Lines of the log: plain, or json")
     log_level: Literal["debug", "info", "warning", "error"] = Field("info", description="Least level that is logged")
 
-    concurrent_jobs: PositiveInt = Field(4, description="Most jobs that one replica of the service runs at once")
+    concurrent_jobs: int = Field(4, ge=0, description="Most jobs that one replica runs at once; 0: it only answers")
     max_queued: PositiveInt = Field(10_000, description="Most jobs that wait")
     max_queued_each: PositiveInt = Field(1_000, description="Most jobs of one submitter that wait")
     max_places_each: PositiveInt = Field(
