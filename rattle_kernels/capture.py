@@ -29,8 +29,8 @@ from rattle_kernels.jit import kernel, step
 
 _PHASES = 96
 _SPEEDS = 12
-_REQUIRED_DESCENT = -0.5
-_LARGEST_DIFFERENCE = 0.25
+REQUIRED_DESCENT = -0.5
+LARGEST_DIFFERENCE = 0.25
 _SHRINK = 0.8
 _ROUNDS = 200
 _BISECTIONS = 50
@@ -82,8 +82,8 @@ def descent(oscillator, t, v):
 
 
 @step
-def _edge(oscillator, bound, t):
-    """Fastest departure of the region at this phase, 0 where there is none."""
+def fastest_below(oscillator, bound, t):
+    """Fastest departure of the region ``1.5 J < bound`` at this phase, 0 where there is none."""
     radian, acceleration = stay_time(oscillator), rest_acceleration(oscillator, t)
     high = (bound * acceleration) ** (1.0 / 3.0)
     if radian == 0.0:
@@ -102,13 +102,13 @@ def _edge(oscillator, bound, t):
 def _is_safe(oscillator, bound, previous_row, row):
     for i in range(_PHASES + 1):
         phase = (i % _PHASES) / _PHASES
-        edge = _edge(oscillator, bound, phase)
+        edge = fastest_below(oscillator, bound, phase)
         below = -1.0
         for j in range(_SPEEDS):
             row[j] = descent(oscillator, phase, edge * (j + 1) / _SPEEDS) if edge > 0.0 else -1.0
-            steep = abs(row[j] - below) >= _LARGEST_DIFFERENCE
-            steep = steep or (i > 0 and abs(row[j] - previous_row[j]) >= _LARGEST_DIFFERENCE)
-            if steep or not row[j] <= _REQUIRED_DESCENT:
+            steep = abs(row[j] - below) >= LARGEST_DIFFERENCE
+            steep = steep or (i > 0 and abs(row[j] - previous_row[j]) >= LARGEST_DIFFERENCE)
+            if steep or not row[j] <= REQUIRED_DESCENT:
                 return False
             below = row[j]
         previous_row[:] = row

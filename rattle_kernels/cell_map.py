@@ -14,6 +14,7 @@ from rattle_kernels.impact_map import RETURNED
 from rattle_kernels.iterations import check_iterations
 from rattle_kernels.jit import kernel
 from rattle_kernels.lane_tables import lane_tables
+from rattle_kernels.lane_traps import NO_TRAPS, LaneTraps
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.outcome import Outcome
 
@@ -58,6 +59,7 @@ def map_cells(
     columns: tuple[int, int],
     *,
     shortcuts: bool = True,
+    traps: LaneTraps = NO_TRAPS,
 ) -> CellImages:
     """Image cells of a rectangle of the grid.
 
@@ -74,6 +76,8 @@ def map_cells(
     shortcuts : bool
         Lock and capture (see `impact_lanes`); without them every cell takes all k applications. No image of a
         trajectory that is not chaotic depends on them.
+    traps : LaneTraps
+        Of attractors known before (`set_traps`): a shortcut, too.
 
     Returns
     -------
@@ -89,14 +93,21 @@ def map_cells(
     check_grid(grid)
     times, velocities = grid.time_centres()[slice(*columns)], grid.velocity_centres()[slice(*rows)]
     t, v = np.tile(times, velocities.size), np.repeat(velocities, times.size)
-    images = map_points(oscillator, grid, iterations, t, v, shortcuts=shortcuts)
+    images = map_points(oscillator, grid, iterations, t, v, shortcuts=shortcuts, traps=traps)
     shape = velocities.size, times.size
     image_cell, landing_time, landing_velocity = (field.reshape(shape) for field in images[:3])
     return CellImages(image_cell, landing_time, landing_velocity, images.applications)
 
 
 def map_points(
-    oscillator: Oscillator, grid: CellGrid, iterations: int, t: np.ndarray, v: np.ndarray, *, shortcuts: bool = True
+    oscillator: Oscillator,
+    grid: CellGrid,
+    iterations: int,
+    t: np.ndarray,
+    v: np.ndarray,
+    *,
+    shortcuts: bool = True,
+    traps: LaneTraps = NO_TRAPS,
 ) -> CellImages:
     """Cells in which points land under ``P^k``, wherever they start.
 
@@ -110,7 +121,7 @@ def map_points(
         k, 1 or a prime.
     t, v : ndarray of float64, shape (n,)
         Departures from +beta.
-    shortcuts : bool
+    shortcuts, traps
         As in `map_cells`.
 
     Returns
@@ -127,7 +138,7 @@ def map_points(
     """
     checked = check_domain(oscillator)
     check_iterations(iterations)
-    landing, run = run_lanes(checked, t, v, iterations, shortcuts=shortcuts)
+    landing, run = run_lanes(checked, t, v, iterations, shortcuts=shortcuts, traps=traps)
     image_cell = np.empty(t.size, np.int64)
     bound = lane_tables(checked).capture_bound
     _settle_images(checked, bound, grid, landing.outcome, landing.t, landing.v, image_cell)

@@ -1,6 +1,6 @@
 """Many applications of P to many points: 64 trajectories fly side by side, a lane that is done takes the next point.
 
-A point goes through `applications` of P unless one of two shortcuts ends it early. Neither changes where it lands:
+A point goes through `applications` of P unless one of three shortcuts ends it early. Neither changes where it lands:
 
 *Lock.* Brent's checkpoints: the state after 16, 32, 64, ... applications is kept, and a later state within 1e-13 of it
 closes a period p. The orbit has then converged: of the applications left only their number modulo p is still to be
@@ -10,6 +10,10 @@ n/30``.
 
 *Capture.* A departure in the safe region of `capture` bounces ever lower and never rattles again. (A stay in contact
 that does not end is no shortcut: there is no next departure.)
+
+*Trap.* Every 512 impacts at the most a trajectory is looked at: inside a trap of an orbit (`trap`) its phase on it is
+known, so where it lands is a point of the orbit, once the contraction that the trap was tested for leaves no more than
+1e-9 of a distance. Traps are handed in; without, there is no such shortcut.
 
 A chaotic trajectory does all of its applications. Each lane's arithmetic is the same whichever lane it is and whatever
 its neighbours do, so a result depends on nothing but its starting point.
@@ -40,12 +44,15 @@ from rattle_kernels.lane_flight import (
     refine_durations,
 )
 from rattle_kernels.lane_tables import lane_tables
+from rattle_kernels.lane_traps import NO_TRAPS, NOWHERE, LaneTraps, nearest_point, potential_in
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.outcome import Outcome
 
 CAPTURED = int(Outcome.PERMANENT_CONTACT)
 _LOCK_TOLERANCE = 1e-13
 _FIRST_CHECKPOINT = 16.0
+_LONGEST_LEG = 512.0
+_NEAR_ENOUGH = 1e-9
 
 # Fields of the buffer beside those of a flight. Counts are floats so that all loops work on one type.
 _DONE = (FLIGHT_FIELDS + 0) * LANES
@@ -57,9 +64,11 @@ _CHECK_DONE = (FLIGHT_FIELDS + 5) * LANES
 _CHECK_NEXT = (FLIGHT_FIELDS + 6) * LANES
 _EVENT = (FLIGHT_FIELDS + 7) * LANES
 _POINT = (FLIGHT_FIELDS + 8) * LANES
-_FIELDS = FLIGHT_FIELDS + 9
+_LOOK_NEXT = (FLIGHT_FIELDS + 9) * LANES
+_AWAITED = (FLIGHT_FIELDS + 10) * LANES
+_FIELDS = FLIGHT_FIELDS + 11
 
-_NOTHING, _FINISHED, _CAPTURE, _LOCK, _LOST = 0.0, 1.0, 2.0, 3.0, 4.0
+_NOTHING, _FINISHED, _CAPTURE, _LOCK, _LOST, _LOOK = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
 _NOBODY = -1.0
 
 
@@ -81,7 +90,8 @@ def _advance(lanes, capture_bound, radian, lock_tolerance, speed_scale):
         done = lanes[_DONE + i] + (1.0 - drops)
         away = abs(phase - lanes[_CHECK_PHASE + i]) <= lock_tolerance
         away = away if abs(-velocity - lanes[_CHECK_SPEED + i]) <= speed_tolerance else False
-        event = _LOCK if away else _NOTHING
+        event = _LOOK if done >= lanes[_LOOK_NEXT + i] else _NOTHING
+        event = _LOCK if away else event
         event = _FINISHED if done >= lanes[_WANTED + i] else event
         acceleration = lanes[END_ACCELERATION + i]
         event = _CAPTURE if level_bound(radian, acceleration, -velocity) < capture_bound * acceleration else event
@@ -110,7 +120,7 @@ def _forget_checkpoint(lanes, i, following):
 
 
 @step
-def _load(lanes, i, point, phase, speed, wanted, checkpoint):
+def _load(lanes, i, point, phase, speed, wanted, checkpoint, look):
     lanes[PHASE + i] = phase - math.floor(phase)
     lanes[VELOCITY + i] = -speed
     lanes[_DONE + i] = 0.0
@@ -118,6 +128,8 @@ def _load(lanes, i, point, phase, speed, wanted, checkpoint):
     lanes[_LOWER + i] = 0.0
     lanes[_POINT + i] = point
     lanes[_EVENT + i] = _NOTHING
+    lanes[_LOOK_NEXT + i] = look
+    lanes[_AWAITED + i] = NOWHERE
     _forget_checkpoint(lanes, i, checkpoint)
 
 
@@ -132,10 +144,48 @@ def _next_point(t, v, outcome, point):
 
 
 @step
-def _settle(lanes, i):
+def _arrives(lanes, i, traps, orbit):
+    """Whether lane i is in the trap of an orbit, beside its slowest point, and will be at its end; it is put there."""
+    value = potential_in(traps, orbit, lanes[PHASE + i], -lanes[VELOCITY + i])
+    if not value == value:
+        return False
+    left = lanes[_WANTED + i] - lanes[_DONE + i]
+    turns = math.floor(left / traps.period[orbit])
+    point = traps.first[orbit] + int(left - turns * traps.period[orbit])
+    at_end = math.sqrt(value / traps.floor[orbit]) * math.exp(-0.5 * traps.rate[orbit] * turns)
+    # Near the orbit displacements are carried on linearly; twice that is a bound.
+    if 2.0 * traps.stretch[point] * at_end > _NEAR_ENOUGH:
+        lanes[_LOOK_NEXT + i] = math.inf  # in the trap, but not for long enough
+        return False
+    lanes[PHASE + i], lanes[VELOCITY + i] = traps.time[point], -traps.speed[point]
+    return True
+
+
+@step
+def _look(lanes, i, traps):
+    """Whether lane i has arrived for good; else say when to look again."""
+    done = lanes[_DONE + i]
+    orbit = int(lanes[_AWAITED + i])
+    if orbit == NOWHERE:
+        point = nearest_point(traps, lanes[PHASE + i], -lanes[VELOCITY + i])
+        orbit = traps.orbit[point] if point != NOWHERE else NOWHERE
+        wait = traps.period[orbit] - traps.place[point] if point != NOWHERE and traps.place[point] > 0 else 0
+        if wait > 0:
+            lanes[_AWAITED + i], lanes[_LOOK_NEXT + i] = orbit, done + wait
+            return False
+    lanes[_AWAITED + i] = NOWHERE
+    lanes[_LOOK_NEXT + i] = done + min(done, _LONGEST_LEG)
+    return orbit != NOWHERE and _arrives(lanes, i, traps, orbit)
+
+
+@step
+def _settle(lanes, i, traps):
     """Whether lane i is done; a lock leaves it the rest of its applications modulo the period."""
+    if lanes[_EVENT + i] == _LOOK:
+        return _look(lanes, i, traps)
     if lanes[_EVENT + i] != _LOCK:
         return True
+    lanes[_LOOK_NEXT + i] = math.inf
     done = lanes[_DONE + i]
     left = (lanes[_WANTED + i] - done) % (done - lanes[_CHECK_DONE + i])
     lanes[_WANTED + i] = done + left
@@ -144,14 +194,14 @@ def _settle(lanes, i):
 
 
 @step
-def _refill(lanes, i, tables, applications, points, following):
+def _refill(lanes, i, tables, applications, first_look, points, following):
     """Give lane i the next point, or let it idle at a speed at which it is never unsure; return the point after."""
     t, v, outcome = points
     point = _next_point(t, v, outcome, following)
     if point < t.size:
-        _load(lanes, i, point, t[point], v[point], applications, _FIRST_CHECKPOINT)
+        _load(lanes, i, point, t[point], v[point], applications, _FIRST_CHECKPOINT, first_look)
         return point + 1
-    _load(lanes, i, _NOBODY, 0.0, 1e6 * tables.speed_scale, math.inf, math.inf)
+    _load(lanes, i, _NOBODY, 0.0, 1e6 * tables.speed_scale, math.inf, math.inf, math.inf)
     return point
 
 
@@ -177,13 +227,14 @@ def _land(lanes, i, points, lower_impacts):
 
 
 @lane_kernel
-def _run_lanes(oscillator, tables, applications, capture_bound, lock_tolerance, points, lower_impacts):
+def _run_lanes(oscillator, tables, traps, applications, capture_bound, lock_tolerance, points, lower_impacts):
     lanes = np.zeros(_FIELDS * LANES)
     corners = np.zeros(LANES, np.int64)
     following = 0
     flying = 0
+    first_look = _FIRST_CHECKPOINT if traps.orbit.size > 0 else math.inf
     for i in range(LANES):
-        following = _refill(lanes, i, tables, applications, points, following)
+        following = _refill(lanes, i, tables, applications, first_look, points, following)
         flying += 1 if lanes[_POINT + i] != _NOBODY else 0
     stiff, radian, slow = math.isfinite(oscillator.stiffness), stay_time(oscillator), slow_part(oscillator)
     done = 0.0
@@ -206,15 +257,21 @@ def _run_lanes(oscillator, tables, applications, capture_bound, lock_tolerance, 
         for i in range(LANES):
             if lanes[_POINT + i] == _NOBODY:
                 continue
-            if lanes[_EVENT + i] != _NOTHING and _settle(lanes, i):
+            if lanes[_EVENT + i] != _NOTHING and _settle(lanes, i, traps):
                 done += _land(lanes, i, points, lower_impacts)
-                following = _refill(lanes, i, tables, applications, points, following)
+                following = _refill(lanes, i, tables, applications, first_look, points, following)
             flying += 1 if lanes[_POINT + i] != _NOBODY else 0
     return LaneRun(int(done), careful)
 
 
 def run_lanes(
-    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int, *, shortcuts: bool
+    oscillator: Oscillator,
+    t: np.ndarray,
+    v: np.ndarray,
+    applications: int,
+    *,
+    shortcuts: bool,
+    traps: LaneTraps = NO_TRAPS,
 ) -> tuple[Impacts, LaneRun]:
     """Apply P many times to many points.
 
@@ -229,6 +286,8 @@ def run_lanes(
     shortcuts : bool
         Whether captured points end early (outcome PERMANENT_CONTACT, state at capture) and locked ones skip whole
         periods. Without, ``lower_impacts`` counts all contacts; with, those of the applications done.
+    traps : LaneTraps
+        Points that are caught in one land on its orbit at once.
 
     Returns
     -------
@@ -240,7 +299,7 @@ def run_lanes(
     lower_impacts, outcome = np.zeros(t.size, np.int64), np.zeros(t.size, np.int8)
     bound, tolerance = (tables.capture_bound, _LOCK_TOLERANCE) if shortcuts else (0.0, -1.0)
     points = (phase, speed, outcome)
-    run = _run_lanes(oscillator, tables, float(applications), bound, tolerance, points, lower_impacts)
+    run = _run_lanes(oscillator, tables, traps, float(applications), bound, tolerance, points, lower_impacts)
     return Impacts(phase, speed, lower_impacts, outcome), run
 
 

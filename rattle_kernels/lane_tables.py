@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.adiabatic_invariant import raise_bound
 from rattle_kernels.capture import capture_bound
 from rattle_kernels.contact_flight import stay_in_contact
 from rattle_kernels.flight import TWO_PI, rest_acceleration
@@ -223,5 +224,5 @@ def lane_tables(oscillator: Oscillator) -> LaneTables:
     graze_speed, error, speed_scale = _graze_table(oscillator)
     guess = np.empty(3 * BLOCK)
     _fill_guess(oscillator, speed_scale, _ALONG_ROW, _ALONG_COLUMN, guess)
-    bound = capture_bound(oscillator, np.empty(12), np.empty(12))
+    bound = raise_bound(oscillator, capture_bound(oscillator, np.empty(12), np.empty(12)))
     return LaneTables(guess, graze_speed, error, speed_scale, *_stay_table(oscillator), bound)

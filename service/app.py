@@ -19,6 +19,7 @@ from service.keys import KeyRing, Keys
 from service.readiness import Probe, Probes
 from service.request_body import RequestBody
 from service.routes import (
+    analyses,
     basins,
     checks,
     events,
@@ -38,7 +39,7 @@ from worker.lasting_cluster import LastingCluster
 
 _DESCRIPTION = """Basins of attraction of a rattling gear pair.
 
-Submit a basin, follow its job, read the result: a summary, a picture, or the Zarr store itself
+Submit a basin, a sweep or an analysis, follow its job, read the result: a summary, a picture, or the Zarr store itself
 (`xarray.open_zarr(".../v1/jobs/ID/result.zarr")`). A single motion is answered at
 once. Time counts forcing periods; everything else is nondimensional.
 """
@@ -89,7 +90,8 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)
     install_error_handlers(app)
-    for each in (basins, sweeps, checks, trajectories, jobs, events, results, viewer, health, metrics, explorer):
+    asking = (basins, sweeps, analyses, checks, trajectories)
+    for each in (*asking, jobs, events, results, viewer, health, metrics, explorer):
         app.include_router(each.router)
     app.mount("/explorer", explorer.files)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]

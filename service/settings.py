@@ -32,7 +32,7 @@ class Settings(BaseSettings):
     log_format: LogFormat = Field(LogFormat.PLAIN, description="Lines of the log: plain, or json")
     log_level: Literal["debug", "info", "warning", "error"] = Field("info", description="Least level that is logged")
 
-    concurrent_jobs: PositiveInt = Field(4, description="Most jobs that one replica of the service runs at once")
+    concurrent_jobs: int = Field(4, ge=0, description="Most jobs that one replica runs at once; 0: it only answers")
     max_queued: PositiveInt = Field(10_000, description="Most jobs that wait")
     max_queued_each: PositiveInt = Field(1_000, description="Most jobs of one submitter that wait")
     max_places_each: PositiveInt = Field(
@@ -42,12 +42,22 @@ class Settings(BaseSettings):
     request_seconds: PositiveFloat = Field(30.0, description="Longest time that a request may take to arrive")
     max_body_bytes: PositiveInt = Field(1_048_576, description="Largest request body")
     max_cells: PositiveInt = Field(25_000_000, description="Most cells, or points of a sample, of one basin")
-    max_iterations: PositiveInt = Field(1_000_003, description="Largest k")
+    max_iterations: PositiveInt = Field(10_000_019, description="Largest k")
     max_samples: PositiveInt = Field(100_000, description="Most samples of one trajectory, contacts aside")
     max_contacts: PositiveInt = Field(20_000, description="Contacts at which a trajectory is truncated")
     max_applications: PositiveInt = Field(100_000_000_000, description="Most cells times k of one basin")
     max_basins: PositiveInt = Field(10_000, description="Most basins of a sweep")
     max_sweep_applications: PositiveInt = Field(1_000_000_000_000, description="Most cells times k of a whole sweep")
+
+    max_diagram_applications: PositiveInt = Field(10_000_000_000, description="Most impacts of a bifurcation diagram")
+    max_diagram_points: PositiveInt = Field(20_000_000, description="Most departures that a bifurcation diagram keeps")
+    max_orbit_starts: PositiveInt = Field(1_000_000, description="Most cells times greatest n+ of an orbit search")
+    max_branch_points: PositiveInt = Field(20_000, description="Most points each way of a branch or a curve")
+    max_arclength: PositiveInt = Field(10_000, description="Greatest arclength of a branch of a manifold")
+    max_curve_points: PositiveInt = Field(
+        2_000_000, description="Most points of a branch, or of an order of pre-images"
+    )
+    max_order: PositiveInt = Field(16, description="Highest order of pre-images of the grazing curve")
 
     @model_validator(mode="after")
     def _certificates_are_whole(self) -> "Settings":

@@ -74,7 +74,7 @@ def running_postgresql(listen="", port=None, on=list):
     def call(program, *arguments):
         command = on([*as_postgres, binaries / program, *arguments])
         subprocess.run(
-            command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder, timeout=60
+            command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder, timeout=180
         )
 
     try:

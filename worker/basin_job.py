@@ -15,13 +15,19 @@ from rattle_kernels import (
     check_grid,
     check_iterations,
     check_quiet,
+    expected_applications,
+    settled_iterations,
 )
 from worker.errors import InvalidJob, SweptOutsideDomain
+from worker.oscillator_request import oscillator_from, oscillator_request
 from worker.sample import Sample
 from worker.swept_parameter import SweptParameter, check_swept
 
 # Part of every digest: a store of another layout, or of kernels that answer otherwise, is another result.
 RESULT_VERSION = 2
+
+SETTLED = -1
+"""In place of k: the one of `settled_iterations`."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +45,7 @@ class BasinJob:
     grid : CellGrid
         The paper's by default. With a sample it becomes one row of as many cells as there are points.
     iterations : int
-        k: 1 or a prime.
+        k: 1 or a prime; SETTLED for the one that gives a settled picture at the least damping (`settled_iterations`).
     vary : tuple of SweptParameter
         None, one or two.
     sample : Sample or None
@@ -53,7 +59,7 @@ class BasinJob:
 
     oscillator: Oscillator = field(default_factory=Oscillator)
     grid: CellGrid = field(default_factory=CellGrid)
-    iterations: int = 1499
+    iterations: int = SETTLED
     vary: tuple[SweptParameter, ...] = ()
     sample: Sample | None = None
 
@@ -65,11 +71,14 @@ class BasinJob:
             object.__setattr__(self, "grid", row)
         try:
             object.__setattr__(self, "grid", check_grid(self.grid))
-            check_iterations(self.iterations)
+            if self.iterations != SETTLED:
+                check_iterations(self.iterations)
         except ValueError as error:
             raise InvalidJob(str(error)) from error
         self._check_panels(check_domain)
         object.__setattr__(self, "oscillator", check_domain(self.oscillator))
+        if self.iterations == SETTLED:
+            object.__setattr__(self, "iterations", settled_iterations(self._least_damping))
 
     def demand_quiet(self) -> None:
         """Refuse a job in which some panel has no quiet solution (Eq. 3).
@@ -97,6 +106,16 @@ class BasinJob:
         names = [swept.parameter for swept in self.vary]
         axis = names.index(parameter) if parameter in names else len(names) - 1
         return axis, self.place_of(panel)[axis]
+
+    @property
+    def _least_damping(self) -> float:
+        swept = [value for each in self.vary if each.parameter == "damping" for value in each.values]
+        return min(swept, default=self.oscillator.damping)
+
+    @property
+    def applications(self) -> int:
+        """About how many applications of P a place takes at the least damping."""
+        return round(expected_applications(self._least_damping, self.iterations))
 
     @property
     def panel_shape(self) -> tuple[int, ...]:
@@ -145,18 +164,7 @@ class BasinJob:
 
     def request(self) -> dict[str, Any]:
         """Request that asks for this job, in the JSON shape of ``POST /v1/basins`` or ``POST /v1/sweeps``."""
-        damping, eccentricity, half_backlash, stiffness, permanent_after = self.oscillator
-        oscillator: dict[str, Any] = {
-            "model": "impacting" if math.isinf(stiffness) else "piecewise_linear",
-            "damping": damping,
-            "eccentricity": eccentricity,
-            "half_backlash": half_backlash,
-        }
-        if not math.isinf(stiffness):
-            rule = "envelope" if math.isinf(permanent_after) else "one_rotation"
-            oscillator |= {"stiffness": stiffness, "permanent_contact": rule}
-            if not self.quiet_everywhere:
-                oscillator["allow_no_quiet_solution"] = True
+        oscillator = oscillator_request(self.oscillator, quiet=self.quiet_everywhere)
         grid = self.grid
         time: dict[str, Any] = {"start": grid.time_start, "stop": grid.time_stop}
         velocity: dict[str, Any] = {"start": grid.velocity_start, "stop": grid.velocity_stop}
@@ -179,12 +187,9 @@ class BasinJob:
     @classmethod
     def from_request(cls, request: dict[str, Any]) -> "BasinJob":
         """Job that a request in the shape of `request` asks for."""
-        oscillator = {name: value for name, value in request["oscillator"].items() if name in Oscillator._fields}
-        if request["oscillator"].get("permanent_contact") == "one_rotation":
-            oscillator["permanent_after"] = 1.0
         time, velocity = request["grid"]["time"], request["grid"]["velocity"]
         cells = time.get("cells", 1), velocity.get("cells", 1)
         grid = CellGrid(time["start"], time["stop"], cells[0], velocity["start"], velocity["stop"], cells[1])
         vary = tuple(SweptParameter(each["parameter"], tuple(each["values"])) for each in request.get("vary", ()))
         sample = Sample(**request["sample"]) if "sample" in request else None
-        return cls(Oscillator(**oscillator), grid, request["iterations"], vary, sample)
+        return cls(oscillator_from(request["oscillator"]), grid, request["iterations"], vary, sample)

@@ -25,7 +25,8 @@ from worker.tasks import Task
 _log = logging.getLogger("rattle.driver")
 _TRIES = 4
 _POLL_SECONDS = 0.2
-_NO_WORKER_SECONDS = 60.0
+# On a busy machine a worker that was killed is back after a minute.
+_NO_WORKER_SECONDS = 180.0
 _TASKS_A_THREAD = 2
 _LOST = "the connection to the scheduler is lost; submit again when it is back"
 
@@ -115,7 +116,7 @@ class _Window:
             raise error
         if attempt >= _TRIES:
             reason = f"{type(error).__name__}: {error}" if error else "its worker was lost"
-            what = f"{task.function.__name__} {task.number} of basin {task.panel}"
+            what = task.name or f"{task.function.__name__} {task.number} of basin {task.panel}"
             raise TileFailed(f"{what} failed {_TRIES} times; the last time: {reason}") from error
         _log.warning("%s %d of basin %d is tried again", task.function.__name__, task.number, task.panel)
         _retries.add()

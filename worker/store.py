@@ -57,6 +57,8 @@ class BasinStore:
                 self._group = _open_group(location, "r+")
             except (FileNotFoundError, NotADirectoryError, ValueError) as error:
                 raise StoreConflict(f"{location} is no basin store: nothing there that Zarr can open") from error
+        if "kind" in self._group.attrs:
+            raise StoreConflict(f"{location} is no basin store: it is one of kind {self._group.attrs['kind']}")
         if self._group.attrs.get("layout_version") != layout.LAYOUT_VERSION:
             raise StoreConflict(f"{location} is no basin store of layout {layout.LAYOUT_VERSION}")
         self.job = BasinJob.from_request(json.loads(str(self._group.attrs["request"])))
@@ -77,7 +79,7 @@ class BasinStore:
         StoreFailed
             Where it cannot be written.
         """
-        if not holds_basin(location):
+        if not holds_store(location):
             fence()
             with told_as_store_failure(location):
                 if place_at(location).taken():
@@ -300,7 +302,7 @@ class BasinStore:
         with told_as_store_failure(self.location):
             consolidate(self.location)
             # Written with the consolidated metadata, in one piece: what is complete is so for every reader.
-            whole = zarr.open_group(self.location, mode="r+", zarr_format=3, use_consolidated=True)
+            whole = _open_group(self.location, "r+", consolidated=True)
             whole.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
 
     @property
@@ -321,8 +323,8 @@ def _words(names: list[str]) -> list[str]:
     return [word if words.count(word) == 1 else f"{word}_{words[: i + 1].count(word)}" for i, word in enumerate(words)]
 
 
-def holds_basin(location: str) -> bool:
-    """Whether a basin's store lies at a location: its attributes are the last thing that is created."""
+def holds_store(location: str) -> bool:
+    """Whether a store of any kind lies at a location: its attributes are the last thing that is created."""
     with told_as_store_failure(location):
         try:
             group = _open_group(location, "r")
@@ -332,5 +334,5 @@ def holds_basin(location: str) -> bool:
         return "layout_version" in group.attrs
 
 
-def _open_group(location: str, mode: str) -> Any:
-    return zarr.open_group(place_at(location).zarr, mode=mode, zarr_format=3, use_consolidated=False)
+def _open_group(location: str, mode: str, *, consolidated: bool = False) -> Any:
+    return zarr.open_group(place_at(location).zarr, mode=mode, zarr_format=3, use_consolidated=consolidated)

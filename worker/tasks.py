@@ -32,6 +32,7 @@ from rattle_kernels import (
 )
 from worker.assembly import assemble_groups
 from worker.errors import JobCancelled, StoreConflict
+from worker.scout_pass import scouted_traps
 from worker.scouts import Scouts, choose_scouts
 from worker.store import BasinStore
 from worker.tiles import Tile, bands, runs_of_points
@@ -39,15 +40,16 @@ from worker.tiles import Tile, bands, runs_of_points
 
 @dataclass(frozen=True)
 class Task:
-    """One call of a function of this module: ``function(location, digest, number, *arguments)``.
+    """One call: ``function(location, digest, number, *arguments)``, of a function of this module or of `analysis_run`.
 
-    ``number`` is that of a tile, or of a panel; ``panel`` the panel that it is for.
+    ``number`` is that of a tile, a panel or a piece; ``panel`` the panel that it is for; ``name`` what it is called.
     """
 
     function: Callable[..., Any]
     number: int
     panel: int
     arguments: tuple[Any, ...] = ()
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -110,10 +112,12 @@ def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
     assert job.sample is not None
     oscillator = job.oscillator_of(tile.panel)
     t, v = job.sample.departures(job.grid, *tile.columns)
+    traps = scouted_traps(oscillator, job.grid, job.iterations)
     parts = []
-    for points in runs_of_points(t.size, job.iterations):
+    for points in runs_of_points(t.size, job.applications):
         stop_if_cancelled()
-        parts.append(map_points(oscillator, job.grid, job.iterations, t[slice(*points)], v[slice(*points)]))
+        here = slice(*points)
+        parts.append(map_points(oscillator, job.grid, job.iterations, t[here], v[here], traps=traps))
     images = _joined(parts)
     # A sample has no cells: what lands, lands outside of all.
     cells = np.minimum(images.image_cell, SINK)
@@ -122,10 +126,11 @@ def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
 
 def _map_in_bands(store: BasinStore, tile: Tile) -> CellImages:
     job, oscillator = store.job, store.job.oscillator_of(tile.panel)
+    traps = scouted_traps(oscillator, job.grid, job.iterations)
     parts = []
-    for rows in bands(tile, job.iterations):
+    for rows in bands(tile, job.applications):
         stop_if_cancelled()
-        parts.append(map_cells(oscillator, job.grid, job.iterations, rows, tile.columns))
+        parts.append(map_cells(oscillator, job.grid, job.iterations, rows, tile.columns, traps=traps))
     return _joined(parts)
 
 

@@ -10,13 +10,17 @@ from typing import NamedTuple
 
 from rattle_kernels import CellGrid
 
-# One application of P costs some 12 ns, and lock and capture leave about a third of the k applications.
+# One application of P costs some 12 ns, and shortcuts leave about a third of those expected.
 _SECONDS_PER_APPLICATION = 4e-9
 _TILE_SECONDS = 0.25
 _BAND_SECONDS = 0.1
 # At least 16 tiles, four for each of four workers, as long as a tile is worth its overhead of a few milliseconds.
 _LEAST_TILES = 16
 _LEAST_CELLS = 64 * 64
+# At the end of a band all lanes wait for the last. Where trajectories are long and of very different length, 16,384 in
+# a band keep that to some per cent; 256 would double the time.
+_LEAST_LONG_CELLS = 128 * 128
+_LONG_APPLICATIONS = 10_000
 # Trajectories that a kernel follows at a time.
 _LANES = 64
 # A tile of 1024 x 1024 is 24 MB in memory while it is computed.
@@ -77,20 +81,24 @@ class Tiling(NamedTuple):
         return Tile(row, column, rows, columns, panel)
 
 
-def _cells_wanted(grid: CellGrid, iterations: int, panels: int) -> float:
+def _least_cells(applications: int) -> int:
+    return _LEAST_CELLS if applications < _LONG_APPLICATIONS else _LEAST_LONG_CELLS
+
+
+def _cells_wanted(grid: CellGrid, applications: int, panels: int) -> float:
     """Cells of a tile of about a quarter of a second of work: the whole panel, where panels are small and many."""
-    by_work = _TILE_SECONDS / (_SECONDS_PER_APPLICATION * iterations)
-    return max(min(by_work, grid.cells * panels / _LEAST_TILES, _MOST_CELLS), _LEAST_CELLS)
+    by_work = _TILE_SECONDS / (_SECONDS_PER_APPLICATION * applications)
+    return max(min(by_work, grid.cells * panels / _LEAST_TILES, _MOST_CELLS), _least_cells(applications))
 
 
-def cut(grid: CellGrid, iterations: int, panels: int = 1) -> Tiling:
+def cut(grid: CellGrid, applications: int, panels: int = 1) -> Tiling:
     """Cut a grid into tiles of about a quarter of a second of work each.
 
     Parameters
     ----------
     grid : CellGrid
-    iterations : int
-        k.
+    applications : int
+        Expected of each place.
     panels : int
         Panels that share this grid.
 
@@ -98,21 +106,21 @@ def cut(grid: CellGrid, iterations: int, panels: int = 1) -> Tiling:
     -------
     Tiling
     """
-    side = math.sqrt(_cells_wanted(grid, iterations, panels))
+    side = math.sqrt(_cells_wanted(grid, applications, panels))
     # Equal parts each way: 1000 cells in four times 250, not three times 267 and a rest.
     down = max(1, round(grid.velocity_cells / side))
     across = max(1, round(grid.time_cells / side))
     return Tiling(grid, math.ceil(grid.velocity_cells / down), math.ceil(grid.time_cells / across), panels)
 
 
-def cut_row(row: CellGrid, iterations: int, panels: int = 1) -> Tiling:
+def cut_row(row: CellGrid, applications: int, panels: int = 1) -> Tiling:
     """Cut the points of a sample, one row of cells, into tiles of a power of two points each.
 
     Parameters
     ----------
     row : CellGrid
-    iterations : int
-        k.
+    applications : int
+        Expected of each place.
     panels : int
         Panels that share this sample.
 
@@ -120,19 +128,24 @@ def cut_row(row: CellGrid, iterations: int, panels: int = 1) -> Tiling:
     -------
     Tiling
     """
-    return Tiling(row, 1, 1 << int(math.log2(_cells_wanted(row, iterations, panels))), panels)
+    return Tiling(row, 1, 1 << int(math.log2(_cells_wanted(row, applications, panels))), panels)
 
 
-def bands(tile: Tile, iterations: int) -> Iterator[tuple[int, int]]:
+def bands(tile: Tile, applications: int) -> Iterator[tuple[int, int]]:
     """Runs of rows of a tile, each about a tenth of a second of work: between them a cancelled tile stops."""
     width = tile.columns[1] - tile.columns[0]
-    rows = max(1, int(_BAND_SECONDS / (_SECONDS_PER_APPLICATION * iterations * width)))
+    rows = max(1, int(_cells_of_band(applications) / width))
     for start in range(tile.rows[0], tile.rows[1], rows):
         yield start, min(start + rows, tile.rows[1])
 
 
-def runs_of_points(points: int, iterations: int) -> Iterator[tuple[int, int]]:
+def _cells_of_band(applications: int) -> float:
+    cells = _BAND_SECONDS / (_SECONDS_PER_APPLICATION * applications)
+    return cells if applications < _LONG_APPLICATIONS else max(cells, _LEAST_LONG_CELLS)
+
+
+def runs_of_points(points: int, applications: int) -> Iterator[tuple[int, int]]:
     """Runs of a sample's points, each about a tenth of a second of work, of whole lanes."""
-    lanes = max(1, int(_BAND_SECONDS / (_SECONDS_PER_APPLICATION * iterations * _LANES)))
+    lanes = max(1, int(_cells_of_band(applications) / _LANES))
     for start in range(0, points, lanes * _LANES):
         yield start, min(start + lanes * _LANES, points)

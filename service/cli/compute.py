@@ -27,7 +27,7 @@ from service.cli.oscillator import (
 )
 from service.oscillator_model import PermanentContact, demand_quiet
 from service.settings import Settings
-from worker.basin_job import BasinJob
+from worker.basin_job import SETTLED, BasinJob
 from worker.cluster import connect
 from worker.errors import InvalidJob, JobCancelled, WorkerError
 from worker.pipeline import run_basin
@@ -42,7 +42,12 @@ Out = Annotated[
 Cells = Annotated[tuple[int, int], typer.Option(help="Cells along time and along velocity")]
 Time = Annotated[tuple[float, float], typer.Option(help="Window of phases")]
 Velocity = Annotated[tuple[float, float], typer.Option(help="Window of speeds")]
-Iterations = Annotated[int, typer.Option(help="k of P_corr o P^k: 1 or a prime")]
+Iterations = Annotated[
+    int | None,
+    typer.Option(
+        min=1, help="k of P_corr o P^k: 1 or a prime; default 1499 at a damping of 0.5 or more, else 900/damping"
+    ),
+]
 Points = Annotated[int | None, typer.Option("--sample", help="Start from so many points in place of cells")]
 Seed = Annotated[int, typer.Option(help="Of the sample: the same seed gives the same points")]
 Workers = Annotated[int, typer.Option(min=1, help="Worker processes")]
@@ -59,7 +64,7 @@ def basin(
     cells: Cells = (1000, 1000),
     time: Time = (0.0, 1.0),
     velocity: Velocity = (0.0, 7.0),
-    iterations: Iterations = 1499,
+    iterations: Iterations = None,
     sample: Points = None,
     seed: Seed = 0,
     workers: Workers = 2,
@@ -68,7 +73,7 @@ def basin(
     oscillator = oscillator_of(damping, eccentricity, half_backlash, stiffness, rule)
     grid = CellGrid(*time, cells[0], *velocity, cells[1])
     _run(
-        lambda: BasinJob(oscillator, grid, iterations, (), _sample(sample, seed)),
+        lambda: BasinJob(oscillator, grid, iterations or SETTLED, (), _sample(sample, seed)),
         allow_no_quiet_solution,
         out_,
         workers,
@@ -90,7 +95,7 @@ def sweep(
     cells: Cells = (200, 200),
     time: Time = (0.0, 1.0),
     velocity: Velocity = (0.0, 7.0),
-    iterations: Iterations = 1499,
+    iterations: Iterations = None,
     sample: Points = None,
     seed: Seed = 0,
     workers: Workers = 2,
@@ -100,11 +105,13 @@ def sweep(
     grid = CellGrid(*time, cells[0], *velocity, cells[1])
 
     def job() -> BasinJob:
-        swept = tuple(_swept(text) for text in vary)
+        swept = tuple(swept_of(text) for text in vary)
         if stiffness is None and any(each.parameter == "stiffness" for each in swept):
             # The model is the piecewise linear one; its stiffness is the sweep's.
-            return BasinJob(oscillator._replace(stiffness=1.0), grid, iterations, swept, _sample(sample, seed))
-        return BasinJob(oscillator, grid, iterations, swept, _sample(sample, seed))
+            return BasinJob(
+                oscillator._replace(stiffness=1.0), grid, iterations or SETTLED, swept, _sample(sample, seed)
+            )
+        return BasinJob(oscillator, grid, iterations or SETTLED, swept, _sample(sample, seed))
 
     _run(job, allow_no_quiet_solution, out_, workers)
 
@@ -113,7 +120,7 @@ def _sample(points: int | None, seed: int) -> Sample | None:
     return Sample(points, seed) if points is not None else None
 
 
-def _swept(text: str) -> SweptParameter:
+def swept_of(text: str) -> SweptParameter:
     """Swept parameter as the command line writes it."""
     parameter, _, values = text.partition("=")
     try:

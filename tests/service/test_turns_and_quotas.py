@@ -8,6 +8,7 @@ from fastapi.testclient import TestClient
 from service.app import create_app
 from service.database import open_database
 from service.jobs import Jobs
+from service.keys import KeyRing, Keys
 from service.settings import Settings
 
 SWEEP = {
@@ -44,7 +45,8 @@ def visitor(tmp_path):
     app = create_app(settings)
     engine, sessions = open_database(settings.database)
     app.state.jobs, app.state.runner = Jobs(sessions, settings.quotas), NoRunner()
-    yield TestClient(app)
+    app.state.key_ring = KeyRing(Keys(sessions), demanded=False)
+    yield TestClient(app, base_url="http://127.0.0.1")
     engine.dispose()
 
 

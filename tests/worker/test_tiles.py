@@ -35,6 +35,12 @@ def test_the_papers_map_is_cut_into_enough_tiles_for_several_workers():
     assert 16 <= cut(CellGrid(), 1).tiles <= 64
 
 
+def test_where_trajectories_are_long_a_band_fills_the_lanes():
+    tiling = cut(CellGrid(), 90_000)
+    assert 40 <= tiling.tiles <= 70
+    assert all(rows[1] - rows[0] == tiling.tile_rows for rows in bands(tiling.tile(0), 90_000))
+
+
 def test_a_few_cells_are_one_tile():
     assert cut(CellGrid(time_cells=20, velocity_cells=20), 1499).tiles == 1
 
