@@ -11,7 +11,7 @@ READY := $(VENV)/.ready
 install = { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install --yes -qq --no-install-recommends $(1) >/dev/null; } || \
   { echo "install these packages first: $(1)"; exit 1; }
 
-.PHONY: help demo test test-slow test-faults test-backends test-containers test-hosts check bench serve openapi lock clean
+.PHONY: help demo test test-slow test-faults test-backends test-containers test-hosts test-browser screenshots check bench serve openapi lock clean
 
 help:  ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -42,11 +42,19 @@ test-backends: $(READY)  ## the tests of service and worker once more, on Postgr
 
 test-containers: $(READY)  ## build the image and run it, without an engine; as root
 	@command -v buildah podman runc debootstrap >/dev/null || $(call install,buildah podman runc debootstrap)
-	$(BIN)/python -m pytest tests/containers -m containers --timeout 2400
+	$(BIN)/python -m pytest tests/containers -m containers --timeout 5400
 
 test-hosts: $(READY)  ## the compose file's commands as hosts of a network, one of which is cut off
 	@command -v initdb >/dev/null || ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || $(call install,postgresql)
-	$(BIN)/python -m pytest tests/hosts -m hosts --timeout 600
+	$(BIN)/python -m pytest tests/hosts -m hosts --timeout 1200
+
+test-browser: $(READY)  ## the explorer in the system's Chromium
+	@command -v chromium >/dev/null || $(call install,chromium fonts-dejavu-core)
+	$(BIN)/python -m pytest tests/browser -m browser
+
+screenshots: $(READY)  ## pictures of every state of the explorer: screenshots, and the README's in docs/pictures
+	@command -v chromium >/dev/null || $(call install,chromium fonts-dejavu-core)
+	$(BIN)/python -m tests.browser.screenshots
 
 check: $(READY)  ## formatting, lint, types, import layers, spelling
 	$(BIN)/ruff format --check .

@@ -10,13 +10,19 @@ from rattle_kernels.basin_integrity import (
     integrity_factor,
     local_integrity_measure,
 )
-from rattle_kernels.bifurcation_diagram import BifurcationDiagram, bifurcation_diagram
+from rattle_kernels.bifurcation_diagram import BifurcationDiagram, Motions, bifurcation_diagram, follow_values
 from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
 from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells, map_points
 from rattle_kernels.continuation import attractor_distance, continue_attractor
 from rattle_kernels.grazing_curve import grazing_velocity
-from rattle_kernels.grazing_preimages import TooManyPoints, grazing_preimages
+from rattle_kernels.grazing_preimages import (
+    STRETCHES,
+    TooManyPoints,
+    grazing_preimages,
+    join_stretches,
+    preimages_of_stretch,
+)
 from rattle_kernels.image_set import (
     ImageSet,
     MarkedWords,
@@ -33,10 +39,17 @@ from rattle_kernels.iterations import WEAK_DAMPING, check_iterations, expected_a
 from rattle_kernels.jit import compiled_before
 from rattle_kernels.lane_traps import NO_TRAPS, LaneTraps
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
-from rattle_kernels.manifold import ManifoldBranch, ManifoldEnd, ManifoldLimits, stable_manifold, unstable_manifold
+from rattle_kernels.manifold import (
+    ManifoldBranch,
+    ManifoldEnd,
+    ManifoldLimits,
+    check_limits,
+    stable_manifold,
+    unstable_manifold,
+)
 from rattle_kernels.orbit_beyond_graze import orbit_beyond_graze
 from rattle_kernels.orbit_continuation import Branch, BranchEnd, continue_orbit
-from rattle_kernels.orbit_search import FoundOrbit, find_orbits
+from rattle_kernels.orbit_search import FoundOrbit, find_orbit, find_orbits, merge_orbits
 from rattle_kernels.oscillator import (
     Oscillator,
     OutsideDomain,
@@ -46,10 +59,11 @@ from rattle_kernels.oscillator import (
     eccentricity_bound_convexity,
     eccentricity_bound_quiet,
     eccentricity_bound_smooth_maxima,
+    stiffness_bound,
 )
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.periodic_orbit import PeriodicOrbit
-from rattle_kernels.polyline import CurveResolution, Piece, arclength, split_at_wrap
+from rattle_kernels.polyline import CurveResolution, Piece, arclength, check_resolution, split_at_wrap
 from rattle_kernels.saddle import NotASaddle, find_saddle
 from rattle_kernels.single_contact_orbit import (
     SingleContactOrbit,
@@ -68,6 +82,7 @@ __all__ = [
     "PERMANENT_CONTACT",
     "SINK",
     "STRANGER",
+    "STRETCHES",
     "UNDECIDED",
     "WEAK_DAMPING",
     "Attractor",
@@ -92,6 +107,7 @@ __all__ = [
     "ManifoldBranch",
     "ManifoldEnd",
     "ManifoldLimits",
+    "Motions",
     "MarkedWords",
     "NO_TRAPS",
     "NotASaddle",
@@ -119,7 +135,9 @@ __all__ = [
     "check_grid",
     "check_impacting",
     "check_iterations",
+    "check_limits",
     "check_quiet",
+    "check_resolution",
     "coarser_boxes",
     "compiled_before",
     "continue_attractor",
@@ -132,6 +150,8 @@ __all__ = [
     "find_attractors",
     "find_groups",
     "expected_applications",
+    "follow_values",
+    "find_orbit",
     "find_saddle",
     "find_orbits",
     "global_integrity_measure",
@@ -139,6 +159,7 @@ __all__ = [
     "grazing_velocity",
     "has_members",
     "integrity_factor",
+    "join_stretches",
     "label_cells",
     "landing_boxes",
     "least_disturbance",
@@ -147,13 +168,16 @@ __all__ = [
     "map_points",
     "mark_images",
     "members_of",
+    "merge_orbits",
     "name_solutions",
     "next_impacts",
     "place_images",
     "orbit_beyond_graze",
+    "preimages_of_stretch",
     "previous_impacts",
     "split_at_wrap",
     "stable_manifold",
+    "stiffness_bound",
     "time_history",
     "set_traps",
     "settled_iterations",

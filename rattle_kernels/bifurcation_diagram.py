@@ -56,15 +56,39 @@ class BifurcationDiagram(NamedTuple):
 
 
 @step
+def _settle(oscillator, t, v, transient):
+    """Apply P `transient` times: outcome, phase and speed.
+
+    A motion that is back at the very same numbers repeats itself for ever, so whole turns of it are left out: orbits
+    that attract are there after some hundred impacts. Looked for as Brent does, from a state that moves on at powers of
+    two.
+    """
+    marked_t, marked_v, marked_at, n = t, v, 0, 0
+    while n < transient:
+        impact = next_impact(oscillator, t, v)
+        if impact.outcome != RETURNED:
+            return impact.outcome, t, v
+        t, v = impact.t, impact.v
+        n += 1
+        if t == marked_t and v == marked_v:
+            n = transient - (transient - n) % (n - marked_at)
+        elif n >= 2 * marked_at:
+            marked_t, marked_v, marked_at = t, v, n
+    return RETURNED, t, v
+
+
+@step
 def _follow(oscillator, t, v, transient, times, speeds):
     """Apply P `transient` times, then keep one departure after the other; how it ended."""
-    for n in range(-transient, times.size):
+    outcome, t, v = _settle(oscillator, t, v, transient)
+    if outcome != RETURNED:
+        return outcome
+    for n in range(times.size):
         impact = next_impact(oscillator, t, v)
         if impact.outcome != RETURNED:
             return impact.outcome
         t, v = impact.t, impact.v
-        if n >= 0:
-            times[n], speeds[n] = t, v
+        times[n], speeds[n] = t, v
     return RETURNED
 
 
@@ -109,16 +133,53 @@ def _settle_along(fields, quiet, seed_t, seed_v, captured, transient, work, t, v
             captured[j] = outcome[i, j] == PERMANENT_CONTACT
 
 
-def _one_way(
-    oscillators: list[Oscillator], seeds: tuple[np.ndarray, np.ndarray, np.ndarray], transient: int, kept: int
-) -> tuple[np.ndarray, ...]:
+class Motions(NamedTuple):
+    """Motions side by side where they are left: departures, and whether contact is permanent by now; shape (seeds,)."""
+
+    t: np.ndarray
+    v: np.ndarray
+    captured: np.ndarray
+
+    @classmethod
+    def from_seeds(cls, t: np.typing.ArrayLike, v: np.typing.ArrayLike) -> "Motions":
+        """Motions that begin with departures."""
+        phase, speed = (np.array(a, dtype=np.float64).ravel() for a in np.broadcast_arrays(t, v))
+        return cls(phase, speed, np.zeros(phase.size, np.bool_))
+
+
+def follow_values(
+    oscillator: Oscillator, parameter: str, values: np.ndarray, motions: Motions, transient: int, kept: int
+) -> tuple[BifurcationDiagram, Motions]:
+    """Follow motions from value to value, in the order given: one stretch of a diagram, which others may continue.
+
+    Parameters
+    ----------
+    oscillator, parameter, transient, kept
+        As for `bifurcation_diagram`.
+    values : ndarray, shape (n,)
+        In the order in which they are visited.
+    motions : Motions
+        Where they begin.
+
+    Returns
+    -------
+    (BifurcationDiagram, Motions)
+        The stretch, and where the motions are left.
+
+    Raises
+    ------
+    OutsideDomain
+        Where a value lies outside the domain of the map.
+    """
+    oscillators = [check_domain(oscillator._replace(**{parameter: float(value)})) for value in values]
     fields = np.array(oscillators, dtype=np.float64)
     quiet = np.array([o.eccentricity < eccentricity_bound_quiet(o) for o in oscillators])
-    shape = len(oscillators), seeds[0].size
+    after = Motions(*(field.copy() for field in motions))
+    shape = len(oscillators), after.t.size
     t, v = np.full((*shape, kept), np.nan), np.full((*shape, kept), np.nan)
     outcome, period = np.zeros(shape, np.int8), np.zeros(shape, np.int16)
-    _settle_along(fields, quiet, *seeds, transient, np.empty((2, 12)), t, v, outcome, period)
-    return t, v, outcome, period
+    _settle_along(fields, quiet, *after, transient, np.empty((2, 12)), t, v, outcome, period)
+    return BifurcationDiagram(parameter, np.array(values, np.float64), t, v, outcome, period), after
 
 
 def _check_numbers(parameter: str, values: np.ndarray, direction: str, transient: int, kept: int) -> None:
@@ -178,10 +239,11 @@ def bifurcation_diagram(
     """
     visited = np.sort(np.asarray(values, dtype=np.float64))
     _check_numbers(parameter, visited, direction, transient, kept)
-    oscillators = [check_domain(oscillator._replace(**{parameter: float(value)})) for value in visited]
-    phase, speed = (np.array(a, dtype=np.float64).ravel() for a in np.broadcast_arrays(t, v))
-    seeds = phase, speed, np.zeros(phase.size, np.bool_)
-    ways = {"up": (1,), "down": (-1,), "both": (1, -1)}[direction]
-    runs = [_one_way(oscillators[::way], seeds, transient, kept) for way in ways]
-    rows = np.concatenate([visited[::way] for way in ways])
-    return BifurcationDiagram(parameter, rows, *(np.concatenate(parts) for parts in zip(*runs, strict=True)))
+    motions = Motions.from_seeds(t, v)
+    runs = []
+    for way in {"up": (1,), "down": (-1,), "both": (1, -1)}[direction]:
+        run, motions = follow_values(oscillator, parameter, visited[::way], motions, transient, kept)
+        runs.append(run)
+    return BifurcationDiagram(
+        parameter, *(np.concatenate(parts) for parts in zip(*(run[1:] for run in runs), strict=True))
+    )

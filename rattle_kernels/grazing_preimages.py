@@ -6,6 +6,8 @@ corners where a graze is followed by another one, and their images: there it is 
 """
 
 import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +24,7 @@ from rattle_kernels.flight import acceleration_range
 from rattle_kernels.grazing_curve import grazing_velocity
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.oscillator import Oscillator, check_impacting
+from rattle_kernels.pausing import Pause, never_stopped
 from rattle_kernels.polyline import (
     DEFAULT_RESOLUTION,
     CurveResolution,
@@ -33,7 +36,11 @@ from rattle_kernels.polyline import (
 )
 
 _FIRST_POINTS = 65
+STRETCHES = 8
+"""Parts into which the grazing curve can be cut: `preimages_of_stretch`."""
 _MOST_POINTS = 1_000_000
+# Phases of one point, put on [0, 1) from two ends.
+_SAME_PHASE = 1e-12
 
 
 class TooManyPoints(ValueError):
@@ -72,9 +79,7 @@ def _closed(pieces: tuple[Piece, ...], points: CurvePoints) -> tuple[Piece, ...]
         return pieces
     *inner, last = pieces[1:]
     first = pieces[0]
-    turn = np.rint(last.t[-1] - first.t[0])
-    whole = Piece(np.append(last.t, first.t[1:] + turn), np.append(last.v, first.v[1:]))
-    return (from_first_period(whole), *inner)
+    return (from_first_period(_chained(last, first)), *inner)
 
 
 def grazing_preimages(
@@ -83,6 +88,7 @@ def grazing_preimages(
     resolution: CurveResolution = DEFAULT_RESOLUTION,
     velocity_limits: tuple[float, float] | None = None,
     most_points: int = _MOST_POINTS,
+    pause: Pause = never_stopped,
 ) -> tuple[tuple[Piece, ...], ...]:
     """Grazing curve and its pre-images, as smooth pieces.
 
@@ -98,6 +104,8 @@ def grazing_preimages(
         Lowest and highest speed to keep; all by default.
     most_points : int
         Largest number of points of one order.
+    pause : callable
+        Called between orders; whoever wants the work to stop raises an exception there.
 
     Returns
     -------
@@ -118,25 +126,132 @@ def grazing_preimages(
     -----
     Order n is ``P^-n {(t, v*(t))}``: the touch comes n impacts with +beta later. Sec. 6.1, Fig. 14.
     """
+    task = _task(oscillator, order, resolution, velocity_limits, most_points, pause)
+    orders = []
+    for curve in _images(task, np.linspace(0.0, 1.0, _FIRST_POINTS)):
+        pieces = _closed(split_at_corners(curve.t[-1], curve.v[-1], curve.corner, curve.joined), curve)
+        orders.append(clip_velocity(pieces, *task.velocity_limits))
+    if len(orders) <= order:
+        raise TooManyPoints(
+            f"pre-image {len(orders)} of the grazing curve needs more than {most_points} points: ask for a lower "
+            "order, a coarser resolution or a lower velocity limit"
+        )
+    return tuple(orders)
+
+
+class _Task(NamedTuple):
+    """What pre-images to draw, checked."""
+
+    backwards: CurveMap
+    order: int
+    resolution: CurveResolution
+    velocity_limits: tuple[float, float]
+    most_points: int
+    pause: Pause
+
+
+def _task(
+    oscillator: Oscillator,
+    order: int,
+    resolution: CurveResolution,
+    velocity_limits: tuple[float, float] | None,
+    most_points: int,
+    pause: Pause,
+) -> _Task:
     checked, resolution = check_impacting(oscillator), check_resolution(resolution)
     if order < 0:
         raise ValueError(f"order must be at least 0 (the grazing curve itself), not {order}")
     lowest, highest = (0.0, math.inf) if velocity_limits is None else velocity_limits
     if not 0.0 <= lowest < highest:
         raise ValueError(f"velocity_limits must be 0 <= lowest < highest, not {velocity_limits}")
-    beyond = max(highest, speed_of_no_return(checked))
     scale = lane_tables(checked).speed_scale
     backwards = CurveMap(checked, BACKWARDS, 1, 0.0, scale, lambda phase: grazing_velocity(checked, phase))
-    phase = np.linspace(0.0, 1.0, _FIRST_POINTS)
-    curve = refine(backwards, first_points(phase, grazing_velocity(checked, phase)), resolution, most_points)
-    orders: list[tuple[Piece, ...]] = []
-    while curve is not None:
-        pieces = _closed(split_at_corners(curve.t[-1], curve.v[-1], curve.corner, curve.joined), curve)
-        orders.append(clip_velocity(pieces, lowest, highest))
-        if len(orders) > order:
-            return tuple(orders)
-        curve = next_image(backwards, drop_fast(curve, beyond), resolution, most_points)
-    raise TooManyPoints(
-        f"pre-image {len(orders)} of the grazing curve needs more than {most_points} points: ask for a lower order, a "
-        "coarser resolution or a lower velocity limit"
+    return _Task(backwards, order, resolution, (lowest, highest), most_points, pause)
+
+
+def _images(task: _Task, phase: np.ndarray) -> Iterator[CurvePoints]:
+    """The grazing curve over some phases and its pre-images, as many as the bound on points allows."""
+    oscillator = task.backwards.oscillator
+    beyond = max(task.velocity_limits[1], speed_of_no_return(oscillator))
+    first = first_points(phase, grazing_velocity(oscillator, phase))
+    curve = refine(task.backwards, first, task.resolution, task.most_points)
+    for order in range(task.order + 1):
+        if curve is None:
+            return
+        yield curve
+        task.pause()
+        if order < task.order:
+            slow = drop_fast(curve, beyond)
+            curve = next_image(task.backwards, slow, task.resolution, task.most_points) if slow.corner.size else slow
+
+
+def preimages_of_stretch(
+    oscillator: Oscillator,
+    order: int,
+    stretch: int,
+    resolution: CurveResolution = DEFAULT_RESOLUTION,
+    velocity_limits: tuple[float, float] | None = None,
+    most_points: int = _MOST_POINTS,
+    pause: Pause = never_stopped,
+) -> tuple[tuple[Piece, ...], ...]:
+    """Pre-images of one stretch of the grazing curve, of `STRETCHES`: a part of the work of `grazing_preimages`.
+
+    Parameters
+    ----------
+    oscillator, order, resolution, velocity_limits, most_points, pause
+        As for `grazing_preimages`; points count for the stretch alone.
+    stretch : int
+        0 to ``STRETCHES - 1``.
+
+    Returns
+    -------
+    tuple of tuple of Piece
+        Pieces of each order, in order along it; fewer orders where the next one needs too many points.
+
+    Raises
+    ------
+    OutsideDomain, ValueError
+        As `grazing_preimages`.
+    """
+    task = _task(oscillator, order, resolution, velocity_limits, most_points, pause)
+    chords = (_FIRST_POINTS - 1) // STRETCHES
+    phase = np.linspace(0.0, 1.0, _FIRST_POINTS)[stretch * chords : (stretch + 1) * chords + 1]
+    return tuple(
+        clip_velocity(split_at_corners(curve.t[-1], curve.v[-1], curve.corner, curve.joined), *task.velocity_limits)
+        for curve in _images(task, phase)
     )
+
+
+def join_stretches(stretches: Sequence[Sequence[Piece]]) -> tuple[Piece, ...]:
+    """Pieces of one order from those of its stretches, joined where one stretch goes on from another.
+
+    Parameters
+    ----------
+    stretches : sequence of sequence of Piece
+        In order along the curve; those that are missing are empty.
+
+    Returns
+    -------
+    tuple of Piece
+        First phases in [0, 1).
+    """
+    joined: list[Piece] = []
+    for pieces in stretches:
+        if joined and pieces and _goes_on(joined[-1], pieces[0]):
+            joined[-1:] = [_chained(joined[-1], pieces[0])]
+            pieces = pieces[1:]
+        joined += pieces
+    if len(joined) > 1 and _goes_on(joined[-1], joined[0]):
+        joined = [_chained(joined[-1], joined[0]), *joined[1:-1]]
+    return tuple(from_first_period(piece) for piece in joined)
+
+
+def _goes_on(piece: Piece, following: Piece) -> bool:
+    """Whether a piece ends at the very point where another begins."""
+    apart = following.t[0] - piece.t[-1]
+    return bool(following.v[0] == piece.v[-1] and abs(apart - np.rint(apart)) < _SAME_PHASE)
+
+
+def _chained(piece: Piece, following: Piece) -> Piece:
+    turn = np.rint(piece.t[-1] - following.t[0])
+    return Piece(np.append(piece.t, following.t[1:] + turn), np.append(piece.v, following.v[1:]))

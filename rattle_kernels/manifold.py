@@ -34,6 +34,7 @@ from rattle_kernels.curve_images import (
 from rattle_kernels.grazing_preimages import speed_of_no_return
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.oscillator import Oscillator, check_impacting
+from rattle_kernels.pausing import Pause, never_stopped
 from rattle_kernels.periodic_orbit import PeriodicOrbit
 from rattle_kernels.polyline import (
     DEFAULT_RESOLUTION,
@@ -197,10 +198,12 @@ def _branch(
     first_step: np.ndarray,
     limits: ManifoldLimits,
     resolution: CurveResolution,
+    pause: Pause,
 ) -> tuple[tuple[Piece, ...], ManifoldEnd]:
     """Pieces of one branch, which begins with a step away from a point of a saddle, and why there are no more."""
     growth = _begin(curve_map, saddle, first_step)
     for _ in range(_MOST_IMAGES):
+        pause()
         growth = _grow(curve_map, growth, limits, resolution)
         if growth.end is not None:
             break
@@ -211,7 +214,13 @@ def _branch(
 
 
 def _manifold(
-    oscillator: Oscillator, orbit: PeriodicOrbit, sense: float, limits: ManifoldLimits, resolution: CurveResolution
+    oscillator: Oscillator,
+    orbit: PeriodicOrbit,
+    sense: float,
+    limits: ManifoldLimits,
+    resolution: CurveResolution,
+    only: tuple[int, int] | None,
+    pause: Pause,
 ) -> tuple[ManifoldBranch, ...]:
     checked, orbit = check_impacting(oscillator), check_saddle(orbit)
     limits, resolution = check_limits(limits), check_resolution(resolution)
@@ -231,8 +240,10 @@ def _manifold(
         direction = local.unstable if sense == FORWARDS else local.stable
         first_step = direction * _START / (stretch * stretch if flips else stretch)
         for side in (1, -1):
+            if only not in (None, (point, side)):
+                continue
             saddle = np.array([orbit.t[point], orbit.v[point]])
-            pieces, end = _branch(curve_map, saddle, side * first_step, limits, resolution)
+            pieces, end = _branch(curve_map, saddle, side * first_step, limits, resolution, pause)
             branches.append(ManifoldBranch(point, side, pieces, arclength(pieces, scale), end))
     return tuple(branches)
 
@@ -242,6 +253,8 @@ def stable_manifold(
     saddle: PeriodicOrbit,
     limits: ManifoldLimits = DEFAULT_LIMITS,
     resolution: CurveResolution = DEFAULT_RESOLUTION,
+    only: tuple[int, int] | None = None,
+    pause: Pause = never_stopped,
 ) -> tuple[ManifoldBranch, ...]:
     """Stable manifold of a saddle: the departures that P takes to it, grown by the inverse of P.
 
@@ -255,6 +268,10 @@ def stable_manifold(
         How far each branch is grown.
     resolution : CurveResolution
         Speeds count in units of the largest v*.
+    only : (int, int), optional
+        Point and side of the one branch to grow; all by default.
+    pause : callable
+        Called before every image of a branch; whoever wants the work to stop raises an exception there.
 
     Returns
     -------
@@ -276,7 +293,7 @@ def stable_manifold(
     404 (1998). England, Krauskopf, Osinga: Computing one-dimensional stable manifolds and stable sets of planar maps
     without the inverse. SIAM J. Appl. Dyn. Syst. 3, 161 (2004).
     """
-    return _manifold(oscillator, saddle, BACKWARDS, limits, resolution)
+    return _manifold(oscillator, saddle, BACKWARDS, limits, resolution, only, pause)
 
 
 def unstable_manifold(
@@ -284,9 +301,11 @@ def unstable_manifold(
     saddle: PeriodicOrbit,
     limits: ManifoldLimits = DEFAULT_LIMITS,
     resolution: CurveResolution = DEFAULT_RESOLUTION,
+    only: tuple[int, int] | None = None,
+    pause: Pause = never_stopped,
 ) -> tuple[ManifoldBranch, ...]:
     """Unstable manifold of a saddle: the departures that the inverse of P takes to it, grown by P.
 
     Parameters, results and errors are those of `stable_manifold`.
     """
-    return _manifold(oscillator, saddle, FORWARDS, limits, resolution)
+    return _manifold(oscillator, saddle, FORWARDS, limits, resolution, only, pause)

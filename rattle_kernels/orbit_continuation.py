@@ -20,6 +20,7 @@ import numpy as np
 from rattle_kernels.grazing_distance import grazing_distances
 from rattle_kernels.orbit_closure import OrbitShape, closure, orbit_from, stability_gap
 from rattle_kernels.oscillator import PARAMETERS, Oscillator, check_domain
+from rattle_kernels.pausing import Pause, never_stopped
 from rattle_kernels.periodic_orbit import PeriodicOrbit
 from rattle_kernels.pseudo_arclength import Steps, System, follow_curve, solve
 from rattle_kernels.special_point import (
@@ -104,6 +105,7 @@ class _Task(NamedTuple):
     bounds: tuple[float, float]
     steps: Steps
     most_points: int
+    pause: Pause
 
     @property
     def parameter(self) -> str:
@@ -275,6 +277,7 @@ def _one_way(task: _Task, start: np.ndarray, along: np.ndarray) -> _Side:
     lower = sum(1 << int(i) for i in np.flatnonzero(stations[0].margin > 0)) if task.infinitely_stiff else None
     system = closing_system(task.space, task.shape, lower)
     for point in follow_curve(system, start, along, task.steps):
+        task.pause()
         before = stations[-1]
         landed = _land(task, before.z, point.z, system)
         here = _station(task, point.z if landed is None else landed)
@@ -303,6 +306,7 @@ def continue_orbit(
     direction: str = "both",
     most_points: int = 2000,
     steps: Steps = Steps(),  # noqa: B008 (immutable)
+    pause: Pause = never_stopped,
 ) -> Branch:
     """Follow a periodic orbit as one parameter varies, through folds, and locate its special points.
 
@@ -322,6 +326,8 @@ def continue_orbit(
         For each way.
     steps : Steps
         In scaled unknowns: periods, falls through the backlash, multiples of the parameter's value.
+    pause : callable
+        Called at every point; whoever wants the work to stop raises an exception there.
 
     Returns
     -------
@@ -345,7 +351,7 @@ def continue_orbit(
         raise ValueError(f"{parameter} = {value:g} lies outside the bounds {bounds[0]:g} and {bounds[1]:g}")
     space = unknowns(checked, (parameter,))
     shape = OrbitShape(orbit.forcing_periods, orbit.upper_contacts)
-    task = _Task(space, shape, bounds, steps, most_points)
+    task = _Task(space, shape, bounds, steps, most_points, pause)
     start = space.write(checked, float(orbit.t[0]), float(orbit.v[0]))
     sides = []
     for name, way in (("down", -1.0), ("up", 1.0)):

@@ -12,6 +12,7 @@ residual says so), not what is missed.
 """
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -90,12 +91,17 @@ def describe_orbit(oscillator: Oscillator, orbit: PeriodicOrbit) -> FoundOrbit:
 
 
 def _seeds(
-    oscillator: Oscillator, region: tuple[float, float, float, float], cells: int, longest: int
+    oscillator: Oscillator,
+    region: tuple[float, float, float, float],
+    cells: int,
+    rows: tuple[int, int],
+    longest: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Departures to start from, with the period to look for."""
     middles = (np.arange(cells) + 0.5) / cells
     middle_t, middle_v = np.meshgrid(
-        region[0] + (region[1] - region[0]) * middles, region[2] + (region[3] - region[2]) * middles
+        region[0] + (region[1] - region[0]) * middles,
+        region[2] + (region[3] - region[2]) * middles[slice(*rows)],
     )
     t, v = middle_t.ravel(), middle_v.ravel()
     shape = t.size, longest
@@ -133,6 +139,7 @@ def find_orbits(
     time: tuple[float, float] = (0.0, 1.0),
     velocity: tuple[float, float] = (0.0, 7.0),
     cells: int = 40,
+    rows: tuple[int, int] | None = None,
 ) -> tuple[FoundOrbit, ...]:
     """Periodic orbits of impact period up to `longest` with a departure in a region of the (t, v) plane.
 
@@ -146,6 +153,9 @@ def find_orbits(
         The region; phases within [0, 1].
     cells : int
         The search starts from the centres of ``cells x cells`` cells over it.
+    rows : (int, int), optional
+        Start from these rows of cells only, the first included, the last not: a part of the search, of which
+        `merge_orbits` makes the whole. All rows by default.
 
     Returns
     -------
@@ -161,7 +171,7 @@ def find_orbits(
     if longest < 1 or cells < 1:
         raise ValueError(f"longest and cells must be positive, not {longest} and {cells}")
     scale = float(fall_speed(checked))
-    t, v, period = _seeds(checked, (*time, *velocity), cells, longest)
+    t, v, period = _seeds(checked, (*time, *velocity), cells, rows or (0, cells), longest)
     residual = np.empty(t.size)
     _newton_all(checked, t, v, period, scale, residual)
     catalogue = _Catalogue(scale)
@@ -173,6 +183,56 @@ def find_orbits(
                 catalogue.add(orbit)
     found = [describe_orbit(checked, orbit) for orbit in catalogue.orbits if _enters(orbit, time, velocity)]
     return tuple(sorted(found, key=_order))
+
+
+def merge_orbits(oscillator: Oscillator, found: Iterable[FoundOrbit]) -> tuple[FoundOrbit, ...]:
+    """Orbits that several searches have found, each once.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Theirs.
+    found : iterable of FoundOrbit
+        Of two that are one, the first is kept.
+
+    Returns
+    -------
+    tuple of FoundOrbit
+        In the order of `find_orbits`.
+    """
+    catalogue, kept = _Catalogue(float(fall_speed(check_domain(oscillator)))), []
+    for each in found:
+        if not catalogue.holds(each.orbit.t[0], each.orbit.v[0]):
+            catalogue.add(each.orbit)
+            kept.append(each)
+    return tuple(sorted(kept, key=_order))
+
+
+def find_orbit(oscillator: Oscillator, t: float, v: float, period: int = 1) -> FoundOrbit | None:
+    """Periodic orbit near a departure, stable or not, by Newton's method on P^p.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Either model.
+    t, v : float
+        Phase and speed of the departure.
+    period : int
+        Impact period p, at least 1; the orbit's own may be a divisor of it.
+
+    Returns
+    -------
+    FoundOrbit or None
+        None where Newton's method finds none.
+
+    Raises
+    ------
+    OutsideDomain
+        Where the oscillator's parameters lie outside the domain of the map.
+    """
+    checked = check_domain(oscillator)
+    orbit = find_periodic_orbit(checked, float(t), float(v), period, float(fall_speed(checked)))
+    return None if orbit is None else describe_orbit(checked, orbit)
 
 
 def _enters(orbit: PeriodicOrbit, time: tuple[float, float], velocity: tuple[float, float]) -> bool:

@@ -103,6 +103,16 @@ def eccentricity_bound_convexity(oscillator: Oscillator) -> float:
     return oscillator.damping / (math.pi + oscillator.damping / 2)
 
 
+def stiffness_bound(oscillator: Oscillator) -> float:
+    """Bound of the stiffness above which a contact rings, Eq. (35).
+
+    Returns
+    -------
+    float
+    """
+    return oscillator.damping * oscillator.damping / 8.0
+
+
 def check_domain(oscillator: Oscillator) -> Oscillator:
     """Return the oscillator with plain float fields, or say why P is not defined for it.
 
@@ -154,7 +164,7 @@ def _check_stiffness(checked: Oscillator) -> None:
     below epsilon_crit2 alone (Eqs. 8, 31). ``kappa > pi^2 + delta^2/4``, where epsilon_crit1 < epsilon_crit2, only
     tells which of the two bounds a quiet solution meets first.
     """
-    limit = checked.damping * checked.damping / 8.0
+    limit = stiffness_bound(checked)
     if checked.stiffness != math.inf and not checked.stiffness > limit:
         message = (
             f"stiffness must be above damping^2/8 = {limit:.6g}, not {checked.stiffness:g}: contacts ring only above "

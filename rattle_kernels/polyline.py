@@ -182,6 +182,8 @@ def split_at_corners(t: np.ndarray, v: np.ndarray, corner: np.ndarray, joined: n
     -------
     tuple of Piece
     """
+    if not t.size:
+        return ()
     starts: Sequence[int] = np.flatnonzero(corner | ~np.roll(joined, 1)).tolist()
     pieces = []
     for start, following in zip(starts, [*starts[1:], t.size], strict=True):

@@ -14,6 +14,7 @@ import numpy as np
 from rattle_kernels.grazing_distance import grazing_distances
 from rattle_kernels.orbit_closure import OrbitShape, closure, orbit_from
 from rattle_kernels.oscillator import PARAMETERS
+from rattle_kernels.pausing import Pause, never_stopped
 from rattle_kernels.pseudo_arclength import Steps, System, follow_curve, solve
 from rattle_kernels.special_point import (
     SpecialKind,
@@ -51,6 +52,7 @@ class _Plane(NamedTuple):
     bounds: np.ndarray
     steps: Steps
     most_points: int
+    pause: Pause
 
     def values(self, z: np.ndarray) -> np.ndarray:
         """The two parameters."""
@@ -92,6 +94,7 @@ def _one_way(plane: _Plane, start: np.ndarray, way: float) -> tuple[list[np.ndar
     along[-1] = way
     points = [start]
     for point in follow_curve(plane.system, start, along, plane.steps):
+        plane.pause()
         landed = _land(plane, points[-1], point.z)
         points.append(point.z if landed is None else landed)
         if landed is not None:
@@ -118,6 +121,7 @@ def continue_special_point(
     second_bounds: tuple[float, float],
     most_points: int = 1000,
     steps: Steps = Steps(),  # noqa: B008 (immutable)
+    pause: Pause = never_stopped,
 ) -> SpecialCurve:
     """Follow a special point as a second parameter varies, both ways.
 
@@ -133,6 +137,8 @@ def continue_special_point(
         For each way.
     steps : Steps
         In scaled unknowns, as for `continue_orbit`.
+    pause : callable
+        Called at every point; whoever wants the work to stop raises an exception there.
 
     Returns
     -------
@@ -150,7 +156,7 @@ def continue_special_point(
     shape = OrbitShape(point.forcing_periods, point.upper_contacts, point.kind == SpecialKind.GRAZING)
     lower = _smooth_side(point, shape) if space.with_speed else None
     system = special_system(point.kind, space, shape, lower)
-    plane = _Plane(system, space, shape, np.array([bounds, second_bounds]), steps, most_points)
+    plane = _Plane(system, space, shape, np.array([bounds, second_bounds]), steps, most_points, pause)
     start = space.write(point.oscillator, float(point.t[0]), float(point.v[0]))
     falling, growing = (_one_way(plane, start, way) for way in (-1.0, 1.0))
     return _curve(plane, point.kind, falling[0][:0:-1] + growing[0], (falling[1], growing[1]))

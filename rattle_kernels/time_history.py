@@ -67,7 +67,8 @@ class TimeHistory(NamedTuple):
     ``time`` (forcing periods, not reduced) never decreases; every contact is among the samples, and an impact is two of
     them at one time, with the velocity before and after. ``outcome`` is RETURNED, PERMANENT_CONTACT (seen to begin
     within the span) or NOT_CONVERGED. ``truncated``: the history ends, at a contact, before what was asked for, as
-    there are more contacts than allowed or a root-finder gave up.
+    there are more contacts than allowed or a root-finder gave up. ``permanent_from`` is the contact from which on it
+    counts as permanent, infinite where none does.
     """
 
     time: np.ndarray
@@ -76,6 +77,7 @@ class TimeHistory(NamedTuple):
     contacts: Contacts
     outcome: Outcome
     truncated: bool
+    permanent_from: float
 
     @property
     def departures(self) -> np.ndarray:
@@ -85,12 +87,13 @@ class TimeHistory(NamedTuple):
 
 
 class _Followed(NamedTuple):
-    """How following a motion ended: number of pieces, end of the last, outcome, and whether short of its goal."""
+    """How following ended: number of pieces, end of the last, outcome, whether short of its goal, when permanent."""
 
     pieces: int
     end: float
     outcome: int
     truncated: bool
+    permanent_from: float
 
 
 @step
@@ -107,28 +110,29 @@ def _follow(oscillator, capture_bound, state, span, departures, pieces):
     """Fill the list of pieces until the span has passed, or departures are reached, or the list is full."""
     piece = piece_from(oscillator, *state)
     first, whole, left = piece.phase, 0.0, 0
-    outcome = RETURNED
+    outcome, permanent_from = RETURNED, math.inf
     for i in range(pieces.shape[0]):
         begin = whole + piece.phase
         pieces[i] = (begin, piece.regime, piece.phase, piece.displacement, piece.velocity)
         left += 1 if i > 0 and piece.regime == FREEPLAY and piece.displacement == oscillator.half_backlash else 0
         ended = end_of_piece(oscillator, piece)
         if ended.outcome == NOT_CONVERGED:
-            return _Followed(i + 1, begin, NOT_CONVERGED, True)
+            return _Followed(i + 1, begin, NOT_CONVERGED, True, permanent_from)
         if _is_permanent(oscillator, capture_bound, piece, ended.duration):
-            outcome = PERMANENT_CONTACT
+            outcome, permanent_from = PERMANENT_CONTACT, min(permanent_from, begin)
         if left == departures:
-            return _Followed(i + 1, begin, outcome, False)
+            return _Followed(i + 1, begin, outcome, False, permanent_from)
         if math.isinf(ended.duration):
-            return _Followed(i + 1, first + span if math.isfinite(span) else begin, outcome, False)
+            end = first + span if math.isfinite(span) else begin
+            return _Followed(i + 1, end, outcome, False, permanent_from)
         whole += math.floor(piece.phase + 0.5)
         turns = math.floor(ended.following.phase)
         whole += turns
         _, phase, displacement, velocity = ended.following
         piece = Piece(ended.following.regime, phase - turns, displacement, velocity)
         if whole + piece.phase > first + span:
-            return _Followed(i + 1, first + span, outcome, False)
-    return _Followed(pieces.shape[0], pieces[-1, _BEGIN], outcome, True)
+            return _Followed(i + 1, first + span, outcome, False, permanent_from)
+    return _Followed(pieces.shape[0], pieces[-1, _BEGIN], outcome, True, permanent_from)
 
 
 @step
@@ -258,4 +262,7 @@ def time_history(
     filled = _sample(checked, pieces, followed.end, samples_per_period, *samples)
     t, phi, rate = (array[:filled].copy() for array in samples)
     outcome = Outcome(followed.outcome)
-    return TimeHistory(t + shift, phi, rate, _contacts(checked, pieces, shift), outcome, followed.truncated)
+    return TimeHistory(
+        t + shift, phi, rate, _contacts(checked, pieces, shift), outcome, followed.truncated,
+        followed.permanent_from + shift,
+    )  # fmt: skip

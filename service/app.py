@@ -18,7 +18,20 @@ from service.jobs import Jobs
 from service.keys import KeyRing, Keys
 from service.readiness import Probe, Probes
 from service.request_body import RequestBody
-from service.routes import basins, events, health, jobs, metrics, results, sweeps, trajectories
+from service.routes import (
+    analyses,
+    basins,
+    checks,
+    events,
+    explorer,
+    health,
+    jobs,
+    metrics,
+    results,
+    sweeps,
+    trajectories,
+    viewer,
+)
 from service.runner import Runner
 from service.security_headers import SecurityHeaders
 from service.settings import Settings
@@ -26,7 +39,7 @@ from worker.lasting_cluster import LastingCluster
 
 _DESCRIPTION = """Basins of attraction of a rattling gear pair.
 
-Submit a basin, follow its job, read the result: a summary, a picture, or the Zarr store itself
+Submit a basin, a sweep or an analysis, follow its job, read the result: a summary, a picture, or the Zarr store itself
 (`xarray.open_zarr(".../v1/jobs/ID/result.zarr")`). A single motion is answered at
 once. Time counts forcing periods; everything else is nondimensional.
 """
@@ -77,7 +90,9 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)
     install_error_handlers(app)
-    for each in (basins, sweeps, trajectories, jobs, events, results, health, metrics):
+    asking = (basins, sweeps, analyses, checks, trajectories)
+    for each in (*asking, jobs, events, results, viewer, health, metrics, explorer):
         app.include_router(each.router)
+    app.mount("/explorer", explorer.files)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]
     return app

@@ -19,6 +19,15 @@ _POSTGRESQL = {"connect_timeout": 5, "options": "-c timezone=UTC", "application_
 _MIGRATION_LOCK = 0x72617474
 
 
+_ONLY_READS = "rattle_only_reads"
+
+
+def to_read(session: Session) -> Session:
+    """Say of a new session that it only reads: then it waits for no writer, in SQLite neither."""
+    session.connection(execution_options={_ONLY_READS: True})
+    return session
+
+
 def _tune_sqlite(engine: Engine) -> None:
     """WAL, and transactions that take the write lock at once.
 
@@ -34,7 +43,8 @@ def _tune_sqlite(engine: Engine) -> None:
 
     @event.listens_for(engine, "begin")
     def _begun(connection: Any) -> None:
-        connection.exec_driver_sql("BEGIN IMMEDIATE")
+        reads = connection.get_execution_options().get(_ONLY_READS, False)
+        connection.exec_driver_sql("BEGIN" if reads else "BEGIN IMMEDIATE")
 
 
 def _write_ahead(connection: Any) -> None:

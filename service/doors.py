@@ -18,6 +18,7 @@ from service.settings import LOOPBACK
 
 OPEN_PATHS = frozenset({"/healthz", "/readyz", "/docs", "/docs/oauth2-redirect", "/redoc", "/openapi.json"})
 """What answers without a key: whether the service lives, and the description of its API."""
+_PAGE, _PAGE_FILES = "/", "/explorer/"
 _READING = ("GET", "HEAD", "OPTIONS")
 _HOST = re.compile(rb"(\[[^\]]*\]|[^:]*)(:\d*)?")
 
@@ -45,7 +46,7 @@ class Doors:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        if scope["path"] not in OPEN_PATHS:
+        if not _is_open(scope["path"]):
             answer = await self._decide(scope)
             if isinstance(answer, Response):
                 await answer(scope, receive, send)
@@ -66,6 +67,11 @@ class Doors:
         if not ring.demanded:
             return ANYONE_HERE if _names_loopback(headers.get(b"host", b"")) else _misdirected(scope["path"])
         return _holder(ring, headers.get(b"authorization"), scope)
+
+
+def _is_open(path: str) -> bool:
+    """Whether what lies there is for everyone: the page holds nothing but the field for the key."""
+    return path in OPEN_PATHS or path == _PAGE or path.startswith(_PAGE_FILES)
 
 
 def _holder(ring: KeyRing, given: bytes | None, scope: Scope) -> Caller | Response:

@@ -9,6 +9,7 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from pydantic import ValidationError
 from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 
@@ -18,6 +19,7 @@ from worker.errors import (
     ClusterFailed,
     InvalidJob,
     JobCancelled,
+    NotFound,
     StoreConflict,
     StoreFailed,
     SweptOutsideDomain,
@@ -65,6 +67,7 @@ _TABLE: dict[type[Exception], tuple[int, str]] = {
     OutsideDomain: (422, "outside-domain"),
     InvalidJob: (422, "invalid-request"),
     LimitExceeded: (422, "limit-exceeded"),
+    NotFound: (422, "nothing-found"),
     TooMuch: (429, "too-much"),
     JobNotFound: (404, "not-found"),
     NotReady: (404, "not-ready"),
@@ -105,16 +108,26 @@ def problem(
     return JSONResponse(body, status, headers=headers, media_type="application/problem+json")
 
 
+def _place_of(error: Exception) -> tuple[str | int, ...]:
+    """Where in a request the fault lies; empty where that is no one field."""
+    if isinstance(error, InvalidJob | SweptOutsideDomain):
+        return error.place
+    return ("oscillator", error.parameter) if isinstance(error, OutsideDomain) else ()
+
+
 async def _known(request: Request, error: Exception) -> JSONResponse:
     status, kind = next(entry for known, entry in _TABLE.items() if isinstance(error, known))
-    place: tuple[str | int, ...] = ()
-    if isinstance(error, InvalidJob | SweptOutsideDomain):
-        place = error.place
-    elif isinstance(error, OutsideDomain):
-        place = "oscillator", error.parameter
+    place = _place_of(error)
     errors = [{"location": ["body", *place], "message": str(error)}] if place else []
     headers = {"Retry-After": str(error.seconds)} if isinstance(error, TooMuch) else None
     return problem(status, kind, str(error), request.url.path, errors, headers)
+
+
+def faults_of(error: Exception) -> list[dict[str, Any]]:
+    """What is wrong with a request that a submission would refuse with `error`, field by field."""
+    if isinstance(error, ValidationError):
+        return [_field_error({**item, "loc": ("body", *item["loc"])}) for item in error.errors()]
+    return [{"location": ["body", *_place_of(error)], "message": str(error)}]
 
 
 def _field_error(item: dict[str, Any]) -> dict[str, Any]:

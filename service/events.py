@@ -11,6 +11,7 @@ from typing import Any
 from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session
 
+from service.database import to_read
 from service.event_record import EventRecord
 from service.job_record import JobState
 
@@ -55,11 +56,11 @@ class Events:
     def after(self, job_id: str, sequence: int) -> list[EventRecord]:
         """Events of a job with higher numbers, in order."""
         later = select(EventRecord).where(EventRecord.job_id == job_id, EventRecord.sequence > sequence)
-        with self._sessions() as session:
+        with to_read(self._sessions()) as session:
             return list(session.scalars(later.order_by(EventRecord.sequence)))
 
     def newest(self, job_ids: Collection[str]) -> Mapping[str, int]:
         """Highest number of each of some jobs; a job that is no more is left out."""
         newest = select(EventRecord.job_id, func.max(EventRecord.sequence)).where(EventRecord.job_id.in_(job_ids))
-        with self._sessions() as session:
+        with to_read(self._sessions()) as session:
             return dict(session.execute(newest.group_by(EventRecord.job_id)).all())

@@ -9,6 +9,7 @@ from sqlalchemy import ColumnElement, and_, delete, func, or_, select, text, upd
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session, aliased
 
+from service.database import to_read
 from service.database_time import database_time
 from service.errors import JobNotFound
 from service.events import forget_events, note_event
@@ -88,7 +89,7 @@ class Jobs:
         ------
         JobNotFound
         """
-        with self._sessions() as session:
+        with to_read(self._sessions()) as session:
             record = session.scalar(select(JobRecord).where(JobRecord.id == job_id))
         if record is None:
             raise JobNotFound(f"there is no job {job_id}")
@@ -101,7 +102,7 @@ class Jobs:
             query = query.where(JobRecord.number < before)
         if state is not None:
             query = query.where(JobRecord.state == state)
-        with self._sessions() as session:
+        with to_read(self._sessions()) as session:
             return list(session.scalars(query))
 
     def claim(self, owner: str, *, but: Collection[str] = (), newcomers: bool = False) -> JobRecord | None:
@@ -235,7 +236,7 @@ class Jobs:
     def answers(self) -> bool:
         """Whether the database does."""
         try:
-            with self._sessions() as session:
+            with to_read(self._sessions()) as session:
                 session.execute(select(1))
         except SQLAlchemyError:
             return False

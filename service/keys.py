@@ -12,6 +12,7 @@ from datetime import UTC, datetime
 from sqlalchemy import func, or_, select, update
 from sqlalchemy.orm import Session
 
+from service.database import to_read
 from service.key_record import KeyRecord, KeyScope
 
 LOCAL = "local"
@@ -92,7 +93,7 @@ class Keys:
 
     def all(self) -> Sequence[KeyRecord]:
         """Every key there ever was, oldest first."""
-        with self._sessions() as session:
+        with to_read(self._sessions()) as session:
             return session.scalars(select(KeyRecord).order_by(KeyRecord.number)).all()
 
     def revoke(self, which: str) -> list[KeyRecord]:
@@ -109,7 +110,7 @@ class Keys:
 
     def live(self) -> tuple[list[KeyRecord], bool]:
         """Keys that open something, and whether there ever was any."""
-        with self._sessions() as session:
+        with to_read(self._sessions()) as session:
             live = list(session.scalars(select(KeyRecord).where(KeyRecord.revoked.is_(None))))
             return live, bool(live) or bool(session.scalar(select(func.count()).select_from(KeyRecord)))
 

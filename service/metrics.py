@@ -1,11 +1,14 @@
 """What Prometheus is told: of this process, and of the jobs in its database."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, Counter, Gauge, Histogram, generate_latest
+from prometheus_client.core import CounterMetricFamily, Metric
 from prometheus_client.process_collector import ProcessCollector
+from prometheus_client.registry import Collector
 
 from service.job_record import JobState
+from worker.driver import tasks_retried
 from worker.progress import Progress, Stage
 
 CONTENT_TYPE = CONTENT_TYPE_LATEST
@@ -19,12 +22,22 @@ _WAIT = Histogram(
 _TILES = Counter("rattle_tiles", "Tiles done by jobs that run from here", ["stage"], registry=_REGISTRY)
 _CELLS = Counter("rattle_cells", "Cells mapped by jobs that run from here", registry=_REGISTRY)
 _ENDED = Counter("rattle_jobs_ended", "Jobs that have ended here", ["state"], registry=_REGISTRY)
-_RETRIES = Counter("rattle_task_retries", "Tasks submitted again after they were lost", registry=_REGISTRY)
 _LEASES = Counter("rattle_leases_lost", "Jobs that another replica took over from this one", registry=_REGISTRY)
 _REQUESTS = Histogram(
     "rattle_request_seconds", "Time until an answer began", ["method", "route", "status"], registry=_REGISTRY,
     buckets=(0.002, 0.005, 0.01, 0.025, 0.05, 0.1, 0.15, 0.25, 0.5, 1, 2.5, 10),
 )  # fmt: skip
+
+
+class _Retries(Collector):
+    """Counted by the worker, which knows of no metrics."""
+
+    def collect(self) -> Iterator[Metric]:
+        """As Prometheus asks for them."""
+        yield CounterMetricFamily("rattle_task_retries", "Tasks submitted again after they were lost", tasks_retried())
+
+
+_REGISTRY.register(_Retries())
 
 
 def job_started(waited: float) -> None:
@@ -35,11 +48,6 @@ def job_started(waited: float) -> None:
 def job_ended(state: JobState) -> None:
     """Note that a job has ended."""
     _ENDED.labels(state).inc()
-
-
-def task_retried() -> None:
-    """Note that a task was lost and is tried again."""
-    _RETRIES.inc()
 
 
 def lease_lost() -> None:

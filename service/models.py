@@ -7,16 +7,19 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from rattle_kernels import Attractor, CellGrid, settled_iterations
+from rattle_kernels import Attractor, CellGrid, expected_applications, settled_iterations
+from service.analysis_requests import ANALYSIS_REQUESTS, AnalysisKind, AnalysisRequest
 from service.event_record import EventRecord
 from service.job_record import JobRecord, JobState
 from service.oscillator_model import PIECEWISE_LINEAR, ImpactingOscillator, OscillatorRequest, demand_quiet
 from service.strict import Count, Real, Request
+from service.vary_model import VaryRequest
 from worker.basin_job import SETTLED, BasinJob
 from worker.errors import InvalidJob
+from worker.progress import Stage
 from worker.results import BasinSummary, Change, PanelSummary
 from worker.sample import Sample
-from worker.swept_parameter import MOST_SWEPT, Spacing, SweptParameter
+from worker.swept_parameter import MOST_SWEPT, SweptParameter
 
 # SQLite keeps no time zone: what comes from there without one is in UTC, as all moments are.
 Moment = Annotated[datetime, AfterValidator(lambda moment: moment if moment.tzinfo else moment.replace(tzinfo=UTC))]
@@ -81,6 +84,24 @@ class BasinRequest(Request):
 
     sample: SampleRequest | None = Field(None, description="Points in place of cells; leave out `cells` then")
 
+    def sizes(self) -> tuple[tuple[str, float, str], ...]:
+        """What is large about the request: in words, how large, and the setting that bounds it."""
+        # Where damping is weak no cell takes all of them. No float holds any integer.
+        each = expected_applications(self.least_damping, min(self.k, 10**18))
+        applications = round(self.places * each)
+        return (
+            ("cells or points", self.places, "max_cells"),
+            ("iterations", self.k, "max_iterations"),
+            ("cells times iterations", applications, "max_applications"),
+            ("basins", self.basins, "max_basins"),
+            ("cells times iterations of all basins", self.basins * applications, "max_sweep_applications"),
+        )
+
+    @property
+    def basins(self) -> int:
+        """Number of basins."""
+        return 1
+
     @property
     def places(self) -> int:
         """Cells of the grid, or points of the sample."""
@@ -116,46 +137,6 @@ class BasinRequest(Request):
 
     def _vary(self) -> tuple[SweptParameter, ...]:
         return ()
-
-
-class VaryRequest(Request):
-    """Values of one swept parameter: all of them, or how many from a start to a stop, both included."""
-
-    parameter: Literal["damping", "eccentricity", "half_backlash", "stiffness"]
-    values: list[Real] | None = Field(None, description="Ascending or descending")
-    start: Real | None = None
-    stop: Real | None = None
-    count: Annotated[int, Field(strict=True, ge=2)] | None = None
-    spacing: Spacing = Spacing.LINEAR
-
-    @property
-    def size(self) -> int:
-        """Number of values."""
-        return len(self.values) if self.values is not None else self.count or 0
-
-    @property
-    def least(self) -> float:
-        """Least value."""
-        ends = (end for end in (self.start, self.stop) if end is not None)
-        return min(self.values or ends, default=1.0)
-
-    def to_swept(self, place: tuple[str | int, ...]) -> SweptParameter:
-        """Swept parameter that this describes; `place` is where it stands in the request.
-
-        Raises
-        ------
-        InvalidJob
-            Where neither or both descriptions are given, or they are contradictory.
-        """
-        spaced = self.start, self.stop, self.count
-        if self.values is not None and spaced == (None, None, None) and "spacing" not in self.model_fields_set:
-            return SweptParameter(self.parameter, tuple(self.values))
-        if self.values is not None or self.start is None or self.stop is None or self.count is None:
-            raise InvalidJob(f"give {self.parameter} either values, or start, stop and count", place)
-        try:
-            return SweptParameter.spaced(self.parameter, self.start, self.stop, self.count, self.spacing)
-        except InvalidJob as error:
-            raise InvalidJob(str(error), (*place, "spacing")) from error
 
 
 class SweepRequest(BasinRequest):
@@ -210,7 +191,7 @@ class BasinProgressView(BaseModel):
     """How far one basin of a sweep is."""
 
     basin: int = Field(description="Its number: the last swept parameter runs fastest")
-    stage: Literal["computing", "mapping", "assembling", "labelling"]
+    stage: Stage
     tiles_done: int
     tiles_total: int
 
@@ -218,15 +199,15 @@ class BasinProgressView(BaseModel):
 class ProgressView(BaseModel):
     """How far a job is; counts are those of the stage, of a sweep those of its complete basins."""
 
-    stage: Literal["computing", "mapping", "assembling", "labelling", "done"]
-    tiles_done: int
+    stage: Stage
+    tiles_done: int = Field(description="Tiles of basins; pieces of what has no tiles")
     tiles_total: int
     cells_done: int
     cells_total: int
     cells_per_second: float
     seconds_left: float | None = Field(description="Estimate for this stage, null until there is one")
     basins_done: int = Field(0, description="Basins of a sweep that are complete")
-    basins_total: int = Field(1, description="Basins of the job: one where nothing is swept")
+    basins_total: int = Field(1, description="Basins of the job: one where nothing is swept, none of an analysis")
     under_way: tuple[BasinProgressView, ...] = Field(
         (), description="Basins of a sweep that are begun and not complete"
     )
@@ -255,9 +236,9 @@ class JobView(BaseModel):
     """A job."""
 
     id: str
-    kind: Literal["basin", "sweep"]
+    kind: Literal["basin", "sweep"] | AnalysisKind
     state: JobState
-    request: SweepRequest | BasinRequest
+    request: SweepRequest | BasinRequest | AnalysisRequest
     created: Moment
     started: Moment | None
     finished: Moment | None
@@ -269,9 +250,10 @@ class JobView(BaseModel):
     def from_record(cls, record: JobRecord) -> "JobView":
         """View of a job record."""
         here = f"/v1/jobs/{record.id}"
-        model = SweepRequest if record.kind == "sweep" else BasinRequest
+        models: dict[str, type[Request]] = {"sweep": SweepRequest, "basin": BasinRequest, **ANALYSIS_REQUESTS}
+        request = models[record.kind].model_validate(record.request)
         return cls(
-            id=record.id, kind=record.kind, state=record.state, request=model.model_validate(record.request),
+            id=record.id, kind=record.kind, state=record.state, request=request,
             created=record.created, started=record.started, finished=record.finished,
             progress=ProgressView(**record.progress) if record.progress else None,
             error=ErrorView(**record.error) if record.error else None,

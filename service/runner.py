@@ -1,5 +1,6 @@
 """Runs jobs on the cluster: several at once, by turns of their submitters, under leases."""
 
+import collections
 import dataclasses
 import itertools
 import logging
@@ -32,6 +33,8 @@ _BEAT_SECONDS = 0.5
 _LOOK_FOR_DEAD_SECONDS = 2.0
 _PROGRESS_SECONDS = 0.25
 _STOP_SECONDS = 4.0
+# A job that loses the cluster so often without having come any further is to blame itself.
+_LOSSES = 5
 
 
 Ends = dict[JobState, JobState]
@@ -69,6 +72,7 @@ class Runner:
         self._lock = threading.Lock()
         self._leases: dict[str, Lease] = {}
         self._threads: dict[str, threading.Thread] = {}
+        self._losses: collections.Counter[str] = collections.Counter()
         self._looked_for_dead = -_LOOK_FOR_DEAD_SECONDS
         self._claiming = threading.Thread(target=self._claim_jobs, name="rattle-claims", daemon=True)
         self._beating = threading.Thread(target=self._keep_leases, name="rattle-leases", daemon=True)
@@ -176,17 +180,17 @@ class Runner:
             self._bell.set()
 
     def _compute(self, lease: Lease, client: Client) -> tuple[Ends, dict[str, Any]]:
-        record = lease.record
+        record, report = lease.record, _Throttled(self.jobs, lease)
         try:
             kind = JOB_KINDS[record.kind]
             location = result_location(self.results, record.store or record.id)
-            report = _Throttled(self.jobs, lease)
             job = kind.from_request(record.request)
             kind.run(job, location, client, report=report, cancel=lease.cancel, fence=lease.check)
         except (JobCancelled, LeaseLost):
             return _STOPPED, {}
         except Exception as error:
-            if isinstance(error, ClusterFailed) or client.status != "running":
+            lost = isinstance(error, ClusterFailed) or client.status != "running"
+            if lost and self._may_go_on(record.id, report.came_further):
                 _log.warning("job %s is queued again: %s", record.id, error)
                 return _STOPPED, {}
             if not isinstance(error, WorkerError):
@@ -195,22 +199,28 @@ class Runner:
             return _FAILED, {"error": told}
         return _SUCCEEDED, {}
 
+    def _may_go_on(self, job_id: str, came_further: bool) -> bool:
+        """Whether a job that has lost the cluster is queued again."""
+        self._losses[job_id] = 1 if came_further else self._losses[job_id] + 1
+        return self._losses[job_id] < _LOSSES
+
     def _record_end(self, lease: Lease, ends: Ends, values: dict[str, Any]) -> None:
         lease.ending = True
         while not lease.lost:
             try:
                 for expected, state in ends.items():
                     if self.jobs.move(lease.record.id, expected, state, owner=lease.owner, **values):
-                        self._tell_end(state)
+                        self._tell_end(lease, state)
                         return
                 lease.lose()
             except SQLAlchemyError:
                 _log.exception("the end of job %s could not be recorded; trying again", lease.record.id)
                 time.sleep(_POLL_SECONDS)
 
-    def _tell_end(self, state: JobState) -> None:
+    def _tell_end(self, lease: Lease, state: JobState) -> None:
         if state.final:
             _log.info("ends: %s", state)
+            self._losses.pop(lease.record.id, None)
             metrics.job_ended(state)
 
 
@@ -221,10 +231,15 @@ class _Throttled:
         self.jobs, self.lease = jobs, lease
         self.stage: Stage | None = None
         self.written = 0.0
+        self.begun: tuple[Stage, int] | None = None
+        self.came_further = False
         self.pace = metrics.Pace()
 
     def __call__(self, progress: Progress) -> None:
         self.pace(progress)
+        reached = progress.stage, progress.tiles_done
+        self.begun = self.begun or reached
+        self.came_further |= reached != self.begun
         now = time.monotonic()
         if progress.stage == self.stage and now - self.written < _PROGRESS_SECONDS:
             return

@@ -49,6 +49,16 @@ class Settings(BaseSettings):
     max_basins: PositiveInt = Field(10_000, description="Most basins of a sweep")
     max_sweep_applications: PositiveInt = Field(1_000_000_000_000, description="Most cells times k of a whole sweep")
 
+    max_diagram_applications: PositiveInt = Field(10_000_000_000, description="Most impacts of a bifurcation diagram")
+    max_diagram_points: PositiveInt = Field(20_000_000, description="Most departures that a bifurcation diagram keeps")
+    max_orbit_starts: PositiveInt = Field(1_000_000, description="Most cells times greatest n+ of an orbit search")
+    max_branch_points: PositiveInt = Field(20_000, description="Most points each way of a branch or a curve")
+    max_arclength: PositiveInt = Field(10_000, description="Greatest arclength of a branch of a manifold")
+    max_curve_points: PositiveInt = Field(
+        2_000_000, description="Most points of a branch, or of an order of pre-images"
+    )
+    max_order: PositiveInt = Field(16, description="Highest order of pre-images of the grazing curve")
+
     @model_validator(mode="after")
     def _certificates_are_whole(self) -> "Settings":
         given = [each is not None for each in (self.tls_ca, self.tls_cert, self.tls_key)]

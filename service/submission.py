@@ -5,8 +5,8 @@ from typing import Annotated
 from fastapi import Depends, Response
 
 from service.dependencies import JobsHere, RunnerHere, SettingsHere, SubmitterHere
-from service.limits import check_size
-from service.models import BasinRequest, JobView
+from service.limits import JobRequest, check_size
+from service.models import JobView
 
 
 class Submission:
@@ -18,7 +18,7 @@ class Submission:
         self.response, self.jobs, self.runner, self.settings = response, jobs, runner, settings
         self.submitter = submitter
 
-    def accept(self, request: BasinRequest) -> JobView:
+    def accept(self, request: JobRequest) -> JobView:
         """Record a request as a job, wake the runner where it is a new one, and say where the job is.
 
         Raises

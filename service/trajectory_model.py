@@ -1,5 +1,6 @@
 """Shapes of one time history over HTTP."""
 
+import math
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -129,6 +130,7 @@ class TrajectoryView(BaseModel):
         "bounces that never rattle again; undecided: a root-finder gave up where the history ends"
     )
     truncated: bool = Field(description="The history ends before its span, at the most contacts allowed")
+    permanent_from: float | None = Field(description="Contact from which on it counts as permanent; null where none")
 
     @classmethod
     def from_history(cls, history: TimeHistory) -> "TrajectoryView":
@@ -141,4 +143,5 @@ class TrajectoryView(BaseModel):
         return cls(
             time=history.time.tolist(), displacement=history.displacement.tolist(), velocity=history.velocity.tolist(),
             contacts=contacts, outcome=_OUTCOMES[history.outcome], truncated=history.truncated,
+            permanent_from=history.permanent_from if math.isfinite(history.permanent_from) else None,
         )  # fmt: skip

@@ -17,10 +17,10 @@ BUCKET = "results"
 
 
 class ObjectStore:
-    """Where it is, and the variables by which stores find it."""
+    """Where it is, and the variables by which stores find it; `on` makes a command one that is run on another host."""
 
-    def __init__(self, host="127.0.0.1"):
-        self.host, self.port = host, free_port()
+    def __init__(self, host="127.0.0.1", port=None, on=list):
+        self.host, self.port, self._on = host, port or free_port(), on
         self.variables = {
             "AWS_ENDPOINT_URL": f"http://{self.host}:{self.port}",
             "AWS_ACCESS_KEY_ID": "tests",
@@ -31,7 +31,7 @@ class ObjectStore:
     def start(self):
         """Start it, with an empty bucket."""
         command = [sys.executable, "-W", "ignore", "-m", "moto.server", "-H", self.host, "-p", str(self.port)]
-        self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.process = subprocess.Popen(self._on(command), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         make_bucket(self.variables["AWS_ENDPOINT_URL"])
 
     def kill(self):

@@ -50,28 +50,38 @@ class PostgreSQL:
                 connection.execute(f'CREATE DATABASE "{name}"')
         return self.url(name)
 
+    def new_role_with_database(self, name, password):
+        """Make a role and a database of that name, which is the role's."""
+        with psycopg.connect(host=self.host, port=self.port, user="postgres", autocommit=True) as connection:
+            connection.execute(f"CREATE ROLE {name} LOGIN PASSWORD '{password}'")
+            connection.execute(f"CREATE DATABASE {name} OWNER {name}")
+
 
 @contextlib.contextmanager
-def running_postgresql(listen=""):
-    """Run a server that listens on a socket of its own folder, and on an address where one is given."""
+def running_postgresql(listen="", port=None, on=list):
+    """Run a server that listens on a socket of its own folder, and on an address where one is given.
+
+    `on` makes a command one that is run on another host.
+    """
     binaries = demand_postgresql()
     folder = Path(tempfile.mkdtemp(prefix="rattle-pg-"))  # short: a socket's path has 107 characters at the most
-    # PostgreSQL does not run as root.
-    user = {"user": "postgres"} if os.geteuid() == 0 else {}
-    if user:
+    data, port = folder / "data", port or free_port()
+    as_postgres = []
+    if os.geteuid() == 0:  # PostgreSQL does not run as root
         shutil.chown(folder, "postgres")
-    data, port = folder / "data", free_port()
+        as_postgres = ["runuser", "-u", "postgres", "--"]
 
     def call(program, *arguments):
+        command = on([*as_postgres, binaries / program, *arguments])
         subprocess.run(
-            [binaries / program, *arguments], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            cwd=folder, timeout=60, **user,
-        )  # fmt: skip
+            command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder, timeout=180
+        )
 
     try:
-        call("initdb", "-D", data, "-U", "postgres", "--auth=trust", "--no-sync", "--encoding=UTF8")
+        call("initdb", "-D", data, "-U", "postgres", "--auth-local=trust", "--no-sync", "--encoding=UTF8")
         if listen:
-            (data / "pg_hba.conf").open("a").write("host all all all trust\n")
+            with (data / "pg_hba.conf").open("a") as rules:
+                rules.write("host all all all scram-sha-256\n")
         options = f"-k {folder} -p {port} -c listen_addresses='{listen}' -c fsync=off -c timezone=Asia/Kolkata"
         call("pg_ctl", "-D", data, "-w", "-l", folder / "log", "-o", options, "start")
         try:

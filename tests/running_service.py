@@ -71,9 +71,9 @@ BACKENDS = Backends()
 
 
 @contextlib.contextmanager
-def running_service(data, **environment):
+def running_service(data, port=None, **environment):
     """Run ``rattle serve`` with two workers until the context ends."""
-    port = free_port()
+    port = port or free_port()
     command = [
         sys.executable,
         "-c",

@@ -19,6 +19,7 @@ from rattle_kernels import (
     settled_iterations,
 )
 from worker.errors import InvalidJob, SweptOutsideDomain
+from worker.oscillator_request import oscillator_from, oscillator_request
 from worker.sample import Sample
 from worker.swept_parameter import SweptParameter, check_swept
 
@@ -163,18 +164,7 @@ class BasinJob:
 
     def request(self) -> dict[str, Any]:
         """Request that asks for this job, in the JSON shape of ``POST /v1/basins`` or ``POST /v1/sweeps``."""
-        damping, eccentricity, half_backlash, stiffness, permanent_after = self.oscillator
-        oscillator: dict[str, Any] = {
-            "model": "impacting" if math.isinf(stiffness) else "piecewise_linear",
-            "damping": damping,
-            "eccentricity": eccentricity,
-            "half_backlash": half_backlash,
-        }
-        if not math.isinf(stiffness):
-            rule = "envelope" if math.isinf(permanent_after) else "one_rotation"
-            oscillator |= {"stiffness": stiffness, "permanent_contact": rule}
-            if not self.quiet_everywhere:
-                oscillator["allow_no_quiet_solution"] = True
+        oscillator = oscillator_request(self.oscillator, quiet=self.quiet_everywhere)
         grid = self.grid
         time: dict[str, Any] = {"start": grid.time_start, "stop": grid.time_stop}
         velocity: dict[str, Any] = {"start": grid.velocity_start, "stop": grid.velocity_stop}
@@ -197,12 +187,9 @@ class BasinJob:
     @classmethod
     def from_request(cls, request: dict[str, Any]) -> "BasinJob":
         """Job that a request in the shape of `request` asks for."""
-        oscillator = {name: value for name, value in request["oscillator"].items() if name in Oscillator._fields}
-        if request["oscillator"].get("permanent_contact") == "one_rotation":
-            oscillator["permanent_after"] = 1.0
         time, velocity = request["grid"]["time"], request["grid"]["velocity"]
         cells = time.get("cells", 1), velocity.get("cells", 1)
         grid = CellGrid(time["start"], time["stop"], cells[0], velocity["start"], velocity["stop"], cells[1])
         vary = tuple(SweptParameter(each["parameter"], tuple(each["values"])) for each in request.get("vary", ()))
         sample = Sample(**request["sample"]) if "sample" in request else None
-        return cls(Oscillator(**oscillator), grid, request["iterations"], vary, sample)
+        return cls(oscillator_from(request["oscillator"]), grid, request["iterations"], vary, sample)

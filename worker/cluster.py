@@ -4,6 +4,7 @@ import contextlib
 import logging
 import os
 import signal
+import time
 from collections.abc import Iterator
 
 import dask
@@ -15,6 +16,7 @@ from worker.errors import ClusterFailed
 
 _CONNECT_SECONDS = 10
 _CLOSE_SECONDS = 10
+_FORGET_SECONDS = 3
 # Workers yield to the service, which must answer while both cores compute.
 _NICENESS = 10
 # Each connection keeps its last messages for developers, a thousand by default: with catalogues in them, 100 MB.
@@ -89,6 +91,11 @@ def _end(cluster: LocalCluster) -> None:
         nanny.auto_restart = False
         with contextlib.suppress(ProcessLookupError, TypeError):  # gone by itself, or never started
             os.kill(nanny.pid, signal.SIGKILL)
+    # A scheduler that still believes in them would write to them as it closes, and tell of it in a traceback when
+    # nothing silences it any more.
+    patience = time.monotonic() + _FORGET_SECONDS
+    while cluster.scheduler.workers and time.monotonic() < patience:
+        time.sleep(0.01)
     with contextlib.suppress(TimeoutError):
         cluster.close(timeout=_CLOSE_SECONDS)
 

@@ -4,6 +4,7 @@ Permanent contact is dark blue, shorter itineraries are bluer, chaos is dark red
 """
 
 import colorsys
+from enum import StrEnum
 
 import numpy as np
 
@@ -15,7 +16,14 @@ PERMANENT_CONTACT: Colour = (0.0, 0.0, 0.5)
 CHAOTIC: Colour = (0.5, 0.0, 0.0)
 UNDECIDED: Colour = (1.0, 0.0, 1.0)
 MISSING: Colour = (0.85, 0.85, 0.85)
+SPECKLE = (0.85, 1.05, 1.25, 1.45)
+"""Brightness of chaotic cells by their group, counted round."""
 
+_KINDS: dict[AttractorKind, Colour] = {
+    AttractorKind.PERMANENT_CONTACT: PERMANENT_CONTACT,
+    AttractorKind.CHAOTIC: CHAOTIC,
+    AttractorKind.UNDECIDED: UNDECIDED,
+}
 # Places on the scale from blue to red that the paper's text names: P(1,1,0) pale blue, P(1,2,0) blue, P(2,2,1) yellow,
 # P(3,3,2) orange. Other itineraries find theirs by length, between green and red.
 _NAMED: dict[str, Colour] = {
@@ -28,6 +36,30 @@ _NAMED: dict[str, Colour] = {
 }
 _GREEN_HUE, _RED_HUE = 0.36, 0.02
 _LONG_ITINERARY = 24
+
+# Okabe and Ito's colours, which people with any of the common colour blindnesses tell apart.
+_SAFE_KINDS: dict[AttractorKind, Colour] = {
+    AttractorKind.PERMANENT_CONTACT: (0.08, 0.12, 0.25),
+    AttractorKind.CHAOTIC: (0.835, 0.369, 0.0),
+    AttractorKind.UNDECIDED: (0.6, 0.6, 0.6),
+}
+_SAFE_NAMED: dict[str, Colour] = {
+    "P(1,1,0)": (0.337, 0.706, 0.914),
+    "P(1,2,0)": (0.0, 0.447, 0.698),
+    "P(1,3,0)": (0.0, 0.62, 0.451),
+    "P(2,2,1)": (0.941, 0.894, 0.259),
+    "P(4,4,2)": (0.8, 0.475, 0.655),
+    "P(3,3,2)": (0.902, 0.624, 0.0),
+}
+
+
+class Palette(StrEnum):
+    """Which colours motions have."""
+
+    PAPER = "paper"
+    """Those that the paper's text names."""
+    COLOUR_BLIND = "colour_blind"
+    """Colours that people with a colour vision deficiency tell apart."""
 
 
 def _by_length(attractor: Attractor) -> Colour:
@@ -43,26 +75,35 @@ def _lighter(colour: Colour, part: float) -> Colour:
     return tuple(channel + (1.0 - channel) * part for channel in colour)  # type: ignore[return-value]
 
 
-def colours_of(attractors: tuple[Attractor, ...]) -> list[Colour]:
+def _safe_by_length(attractor: Attractor) -> Colour:
+    """Purples, the longer the darker."""
+    contacts = attractor.upper_contacts + attractor.lower_contacts
+    return _lighter((0.35, 0.12, 0.45), 0.65 * (1.0 - min(contacts, _LONG_ITINERARY) / _LONG_ITINERARY))
+
+
+def _colour_of(attractor: Attractor, palette: Palette) -> Colour:
+    if palette == Palette.COLOUR_BLIND:
+        known = _SAFE_KINDS.get(attractor.kind) or _SAFE_NAMED.get(attractor.name)
+        return known or _safe_by_length(attractor)
+    return _KINDS.get(attractor.kind) or _NAMED.get(attractor.name) or _by_length(attractor)
+
+
+def colours_of(attractors: tuple[Attractor, ...], palette: Palette = Palette.PAPER) -> list[Colour]:
     """Colour of each attractor; those that share a name get lighter shades of one colour, by their order.
 
     Parameters
     ----------
     attractors : tuple of Attractor
+    palette : Palette
 
     Returns
     -------
     list of (red, green, blue)
     """
-    kinds = {
-        AttractorKind.PERMANENT_CONTACT: PERMANENT_CONTACT,
-        AttractorKind.CHAOTIC: CHAOTIC,
-        AttractorKind.UNDECIDED: UNDECIDED,
-    }
     seen: dict[str, int] = {}
     colours = []
     for attractor in attractors:
-        colour = kinds.get(attractor.kind) or _NAMED.get(attractor.name) or _by_length(attractor)
+        colour = _colour_of(attractor, palette)
         twins = seen.get(attractor.name, 0)
         seen[attractor.name] = twins + 1
         colours.append(_lighter(colour, 1.0 - 0.7**twins))
@@ -88,6 +129,6 @@ def paint_cells(solution: np.ndarray, group: np.ndarray, attractors: tuple[Attra
     image = palette[np.where(solution >= 0, solution, len(attractors))]
     chaotic = [i for i, attractor in enumerate(attractors) if attractor.kind == AttractorKind.CHAOTIC]
     inside = np.isin(solution, chaotic)
-    speckle = 0.85 + 0.2 * (group[inside] % 4)
+    speckle = np.array(SPECKLE)[group[inside] % len(SPECKLE)]
     image[inside] = np.minimum(image[inside] * speckle[:, None], 1.0)
     return image

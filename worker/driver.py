@@ -9,6 +9,7 @@ Jobs that run on one client at the same time share its window: the scheduler tak
 submitted, so each job gets its turn, and one that has just begun waits for a few tasks of the others at the most.
 """
 
+import logging
 import threading
 import time
 import uuid
@@ -21,9 +22,11 @@ from distributed import CancelledError, Client, Future, wait
 from worker.errors import ClusterFailed, JobCancelled, TileFailed, WorkerError
 from worker.tasks import Task
 
+_log = logging.getLogger("rattle.driver")
 _TRIES = 4
 _POLL_SECONDS = 0.2
-_NO_WORKER_SECONDS = 60.0
+# On a busy machine a worker that was killed is back after a minute.
+_NO_WORKER_SECONDS = 180.0
 _TASKS_A_THREAD = 2
 _LOST = "the connection to the scheduler is lost; submit again when it is back"
 
@@ -57,6 +60,26 @@ class _Windows:
 
 
 _windows = _Windows()
+
+
+class _Retries:
+    """How many tasks this process has submitted again."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self.total = 0
+
+    def add(self) -> None:
+        with self._lock:
+            self.total += 1
+
+
+_retries = _Retries()
+
+
+def tasks_retried() -> int:
+    """How many tasks this process has submitted again after they were lost."""
+    return _retries.total
 
 
 class _Window:
@@ -93,8 +116,10 @@ class _Window:
             raise error
         if attempt >= _TRIES:
             reason = f"{type(error).__name__}: {error}" if error else "its worker was lost"
-            what = f"{task.function.__name__} {task.number} of basin {task.panel}"
+            what = task.name or f"{task.function.__name__} {task.number} of basin {task.panel}"
             raise TileFailed(f"{what} failed {_TRIES} times; the last time: {reason}") from error
+        _log.warning("%s %d of basin %d is tried again", task.function.__name__, task.number, task.panel)
+        _retries.add()
         self.submit(task, attempt + 1)
         return None
 

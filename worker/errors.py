@@ -2,6 +2,7 @@
 
 WorkerError
     InvalidJob       the request is at fault: correct it (also a ValueError)
+    NotFound         what was asked for is not there: the message tells what is, and what would be right
     StoreConflict    something else lies at the location: choose another, or delete it
     StoreFailed      the store could not be read or written: the message holds the system's reason; resume when mended
     TileFailed       a tile kept failing: the message names it and its last error
@@ -49,6 +50,10 @@ class SweptOutsideDomain(OutsideDomain):
     def __init__(self, error: OutsideDomain, place: tuple[str | int, ...], where: str) -> None:
         super().__init__(error.parameter, error.value, error.bound, error.limit, f"{where}: {error}")
         self.place = place
+
+
+class NotFound(WorkerError):
+    """Computing has shown that there is no such orbit, saddle or attractor where it was looked for."""
 
 
 class StoreConflict(WorkerError):

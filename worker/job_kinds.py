@@ -3,10 +3,13 @@
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 from distributed import Client
 
+from worker.analysis_kinds import ANALYSES
+from worker.analysis_run import run_analysis
 from worker.basin_job import BasinJob
 from worker.pipeline import run_basin
 from worker.progress import Report
@@ -50,5 +53,7 @@ class JobKind:
 
 
 _BASINS = JobKind(BasinJob.from_request, run_basin)
-JOB_KINDS: dict[str, JobKind] = {"basin": _BASINS, "sweep": _BASINS}
+JOB_KINDS: dict[str, JobKind] = {"basin": _BASINS, "sweep": _BASINS} | {
+    kind: JobKind(analysis.from_request, partial(run_analysis, analysis)) for kind, analysis in ANALYSES.items()
+}
 """By name, as ``Job.kind`` says it."""

@@ -9,8 +9,9 @@ from worker.cluster import Client, connect, count_workers
 from worker.errors import ClusterFailed
 
 _log = logging.getLogger("rattle.cluster")
-# Killed workers are back within seconds; an embedded cluster without any for so long has lost their nannies.
-_NO_WORKER_SECONDS = 60.0
+# Killed workers are back within seconds, on a busy machine after a minute; an embedded cluster without any for so long
+# has lost their nannies.
+_NO_WORKER_SECONDS = 240.0
 _ANSWER_SECONDS = 2.0
 
 

@@ -61,7 +61,8 @@ class Variable:
         return {"long_name": self.meaning} | self.attributes
 
 
-def _flags(codes: type[IntEnum]) -> dict[str, Any]:
+def flags(codes: type[IntEnum]) -> dict[str, Any]:
+    """CF attributes of an array of codes."""
     return {
         "flag_values": [int(code) for code in codes],
         "flag_meanings": " ".join(code.name.lower() for code in codes),
@@ -69,17 +70,17 @@ def _flags(codes: type[IntEnum]) -> dict[str, Any]:
 
 
 _CELLS = ("velocity", "time")
-_PERIODS = {"units": "1", "comment": "forcing periods"}
-_SPEED = {"units": "1", "comment": "nondimensional speed"}
+PERIODS = {"units": "1", "comment": "forcing periods"}
+SPEED = {"units": "1", "comment": "nondimensional speed"}
 
 COORDINATES = (
-    Variable("time", ("time",), np.float64, np.inf, "phase of the cell centres", _PERIODS | {"axis": "X"}, False),
-    Variable("velocity", ("velocity",), np.float64, np.inf, "speed of the cell centres", _SPEED | {"axis": "Y"}, False),
+    Variable("time", ("time",), np.float64, np.inf, "phase of the cell centres", PERIODS | {"axis": "X"}, False),
+    Variable("velocity", ("velocity",), np.float64, np.inf, "speed of the cell centres", SPEED | {"axis": "Y"}, False),
 )
 
 _LANDINGS = (
-    ("landing_time", "phase of P^k(start), NaN where captured", _PERIODS),
-    ("landing_velocity", "speed of P^k(start), NaN where captured", _SPEED),
+    ("landing_time", "phase of P^k(start), NaN where captured", PERIODS),
+    ("landing_velocity", "speed of P^k(start), NaN where captured", SPEED),
 )
 
 MAPPED = (
@@ -106,17 +107,17 @@ SOLUTION = Variable("solution", _CELLS, np.int16, MISSING, _ENDS_IN)
 """Written tile by tile once the solutions of the panel have their numbers."""
 
 LEDGER = Variable(
-    "tile_state", ("tile_velocity", "tile_time"), np.uint8, 0, "what is in the store, tile by tile", _flags(TileState)
+    "tile_state", ("tile_velocity", "tile_time"), np.uint8, 0, "what is in the store, tile by tile", flags(TileState)
 )
 
 GRAZING = Variable(
-    "grazing_velocity", ("time",), np.float64, np.inf, "grazing curve v*(t) at the cell centres' phases", _SPEED
+    "grazing_velocity", ("time",), np.float64, np.inf, "grazing curve v*(t) at the cell centres' phases", SPEED
 )
 
 _SAMPLE = ("sample",)
 SAMPLE_COORDINATES = (
-    Variable("time", _SAMPLE, np.float64, np.inf, "phase of the sample's points", _PERIODS, False),
-    Variable("velocity", _SAMPLE, np.float64, np.inf, "speed of the sample's points", _SPEED, False),
+    Variable("time", _SAMPLE, np.float64, np.inf, "phase of the sample's points", PERIODS, False),
+    Variable("velocity", _SAMPLE, np.float64, np.inf, "speed of the sample's points", SPEED, False),
 )
 SAMPLE_MAPPED = (
     Variable(
@@ -126,12 +127,12 @@ SAMPLE_MAPPED = (
     *(Variable(name, _SAMPLE, np.float64, np.inf, told, attributes) for name, told, attributes in _LANDINGS),
 )  # fmt: skip
 SAMPLE_SOLUTION = Variable("solution", _SAMPLE, np.int16, MISSING, _ENDS_IN)
-SAMPLE_LEDGER = Variable("tile_state", ("tile",), np.uint8, 0, "what is in the store, tile by tile", _flags(TileState))
+SAMPLE_LEDGER = Variable("tile_state", ("tile",), np.uint8, 0, "what is in the store, tile by tile", flags(TileState))
 
 
 _ATTRACTOR = ("attractor",)
 MOTIONS = (
-    Variable("kind", _ATTRACTOR, np.int8, 0, "kind of motion", _flags(AttractorKind), False),
+    Variable("kind", _ATTRACTOR, np.int8, 0, "kind of motion", flags(AttractorKind), False),
     Variable("forcing_periods", _ATTRACTOR, np.int32, MISSING, "m of P(m, n+, n-), 0 where not periodic", {}, False),
     Variable("upper_contacts", _ATTRACTOR, np.int32, MISSING, "n+ of P(m, n+, n-): contacts with +beta", {}, False),
     Variable("lower_contacts", _ATTRACTOR, np.int32, MISSING, "n- of P(m, n+, n-): contacts with -beta", {}, False),
@@ -154,16 +155,16 @@ SHARE_ERROR = Variable(
 
 POINTS = (
     Variable(
-        "attractor_time", ("attractor", "point"), np.float64, np.nan, "phases of its departures, NaN-padded", _PERIODS
+        "attractor_time", ("attractor", "point"), np.float64, np.nan, "phases of its departures, NaN-padded", PERIODS
     ),
     Variable(
-        "attractor_velocity", ("attractor", "point"), np.float64, np.nan, "speeds of its departures, NaN-padded", _SPEED
+        "attractor_velocity", ("attractor", "point"), np.float64, np.nan, "speeds of its departures, NaN-padded", SPEED
     ),
 )
 """Nothing there is no point: the one fill value that is what it says."""
 
 CHANGES = (
-    Variable("change_kind", ("change",), np.int8, 0, "what happens to a solution", _flags(ChangeKind), False),
+    Variable("change_kind", ("change",), np.int8, 0, "what happens to a solution", flags(ChangeKind), False),
     Variable("change_solution", ("change",), np.int16, MISSING, "which: index into attractor", {}, False),
     Variable("change_parameter", ("change",), str, "", "parameter that changes", {}, False),
     Variable("change_from", ("change",), np.float64, np.inf, "its value before", {}, False),

@@ -87,8 +87,10 @@ def create_store(location: str, job: BasinJob) -> None:
     _create_coordinates(group, job, tiling)
     _create_assembly(group, job)
     _create_solutions(group, job)
+    title = "Basins of attraction of a rattling gear pair"
+    born = birth_certificate(title, job.request(), job.digest)
     # In one piece: `attrs.update` writes as often as there are attributes.
-    group.update_attributes(_birth_certificate(job, tile))
+    group.update_attributes(born | {"tile_cells": list(tile)})
     consolidate(location)
 
 
@@ -135,14 +137,14 @@ def _create_solutions(group: Any, job: BasinJob) -> None:
         create_array(group, job, variable, (0, 0), (_ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK))
 
 
-def _birth_certificate(job: BasinJob, tile: tuple[int, ...]) -> dict[str, Any]:
+def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[str, Any]:
+    """Attributes that every store is born with: what it is, what was asked for, by which versions, since when."""
     return {
         "Conventions": "CF-1.11",
-        "title": "Basins of attraction of a rattling gear pair",
-        "request": json.dumps(job.request()),
-        "request_sha256": job.digest,
+        "title": title,
+        "request": json.dumps(request),
+        "request_sha256": digest,
         "layout_version": layout.LAYOUT_VERSION,
-        "tile_cells": list(tile),
         "versions": {package: version(package) for package in _PACKAGES},
         "git_revision": _git_revision(),
         "started": now(),

@@ -19,12 +19,12 @@ from worker.panel_picture import Layer, PanelPicture
 from worker.results import representatives
 from worker.solution_table import SolutionTable
 from worker.store import BasinStore
+from worker.symbols import SYMBOLS, oscillator_told
 
 _MOST_CELLS = 2000
 # Panels each way: of more, some that lie evenly apart are shown.
 _MOST_PANELS = 6
 _LEGEND_ROWS = 18
-SYMBOLS = {"damping": "δ", "eccentricity": "ε", "half_backlash": "β", "stiffness": "κ"}
 
 
 def _legend(
@@ -58,12 +58,8 @@ def draw_legend(axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray
 
 
 def _title(store: BasinStore, shown: int) -> str:
-    fixed = store.job.oscillator._asdict()
-    for swept in store.job.vary:
-        del fixed[swept.parameter]
-    told = [f"{SYMBOLS[name]} = {fixed[name]:g}" for name in SYMBOLS if np.isfinite(fixed.get(name, np.inf))]
-    model = "impacting model" if np.isinf(store.job.oscillator.stiffness) else "piecewise linear model"
-    title = ", ".join([model, *told, f"k = {store.job.iterations}"])
+    swept = tuple(each.parameter for each in store.job.vary)
+    title = f"{oscillator_told(store.job.oscillator, without=swept)}, k = {store.job.iterations}"
     if shown < store.job.panels:
         title += f"; {shown} of {store.job.panels} basins"
     if not store.complete:

@@ -16,6 +16,16 @@ class Stage(StrEnum):
     """Hsu's algorithm on the image set, and the catalogue of attractors."""
     LABELLING = "labelling"
     """Tiles look up group, period and step and name solutions."""
+    SEARCHING = "searching"
+    """Attractors, periodic orbits or saddles are looked for."""
+    SETTLING = "settling"
+    """Motions are followed from value to value of a parameter."""
+    CONTINUING = "continuing"
+    """Orbits are followed in one parameter."""
+    TRACING = "tracing"
+    """Curves are drawn: of special points in two parameters, or pre-images of the grazing curve."""
+    GROWING = "growing"
+    """Branches of manifolds grow."""
     DONE = "done"
     """Everything is in the store."""
 
@@ -35,6 +45,7 @@ class Progress:
     """State of one stage; tiles already in the store when a job is resumed count as done.
 
     A sweep is in one stage, computing, from beginning to end: its tiles are done when their basin is complete.
+    What has no tiles has pieces in their place, and neither cells nor basins: 0 of 0.
     """
 
     stage: Stage

@@ -12,9 +12,9 @@ from rattle_kernels import Attractor
 from worker.basin_job import BasinJob
 from worker.colours import colours_of
 from worker.errors import InvalidJob
-from worker.picture import SYMBOLS
 from worker.results import representatives
 from worker.store import BasinStore
+from worker.symbols import SYMBOLS
 
 # Maps of shares over two parameters: of the solutions with the largest shares.
 _MOST_MAPS = 9

@@ -57,6 +57,8 @@ class BasinStore:
                 self._group = _open_group(location, "r+")
             except (FileNotFoundError, NotADirectoryError, ValueError) as error:
                 raise StoreConflict(f"{location} is no basin store: nothing there that Zarr can open") from error
+        if "kind" in self._group.attrs:
+            raise StoreConflict(f"{location} is no basin store: it is one of kind {self._group.attrs['kind']}")
         if self._group.attrs.get("layout_version") != layout.LAYOUT_VERSION:
             raise StoreConflict(f"{location} is no basin store of layout {layout.LAYOUT_VERSION}")
         self.job = BasinJob.from_request(json.loads(str(self._group.attrs["request"])))
@@ -77,7 +79,7 @@ class BasinStore:
         StoreFailed
             Where it cannot be written.
         """
-        if not holds_basin(location):
+        if not holds_store(location):
             fence()
             with told_as_store_failure(location):
                 if place_at(location).taken():
@@ -321,8 +323,8 @@ def _words(names: list[str]) -> list[str]:
     return [word if words.count(word) == 1 else f"{word}_{words[: i + 1].count(word)}" for i, word in enumerate(words)]
 
 
-def holds_basin(location: str) -> bool:
-    """Whether a basin's store lies at a location: its attributes are the last thing that is created."""
+def holds_store(location: str) -> bool:
+    """Whether a store of any kind lies at a location: its attributes are the last thing that is created."""
     with told_as_store_failure(location):
         try:
             group = _open_group(location, "r")

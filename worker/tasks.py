@@ -40,15 +40,16 @@ from worker.tiles import Tile, bands, runs_of_points
 
 @dataclass(frozen=True)
 class Task:
-    """One call of a function of this module: ``function(location, digest, number, *arguments)``.
+    """One call: ``function(location, digest, number, *arguments)``, of a function of this module or of `analysis_run`.
 
-    ``number`` is that of a tile, or of a panel; ``panel`` the panel that it is for.
+    ``number`` is that of a tile, a panel or a piece; ``panel`` the panel that it is for; ``name`` what it is called.
     """
 
     function: Callable[..., Any]
     number: int
     panel: int
     arguments: tuple[Any, ...] = ()
+    name: str = ""
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,16 @@ _COMMANDS = {
     ),
     "basin": ("compute", "Compute one basin on this machine, without a service."),
     "sweep": ("compute", "Compute basins over one or two parameters into one store, on this machine."),
+    "bifurcation": (
+        "analyses",
+        "Compute a bifurcation diagram: last departures at each value, the very last seeding the next value.",
+    ),
+    "orbits": (
+        "analyses",
+        "Find periodic orbits, stable or not; follow them in a parameter and locate special points.",
+    ),
+    "manifold": ("analyses", "Grow stable and unstable manifolds of saddles of the impacting model."),
+    "grazing-curve": ("analyses", "Draw the grazing curve of the impacting model and its pre-images."),
     "trajectory": (
         "trajectory",
         "Follow one motion of either model: draw Phi(t) or write it down, and list its contacts.",
@@ -61,6 +71,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Which motion does a rattling gear end in? Basins of attraction of a backlash oscillator.\n\n"
     "Alone: `rattle basin` computes one here, `rattle sweep` many, `rattle plot` draws them; "
+    "`rattle bifurcation`, `rattle orbits`, `rattle manifold` and `rattle grazing-curve` explain them; "
     "`rattle trajectory` follows one motion, `rattle paper` recomputes a figure of the paper. "
     "With a service: `rattle serve` starts one, "
     "`rattle submit` sends it a request, `rattle jobs` and `rattle cancel` follow and stop what it does; "

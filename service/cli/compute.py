@@ -1,7 +1,6 @@
 """Commands that compute here, without a service: one basin, or a sweep of them."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -37,7 +36,9 @@ from worker.results import BasinSummary
 from worker.sample import Sample
 from worker.swept_parameter import Spacing, SweptParameter
 
-Out = Annotated[Path, typer.Option("--out", help="Zarr store to write; an unfinished one is resumed")]
+Out = Annotated[
+    str, typer.Option("--out", help="Zarr store to write, a folder or s3://BUCKET/PREFIX; an unfinished one is resumed")
+]
 Cells = Annotated[tuple[int, int], typer.Option(help="Cells along time and along velocity")]
 Time = Annotated[tuple[float, float], typer.Option(help="Window of phases")]
 Velocity = Annotated[tuple[float, float], typer.Option(help="Window of speeds")]
@@ -104,7 +105,7 @@ def sweep(
     grid = CellGrid(*time, cells[0], *velocity, cells[1])
 
     def job() -> BasinJob:
-        swept = tuple(_swept(text) for text in vary)
+        swept = tuple(swept_of(text) for text in vary)
         if stiffness is None and any(each.parameter == "stiffness" for each in swept):
             # The model is the piecewise linear one; its stiffness is the sweep's.
             return BasinJob(
@@ -119,7 +120,7 @@ def _sample(points: int | None, seed: int) -> Sample | None:
     return Sample(points, seed) if points is not None else None
 
 
-def _swept(text: str) -> SweptParameter:
+def swept_of(text: str) -> SweptParameter:
     """Swept parameter as the command line writes it."""
     parameter, _, values = text.partition("=")
     try:
@@ -131,14 +132,14 @@ def _swept(text: str) -> SweptParameter:
         raise InvalidJob(f"--vary {text}: write damping=0.5,0.55,0.6 or damping=0.5:0.7:21 ({error})") from error
 
 
-def _run(describe: Callable[[], BasinJob], allow_no_quiet_solution: bool, out_: Path, workers: int) -> None:
+def _run(describe: Callable[[], BasinJob], allow_no_quiet_solution: bool, out_: str, workers: int) -> None:
     try:
         job = describe()
         demand_quiet(job.demand_quiet, unless=allow_no_quiet_solution)
     except (OutsideDomain, InvalidJob) as error:
         give_up(str(error), 2)
     try:
-        summary = _compute(job, str(out_), Settings(), workers)
+        summary = _compute(job, out_, Settings(), workers)
     except JobCancelled:
         give_up(f"stopped; the same command goes on from what is in {out_}")
     except WorkerError as error:

@@ -12,6 +12,8 @@ from service.cli.keys import opened_keys
 from service.logs import write_logs
 from service.server import Server
 from service.settings import Settings
+from worker.analysis_kinds import ANALYSES, draw_analysis
+from worker.analysis_store import kind_of_store
 from worker.errors import InvalidJob, WorkerError
 from worker.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
 from worker.panel_picture import Layer
@@ -59,7 +61,7 @@ def _has_key(settings: Settings) -> bool:
 
 
 def plot(
-    store: Annotated[Path, typer.Argument(help="Zarr store of a basin or a sweep, complete or not")],
+    store: Annotated[str, typer.Argument(help="Zarr store of any kind, complete or not")],
     out_: Annotated[Path, typer.Option("--out", help="PNG to write")],
     layer: Annotated[Layer, typer.Option(help="Solutions, or Hsu's group, period or step")] = Layer.SOLUTION,
     shares: Annotated[bool, typer.Option("--shares", help="Shares over the swept parameter instead")] = False,
@@ -67,12 +69,14 @@ def plot(
         USUAL_OVERLAYS
     ),
 ) -> None:
-    """Draw a basin in the paper's colours, or those of a sweep side by side."""
+    """Draw a basin in the paper's colours, those of a sweep side by side, or what an analysis has found."""
     try:
-        if shares:
-            draw_shares(str(store), out_)
+        if kind_of_store(store) in ANALYSES:
+            draw_analysis(store, out_)
+        elif shares:
+            draw_shares(store, out_)
         else:
-            draw_basin(str(store), out_, layer=layer, overlays=parse_overlays(overlay))
+            draw_basin(store, out_, layer=layer, overlays=parse_overlays(overlay))
     except InvalidJob as error:
         give_up(str(error), 2)
     except WorkerError as error:

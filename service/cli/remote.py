@@ -10,6 +10,7 @@ import httpx2 as httpx
 import typer
 from rich.table import Table
 
+from service.cli.analysis_tables import print_analysis
 from service.cli.console import ProgressLine, give_up, out, print_changes, print_seconds, print_solutions, progress_line
 
 Url = Annotated[str, typer.Option(envvar="RATTLE_URL", help="Address of the service")]
@@ -18,6 +19,13 @@ Key = Annotated[
 ]
 _HERE = "http://127.0.0.1:8000"
 _POLL_SECONDS = 0.2
+_ROUTES = {
+    "bifurcation": "bifurcations",
+    "orbits": "orbits",
+    "manifold": "manifolds",
+    "grazing_curve": "grazing-curves",
+}
+"""Of the kinds of requests that name theirs."""
 
 
 def _ask(method: str, url: str, path: str, key: str | None, **options: Any) -> Any:
@@ -35,7 +43,7 @@ def _ask(method: str, url: str, path: str, key: str | None, **options: Any) -> A
 
 
 def submit(
-    request: Annotated[Path, typer.Argument(help="JSON file of a basin or sweep request; - reads standard input")],
+    request: Annotated[Path, typer.Argument(help="JSON file of a request; - reads standard input")],
     wait: Annotated[bool, typer.Option("--wait", help="Follow the job to its end")] = False,
     url: Url = _HERE,
     key: Key = None,
@@ -52,11 +60,11 @@ def submit(
 
 
 def _kind_of(body: str) -> str:
-    """What a request asks for: a sweep where it varies something."""
+    """Route of what a request asks for: that of the kind it names, else a sweep where it varies something."""
     with contextlib.suppress(ValueError):
         request = json.loads(body)
-        if isinstance(request, dict) and "vary" in request:
-            return "sweeps"
+        if isinstance(request, dict):
+            return _ROUTES.get(str(request.get("kind")), "sweeps" if "vary" in request else "basins")
     return "basins"
 
 
@@ -73,6 +81,15 @@ def _follow(url: str, job_id: str, key: str | None) -> None:
         detail = f": {job['error']['detail']}" if job["error"] else ""
         give_up(f"job {job_id} is {job['state']}{detail}")
     result = _ask("GET", url, f"/v1/jobs/{job_id}/result", key)
+    if job["kind"] in _ROUTES:
+        print_analysis(result)
+    else:
+        _print_basins(result)
+    print_seconds(result["seconds"])
+    out.print(f"xarray.open_zarr({(url.rstrip('/') + result['zarr'])!r})", highlight=False, soft_wrap=True)
+
+
+def _print_basins(result: dict[str, Any]) -> None:
     print_solutions([(s["name"], s["share"], s["lyapunov_exponent"], s["points"][:1]) for s in result["solutions"]])
     names = [solution["name"] for solution in result["solutions"]]
     print_changes(
@@ -81,8 +98,6 @@ def _follow(url: str, job_id: str, key: str | None) -> None:
             for each in result["changes"]
         ]
     )
-    print_seconds(result["seconds"])
-    out.print(f"xarray.open_zarr({(url.rstrip('/') + result['zarr'])!r})", highlight=False, soft_wrap=True)
 
 
 def _until_the_end(url: str, job_id: str, key: str | None, line: ProgressLine) -> dict[str, Any]:
@@ -108,18 +123,21 @@ def jobs(
     if as_json:
         typer.echo(json.dumps(page["jobs"], indent=2))
         return
-    table = Table("job", "state", "stage", "tiles", "submitted", "oscillator")
+    table = Table("job", "kind", "state", "stage", "tiles", "submitted", "oscillator")
     for job in page["jobs"]:
         progress = job["progress"] or {}
         oscillator = job["request"]["oscillator"]
         tiles = f"{progress['tiles_done']}/{progress['tiles_total']}" if progress else ""
-        swept = {each["parameter"]: each["values"] for each in job["request"].get("vary", ())}
+        vary = job["request"].get("vary", [])
+        swept = {each["parameter"]: each["values"] for each in (vary if isinstance(vary, list) else [vary])}
         parameters = ", ".join(
             f"{name} {value:g}" if name not in swept else f"{name} {_span(swept[name])}"
             for name, value in oscillator.items()
             if name != "model"
         )
-        table.add_row(job["id"], job["state"], progress.get("stage", ""), tiles, job["created"][:19], parameters)
+        table.add_row(
+            job["id"], job["kind"], job["state"], progress.get("stage", ""), tiles, job["created"][:19], parameters
+        )
     out.print(table)
 
 

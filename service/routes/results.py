@@ -8,18 +8,19 @@ from typing import Annotated
 from fastapi import APIRouter, Request, Response
 from pydantic import AfterValidator
 
+from service.analysis_requests import AnalysisResult
 from service.byte_range import answer_range
 from service.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, not_modified, view_or_not_modified
 from service.dependencies import JobId, JobsHere, SettingsHere, problems
 from service.errors import JobNotFound, NotReady
 from service.models import ResultView
+from service.result_view import draw_result, result_fingerprint, result_view
 from worker.errors import InvalidJob
 from worker.panel_picture import Layer
-from worker.picture import draw_basin
 from worker.result_files import file_of_store, result_location
-from worker.results import fingerprint, summarise
+from worker.results import fingerprint
 from worker.share_chart import draw_shares
-from worker.store import holds_basin
+from worker.store import holds_store
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
 
@@ -27,11 +28,11 @@ _VERSION = version("gear-rattle")
 _NOTHING_YET = problems(s404="there is no such job, or it has not begun")
 
 
-def _location(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
+def location_of(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
     """Place of a job's store, once there is one."""
     record = jobs.get(job_id)
     location = result_location(settings.results, record.store or job_id)
-    if not holds_basin(location):
+    if not holds_store(location):
         raise NotReady(f"job {job_id} is {record.state} and has no result yet")
     return location
 
@@ -43,10 +44,19 @@ def _store_path(path: str) -> str:
     return path
 
 
-@router.get("/result", response_model=ResultView, summary="Summary of a result", responses=_NOTHING_YET | NOT_MODIFIED)
+@router.get(
+    "/result",
+    response_model=ResultView | AnalysisResult,
+    summary="Summary of a result",
+    responses=_NOTHING_YET | NOT_MODIFIED,
+)
 def get_result(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
-    """Solutions, shares and attractors; also while the job runs, and then it says that it is not complete."""
-    view = ResultView.from_summary(summarise(_location(job_id, jobs, settings)), f"/v1/jobs/{job_id}/result.zarr")
+    """Solutions, shares and attractors, or what an analysis has found.
+
+    Also while the job runs, and then it says that it is not complete.
+    """
+    location = location_of(job_id, jobs, settings)
+    view = result_view(jobs.get(job_id).kind, location, f"/v1/jobs/{job_id}/result.zarr")
     return view_or_not_modified(view, if_none_match)
 
 
@@ -63,15 +73,15 @@ def get_picture(
     layer: Layer = Layer.SOLUTION,
     if_none_match: IfNoneMatch = None,
 ) -> Response:
-    """Draw the basin, also while tiles are still coming: what is missing is hatched."""
-    location = _location(job_id, jobs, settings)
+    """Draw the basin, also while tiles are still coming: what is missing is hatched. Or what an analysis has found."""
+    location, kind = location_of(job_id, jobs, settings), jobs.get(job_id).kind
     # Asked before the picture is drawn: a tile that comes meanwhile is in the picture, and changes the next ETag.
-    etag = etag_of(fingerprint(location), layer, _VERSION)
+    etag = etag_of(result_fingerprint(kind, location), layer, _VERSION)
     known = not_modified(etag, if_none_match)
     if known is not None:
         return known
     buffer = io.BytesIO()
-    draw_basin(location, buffer, layer=layer)
+    draw_result(kind, location, buffer, layer)
     return Response(buffer.getvalue(), media_type="image/png", headers={"etag": etag})
 
 
@@ -87,13 +97,14 @@ def get_picture(
 )
 def get_shares(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
     """Draw the share of each solution over the swept parameter, or maps of them over two, also while a sweep runs."""
-    location, buffer = _location(job_id, jobs, settings), io.BytesIO()
+    location, buffer = location_of(job_id, jobs, settings), io.BytesIO()
+    kind = jobs.get(job_id).kind
+    if kind != "sweep":
+        raise InvalidJob(f"job {job_id} is of kind {kind}: only a sweep has a parameter to draw shares over")
     etag = etag_of(fingerprint(location), "shares", _VERSION)
     known = not_modified(etag, if_none_match)
     if known is not None:
         return known
-    if jobs.get(job_id).kind != "sweep":
-        raise InvalidJob(f"job {job_id} is a single basin: it sweeps no parameter to draw shares over")
     try:
         draw_shares(location, buffer)
     except InvalidJob as error:
@@ -116,7 +127,7 @@ def get_store(
     settings: SettingsHere,
 ) -> Response:
     """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`, also while it grows."""
-    file = file_of_store(_location(job_id, jobs, settings), path)
+    file = file_of_store(location_of(job_id, jobs, settings), path)
     if file is None:
         raise JobNotFound(f"the store of job {job_id} holds no {path!r}")
     return answer_range(file, request.headers)

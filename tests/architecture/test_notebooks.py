@@ -58,3 +58,15 @@ def test_a_sweep_is_computed_where_none_is_given(monkeypatch):
     text, pictures = outputs_of("sweep.ipynb")
     assert "P(1,2,0)" in text and "between damping = 0.675 and 0.7" in text
     assert pictures >= 5
+
+
+@pytest.mark.timeout(180)
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
+def test_the_anatomy_of_a_basin_is_built_from_what_a_service_answers(service, monkeypatch):
+    monkeypatch.setenv("RATTLE_URL", service.url)
+    monkeypatch.setenv("RATTLE_CELLS", "50")
+    monkeypatch.setenv("RATTLE_ARCLENGTH", "10")
+    text, pictures = outputs_of("anatomy.ipynb")
+    assert "saddle P(1,1,0) at t = 0.6017074510, v = 3.7699111843, multipliers" in text
+    assert "saddle-node of P(1,2,0) at damping = 0.5997157626" in text
+    assert "both manifolds" in text and pictures == 2

@@ -75,7 +75,7 @@ def engine(tmp_path_factory):
     engine.call(
         "buildah", "bud", "--pull-never", "--format", "docker", "--secret", f"id=pip,src={engine.folder}/pip.conf",
         "--volume", f"{engine.folder}/w:/wheels:ro", "--file", ROOT / "docker" / "Dockerfile", "--tag", "gear-rattle",
-        ROOT, timeout=1800,
+        ROOT, timeout=3600,
     )  # fmt: skip
     yield engine
     shutil.rmtree(engine.folder, ignore_errors=True)

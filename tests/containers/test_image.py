@@ -12,7 +12,7 @@ from tests.ports import free_port
 pytestmark = pytest.mark.containers
 
 
-def get_when_there(url, seconds=120):
+def get_when_there(url, seconds=300):
     patience = time.monotonic() + seconds
     while True:
         with contextlib.suppress(httpx.TransportError):
@@ -44,7 +44,7 @@ def test_the_service_in_it_computes_a_basin_and_compiles_nothing(engine, contain
     before = compiled(engine)
     cells = {"time": {"cells": 60}, "velocity": {"cells": 60}}
     job = httpx.post(f"{container}/v1/basins", json={"grid": cells}, timeout=30).json()
-    patience = time.monotonic() + 120
+    patience = time.monotonic() + 300
     while (state := httpx.get(f"{container}/v1/jobs/{job['id']}", timeout=30).json()["state"]) != "succeeded":
         assert state in ("queued", "running") and time.monotonic() < patience
         time.sleep(0.2)

@@ -77,8 +77,8 @@ def local_workers(service):
     found = []
     with contextlib.suppress(psutil.NoSuchProcess):
         for child in psutil.Process(service.process.pid).children():
-            with contextlib.suppress(psutil.NoSuchProcess, IndexError):
-                if "spawn_main" in child.cmdline()[2]:
+            with contextlib.suppress(psutil.NoSuchProcess):
+                if any("spawn_main" in part for part in child.cmdline()):
                     found.append(child.pid)
     return found
 

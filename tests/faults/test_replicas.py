@@ -62,7 +62,7 @@ def test_a_dead_replicas_job_is_taken_over_within_half_a_minute(replicas, tmp_pa
     begin = time.monotonic()
     wait_for(lambda: str(there.process.pid) in owner(tmp_path, job).split(".")[-2], 30)
     assert time.monotonic() - begin < 10.0  # seen to be dead: nobody waits for its lease to run out
-    assert there.wait(job["id"])["state"] == "succeeded"
+    assert there.wait(job["id"], seconds=150.0)["state"] == "succeeded"
     assert content(tmp_path / "results" / f"{job['id']}.zarr") == undisturbed["basin"].content
 
 
@@ -76,7 +76,7 @@ def test_a_paused_replica_loses_its_job_and_harms_nothing_when_it_wakes(replicas
     assert time.monotonic() - begin > 10.0  # it might have come back: its lease was respected
     # It wakes while the other one writes, and again is asked for more when all is done.
     here.process.send_signal(signal.SIGCONT)
-    assert there.wait(job["id"])["state"] == "succeeded"
+    assert there.wait(job["id"], seconds=150.0)["state"] == "succeeded"
     store = tmp_path / "results" / f"{job['id']}.zarr"
     assert content(store) == undisturbed["basin"].content
     time.sleep(3.0)

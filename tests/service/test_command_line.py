@@ -79,6 +79,16 @@ def test_a_figure_of_the_paper_is_drawn_and_its_numbers_written_down(tmp_path):
     assert refused.returncode == 1 and "cannot be written" in refused.stderr and "Traceback" not in refused.stderr
 
 
+def test_a_manifold_is_grown_here_told_and_drawn(tmp_path):
+    store, picture = tmp_path / "manifold.zarr", tmp_path / "manifold.png"
+    command = ("manifold", "--saddle", "0.6,3.77", "--arclength", "1", "--out", store)
+    done = rattle(*command)
+    assert done.returncode == 0, done.stderr
+    assert "P(1,1,0)" in done.stdout and "3.7699111843" in done.stdout and "as long as asked for" in done.stdout
+    assert rattle("plot", store, "--out", picture).returncode == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "told"),
     [
@@ -104,6 +114,19 @@ def test_a_figure_of_the_paper_is_drawn_and_its_numbers_written_down(tmp_path):
         (["sweep", "--vary", "damping=0.5:0.6", "--out", "x.zarr"], 2, "write damping=0.5,0.55,0.6 or"),
         (["sweep", "--vary", "damping=0.5,0.2", "--out", "x.zarr"], 2, "value 1 of damping"),
         (["plot", "nowhere.zarr", "--out", "x.png"], 1, "nowhere.zarr is no basin store"),
+        (["bifurcation", "--vary", "damping=0.5:0.6", "--out", "x.zarr"], 2, "write damping=0.5,0.55,0.6 or"),
+        (["bifurcation", "--vary", "damping=0.6", "--seed", "3", "--out", "x.zarr"], 2, "as in 0.6,3.77"),
+        (["bifurcation", "--vary", "damping=0.6", "--seed", "0,-3", "--out", "x.zarr"], 2, "section of departures"),
+        (["orbits", "--seed", "1", "--out", "x.zarr"], 2, "write phase, speed and impact period"),
+        (["orbits", "--follow", "damping=0.7:0.8", "--out", "x.zarr"], 2, "bounds that hold its value 0.6"),
+        (["orbits", "--follow", "damping", "--out", "x.zarr"], 2, "write damping=0.45:0.7"),
+        (["manifold", "--saddle", "P(1,1)", "--out", "x.zarr"], 2, "an itinerary is P(m, n+, n-)"),
+        (
+            ["manifold", "--saddle", "0.6,3.77", "--arclength", "inf", "--out", "x.zarr"],
+            2,
+            "arclength must be positive",
+        ),
+        (["grazing-curve", "--order", "-1", "--out", "x.zarr"], 2, "order must be 0"),
         (["plot", "nowhere.zarr", "--overlay", "saddle", "--out", "x.png"], 2, "choose among grazing,preimages"),
         (["paper", "fig99", "--out", "x"], 2, "choose one of fig1, fig2, fig3, fig4"),
         (["paper", "fig7", "--cells", "0", "10", "--out", "x"], 2, "at least one cell each way"),

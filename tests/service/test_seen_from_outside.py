@@ -11,8 +11,8 @@ import pytest
 from service import metrics
 from service.job_record import JobState
 from service.logs import LogFormat, about_job, write_logs
-from service.runner import Runner
 from tests.service.idle_service import idle_service
+from worker.lasting_cluster import LastingCluster
 from worker.progress import Progress, Stage
 
 
@@ -147,12 +147,15 @@ def test_readiness_is_answered_in_time_by_what_hangs_and_waits_in_one_thread(ser
     release.set()
 
 
-def test_the_runner_waits_for_no_scheduler():
+def test_a_scheduler_that_hangs_has_no_workers():
     class Hanging:
+        status = "running"
+        scheduler = type("Scheduler", (), {"ncores": None})()
+
         def sync(self, *_, callback_timeout, **__):
             assert callback_timeout <= 3
             raise TimeoutError
 
-        scheduler = type("Scheduler", (), {"ncores": None})()
-
-    assert Runner(None, Hanging(), "").workers() == 0
+    cluster = LastingCluster(None, 1)
+    cluster._client = Hanging()
+    assert cluster.workers() == 0

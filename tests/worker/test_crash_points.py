@@ -13,14 +13,19 @@ from worker.errors import StoreFailed
 from worker.pipeline import run_basin
 from worker.swept_parameter import SweptParameter
 
-# The second basin has a solution more, so that room is made twice; its births and deaths are written, too.
-JOB = BasinJob(
-    grid=CellGrid(time_cells=24, velocity_cells=24), iterations=101, vary=(SweptParameter("damping", (0.7, 0.6)),)
-)
+
+def sweep(cells):
+    """The second basin has a solution more, so that room is made twice; its births and deaths are written, too."""
+    grid = CellGrid(time_cells=cells, velocity_cells=cells)
+    return BasinJob(grid=grid, iterations=101, vary=(SweptParameter("damping", (0.7, 0.6)),))
 
 
-def run(location, client):
-    return run_basin(JOB, str(location), client, report=lambda _: None, cancel=threading.Event())
+# Basins of one tile and of four: they are not computed in the same way.
+JOBS = {"small": sweep(24), "tiled": sweep(100)}
+
+
+def run(job, location, client):
+    return run_basin(job, str(location), client, report=lambda _: None, cancel=threading.Event())
 
 
 class LastWrite:
@@ -39,43 +44,46 @@ class LastWrite:
         return self.write(*arguments, **options)
 
 
-@pytest.fixture(scope="module")
-def undisturbed(client, tmp_path_factory):
-    location = tmp_path_factory.mktemp("undisturbed") / "sweep.zarr"
-    run(location, client)
-    return location
+@pytest.fixture
+def undisturbed(client, tmp_path, job, last):
+    """Place of a store, and how often its driver wrote."""
+    location, last.left = tmp_path / "undisturbed.zarr", 10**6
+    run(job, location, client)
+    return location, 10**6 - last.left
 
 
-def count_writes(client, last, location):
-    last.left = 10**6
-    run(location, client)
-    return 10**6 - last.left
+@pytest.fixture
+def last(monkeypatch):
+    return LastWrite(monkeypatch)
 
 
-def comes_to_the_same(client, last, writes, location, undisturbed):
+@pytest.fixture(params=JOBS)
+def job(request):
+    return JOBS[request.param]
+
+
+def comes_to_the_same(job, client, last, writes, location, undisturbed):
     last.left = writes
     try:
-        run(location, client)
+        run(job, location, client)
     except StoreFailed:
         last.left = 10**6
-        run(location, client)
+        run(job, location, client)
     assert content(location) == content(undisturbed)
     with xr.open_zarr(location) as again, xr.open_zarr(undisturbed) as whole:
         assert again.attrs["complete"]
         xr.testing.assert_equal(again, whole)
 
 
-def test_a_driver_that_dies_at_some_of_its_writes_leaves_no_trace(client, undisturbed, tmp_path, monkeypatch):
-    last = LastWrite(monkeypatch)
-    writes = count_writes(client, last, tmp_path / "counted.zarr")
-    for dead_after in range(1, writes, writes // 8):
-        comes_to_the_same(client, last, dead_after, tmp_path / f"{dead_after}.zarr", undisturbed)
+def test_a_driver_that_dies_at_some_of_its_writes_leaves_no_trace(job, client, undisturbed, last, tmp_path):
+    location, writes = undisturbed
+    for dead_after in range(1, writes, writes // 4):
+        comes_to_the_same(job, client, last, dead_after, tmp_path / f"{dead_after}.zarr", location)
 
 
 @pytest.mark.faults
 @pytest.mark.timeout(300)
-def test_a_driver_that_dies_at_any_of_its_writes_leaves_no_trace(client, undisturbed, tmp_path, monkeypatch):
-    last = LastWrite(monkeypatch)
-    writes = count_writes(client, last, tmp_path / "counted.zarr")
+def test_a_driver_that_dies_at_any_of_its_writes_leaves_no_trace(job, client, undisturbed, last, tmp_path):
+    location, writes = undisturbed
     for dead_after in range(writes):
-        comes_to_the_same(client, last, dead_after, tmp_path / f"{dead_after}.zarr", undisturbed)
+        comes_to_the_same(job, client, last, dead_after, tmp_path / f"{dead_after}.zarr", location)

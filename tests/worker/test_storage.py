@@ -18,7 +18,7 @@ from worker.errors import JobCancelled, StoreConflict, StoreFailed
 from worker.reading import open_basin
 from worker.result_files import file_of_store, remove_result
 from worker.results import summarise
-from worker.store import BasinStore, holds_basin
+from worker.store import BasinStore, holds_store
 from worker.swept_parameter import SweptParameter
 
 SMALL = BasinJob(grid=CellGrid(time_cells=24, velocity_cells=20), iterations=7)
@@ -105,8 +105,8 @@ def test_a_store_is_removed_to_its_last_object_and_no_other_with_it(object_store
     for name in ("gone.zarr", "gone.zarr-not", "gone"):
         BasinStore.create_or_resume(in_s3(name), SMALL)
     remove_result(in_s3("gone.zarr"))
-    assert not holds_basin(in_s3("gone.zarr")) and object_store.objects("worker/gone.zarr") == {}
-    assert holds_basin(in_s3("gone.zarr-not")) and holds_basin(in_s3("gone"))
+    assert not holds_store(in_s3("gone.zarr")) and object_store.objects("worker/gone.zarr") == {}
+    assert holds_store(in_s3("gone.zarr-not")) and holds_store(in_s3("gone"))
     remove_result(in_s3("gone.zarr"))
 
 
@@ -148,7 +148,7 @@ def test_a_place_of_another_kind_is_refused(location):
 
 
 def test_a_bucket_that_is_not_there_is_told(object_store):
-    for attempt in (holds_basin, lambda location: BasinStore.create_or_resume(location, SMALL)):
+    for attempt in (holds_store, lambda location: BasinStore.create_or_resume(location, SMALL)):
         with pytest.raises(StoreFailed, match="s3://nowhere/a.zarr .*: NoSuchBucket: The specified bucket does not"):
             attempt("s3://nowhere/a.zarr")
 
@@ -175,7 +175,7 @@ def test_a_server_that_denies_is_told(monkeypatch):
         monkeypatch.setenv("AWS_ACCESS_KEY_ID", "somebody")
         monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "else")
         monkeypatch.setenv("AWS_ENDPOINT_URL", f"http://127.0.0.1:{server.server_port}")
-        for attempt in (holds_basin, lambda location: BasinStore.create_or_resume(location, SMALL)):
+        for attempt in (holds_store, lambda location: BasinStore.create_or_resume(location, SMALL)):
             with pytest.raises(StoreFailed, match=r"s3://.*/b.zarr cannot be read or written: AccessDenied: Access"):
                 attempt(in_s3("b.zarr"))
         server.shutdown()

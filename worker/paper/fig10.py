@@ -1,7 +1,7 @@
 """Fig. 10: the P(1,2,0) solution as damping grows, to its saddle-node, and the basins before, at and after it."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -78,16 +78,12 @@ def _draw_diagram(axes: Axes, diagram: _Diagram) -> None:
     axes.legend(loc="center left", fontsize="small")
 
 
-def _draw_basin(axes: Axes, label: str, view: BasinView) -> None:
+def _draw_basin(axes: Axes, label: str, view: BasinView, orbits: list[PeriodicOrbit]) -> None:
     there = tuple(each for each in view.attractors if each.name == _NAME)
-    saddles = [each.orbit for each in orbits_named(view.oscillator, _NAME) if not each.orbit.attracts]
+    saddles = [orbit for orbit in orbits if not orbit.attracts]
     draw_panel(axes, view, (*attractor_marks(there), *saddle_marks(saddles)))
     axes.set_title(f"({label}) δ = {view.oscillator.damping:g}", fontsize="medium")
     axes.legend(handles=legend_of(view), loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="x-small")
-
-
-def _told_panel(view: BasinView) -> dict[str, Any]:
-    return told_basin(view) | {"orbits": [told_orbit(each.orbit) for each in orbits_named(view.oscillator, _NAME)]}
 
 
 def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
@@ -96,15 +92,18 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     drawing = Figure(figsize=(13.0, 9.0), dpi=90, layout="constrained")
     places = drawing.subplots(2, 2).flat
     _draw_diagram(places[0], diagram)
+    panels = {}
     for number, (label, view) in enumerate(views.items(), 1):
         tell("drawing", number, len(views))
-        _draw_basin(places[number], label, view)
+        orbits = [each.orbit for each in orbits_named(view.oscillator, _NAME)]
+        _draw_basin(places[number], label, view, orbits)
+        panels[label] = told_basin(view) | {"orbits": [told_orbit(orbit) for orbit in orbits]}
     point = the_point(diagram.branch.special_points, SpecialKind.SADDLE_NODE)
     numbers = {
         "at_first_damping": {"attractor": told_orbit(diagram.attractor), "saddle": told_orbit(diagram.saddle)},
         "saddle_node": told_point(point),
         "last_followed": float(_alive(diagram).max()),
-        "panels": {label: _told_panel(view) for label, view in views.items()},
+        "panels": panels,
     }
     return Sheet(drawing, numbers)
 

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rattle_kernels import Oscillator, grazing_velocity
-from rattle_kernels.grazing_curve import LEAVING, grazing_flight
 from worker.history_picture import draw_boundaries
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.papers_oscillator import papers_oscillator
@@ -20,6 +19,7 @@ _PHASE = 0.6
 _TOLD_PHASES = 10
 _CURVE_POINTS = 4001
 _HIGHEST = 7.0
+_LAST_STEP, _MOST_STEPS = 1e-14, 20
 
 
 def _draw_flights(axes: Axes, flights: dict[str, Flights]) -> None:
@@ -44,13 +44,20 @@ def _draw_regions(axes: Axes) -> None:
 
 
 def _told_graze(oscillator: Oscillator, t0: float) -> dict[str, float]:
-    """A point of the grazing curve, and what Eq. (13) leaves at its time of grazing."""
-    speed, duration, _ = grazing_flight(oscillator, t0, LEAVING)
+    """A point of the grazing curve by the paper's own way, Newton's method on Eq. (13), beside the kernels' v*."""
     delta, epsilon, beta = oscillator.damping, oscillator.eccentricity, oscillator.half_backlash
-    turn, t_hat = 2.0 * math.pi, t0 + duration
-    push = (2.0 * turn - turn * epsilon * math.sin(turn * t_hat)) * math.expm1(delta * duration) / delta
-    ripple = epsilon * (math.cos(turn * t0) - math.cos(turn * t_hat))
-    return {"t": t0, "v": speed, "t_hat": t_hat, "residual": push + ripple - 2.0 * turn * duration - 2.0 * beta}
+    turn, t_hat, step, steps = 2.0 * math.pi, t0 + 0.5, math.inf, 0
+    while abs(step) > _LAST_STEP and steps < _MOST_STEPS:
+        grown = math.expm1(delta * (t_hat - t0))
+        push = 2.0 * turn - turn * epsilon * math.sin(turn * t_hat)
+        ripple = epsilon * (math.cos(turn * t0) - math.cos(turn * t_hat))
+        residual = push * grown / delta + ripple + 2.0 * turn * (t0 - t_hat) - 2.0 * beta
+        step = residual / (grown * (push - turn * turn * epsilon * math.cos(turn * t_hat) / delta))
+        t_hat, steps = t_hat - step, steps + 1
+    push = 2.0 * turn - turn * epsilon * math.sin(turn * t_hat)
+    by_newton = push * math.exp(delta * (t_hat - t0)) + turn * epsilon * math.sin(turn * t0) - 2.0 * turn
+    speed = float(grazing_velocity(oscillator, t0))
+    return {"t": t0, "v": speed, "t_hat": t_hat, "newton_steps": steps, "newton_differs": by_newton - speed}
 
 
 def _told_curve(oscillator: Oscillator) -> dict[str, Any]:

@@ -15,7 +15,8 @@ from rattle_kernels import (
 )
 from rattle_kernels.periodic_orbit import find_periodic_orbit
 
-_SEARCH_CELLS = 40
+# Enough for the orbits that the paper names.
+_SEARCH_CELLS = 24
 # Windows are looked for within this part of the damping.
 _WINDOW = 0.02
 _WINDOW_POINTS = 400

@@ -17,10 +17,10 @@ from worker.paper.papers_oscillator import ITERATIONS, papers_oscillator
 from worker.paper.solutions_told import told_basin
 from worker.paper.sweep_view import SweepView, view_sweep
 from worker.paper.transients import on_transient
-from worker.picture import SYMBOLS
 from worker.results import Change
 from worker.share_chart import draw_lines
 from worker.swept_parameter import Spacing, SweptParameter
+from worker.symbols import SYMBOLS
 
 _PANELS, _COLUMNS = 9, 3
 _SWEEP = "sweep"

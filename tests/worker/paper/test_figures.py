@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from rattle_kernels import CellGrid
+from rattle_kernels import CellGrid, Oscillator, next_impacts
 from worker.errors import InvalidJob, JobCancelled
-from worker.paper import fig1
+from worker.paper import fig1, fig11, fig17
 from worker.paper.production import produce
 from worker.paper.registry import PAPER_FIGURES, figure_named
 
@@ -135,6 +135,86 @@ def test_solutions_of_fig9_die_where_the_paper_says_until_all_is_quiet(client, t
         assert sum(shares(panel).values()) == pytest.approx(1.0)
         numbered = {solution["number"]: solution["name"] for solution in panel["solutions"]}
         assert all(numbers["solutions"][number] == name for number, name in numbered.items())
+
+
+def test_the_three_flights_of_figs_2_and_3_meet_what_their_types_say(tmp_path):
+    panels, fig3 = produced("fig2", tmp_path)["panels"], produced("fig3", tmp_path)
+    assert [[met["wall"] for met in panels[label]["meets"]] for label in "ab"] == [["+beta"], ["-beta", "+beta"]]
+    assert panels["c"]["lowest_displacement"] == pytest.approx(-0.6, abs=1e-6)
+    assert fig3["flights"] == panels
+    curve = fig3["grazing_curve"]
+    assert all(abs(point["newton_differs"]) < 1e-12 and point["newton_steps"] < 10 for point in curve["points"])
+    assert all(point["t_hat"] > point["t"] for point in curve["points"])
+    speeds = [point["v"] for point in curve["points"]]
+    assert curve["lowest"][1] <= min(speeds) and max(speeds) <= curve["highest"][1]
+
+
+def test_what_fig5_puts_back_to_cell_centres_goes_another_way_than_what_it_does_not(tmp_path):
+    maps = produced("fig5", tmp_path)["maps"]
+    corrected, true = maps["P_cell"]["images"], maps["P_corr o P^4"]["images"]
+    assert corrected[0] == true[0] and corrected[1] != true[1]
+    landed = next_impacts(Oscillator(), 0.9375, 3.55, 4)
+    assert true[3] == pytest.approx([float(landed.t), float(landed.v)], abs=1e-10)
+
+
+def test_p120_of_fig10_ends_in_a_saddle_node_and_its_basin_with_it(client, folder):
+    numbers = produced("fig10", folder, client)
+    assert numbers["saddle_node"]["damping"] == pytest.approx(0.5997157625984, abs=1e-11)
+    assert numbers["last_followed"] == pytest.approx(0.5997, abs=1e-9)
+    orbits = {label: [orbit["attracts"] for orbit in panel["orbits"]] for label, panel in numbers["panels"].items()}
+    assert orbits == {"b": [True, False], "c": [True, False], "d": []}
+    assert shares(numbers["panels"]["b"])["P(1,2,0)"] == pytest.approx(0.0705, abs=0.01)
+    assert "P(1,2,0)" not in shares(numbers["panels"]["d"])
+
+
+def test_motions_of_fig11_depend_on_the_way_and_its_points_are_the_papers(tmp_path, monkeypatch):
+    monkeypatch.setattr(fig11, "_VALUES", 201)
+    numbers = produced("fig11", tmp_path)
+    stretches = {
+        way: [(each["impact_period"], each["from"], each["to"]) for each in numbers["stretches"][way]]
+        for way in ("up", "down")
+    }
+    at_a = {way: [period for period, *ends in stretches[way] if min(ends) <= 0.527 <= max(ends)] for way in stretches}
+    assert at_a == {"up": [3], "down": [0]}
+    points = {what: point["damping"] for what, point in numbers["special_points"].items()}
+    assert points["B"] == pytest.approx(0.5818436719138, abs=1e-11)
+    assert points["C"] == pytest.approx(0.5922073480957, abs=1e-11)
+
+
+def test_chaos_of_fig12_coexists_with_p332_which_lives_between_its_birth_and_its_doubling(client, folder):
+    numbers = produced("fig12", folder, client)
+    assert shares(numbers).keys() >= {"P(3,3,2)", "chaotic", "P(1,1,0)", "P(1,2,0)", "permanent contact"}
+    window = numbers["windows"]["P(3,3,2)"]
+    assert [(side, window[side]["kind"]) for side in window] == [("below", "saddle-node"), ("above", "period doubling")]
+    assert window["below"]["damping"] < 0.527 < window["above"]["damping"]
+
+
+def test_the_orbit_of_fig13_is_about_to_graze_and_has_lost_its_basin(client, folder):
+    before, at = produced("fig13", folder, client)["panels"].values()
+    assert before["orbit"]["name"] == "P(2,2,1)" and shares(before)["P(2,2,1)"] > 0.25
+    assert at["orbit"]["name"] == "P(4,4,2)" and at["orbit"]["grazing_distance"] < 1e-4
+    assert shares(at).get("P(4,4,2)", 0.0) < 0.001 and shares(at)["P(24,24,14)"] > 0.23
+    assert at["windows"]["P(24,24,14)"]["above"]["damping"] < 0.592207
+
+
+def test_manifolds_of_figs_14_to_16_are_the_boundaries_and_preimages_only_some(client, folder):
+    fig14, fig15, fig16 = (produced(name, folder, client) for name in ("fig14", "fig15", "fig16"))
+    orders = [order["share_of_boundaries"] for order in fig14["orders"]]
+    assert orders == sorted(orders) and fig14["share_of_boundaries"] < 0.7
+    assert [each["saddle"]["name"] for each in fig15["manifolds"].values()] == ["P(1,1,0)", "P(1,1,1)"]
+    assert all(each["saddle"]["residual"] < 1e-13 for each in fig15["manifolds"].values())
+    assert fig15["share_of_boundaries"] == fig16["shares_of_boundaries"]["both manifolds"] == 1.0
+    assert fig16["shares_of_boundaries"]["grazing curve and pre-images 1, 2"] < 0.7
+
+
+def test_manifolds_of_fig17_reach_v_40_where_an_impact_costs_4_beta_delta(tmp_path, monkeypatch):
+    monkeypatch.setattr(fig17, "_ARCLENGTH", 60.0)
+    numbers = produced("fig17", tmp_path)
+    b = numbers["manifolds"]["B"]["branches"]
+    assert all("faster than asked for" in branch["end"] for branch in b)
+    assert [branch["arclength"] for branch in b] == pytest.approx([22.355, 25.859], abs=0.01)
+    least, greatest = numbers["speed_lost_there"]
+    assert least < 4 * 0.6 * 0.6 < greatest < least + 0.06
 
 
 def test_a_figure_that_is_cancelled_stops_and_is_resumed(client, tmp_path):

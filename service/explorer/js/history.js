@@ -1,0 +1,57 @@
+/** Time histories of one or two motions, under the basin. */
+
+import { Chart } from "./chart.js";
+import { reading } from "./ticks.js";
+
+const MOST_MARKS = 400;
+const NAMES = { first: "A", second: "B" };
+
+function draw(place, backlash, motions) {
+  const all = [...motions.values()].flatMap(({ shown }) => [shown.displacement]);
+  const least = Math.min(-backlash, ...all.map((values) => values.reduce((a, b) => Math.min(a, b))));
+  const most = Math.max(backlash, ...all.map((values) => values.reduce((a, b) => Math.max(a, b))));
+  const ends = [...motions.values()].map(({ shown }) => [shown.time[0], shown.time.at(-1)]);
+  const x = [Math.min(...ends.map(([from]) => from)), Math.max(...ends.map(([, to]) => to))];
+  const room = 0.08 * (most - least);
+  const label = `Displacement over time of ${motions.size === 1 ? "one motion" : "two motions"} between the backlash boundaries`;
+  const chart = new Chart(place, {
+    height: 210, x, y: [least - room, most + room], xLabel: "time t (forcing periods)", yLabel: "displacement Φ", label,
+  });
+  for (const [wall, name] of [[backlash, "+β"], [-backlash, "−β"]]) {
+    chart.add("path", { class: "wall", d: `M${chart.x(x[0])} ${chart.y(wall)}H${chart.x(x[1])}` });
+    chart.add("text", { x: chart.x(x[1]) + 2, y: chart.y(wall) + 4 }, name);
+  }
+  for (const [name, { shown }] of motions) {
+    chart.line(shown.time, shown.displacement, { class: name });
+    for (const { time, wall, direction } of shown.contacts.slice(0, MOST_MARKS)) {
+      if (direction !== "out") chart.add("circle", { class: name, cx: chart.x(time), cy: chart.y(wall * backlash), r: 2 });
+    }
+  }
+}
+
+function sentence(name, { start, told }) {
+  const line = document.createElement("p");
+  line.className = "told";
+  const mark = document.createElement("b");
+  mark.className = name;
+  mark.textContent = NAMES[name];
+  line.append(mark, ` The motion from t = ${reading(start.t, 0.1)}, v = ${reading(start.v, 0.1)} ${told}.`);
+  return line;
+}
+
+/**
+ * Show motions.
+ * @param {HTMLElement} section
+ * @param {number} backlash
+ * @param {Map<"first"|"second", object>} motions
+ */
+export function showHistories(section, backlash, motions) {
+  section.hidden = motions.size === 0;
+  const place = section.querySelector("#histories");
+  place.replaceChildren();
+  if (!motions.size) return;
+  const chart = document.createElement("div");
+  chart.className = "chart";
+  place.append(...[...motions].map(([name, motion]) => sentence(name, motion)), chart);
+  draw(chart, backlash, motions);
+}

@@ -1,0 +1,42 @@
+"""Results of jobs of every kind: in short, and as a picture."""
+
+import dataclasses
+from typing import IO
+
+from pydantic import TypeAdapter
+
+from service.analysis_requests import AnalysisResult
+from service.models import ResultView
+from worker.analysis_kinds import ANALYSES, draw_analysis
+from worker.analysis_run import fingerprint_of_analysis, summarise_analysis
+from worker.panel_picture import Layer
+from worker.picture import draw_basin
+from worker.results import fingerprint, summarise
+
+_ANALYSIS_RESULT: TypeAdapter[AnalysisResult] = TypeAdapter(AnalysisResult)
+
+
+def result_view(kind: str, location: str, zarr: str) -> ResultView | AnalysisResult:
+    """View of the result of a job of a kind, whose store is at a location and over HTTP at a path.
+
+    Raises
+    ------
+    StoreConflict, StoreFailed
+    """
+    if kind not in ANALYSES:
+        return ResultView.from_summary(summarise(location), zarr)
+    fields = dataclasses.asdict(summarise_analysis(ANALYSES[kind], location))
+    return _ANALYSIS_RESULT.validate_python(fields | fields.pop("told") | {"zarr": zarr})
+
+
+def draw_result(kind: str, location: str, target: IO[bytes], layer: Layer) -> None:
+    """Draw the result of a job of a kind; the layer is that of a basin's cells."""
+    if kind in ANALYSES:
+        draw_analysis(location, target)
+    else:
+        draw_basin(location, target, layer=layer)
+
+
+def result_fingerprint(kind: str, location: str) -> bytes:
+    """What changes whenever a picture of the result does."""
+    return fingerprint_of_analysis(location) if kind in ANALYSES else fingerprint(location)

@@ -1,0 +1,23 @@
+"""Requests checked, but not recorded."""
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Body
+
+from service.checks import CheckView, check_request
+from service.dependencies import SettingsHere, problems
+
+router = APIRouter(prefix="/v1", tags=["submit"])
+
+
+@router.post(
+    "/checks",
+    summary="Check a request",
+    responses=problems(s400="malformed JSON", s413="body too large", s422="the body is no JSON object"),
+)
+def check(body: Annotated[dict[str, Any], Body()], settings: SettingsHere) -> CheckView:
+    """Say whether a basin, or with `vary` a sweep, would be accepted, why not, and what bounds hold.
+
+    Nothing is recorded. The errors are those that the submission would be refused with.
+    """
+    return check_request(body, settings)

@@ -1,0 +1,18 @@
+"""The page on which basins are looked at, and the files that it is made of."""
+
+from pathlib import Path
+
+from fastapi import APIRouter
+from fastapi.responses import FileResponse
+from starlette.staticfiles import StaticFiles
+
+_FILES = Path(__file__).parents[1] / "explorer"
+
+router = APIRouter(include_in_schema=False)
+files = StaticFiles(directory=_FILES)
+
+
+@router.get("/")
+def get_page() -> FileResponse:
+    """Page of the explorer; it asks again for its files at each visit, so that a new version is seen at once."""
+    return FileResponse(_FILES / "index.html", headers={"cache-control": "no-cache"})

@@ -1,0 +1,111 @@
+"""What a viewer draws a basin from: its outline, and its labels tile by tile."""
+
+import gzip
+import threading
+from typing import Annotated
+
+from fastapi import APIRouter, Header, Path, Query, Response
+
+from service.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, not_modified, view_or_not_modified
+from service.dependencies import JobId, JobsHere, SettingsHere, problems
+from service.errors import NotReady
+from service.routes.results import location_of
+from service.viewer_models import OutlineView, OverlaysView, OverlayView
+from worker.overlay_kind import OverlayKind
+from worker.panel_outline import outline_panel
+from worker.panel_overlays import overlay_panel
+from worker.results import fingerprint
+from worker.tile_labels import read_tile_labels
+
+router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["viewer"])
+
+_NOTHING_YET = problems(s404="there is no such job, or what was asked for is not there yet")
+# Overlays of one request at a time: they are computed here, beside everything else that is asked.
+_COMPUTING = threading.Lock()
+Panel = Annotated[int, Query(ge=0, description="Which basin of a sweep, the last swept parameter fastest")]
+_FOR_GOOD, _ASK_AGAIN = "private, max-age=604800, immutable", "private, no-cache"
+
+
+@router.get(
+    "/outline",
+    response_model=OutlineView,
+    summary="All of a basin but its cells",
+    responses=_NOTHING_YET | NOT_MODIFIED,
+)
+def get_outline(
+    job_id: JobId,
+    jobs: JobsHere,
+    settings: SettingsHere,
+    panel: Panel = 0,
+    if_none_match: IfNoneMatch = None,
+) -> Response:
+    """Window, tiles and what is in them, solutions with their colours and points, the grazing curve."""
+    view = OutlineView.from_outline(outline_panel(location_of(job_id, jobs, settings), panel))
+    return view_or_not_modified(view, if_none_match)
+
+
+@router.get(
+    "/overlays/{kind}",
+    response_model=OverlaysView,
+    summary="What can be laid over a basin",
+    responses=_NOTHING_YET | NOT_MODIFIED,
+)
+def get_overlays(
+    job_id: JobId,
+    kind: OverlayKind,
+    jobs: JobsHere,
+    settings: SettingsHere,
+    panel: Panel = 0,
+    if_none_match: IfNoneMatch = None,
+) -> Response:
+    """Curves and marks of one kind, computed when they are asked for: saddles and manifolds take seconds.
+
+    Saddles and manifolds need the catalogue of motions: before it is there, the list is empty.
+    """
+    location = location_of(job_id, jobs, settings)
+    etag = etag_of(fingerprint(location), kind, str(panel))
+    if (known := not_modified(etag, if_none_match)) is not None:
+        return known
+    with _COMPUTING:
+        overlays = [OverlayView.from_overlay(each) for each in overlay_panel(location, panel, kind)]
+    body = OverlaysView(overlays=overlays).model_dump_json()
+    return Response(body, media_type="application/json", headers={"etag": etag})
+
+
+@router.get(
+    "/tiles/{number}",
+    summary="Labels of one tile",
+    response_class=Response,
+    responses={
+        200: {"content": {"application/octet-stream": {}}},
+        **_NOTHING_YET,
+        **NOT_MODIFIED,
+    },
+)
+def get_tile(
+    job_id: JobId,
+    number: Annotated[int, Path(ge=0, description="Of the tile, counted through all basins of the job")],
+    jobs: JobsHere,
+    settings: SettingsHere,
+    every: Annotated[int, Query(ge=1, le=4096, description="Only every n-th cell each way, of the whole grid")] = 1,
+    accept_encoding: Annotated[str, Header(include_in_schema=False)] = "",
+    if_none_match: IfNoneMatch = None,
+) -> Response:
+    """Step, group and period as int32, then solution as int16: little endian, each row by row from the lowest speed.
+
+    The header `rattle-shape` has the rows and columns.
+    """
+    labels = read_tile_labels(location_of(job_id, jobs, settings), number, every)
+    if labels is None:
+        raise NotReady(f"tile {number} of job {job_id} is not labelled yet, or there is none of this number")
+    etag = etag_of(labels.content)
+    if (known := not_modified(etag, if_none_match)) is not None:
+        return known
+    headers = {
+        "etag": etag, "cache-control": _FOR_GOOD if labels.final else _ASK_AGAIN, "vary": "accept-encoding",
+        "rattle-shape": f"{labels.rows} {labels.columns}",
+    }  # fmt: skip
+    content = labels.content
+    if "gzip" in accept_encoding:
+        content, headers["content-encoding"] = gzip.compress(content, compresslevel=1, mtime=0), "gzip"
+    return Response(content, headers=headers, media_type="application/octet-stream")

@@ -1,0 +1,87 @@
+"""Chromium of the system, driven by Playwright, and a page that notices what a user would not see."""
+
+import contextlib
+import shutil
+
+from playwright.sync_api import expect, sync_playwright
+
+
+def chromium():
+    """Where the system keeps Chromium."""
+    found = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    assert found, "there is no Chromium here: `make test-browser` installs it where it may"
+    return found
+
+
+@contextlib.contextmanager
+def browser():
+    """A browser until the context ends."""
+    with sync_playwright() as playwright:
+        # Without a sandbox, as tests may be run by root, where Chromium refuses one.
+        started = playwright.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        yield started
+        started.close()
+
+
+class Explorer:
+    """The page as a user has it before them; `complaints` are what its console says."""
+
+    def __init__(self, browser, url, **context):
+        self.url = url
+        self.context = browser.new_context(**({"viewport": {"width": 1440, "height": 980}} | context))
+        self.page = self.context.new_page()
+        self.complaints = []
+        # What reading the colours of the canvas, which only these tests do, is told.
+        self.forgiven = ("willReadFrequently",)
+        self.page.on("console", self._heard)
+        self.page.on("pageerror", lambda error: self.complaints.append(f"uncaught: {error}"))
+
+    def _heard(self, message):
+        if message.type in ("error", "warning"):
+            self.complaints.append(f"{message.text} at {message.location['url']}")
+
+    def unforgiven(self):
+        """Complaints but for those that belong to what is tested."""
+        return [told for told in self.complaints if not any(part in told for part in self.forgiven)]
+
+    def visit(self, query=""):
+        """Open the page."""
+        self.page.goto(f"{self.url}/{query}")
+        expect(self.page.locator("#preset option")).not_to_have_count(1)
+        return self
+
+    def state(self, text, seconds=60):
+        """Wait until the job's line says so."""
+        expect(self.page.locator("#state")).to_contain_text(text, timeout=1000 * seconds)
+
+    def fill(self, **fields):
+        """Fill fields of the form, by their names with an underscore for a dot."""
+        for name, value in fields.items():
+            self.page.locator(f"#ask [name='{name.replace('__', '.')}']").fill(str(value))
+
+    def compute(self):
+        """Press the button, once the form has been checked."""
+        expect(self.page.locator("#compute")).to_be_enabled()
+        self.page.locator("#compute").click()
+
+    def spot(self, across, up):
+        """Place on the screen of a part of the plot, from its lower left corner."""
+        box = self.page.locator("#plane").bounding_box()
+        left, top, right, bottom = 58, 10, 14, 44
+        width, height = box["width"] - left - right, box["height"] - top - bottom
+        return box["x"] + left + across * width, box["y"] + top + (1 - up) * height
+
+    def hover(self, across, up):
+        """Move the pointer there, and read what the page says of it."""
+        self.page.mouse.move(*self.spot(across, up))
+        return self.page.locator("#reading").inner_text()
+
+    def colour(self, across, up):
+        """Colour of the plot at a place: red, green, blue."""
+        x, y = self.spot(across, up)
+        box = self.page.locator("#plane").bounding_box()
+        script = """(canvas, [x, y]) => {
+            const ratio = canvas.width / canvas.clientWidth;
+            return [...canvas.getContext("2d").getImageData(x * ratio, y * ratio, 1, 1).data].slice(0, 3);
+        }"""
+        return tuple(self.page.locator("#plane").evaluate(script, [x - box["x"], y - box["y"]]))

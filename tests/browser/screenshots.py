@@ -1,0 +1,146 @@
+"""Pictures of every state of the explorer: ``python -m tests.browser.screenshots [ADDRESS]``; see `make screenshots`.
+
+The two that the README shows go to docs/pictures, all of them to the folder screenshots.
+"""
+
+import contextlib
+import re
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+from playwright.sync_api import expect
+
+from tests.browser.chromium import Explorer, browser
+from tests.running_service import running_service
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "screenshots"
+SHOWN = ("motions", "sweep")
+
+
+def start(explorer):
+    explorer.visit()
+
+
+def refused(explorer):
+    explorer.visit()
+    explorer.fill(eccentricity=0.2, iterations=1500)
+    expect(explorer.page.locator("#compute")).to_be_disabled()
+
+
+def coming(explorer):
+    explorer.visit()
+    explorer.page.locator("#preset").select_option("fig12")
+    explorer.compute()
+    explorer.state("Labelling")
+    explorer.page.locator("#legend button").first.wait_for()
+
+
+def finished(explorer):
+    explorer.visit()
+    explorer.page.locator("#preset").select_option("fig7bottom")
+    explorer.compute()
+    explorer.state("Complete")
+
+
+def motions(explorer):
+    finished(explorer)
+    explorer.page.mouse.click(*explorer.spot(0.2, 0.53))
+    expect(explorer.page.locator("#histories")).to_contain_text("A The motion")
+    explorer.page.locator("#second").click()
+    explorer.page.mouse.click(*explorer.spot(0.88, 0.5))
+    expect(explorer.page.locator("#histories")).to_contain_text("B The motion")
+    explorer.hover(0.6, 0.42)
+
+
+def zoomed(explorer):
+    finished(explorer)
+    explorer.page.locator("#box").click()
+    explorer.page.mouse.move(*explorer.spot(0.7, 0.5))
+    explorer.page.mouse.down()
+    explorer.page.mouse.move(*explorer.spot(0.95, 0.75), steps=3)
+    explorer.page.mouse.up()
+    expect(explorer.page).to_have_url(re.compile("window="))
+    explorer.state("Complete")
+
+
+def steps(explorer):
+    zoomed(explorer)
+    explorer.page.locator("#layer").select_option("step")
+
+
+def highlighted(explorer):
+    finished(explorer)
+    explorer.page.get_by_role("button", name="P(1,1,0)").click()
+
+
+def dark(explorer):
+    explorer.page.emulate_media(color_scheme="dark")
+    motions(explorer)
+    explorer.page.locator("#palette").select_option("colour_blind")
+
+
+def sweep(explorer):
+    explorer.visit()
+    explorer.page.locator("#preset").select_option("fig9")
+    explorer.compute()
+    explorer.state("Complete", seconds=200)
+    explorer.page.get_by_role("slider").fill("3")
+    explorer.state("Complete")
+    expect(explorer.page.locator("#shares .here")).to_have_count(1)
+
+
+def cancelled(explorer):
+    explorer.visit()
+    explorer.fill(time__cells=1500, velocity__cells=1500, iterations=20011)
+    explorer.compute()
+    explorer.state("Mapping")
+    explorer.page.locator("#cancel").click()
+    explorer.state("Cancelled")
+
+
+def narrow(explorer):
+    explorer.page.set_viewport_size({"width": 420, "height": 900})
+    finished(explorer)
+
+
+STATES = (start, refused, coming, finished, motions, zoomed, steps, highlighted, dark, sweep, cancelled, narrow)
+
+
+def shoot(url, names):
+    """Take the pictures of the states of these names from a running service."""
+    FOLDER.mkdir(exist_ok=True)
+    with browser() as started:
+        for state in STATES:
+            if names and state.__name__ not in names:
+                continue
+            explorer = Explorer(started, url)
+            state(explorer)
+            explorer.page.wait_for_timeout(400)
+            target = FOLDER / f"{state.__name__}.png"
+            explorer.page.screenshot(path=target, full_page=True)
+            # Few colours: a third of the size, and nothing that an eye sees is lost.
+            Image.open(target).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(target, optimize=True)
+            explorer.context.close()
+            print(target.relative_to(ROOT), target.stat().st_size // 1000, "kB", explorer.complaints or "")
+
+
+def main(arguments):
+    """Shoot from the service at an address, or from one that runs for it alone."""
+    with contextlib.ExitStack() as stack:
+        if arguments and arguments[0].startswith("http"):
+            url = arguments.pop(0)
+        else:
+            folder = stack.enter_context(tempfile.TemporaryDirectory())
+            url = stack.enter_context(running_service(folder)).url
+        shoot(url, arguments)
+    for name in SHOWN:
+        if (FOLDER / f"{name}.png").exists():
+            shutil.copy(FOLDER / f"{name}.png", ROOT / "docs" / "pictures" / f"explorer-{name}.png")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

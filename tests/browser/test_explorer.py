@@ -1,0 +1,323 @@
+"""The explorer in a real browser, as someone who looks at basins uses it."""
+
+import json
+import re
+import signal
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.browser.chromium import Explorer
+from tests.running_service import running_service
+
+pytestmark = pytest.mark.browser
+
+QUIET, CHAOS, RATTLE = (0, 0, 128), (128, 0, 0), (140, 217, 255)
+SMALL = {"grid": {"time": {"cells": 140}, "velocity": {"cells": 140}}, "iterations": 211}
+LONG = {"grid": {"time": {"cells": 1500}, "velocity": {"cells": 1500}}, "iterations": 15013}
+
+
+@pytest.fixture(scope="module")
+def finished(service):
+    return service.wait(service.submit(SMALL)["id"])
+
+
+@pytest.fixture
+def opened(explorer, finished):
+    """The page with a finished basin."""
+    explorer.visit(f"?job={finished['id']}").state("Complete")
+    expect(explorer.page.locator("#legend button")).to_have_count(3)
+    return explorer
+
+
+def test_a_newcomer_computes_an_example_and_reads_it(explorer):
+    explorer.visit()
+    expect(explorer.page.locator("#preset")).to_have_value("fig7bottom")
+    explorer.fill(time__cells=200, velocity__cells=200, iterations=223)
+    explorer.compute()
+    explorer.state("Complete")
+    legend = explorer.page.locator("#legend")
+    for name in ("permanent contact", "chaotic", "P(1,1,0)"):
+        expect(legend).to_contain_text(name)
+    assert "permanent contact" in explorer.hover(0.5, 0.1) and explorer.colour(0.5, 0.1) == QUIET
+    assert "P(1,1,0)" in explorer.hover(0.95, 0.52)
+    assert explorer.colour(0.97, 0.53) == RATTLE
+    assert re.search(r"t = 0\.\d+ +v = \d", explorer.page.locator("#reading").inner_text())
+
+
+def test_tiles_come_one_by_one_and_each_is_asked_for_as_it_lands(explorer):
+    asked = []
+    explorer.page.on("request", lambda request: asked.append(request.url) if "/tiles/" in request.url else None)
+    explorer.visit()
+    explorer.fill(time__cells=400, velocity__cells=400, iterations=1499)
+    explorer.compute()
+    explorer.state("tiles")
+    expect(explorer.page.locator("#progress")).to_be_visible()
+    explorer.state("Complete")
+    tiles = {url.split("/tiles/")[1].split("?")[0] for url in asked}
+    assert len(tiles) >= 16
+    expect(explorer.page.locator("#legend")).not_to_contain_text("so far")
+
+
+def test_a_finished_job_is_drawn_and_repainted_without_blocking(explorer, service):
+    body = {"grid": {"time": {"cells": 1000}, "velocity": {"cells": 1000}}, "iterations": 1}
+    job = service.wait(service.submit(body)["id"])
+    page = explorer.page
+    page.add_init_script(
+        "window.longest = 0; new PerformanceObserver(list => list.getEntries().forEach(entry => "
+        "{ window.longest = Math.max(window.longest, entry.duration); })).observe({type: 'longtask', buffered: true});"
+    )
+    explorer.visit(f"?job={job['id']}").state("Complete")
+    expect(page.locator("#legend button")).not_to_have_count(0)
+    for layer in ("step", "group", "period", "solution"):
+        page.locator("#layer").select_option(layer)
+    page.locator("#legend button").first.click()
+    drawn = page.evaluate(
+        "performance.getEntriesByType('resource').filter(entry => entry.name.includes('/tiles/'))"
+        ".map(entry => entry.responseEnd)"
+    )
+    # A tenfold of the 1.5 s and 0.1 s that are meant: the clock of a busy machine judges nothing finer.
+    assert len(drawn) == 16 and max(drawn) < 15_000 and page.evaluate("window.longest") < 1_000
+
+
+def test_solutions_are_picked_out_and_layers_have_their_scales(opened):
+    page = opened.page
+    page.get_by_role("button", name="P(1,1,0)").click()
+    assert opened.colour(0.97, 0.53) == RATTLE
+    assert min(opened.colour(0.5, 0.1)) > 150, "the others fade"
+    page.get_by_role("button", name="P(1,1,0)").click()
+    assert opened.colour(0.5, 0.1) == QUIET
+    page.locator("#layer").select_option("step")
+    expect(page.locator("#legend")).to_contain_text("Hsu's step")
+    assert opened.colour(0.5, 0.1) not in (QUIET, CHAOS, RATTLE)
+    page.locator("#layer").select_option("solution")
+    page.locator("#palette").select_option("colour_blind")
+    assert opened.colour(0.5, 0.1) == (20, 31, 64)
+
+
+def test_zooming_computes_anew_and_back_and_forward_step_through_windows(opened):
+    page = opened.page
+    page.mouse.move(*opened.spot(0.85, 0.55))
+    page.mouse.wheel(0, -200)
+    expect(page).to_have_url(re.compile("window="))
+    opened.state("Complete")
+    first = page.url
+    page.keyboard.down("Shift")
+    page.mouse.move(*opened.spot(0.3, 0.3))
+    page.mouse.down()
+    page.mouse.move(*opened.spot(0.7, 0.7), steps=4)
+    page.mouse.up()
+    page.keyboard.up("Shift")
+    expect(page).not_to_have_url(first)
+    opened.state("Complete")
+    second = page.url
+    assert "not known" not in opened.hover(0.5, 0.5)
+    page.locator("#back").click()
+    expect(page).to_have_url(first)
+    opened.state("Complete")
+    page.locator("#back").click()
+    expect(page).not_to_have_url(re.compile("window="))
+    page.locator("#forward").click()
+    page.locator("#forward").click()
+    expect(page).to_have_url(second)
+    opened.state("Complete")
+    start, stop = (float(part) for part in re.search(r"window=([\d.]+),([\d.]+)", second).groups())
+    assert 0 <= start < stop < start + 0.5
+
+
+def test_the_older_picture_stays_until_the_new_one_comes(opened, service):
+    page = opened.page
+    page.locator("#anew").uncheck()
+    before = opened.hover(0.5, 0.1)
+    page.mouse.move(*opened.spot(0.5, 0.1))
+    page.mouse.wheel(0, -300)
+    expect(page).to_have_url(re.compile("window="))
+    assert opened.colour(0.5, 0.12) == QUIET and "permanent contact" in before
+    page.locator("#whole").click()
+    expect(page).to_have_url(re.compile("window=0,1,0,7"))
+
+
+def test_a_click_follows_the_motion_and_says_where_it_ends(opened):
+    page = opened.page
+    page.mouse.click(*opened.spot(0.4, 0.3))
+    told = page.locator("#histories")
+    ending = r"A The motion from t = 0\.4\d+, v = 2\.\d+ ends in permanent contact after \d+ impacts"
+    expect(told).to_contain_text(re.compile(ending))
+    page.locator("#second").click()
+    page.mouse.click(*opened.spot(0.95, 0.52))
+    expect(told).to_contain_text(re.compile(r"B The motion .* ends in P\(1,1,0\) after \d+ impacts"))
+    expect(page.locator("#histories path.first")).to_have_count(1)
+    expect(page.locator("#histories path.second")).to_have_count(1)
+    page.locator("#forget").click()
+    expect(page.locator("#history")).to_be_hidden()
+
+
+def test_all_of_it_can_be_done_from_the_keyboard(opened):
+    page = opened.page
+    page.locator("#plane").focus()
+    for _ in range(3):
+        page.keyboard.press("ArrowDown")
+    expect(page.locator("#reading")).to_contain_text("v = 3.2")
+    page.keyboard.press("Enter")
+    expect(page.locator("#histories")).to_contain_text("The motion from t = 0.5")
+    page.keyboard.press("+")
+    expect(page).to_have_url(re.compile("window="))
+    opened.state("Complete")
+    page.keyboard.press("0")
+    expect(page).to_have_url(re.compile("window=0,1,0,7"))
+
+
+def test_a_job_is_cancelled_and_says_so(explorer, service):
+    explorer.visit()
+    explorer.fill(time__cells=1500, velocity__cells=1500, iterations=15017)
+    explorer.compute()
+    explorer.state("Mapping cells")
+    explorer.page.locator("#cancel").click()
+    explorer.state("Cancelled")
+    expect(explorer.page.locator("#cancel")).to_be_hidden()
+
+
+def test_a_waiting_job_knows_its_place_in_the_queue(explorer, service):
+    ahead = [service.submit(LONG | {"iterations": iterations}) for iterations in (15031, 15053)]
+    job = service.submit(LONG | {"iterations": 15061})
+    explorer.visit(f"?job={job['id']}").state("Waiting: number 2 in the queue")
+    for each in (job, *ahead):
+        service.request("POST", each["links"]["cancel"])
+    explorer.state("Cancelled")
+
+
+@pytest.mark.parametrize(
+    ("fields", "where", "words"),
+    [
+        ({"eccentricity": 0.3}, "eccentricity", "below epsilon_crit2 = 0.190121"),
+        ({"damping": "much"}, "damping", "valid number"),
+        ({"iterations": 1500}, "", "nearest: 1499 or 1511"),
+        ({"time__stop": 0}, "time.stop", "greater than 0"),
+        ({"time__cells": 90000, "velocity__cells": 90000}, "", "RATTLE_MAX_CELLS"),
+    ],
+)
+def test_what_would_be_refused_is_explained_before_it_is_sent(explorer, fields, where, words):
+    explorer.visit()
+    explorer.fill(**fields)
+    expect(explorer.page.locator("#ask")).to_contain_text(words)
+    expect(explorer.page.locator("#compute")).to_be_disabled()
+    if where:
+        expect(explorer.page.locator(f"[name='{where}']")).to_have_attribute("aria-invalid", "true")
+
+
+def test_bounds_are_shown_live(explorer):
+    explorer.visit()
+    hint = explorer.page.locator("#hint-eccentricity")
+    expect(hint).to_have_text("below 0.19012")
+    explorer.fill(damping=0.5)
+    expect(hint).to_have_text("below 0.15865")
+    explorer.page.locator("[name=model]").select_option("piecewise_linear")
+    explorer.fill(stiffness=100, damping=0.6)
+    expect(hint).to_have_text("below 0.15263")
+
+
+def test_every_example_is_one_that_the_service_takes(explorer):
+    explorer.visit()
+    names = explorer.page.locator("#preset option").evaluate_all("options => options.map(option => option.value)")
+    assert {"fig6a", "fig7bottom", "fig8", "fig9", "fig12", "fig13b"} <= set(names)
+    for name in names[1:]:
+        explorer.page.locator("#preset").select_option(name)
+        expect(explorer.page.locator("#verdict")).to_contain_text("applications")
+        expect(explorer.page.locator("#compute")).to_be_enabled()
+
+
+def test_a_reload_in_mid_job_finds_it_again(explorer, service):
+    explorer.visit()
+    explorer.fill(time__cells=700, velocity__cells=700, iterations=2003)
+    explorer.compute()
+    explorer.state("cells")
+    address = explorer.page.url
+    explorer.page.reload()
+    assert explorer.page.url == address
+    explorer.state("Complete")
+    expect(explorer.page.locator("[name=iterations]")).to_have_value("2003")
+
+
+def test_a_sweep_has_a_slider_and_a_chart_that_opens_its_basins(explorer, service):
+    body = {
+        "oscillator": {"eccentricity": 0.1}, "vary": [{"parameter": "damping", "values": [0.55, 0.6, 0.65]}],
+        "grid": {"time": {"cells": 40}, "velocity": {"cells": 40}}, "iterations": 211,
+    }  # fmt: skip
+    job = service.wait(service.request("POST", "/v1/sweeps", json=body).json()["id"])
+    page = explorer.page
+    explorer.visit(f"?job={job['id']}").state("Complete")
+    slider = page.get_by_role("slider")
+    expect(slider).to_have_attribute("aria-valuetext", "0.55")
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    expect(page).to_have_url(re.compile("panel=1"))
+    chart = page.locator("#shares .target")
+    box = chart.bounding_box()
+    chart.click(position={"x": box["width"] - 6, "y": box["height"] / 2})
+    expect(page).to_have_url(re.compile("panel=2"))
+    expect(slider).to_have_attribute("aria-valuetext", "0.65")
+    page.go_back()
+    expect(slider).to_have_attribute("aria-valuetext", "0.6")
+
+
+def test_what_is_taken_away_is_what_made_the_picture(opened, finished):
+    page = opened.page
+    blocks = page.locator("#takeaway pre").all_inner_texts()
+    assert json.loads(blocks[-1]) == finished["request"]
+    assert any(finished["links"]["zarr"] in block and "xr.open_zarr" in block for block in blocks)
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Picture (PNG)").click()
+    assert download.value.path().read_bytes().startswith(b"\x89PNG")
+
+
+def test_light_and_dark_follow_the_system_and_the_switch(opened):
+    page, root = opened.page, opened.page.locator("html")
+    expect(root).to_have_attribute("data-theme", "light")
+    page.emulate_media(color_scheme="dark")
+    expect(root).to_have_attribute("data-theme", "dark")
+    page.locator("#theme").select_option("light")
+    expect(root).to_have_attribute("data-theme", "light")
+
+
+def test_a_job_that_is_not_there_is_told_in_words(explorer):
+    explorer.forgiven += ("404",)
+    explorer.visit("?job=nothing").state("There is no job nothing")
+
+
+def test_the_key_is_asked_for_once_and_kept_in_memory_alone(explorer):
+    def locked(route):
+        if route.request.headers.get("authorization") == "Bearer sesame":
+            route.fallback()
+        else:
+            route.fulfill(status=401, json={"detail": "this key is not known"})
+
+    explorer.forgiven += ("401",)
+    page = explorer.page
+    page.route("**/v1/**", locked)
+    page.goto(f"{explorer.url}/")
+    page.get_by_label("Key", exact=True).fill("wrong")
+    page.keyboard.press("Enter")
+    expect(page.locator("#login-note")).to_contain_text("not known")
+    page.get_by_label("Key", exact=True).fill("sesame")
+    page.keyboard.press("Enter")
+    expect(page.locator("#verdict")).to_contain_text("applications")
+    expect(page.locator("#login")).to_be_hidden()
+    assert page.evaluate("JSON.stringify([localStorage, sessionStorage, document.cookie])") == '[{},{},""]'
+
+
+def test_a_restart_of_the_service_in_mid_job_is_waited_out(chromium_here, tmp_path):
+    body = {"grid": {"time": {"cells": 600}, "velocity": {"cells": 600}}, "iterations": 1499}
+    with running_service(tmp_path) as first:
+        explorer = Explorer(chromium_here, first.url)
+        explorer.forgiven += ("ERR_CONNECTION", "503")
+        job = first.submit(body)
+        explorer.visit(f"?job={job['id']}").state("tiles")
+        first.process.send_signal(signal.SIGTERM)
+        first.process.wait(30)
+        explorer.state("does not answer; trying again")
+        port = int(first.url.rsplit(":", 1)[1])
+    with running_service(tmp_path, port=port):
+        explorer.state("Complete", seconds=90)
+        expect(explorer.page.locator("#legend")).to_contain_text("chaotic")
+        explorer.context.close()
+    assert explorer.unforgiven() == []

@@ -1,0 +1,15 @@
+"""How pictures name an oscillator's parameters."""
+
+import numpy as np
+
+from rattle_kernels import Oscillator
+
+SYMBOLS = {"damping": "δ", "eccentricity": "ε", "half_backlash": "β", "stiffness": "κ"}
+
+
+def oscillator_told(oscillator: Oscillator, without: tuple[str, ...] = ()) -> str:
+    """Model and parameters in a line, but for those left out."""
+    fields = {name: value for name, value in oscillator._asdict().items() if name in SYMBOLS and name not in without}
+    told = [f"{SYMBOLS[name]} = {value:g}" for name, value in fields.items() if np.isfinite(value)]
+    model = "impacting model" if np.isinf(oscillator.stiffness) else "piecewise linear model"
+    return ", ".join([model, *told])
