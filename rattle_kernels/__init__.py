@@ -35,7 +35,7 @@ from rattle_kernels.image_set import (
 )
 from rattle_kernels.impact_lanes import next_impacts
 from rattle_kernels.impact_map import Impacts, previous_impacts
-from rattle_kernels.iterations import WEAK_DAMPING, check_iterations, expected_applications, settled_iterations
+from rattle_kernels.iterations import check_iterations, expected_applications, settled_iterations
 from rattle_kernels.jit import compiled_before
 from rattle_kernels.lane_traps import NO_TRAPS, LaneTraps
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
@@ -84,7 +84,6 @@ __all__ = [
     "STRANGER",
     "STRETCHES",
     "UNDECIDED",
-    "WEAK_DAMPING",
     "Attractor",
     "AttractorKind",
     "BasinEntropy",

@@ -86,8 +86,9 @@ class BasinRequest(Request):
 
     def sizes(self) -> tuple[tuple[str, float, str], ...]:
         """What is large about the request: in words, how large, and the setting that bounds it."""
-        # Where damping is weak, no cell takes all of them.
-        applications = round(self.places * expected_applications(self.least_damping, self.k))
+        # Where damping is weak no cell takes all of them. No float holds any integer.
+        each = expected_applications(self.least_damping, min(self.k, 10**18))
+        applications = round(self.places * each)
         return (
             ("cells or points", self.places, "max_cells"),
             ("iterations", self.k, "max_iterations"),

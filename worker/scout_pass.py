@@ -11,7 +11,6 @@ import numpy as np
 
 from rattle_kernels import (
     NO_TRAPS,
-    WEAK_DAMPING,
     CellGrid,
     LaneTraps,
     Oscillator,
@@ -21,6 +20,8 @@ from rattle_kernels import (
 )
 
 _SCOUTS = 1024
+# At 0.06 a second of scouting saves three quarters of the applications; at 0.6, half a per cent.
+_LARGEST_DAMPING = 0.1
 # Below, the pass costs more than it saves.
 _FEWEST_CELLS = 16 * _SCOUTS
 
@@ -41,7 +42,7 @@ def scouted_traps(oscillator: Oscillator, grid: CellGrid, iterations: int) -> La
     -------
     LaneTraps
     """
-    if oscillator.damping > WEAK_DAMPING or grid.cells < _FEWEST_CELLS:
+    if oscillator.damping > _LARGEST_DAMPING or grid.cells < _FEWEST_CELLS:
         return NO_TRAPS
     unit = np.random.default_rng(0).random((2, _SCOUTS))
     t = grid.time_start + unit[0] * (grid.time_stop - grid.time_start)
