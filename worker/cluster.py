@@ -131,7 +131,10 @@ def remote_cluster(address: str, certificates: Certificates | None = None) -> It
     except (OSError, ValueError) as error:
         raise ClusterFailed(f"no Dask scheduler answers at {address}: {error}") from error
     with _closing(client):
-        client.register_plugin(WarmKernels())
+        try:
+            client.register_plugin(WarmKernels())
+        except OSError as error:  # its workers are being restarted
+            raise ClusterFailed(f"the workers of {address} cannot be reached: {error}") from error
         yield client
 
 
