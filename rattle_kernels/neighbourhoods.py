@@ -158,10 +158,12 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
     centre, form, owner = [np.empty((0, 2))], [np.empty((0, 3))], []
     marked = {}
     for index, attractor in enumerate(attractors):
+        if not attractor.time.size:  # permanent contact; or a sweep's catalogue, which lists what other basins have
+            continue
         points = attractor.time.tobytes(), attractor.velocity.tobytes()
         if attractor.kind == AttractorKind.CHAOTIC:
             marked[index] = _boxes(oscillator, *points)
-        elif attractor.kind == AttractorKind.PERIODIC and attractor.time.size:  # a sweep lists others' orbits, too
+        elif attractor.kind == AttractorKind.PERIODIC:
             points_of_orbit, forms = _ellipses(oscillator, *points)
             centre.append(points_of_orbit)
             form.append(forms)

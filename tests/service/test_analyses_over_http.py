@@ -14,7 +14,7 @@ OSCILLATOR = {"damping": 0.575, "eccentricity": 0.1, "half_backlash": 0.6}
 DIAGRAM = {
     "oscillator": OSCILLATOR,
     "vary": {"parameter": "damping", "start": 0.59, "stop": 0.6, "count": 11},
-    "seeds": [{"time": 0.7, "velocity": 1.6}, {"time": 0.9, "velocity": 3.7}],
+    "seeds": [{"time": 0.47, "velocity": 2.2}, {"time": 0.9, "velocity": 3.7}],
     "direction": "both",
     "transient": 300,
 }

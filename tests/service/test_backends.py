@@ -8,6 +8,7 @@ import xarray as xr
 from tests.object_store import BUCKET, ObjectStore
 from tests.running_service import running_service
 
+pytestmark = pytest.mark.slow
 GRID = {"time": {"cells": 160}, "velocity": {"cells": 160}}
 BASIN = {"grid": GRID, "iterations": 1499}
 SWEEP = {
