@@ -28,9 +28,9 @@ class VaryRequest(Request):
 
     @property
     def least(self) -> float:
-        """Least value."""
-        ends = (end for end in (self.start, self.stop) if end is not None)
-        return min(self.values or ends, default=1.0)
+        """Least value above 0; one that is not is refused in other words than a size."""
+        ends = [end for end in (self.start, self.stop) if end is not None]
+        return min((value for value in self.values or ends if value > 0.0), default=1.0)
 
     def to_swept(self, place: tuple[str | int, ...]) -> SweptParameter:
         """Swept parameter that this describes; `place` is where it stands in the request.

@@ -39,7 +39,10 @@ _COMMANDS = {
     "cancel": ("remote", "Stop a job; what it has computed stays readable."),
     "keys": ("keys", "Make, list and revoke the keys to a service's doors."),
     "certs": ("certs", "Make the certificates by which the parts of a Dask cluster know each other."),
-    "plot": ("local", "Draw a basin in the paper's colours, or those of a sweep side by side."),
+    "plot": (
+        "local",
+        "Draw a basin in the paper's colours, those of a sweep side by side, or what an analysis has found.",
+    ),
 }
 """In which module a command is, and what ``rattle --help`` says of it."""
 

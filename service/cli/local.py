@@ -71,12 +71,13 @@ def plot(
 ) -> None:
     """Draw a basin in the paper's colours, those of a sweep side by side, or what an analysis has found."""
     try:
+        overlays = parse_overlays(overlay)
         if kind_of_store(store) in ANALYSES:
             draw_analysis(store, out_)
         elif shares:
             draw_shares(store, out_)
         else:
-            draw_basin(store, out_, layer=layer, overlays=parse_overlays(overlay))
+            draw_basin(store, out_, layer=layer, overlays=overlays)
     except InvalidJob as error:
         give_up(str(error), 2)
     except WorkerError as error:

@@ -72,7 +72,7 @@ def test_the_first_key_closes_the_doors_and_revoking_it_does_not_open_them(open_
     assert open_service.request("GET", "/v1/jobs").status_code == 401
 
 
-@pytest.mark.parametrize("path", ["/v1/jobs", "/v1/nothing", "/metrics", "/", "/v1/../metrics", "//v1/jobs"])
+@pytest.mark.parametrize("path", ["/v1/jobs", "/v1/nothing", "/metrics", "/explorer", "/v1/../metrics", "//v1/jobs"])
 def test_everything_is_closed_that_is_not_named_as_open(service, path):
     answer = service.request("GET", path)
     assert answer.status_code == 401
@@ -81,8 +81,10 @@ def test_everything_is_closed_that_is_not_named_as_open(service, path):
     assert answer.json()["type"] == "/problems/key-required" and "authorization: Bearer" in answer.json()["detail"]
 
 
-@pytest.mark.parametrize("path", ["/healthz", "/readyz", "/docs", "/redoc", "/openapi.json"])
-def test_health_and_the_description_of_the_api_are_open(service, path):
+@pytest.mark.parametrize(
+    "path", ["/healthz", "/readyz", "/docs", "/redoc", "/openapi.json", "/", "/explorer/index.html"]
+)
+def test_health_the_description_of_the_api_and_the_page_are_open(service, path):
     assert service.request("GET", path).status_code == 200
 
 
