@@ -41,7 +41,7 @@ _COMMANDS = {
     "certs": ("certs", "Make the certificates by which the parts of a Dask cluster know each other."),
     "plot": (
         "local",
-        "Draw a basin in the paper's colours, those of a sweep side by side, or what an analysis has found.",
+        "Draw a basin in the paper's colours, a sweep side by side, or what an analysis has found.",
     ),
 }
 """In which module a command is, and what ``rattle --help`` says of it."""

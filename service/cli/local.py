@@ -69,7 +69,7 @@ def plot(
         USUAL_OVERLAYS
     ),
 ) -> None:
-    """Draw a basin in the paper's colours, those of a sweep side by side, or what an analysis has found."""
+    """Draw a basin in the paper's colours, a sweep side by side, or what an analysis has found."""
     try:
         overlays = parse_overlays(overlay)
         if kind_of_store(store) in ANALYSES:
