@@ -207,6 +207,7 @@ def test_finite_stiffness_passes_grazes_and_turns_in_folds():
     assert branch.trace[last : last + 2] == pytest.approx(graze.multipliers.sum().real, abs=0.5)
 
 
+@pytest.mark.slow
 def test_fig_7s_orbit_of_the_stiff_model_ends_at_a_stiffness():
     """P(1,2,0) at damping 0.6: with kappa = 1e6 its saddle-node is not yet passed, in the impacting model it is."""
     oscillator = Oscillator(stiffness=1e6)
@@ -220,6 +221,7 @@ def test_fig_7s_orbit_of_the_stiff_model_ends_at_a_stiffness():
     assert beyond == [2, 0]
 
 
+@pytest.mark.slow
 def test_contact_loss_is_met_from_both_sides():
     """At kappa = 100 a stay of P(1,1,0) splits: beyond that it is P(1,2,0), whose slowest departure tends to 0."""
     oscillator = Oscillator(stiffness=100.0)

@@ -66,7 +66,7 @@ def test_margins_say_which_flights_meet_the_lower_wall(at_06):
         assert one.grazing_distance == np.abs(margin).min()
 
 
-@pytest.mark.parametrize("stiffness", [math.inf, 1e4])
+@pytest.mark.parametrize("stiffness", [math.inf, pytest.param(1e4, marks=pytest.mark.slow)])
 def test_no_attracting_orbit_is_missed(stiffness):
     oscillator = Oscillator(damping=0.5, stiffness=stiffness)
     random = np.random.default_rng(4)
