@@ -64,12 +64,24 @@ def _fetch_wheels(engine):
 
 
 @pytest.fixture(scope="session")
-def engine(tmp_path_factory):
+def folder(tmp_path_factory):
+    """Where images lie while these tests run."""
+    folder = tmp_path_factory.mktemp("containers")
+    yield folder
+    # Podman mounts its storage onto itself: left mounted, it could be removed neither here nor by later runs.
+    mounted = [line.split()[1] for line in Path("/proc/mounts").read_text().splitlines()]
+    for place in sorted((each for each in mounted if each.startswith(str(folder))), reverse=True):
+        subprocess.run(["umount", "--lazy", place], check=False)
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.fixture(scope="session")
+def engine(folder):
     """The image, tagged gear-rattle."""
     missing = [tool for tool in _TOOLS if shutil.which(tool) is None]
     if os.geteuid() != 0 or missing:
         pytest.fail(f"building an image takes root and {', '.join(missing) or 'nothing more'}")
-    engine = Engine(tmp_path_factory.mktemp("containers"))
+    engine = Engine(folder)
     _make_base(engine)
     _fetch_wheels(engine)
     engine.call(
@@ -77,5 +89,4 @@ def engine(tmp_path_factory):
         "--volume", f"{engine.folder}/w:/wheels:ro", "--file", ROOT / "docker" / "Dockerfile", "--tag", "gear-rattle",
         ROOT, timeout=3600,
     )  # fmt: skip
-    yield engine
-    shutil.rmtree(engine.folder, ignore_errors=True)
+    return engine
