@@ -6,7 +6,9 @@ A seed (a landing point) is followed by P itself until it is clear where it ends
 2. it lands on an attractor already in the catalogue (`neighbourhoods`): nothing new;
 3. it comes back close to itself after p impacts: the orbit there is polished by Newton and its multipliers decide.
    Slow convergence is not chaos;
-4. else its largest Lyapunov exponent over a long run is positive by several standard errors: a chaotic attractor;
+4. else a crowd is started beside it (`wandering`). Where most of the crowd settle it was on a transient, and ends in
+   what they end in. Where most do not, and their largest Lyapunov exponent is positive by several standard errors, it
+   is chaotic; what some of the crowd have left chaos for is in the catalogue, too, and chaos has a mean life;
 5. else it is undecided, and says so.
 
 Seeds are taken in ascending order, so the catalogue depends on the set of seeds alone.
@@ -22,20 +24,19 @@ from rattle_kernels.impact_lanes import run_lanes
 from rattle_kernels.impact_map import RETURNED, next_impact
 from rattle_kernels.jit import kernel
 from rattle_kernels.lane_tables import lane_tables
-from rattle_kernels.lyapunov import lyapunov_exponent
 from rattle_kernels.neighbourhoods import hit_the_same_boxes, locate, neighbourhoods
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
+from rattle_kernels.wandering import CROWD, mean_life, wander
 
 _SETTLING = 4096
 # A quarter of a second.
 _APPLICATIONS_AT_A_TIME = 1 << 24
 _LONGEST_PERIOD = 512
 _CLOSE_RETURN = 1e-6
-_LYAPUNOV_IMPACTS = 32_768
-# Transients through a chaotic saddle are given this many rounds of settling before a motion is left undecided.
-_PATIENCE = 4
+# Transients through a chaotic saddle are given this many crowds of 16,384 impacts before a motion is left undecided.
+_PATIENCE = 8
 # After so many seeds in a row that led to nothing new, the rest is left to be named, and counted where it cannot be.
 _FRUITLESS_SEEDS = 8
 
@@ -87,22 +88,28 @@ def _orbit_of(oscillator: Oscillator, t: float, v: float) -> PeriodicOrbit | Non
     return orbit if near <= allowed else None
 
 
-def _motion_of(oscillator: Oscillator, t: float, v: float) -> Attractor:
-    """Motion that one trajectory ends in, whatever the catalogue holds."""
-    orbit = _orbit_of(oscillator, t, v)
+def _orbits_of(oscillator: Oscillator, ends: np.ndarray) -> list[Attractor]:
+    """The attracting periodic orbits that settled trajectories approach, of each of them its own."""
+    orbits = [_orbit_of(oscillator, t, v) for t, v in ends.tolist()]
+    return [attractor_of(orbit) for orbit in orbits if orbit is not None]
+
+
+def _motions_of(oscillator: Oscillator, t: float, v: float) -> list[Attractor]:
+    """Motion that one trajectory ends in, whatever the catalogue holds; and those that it can end in after chaos."""
     for _ in range(_PATIENCE):
-        if orbit is not None:
-            break
-        run = lyapunov_exponent(oscillator, t, v, _LYAPUNOV_IMPACTS)
-        if run.captured:
-            return PERMANENT_CONTACT_ATTRACTOR
-        t, v = float(run.t[-1]), float(run.v[-1])
-        # A transient that settled on the way has a positive mean exponent too: the end of the run must still be
-        # irregular.
         orbit = _orbit_of(oscillator, t, v)
-        if orbit is None and run.chaotic:
-            return Attractor(AttractorKind.CHAOTIC, 0, 0, 0, run.exponent, run.error, run.t, run.v)
-    return UNDECIDED_ATTRACTOR if orbit is None else attractor_of(orbit)
+        if orbit is not None:
+            return [attractor_of(orbit)]
+        crowd = wander(oscillator, t, v)
+        ends = _orbits_of(oscillator, crowd.settled)
+        left = crowd.captured + len(ends)
+        if 2 * left > CROWD:
+            return ends or [PERMANENT_CONTACT_ATTRACTOR]
+        if crowd.chaotic:
+            points = crowd.t, crowd.v, mean_life(left)
+            return [Attractor(AttractorKind.CHAOTIC, 0, 0, 0, crowd.exponent, crowd.error, *points), *ends]
+        t, v = float(crowd.t[-1]), float(crowd.v[-1])
+    return [UNDECIDED_ATTRACTOR]
 
 
 def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> bool:
@@ -127,9 +134,21 @@ def _overlapping(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[
 
 
 def _united(known: Attractor, motion: Attractor) -> Attractor:
-    """One attractor with half of the points of either; its exponent is that of the run that settled for longer."""
+    """One attractor with half of the points of either; its exponent is that of the crowd that settled for longer."""
     time = np.concatenate([known.time[::2], motion.time[::2]])
     return motion._replace(time=time, velocity=np.concatenate([known.velocity[::2], motion.velocity[::2]]))
+
+
+def _list(oscillator: Oscillator, motion: Attractor, catalogue: list[Attractor]) -> bool:
+    """Enter a motion in the catalogue; whether it is new there."""
+    same = _overlapping(oscillator, motion, catalogue)
+    if same is not None:
+        catalogue[same] = _united(catalogue[same], motion)
+        return False
+    new = not _is_known(oscillator, motion, catalogue)
+    if new:
+        catalogue.append(motion)
+    return new
 
 
 def _settle(
@@ -200,13 +219,9 @@ def find_attractors(
         t_left, v_left = t_left[places < 0], v_left[places < 0]
         if not t_left.size:
             break
-        motion = _motion_of(checked, float(t_left[0]), float(v_left[0]))
+        motions = _motions_of(checked, float(t_left[0]), float(v_left[0]))
         t_left, v_left = t_left[1:], v_left[1:]
-        same = _overlapping(checked, motion, catalogue)
-        if same is not None:
-            catalogue[same] = _united(catalogue[same], motion)
-        if same is None and not _is_known(checked, motion, catalogue):
-            catalogue.append(motion)
+        if any([_list(checked, motion, catalogue) for motion in motions]):
             fruitless = 0
         else:
             fruitless += 1

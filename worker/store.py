@@ -248,7 +248,7 @@ class BasinStore:
     def write_solutions(self, table: SolutionTable) -> None:
         """Write what solutions are like in each panel, those that there is room for (driver only)."""
         self._fence()
-        columns = [table.share, table.exponent, table.error]
+        columns = table.columns
         if self.job.sample is not None:
             columns.append(np.sqrt(table.share * (1.0 - table.share) / self.job.sample.points))
         with told_as_store_failure(self.location):
@@ -271,8 +271,9 @@ class BasinStore:
             Motion(AttractorKind(kind), *contacts)
             for kind, *contacts in zip(*(column[:known].tolist() for column in motions), strict=True)
         ]
-        share, exponent, error = (column.reshape(self.job.panels, column.shape[-1])[:, :known] for column in columns)
-        return SolutionTable(listed, share, exponent, error)
+        return SolutionTable(
+            listed, *(column.reshape(self.job.panels, column.shape[-1])[:, :known] for column in columns)
+        )
 
     def read_catalogue(self, panel: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
         """Some of the attractors of a panel, by their numbers."""
@@ -283,6 +284,7 @@ class BasinStore:
             Attractor(
                 *table.motions[number], float(table.exponent[panel, number]), float(table.error[panel, number]),
                 time[number][np.isfinite(time[number])], velocity[number][np.isfinite(velocity[number])],
+                float(table.mean_life[panel, number]),
             )
             for number in numbers
         )  # fmt: skip

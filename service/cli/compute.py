@@ -155,6 +155,7 @@ def _print(summary: BasinSummary) -> None:
                 attractor.name,
                 share,
                 _number(attractor.lyapunov_exponent),
+                _number(attractor.mean_life),
                 list(zip(attractor.time[:1], attractor.velocity, strict=False)),
             )
             for attractor, share in zip(summary.attractors, summary.shares, strict=True)

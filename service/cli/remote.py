@@ -90,7 +90,12 @@ def _follow(url: str, job_id: str, key: str | None) -> None:
 
 
 def _print_basins(result: dict[str, Any]) -> None:
-    print_solutions([(s["name"], s["share"], s["lyapunov_exponent"], s["points"][:1]) for s in result["solutions"]])
+    print_solutions(
+        [
+            (each["name"], each["share"], each["lyapunov_exponent"], each["mean_life"], each["points"][:1])
+            for each in result["solutions"]
+        ]
+    )
     names = [solution["name"] for solution in result["solutions"]]
     print_changes(
         [
