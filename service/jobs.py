@@ -62,9 +62,10 @@ class Jobs:
         """
         answering = select(JobRecord).where(JobRecord.answering == job.digest)
         while True:
-            with self._sessions() as session:
+            with to_read(self._sessions()) as session:
                 if (known := session.scalar(answering)) is not None:
                     return known, False
+            with self._sessions() as session:
                 _one_at_a_time(session)
                 self._quotas.check(session, submitter, job.places)
                 job_id = uuid.uuid4().hex

@@ -11,7 +11,7 @@ from typing import Any
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from service import metrics
+from service import run_metrics
 from service.errors import kind_of
 from service.job_record import JobState
 from service.jobs import Jobs
@@ -166,13 +166,13 @@ class Runner:
         record = lease.record
         _log.info("runs: %s of %s", record.kind, record.submitter)
         if record.progress is None:
-            metrics.job_started((datetime.now(UTC) - record.created.replace(tzinfo=UTC)).total_seconds())
+            run_metrics.job_started((datetime.now(UTC) - record.created.replace(tzinfo=UTC)).total_seconds())
         try:
             ends, values = self._compute(lease, client)
             if not lease.lost:
                 self._record_end(lease, ends, values)
             if lease.lost:
-                metrics.lease_lost()
+                run_metrics.lease_lost()
                 _log.warning("job %s was taken over by another replica, or may be: it is left alone", lease.record.id)
         finally:
             with self._lock:
@@ -221,7 +221,7 @@ class Runner:
         if state.final:
             _log.info("ends: %s", state)
             self._losses.pop(lease.record.id, None)
-            metrics.job_ended(state)
+            run_metrics.job_ended(state)
 
 
 class _Throttled:
@@ -233,7 +233,7 @@ class _Throttled:
         self.written = 0.0
         self.begun: tuple[Stage, int] | None = None
         self.came_further = False
-        self.pace = metrics.Pace()
+        self.pace = run_metrics.Pace()
 
     def __call__(self, progress: Progress) -> None:
         self.pace(progress)
