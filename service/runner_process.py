@@ -13,6 +13,7 @@ import signal
 import threading
 import time
 from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
 
 from service import run_metrics
 from service.database import open_database
@@ -23,12 +24,12 @@ from service.settings import Settings
 from worker.lasting_cluster import LastingCluster
 
 _log = logging.getLogger("rattle.runner")
-# Whoever asks is answered first; workers yield to both.
-_NICENESS = 5
+# Whoever asks is answered first; but a process that yields more takes long to stop where others keep the machine busy.
+_NICENESS = 2
 _TELL_SECONDS = 0.5
 # News that are older tell of a process that hangs.
 _NEWS_SECONDS = 3.0
-_STOP_SECONDS = 12.0
+_STOP_SECONDS = 10.0
 _PAUSE_SECONDS = 1.0
 
 
@@ -47,6 +48,7 @@ class RunnerProcess:
         self._settings = settings
         self._stopping = threading.Event()
         self._orders: Connection | None = None
+        self._process: SpawnProcess | None = None
         self._news: tuple[int, bytes] = (0, b"")
         self._told = -_NEWS_SECONDS
         self._keeping = threading.Thread(target=self._keep, name="rattle-runner", daemon=True)
@@ -59,7 +61,9 @@ class RunnerProcess:
         """Stop: running jobs go back to queued."""
         self._stopping.set()
         self._hang_up()
-        self._keeping.join(_STOP_SECONDS + _PAUSE_SECONDS)
+        self._keeping.join(_STOP_SECONDS)
+        if (process := self._process) is not None:
+            process.kill()
 
     def ring(self) -> None:
         """Say that a job has been submitted."""
@@ -104,6 +108,7 @@ class RunnerProcess:
         os.set_blocking(orders.fileno(), False)
         process = context.Process(target=_run_jobs, args=(self._settings, orders_there, news_there), name="rattle-runs")
         process.start()
+        self._process = process
         for theirs in (orders_there, news_there):
             theirs.close()
         self._orders = orders
@@ -113,8 +118,6 @@ class RunnerProcess:
             while True:
                 self._news, self._told = news.recv(), time.monotonic()
         self._hang_up()
-        process.join(_STOP_SECONDS)
-        process.kill()
         process.join()
 
 

@@ -1,4 +1,4 @@
-"""A service in a thread of this process, without the one that runs jobs: they stay as tests put them, and it starts at once."""
+"""A service in a thread of this process, without the one that runs jobs: it starts at once, and jobs stay as they are."""
 
 import contextlib
 import threading
