@@ -186,8 +186,7 @@ def test_a_killed_service_resumes_its_job_at_the_next_start(tmp_path):
     with running_service(tmp_path) as first:
         job = first.submit(body)
         first.wait(job["id"], lambda job: job["progress"] and job["progress"]["tiles_done"] >= 2)
-        first.process.kill()
-        first.process.wait(10)
+        first.kill()
     with running_service(tmp_path) as second:
         assert second.wait(job["id"])["state"] == "succeeded"
 
