@@ -11,7 +11,7 @@ n/30``.
 *Capture.* A departure in the safe region of `capture` bounces ever lower and never rattles again. (A stay in contact
 that does not end is no shortcut: there is no next departure.)
 
-*Trap.* Every 512 impacts at the most a trajectory is looked at: inside a trap of an orbit (`trap`) its phase on it is
+*Trap.* Every 1024 impacts at the most a trajectory is looked at: inside a trap of an orbit (`trap`) its phase on it is
 known, so where it lands is a point of the orbit, once the contraction that the trap was tested for leaves no more than
 1e-9 of a distance. Traps are handed in; without, there is no such shortcut.
 
@@ -41,6 +41,7 @@ from rattle_kernels.lane_flight import (
     count_set,
     fly_carefully,
     guess_durations,
+    lane_buffer,
     refine_durations,
 )
 from rattle_kernels.lane_tables import lane_tables
@@ -51,7 +52,7 @@ from rattle_kernels.outcome import Outcome
 CAPTURED = int(Outcome.PERMANENT_CONTACT)
 _LOCK_TOLERANCE = 1e-13
 _FIRST_CHECKPOINT = 16.0
-_LONGEST_LEG = 512.0
+_LONGEST_LEG = 1024.0
 _NEAR_ENOUGH = 1e-9
 
 # Fields of the buffer beside those of a flight. Counts are floats so that all loops work on one type.
@@ -228,7 +229,7 @@ def _land(lanes, i, points, lower_impacts):
 
 @lane_kernel
 def _run_lanes(oscillator, tables, traps, applications, capture_bound, lock_tolerance, points, lower_impacts):
-    lanes = np.zeros(_FIELDS * LANES)
+    lanes = lane_buffer(_FIELDS)
     corners = np.zeros(LANES, np.int64)
     following = 0
     flying = 0

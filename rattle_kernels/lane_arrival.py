@@ -22,6 +22,7 @@ from rattle_kernels.lane_flight import (
     VELOCITY,
     fly_carefully,
     guess_durations,
+    lane_buffer,
     refine_durations,
 )
 
@@ -116,7 +117,7 @@ def follow(oscillator, tables, around, looks, t, v, place):
     place : ndarray of int64, shape (n,)
         Becomes the index of the attractor, 0 for permanent contact, -1 where it arrived at none.
     """
-    lanes, corners = np.zeros(FLIGHT_FIELDS * LANES), np.zeros(LANES, np.int64)
+    lanes, corners = lane_buffer(FLIGHT_FIELDS), np.zeros(LANES, np.int64)
     point, looked = np.full(LANES, _NOBODY), np.zeros(LANES, np.int64)
     streak, candidate = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
     stiff, slow = math.isfinite(oscillator.stiffness), slow_part(oscillator)
@@ -165,7 +166,7 @@ def boxes_passed(oscillator, tables, t, v, box):
     box : ndarray of int64, shape (n, images)
         Becomes row times BOXES plus column of each departure, the points themselves first; -1 after an end.
     """
-    lanes, corners = np.zeros(FLIGHT_FIELDS * LANES), np.zeros(LANES, np.int64)
+    lanes, corners = lane_buffer(FLIGHT_FIELDS), np.zeros(LANES, np.int64)
     stiff, slow = math.isfinite(oscillator.stiffness), slow_part(oscillator)
     box[:] = UNMARKED
     passed = np.zeros(LANES, np.int64)

@@ -14,6 +14,8 @@ The formulas are those of `flight`.
 
 import math
 
+import numpy as np
+
 from rattle_kernels.flight import FOUR_PI, TWO_PI
 from rattle_kernels.half_turns import (
     cosine_of_half_turns,
@@ -45,17 +47,20 @@ UNSURE = 10 * LANES
 GRAZING = 11 * LANES
 ROW_PART = 12 * LANES
 COLUMN_PART = 13 * LANES
-LOW_LEFT = 14 * LANES
-LOW_RIGHT = 15 * LANES
-HIGH_LEFT = 16 * LANES
-HIGH_RIGHT = 17 * LANES
+# Of two neighbouring nodes of a table, lane by lane: they are loaded and stored as one.
+LOW_PAIR = 14 * LANES
+HIGH_PAIR = 16 * LANES
 HALF_SINE = 18 * LANES
 HALF_COSINE = 19 * LANES
 PHI2 = 20 * LANES
 RING_SINE = 21 * LANES
 RING_COSINE = 22 * LANES
 CUBIC = 23 * LANES
-FLIGHT_FIELDS = 24
+MISS = 24 * LANES
+RATE = 25 * LANES
+SINE_CHANGE = 26 * LANES
+COSINE_CHANGE = 27 * LANES
+FLIGHT_FIELDS = 28
 
 # A flight is sure when the last term of its step, 5 r^4 or so for a guess off by the part r, is below this part of the
 # duration: r < 1.4e-3, and what the series leaves out, 14 r^5, below 1e-13.
@@ -74,6 +79,14 @@ def fifth_order_step(q, bend, jerk, snap):
 
 
 @step
+def lane_buffer(fields):
+    """Zeros for so many fields, from the start of a cache line: vectors that cross lines cost 7 %."""
+    longer = np.zeros(fields * LANES + 8)
+    first = -longer.ctypes.data % 64 // 8
+    return longer[first : first + fields * LANES]
+
+
+@step
 def turn_phases(lanes, field):
     """Sine and cosine of every lane's phase in a field; the reduction to a quarter turn is exact."""
     for i in range(LANES):
@@ -87,12 +100,19 @@ def turn_phases(lanes, field):
 
 
 @step
-def _graze_speeds(lanes, graze_speed):
+def _graze_speeds(lanes, corners, graze_speed):
     """v* at every lane's phase, interpolated in its table."""
     for i in range(LANES):
         place = lanes[PHASE + i] * GRAZES
-        m = min(int(place), GRAZES - 1) & 0xFFFF
-        lanes[GRAZING + i] = graze_speed[m] + (place - m) * (graze_speed[m + 1] - graze_speed[m])
+        m = min(math.floor(place), GRAZES - 1.0)
+        lanes[ROW_PART + i] = place - m
+        corners[i] = int(m)
+    for i in range(LANES):
+        at = corners[i] & 0xFFFF
+        lanes[LOW_PAIR + 2 * i], lanes[LOW_PAIR + 2 * i + 1] = graze_speed[at], graze_speed[at + 1]
+    for i in range(LANES):
+        low = lanes[LOW_PAIR + 2 * i]
+        lanes[GRAZING + i] = low + lanes[ROW_PART + i] * (lanes[LOW_PAIR + 2 * i + 1] - low)
 
 
 @step
@@ -103,11 +123,11 @@ def _classify(lanes, corners, tables, two_beta):
         speed, graze = abs(velocity), lanes[GRAZING + i]
         rises = velocity > 0.0
         drops = (speed > graze) & (not rises)
-        inverse = 1.0 / (speed + (tables.speed_scale if rises else 0.0))
-        root = math.sqrt(max(1.0 - graze * inverse, 0.0))
-        abscissa = speed * inverse if rises else speed / graze
-        abscissa = root if drops else abscissa
         falls = not (rises | drops)
+        divisor = speed + tables.speed_scale if rises else speed
+        inverse = 1.0 / (graze if falls else divisor)
+        root = math.sqrt(max(1.0 - graze * inverse, 0.0))
+        abscissa = root if drops else speed * inverse
         lanes[DURATION + i] = speed if falls else inverse
         target = -two_beta if drops else 0.0
         lanes[TARGET + i] = two_beta if rises else target
@@ -128,12 +148,13 @@ def look_up(lanes, corners, guess):
     """Bilinear interpolation; the loads are what it costs, so they stand alone."""
     for i in range(LANES):
         at = corners[i] & 0xFFFFFF  # tells the compiler that it is no negative index
-        lanes[LOW_LEFT + i], lanes[LOW_RIGHT + i] = guess[at], guess[at + 1]
-        lanes[HIGH_LEFT + i], lanes[HIGH_RIGHT + i] = guess[at + ROW], guess[at + ROW + 1]
+        lanes[LOW_PAIR + 2 * i], lanes[LOW_PAIR + 2 * i + 1] = guess[at], guess[at + 1]
+        lanes[HIGH_PAIR + 2 * i], lanes[HIGH_PAIR + 2 * i + 1] = guess[at + ROW], guess[at + ROW + 1]
     for i in range(LANES):
         f, g = lanes[ROW_PART + i], lanes[COLUMN_PART + i]
-        low = lanes[LOW_LEFT + i] + g * (lanes[LOW_RIGHT + i] - lanes[LOW_LEFT + i])
-        high = lanes[HIGH_LEFT + i] + g * (lanes[HIGH_RIGHT + i] - lanes[HIGH_LEFT + i])
+        low, high = lanes[LOW_PAIR + 2 * i], lanes[HIGH_PAIR + 2 * i]
+        low += g * (lanes[LOW_PAIR + 2 * i + 1] - low)
+        high += g * (lanes[HIGH_PAIR + 2 * i + 1] - high)
         lanes[DURATION + i] *= low + f * (high - low)
 
 
@@ -141,9 +162,38 @@ def look_up(lanes, corners, guess):
 def guess_durations(lanes, corners, tables, two_beta):
     """First pass: kind of flight, target and first guess."""
     turn_phases(lanes, PHASE)
-    _graze_speeds(lanes, tables.graze_speed)
+    _graze_speeds(lanes, corners, tables.graze_speed)
     _classify(lanes, corners, tables, two_beta)
     look_up(lanes, corners, tables.guess)
+
+
+@step
+def _expand(lanes, d):
+    """Polynomials in the guessed duration of every flight, beside those of its phase."""
+    for i in range(LANES):
+        tau = lanes[DURATION + i]
+        r = tau - math.floor(tau + 0.5)
+        rest, versine = sine_rest_of_half_turns(r), versine_of_half_turns(r)
+        lanes[HALF_SINE + i] = math.pi * r + rest
+        lanes[HALF_COSINE + i] = 1.0 - versine
+        # h - sin h for h = 2 pi tau, in terms of one sign: short flights keep their digits.
+        lanes[CUBIC + i] = TWO_PI * (tau - r) + 2.0 * (math.pi * r * versine - rest * (1.0 - versine))
+        lanes[PHI2 + i] = second_phi_of_part(d * tau)
+
+
+@step
+def _evaluate(lanes, d, e):
+    """By how much the guess misses the target, and the velocity there."""
+    for i in range(LANES):
+        tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
+        x = d * tau
+        p2, sh, ch = lanes[PHI2 + i], lanes[HALF_SINE + i], lanes[HALF_COSINE + i]
+        ds, dc = 2.0 * sh * (c0 * ch - s0 * sh), -2.0 * sh * (s0 * ch + c0 * sh)
+        forced = s0 * lanes[CUBIC + i] - 2.0 * c0 * sh * sh
+        y = tau * (w * (1.0 - x * p2) + x * (FOUR_PI - TWO_PI * e * s0) * p2) + e * forced
+        lanes[MISS + i] = lanes[TARGET + i] - y
+        lanes[RATE + i] = w - d * y + FOUR_PI * x + e * (d * dc - TWO_PI * ds)
+        lanes[SINE_CHANGE + i], lanes[COSINE_CHANGE + i] = ds, dc
 
 
 @step
@@ -155,30 +205,19 @@ def refine_durations(lanes, d, e):
     int
         Number of lanes that are not sure.
     """
-    for i in range(LANES):
-        tau = lanes[DURATION + i]
-        r = tau - math.floor(tau + 0.5)
-        rest, versine = sine_rest_of_half_turns(r), versine_of_half_turns(r)
-        lanes[HALF_SINE + i] = math.pi * r + rest
-        lanes[HALF_COSINE + i] = 1.0 - versine
-        # h - sin h for h = 2 pi tau, in terms of one sign: short flights keep their digits.
-        lanes[CUBIC + i] = TWO_PI * (tau - r) + 2.0 * (math.pi * r * versine - rest * (1.0 - versine))
-        lanes[PHI2 + i] = second_phi_of_part(d * tau)
+    # In three loops: in one, chains are so long that the processor waits for them.
+    _expand(lanes, d)
+    _evaluate(lanes, d, e)
     for i in range(LANES):
         tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
-        target = lanes[TARGET + i]
-        x = d * tau
-        p2, sh, ch = lanes[PHI2 + i], lanes[HALF_SINE + i], lanes[HALF_COSINE + i]
-        ds, dc = 2.0 * sh * (c0 * ch - s0 * sh), -2.0 * sh * (s0 * ch + c0 * sh)
-        forced = s0 * lanes[CUBIC + i] - 2.0 * c0 * sh * sh
-        y = tau * (w * (1.0 - x * p2) + x * (FOUR_PI - TWO_PI * e * s0) * p2) + e * forced
+        x, target, y1 = d * tau, lanes[TARGET + i], lanes[RATE + i]
+        ds, dc = lanes[SINE_CHANGE + i], lanes[COSINE_CHANGE + i]
         s, c = s0 + ds, c0 + dc
-        y1 = w - d * y + FOUR_PI * x + e * (d * dc - TWO_PI * ds)
+        inverse = 1.0 / y1
         y2 = FOUR_PI * d - d * y1 - TWO_PI * e * (TWO_PI * c + d * s)
         y3 = TWO_PI * TWO_PI * e * (TWO_PI * s - d * c) - d * y2
         y4 = TWO_PI * TWO_PI * TWO_PI * e * (TWO_PI * c + d * s) - d * y3
-        inverse = 1.0 / y1
-        step_, last = fifth_order_step((target - y) * inverse, y2 * inverse, y3 * inverse, y4 * inverse)
+        step_, last = fifth_order_step(lanes[MISS + i] * inverse, y2 * inverse, y3 * inverse, y4 * inverse)
         # Three selects, not one condition: a short circuit would be a branch. NaN ends up unsure.
         unsure = lanes[UNSURE + i]
         unsure = unsure if abs(last) <= LAST_TERM * tau else 1.0

@@ -52,7 +52,7 @@ class LaneTraps(NamedTuple):
 def _no_traps() -> LaneTraps:
     whole, real, terms = np.empty(0, np.int64), np.empty(0), np.empty((0, TERMS))
     return LaneTraps(
-        np.full((1, 1), NOWHERE, np.int64), 0.0, whole, whole, real, real, real, whole, whole, real,
+        np.full((1, 1), NOWHERE, np.int32), 0.0, whole, whole, real, real, real, whole, whole, real,
         np.empty((0, 4)), real, real, real, terms, terms,
     )  # fmt: skip
 

@@ -1,9 +1,9 @@
 """When a trajectory may be said to have arrived at an attractor.
 
-*Periodic orbit*: an ellipse around each of its points in which P^p contracts. The quadratic form solves the discrete
+*Periodic orbit*: an ellipse around its slowest point in which P^p contracts. The quadratic form solves the discrete
 Lyapunov equation of DP^p (which exists because both multipliers lie inside the unit circle), and the ellipse is shrunk
 until P^p itself brings points on four rings in it closer, in that norm. Grazing inside the ellipse would break that and
-so shrinks it.
+so shrinks it. Around every other point an ellipse that P brings into the first one, seen in the same way.
 
 *Chaotic attractor*: a lattice of boxes, 2048 to a period and to the natural speed, marked by a million of its points. A
 trajectory has arrived when it has hit marked boxes of one attractor on 24 impacts in a row. A trajectory of a
@@ -26,7 +26,7 @@ from rattle_kernels.lane_arrival import BOXES, UNMARKED, boxes_passed, follow
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.outcome import Outcome
-from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
+from rattle_kernels.periodic_orbit import PeriodicOrbit, derivatives_along, find_periodic_orbit
 
 _MARKING_ROUNDS = 256
 _ROUNDS = 200
@@ -66,27 +66,49 @@ def _contracting_form(jacobian: np.ndarray, speed_scale: float) -> tuple[np.ndar
     return form / np.linalg.eigvalsh(form).min(), factor
 
 
-def _ellipse(oscillator: Oscillator, orbit: PeriodicOrbit, at: int, speed_scale: float) -> np.ndarray:
-    """Form of the largest ellipse, by halving, in which P^p contracts around one point of the orbit."""
-    form, factor = _contracting_form(orbit.jacobians[at], speed_scale)
+def _ring(form: np.ndarray) -> np.ndarray:
+    """Points on four ellipses of a form, the outermost of size 1, as columns."""
     angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
     # Directions on the unit ellipse of the form: the columns of L^-T map the circle to it.
     ring = np.linalg.solve(np.linalg.cholesky(form).T, np.array([np.cos(angles), np.sin(angles)]))
-    rings = np.concatenate([part * ring for part in _RINGS], axis=1)
-    parts = np.repeat(_RINGS, _DIRECTIONS)
-    size = _LARGEST_ELLIPSE
-    while size > _SMALLEST_ELLIPSE:
-        t, v = orbit.t[at] + size * rings[0], orbit.v[at] + size * rings[1] * speed_scale
-        if v.min() > 0.0:
-            landed = next_impacts(oscillator, t, v, orbit.upper_contacts)
-            apart = landed.t - orbit.t[at]
-            offset = np.array([apart - np.rint(apart), (landed.v - orbit.v[at]) / speed_scale])
-            norm = np.sqrt(np.einsum("in,ij,jn->n", offset, form, offset))
-            if (norm <= 0.5 * (1.0 + factor) * size * parts).all():
-                break
-        size *= 0.5
+    return np.concatenate([part * ring for part in _RINGS], axis=1)
+
+
+def _norms_after(
+    oscillator: Oscillator, orbit: PeriodicOrbit, at: int, offsets: np.ndarray, form: np.ndarray, speed_scale: float
+) -> np.ndarray | None:
+    """Norms of offsets from a point of an orbit, once they have come to its first one; None where one cannot start."""
+    t, v = orbit.t[at] + offsets[0], orbit.v[at] + offsets[1] * speed_scale
+    if not v.min() > 0.0:
+        return None
+    landed = next_impacts(oscillator, t, v, orbit.upper_contacts - at)
+    apart = landed.t - orbit.t[0]
+    offset = np.array([apart - np.rint(apart), (landed.v - orbit.v[0]) / speed_scale])
+    return np.sqrt(np.einsum("in,ij,jn->n", offset, form, offset))
+
+
+def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, speed_scale: float) -> list[np.ndarray]:
+    """Forms of ellipses around an orbit's points: P^p contracts the first, and P brings the others into it."""
     scaling = np.diag([1.0, 1.0 / speed_scale])
-    return scaling @ form @ scaling / size**2
+    first, factor = _contracting_form(orbit.jacobians[0], speed_scale)
+    bounds = 0.5 * (1.0 + factor) * np.repeat(_RINGS, _DIRECTIONS)
+    forms, size = [], _LARGEST_ELLIPSE
+    onward, derivatives = np.eye(2), derivatives_along(oscillator, orbit)
+    for at in (0, *range(orbit.upper_contacts - 1, 0, -1)):
+        if at > 0:
+            # What the linear map brings to the edge of the first ellipse is taken half as far, for what is not linear.
+            onward = onward @ (scaling @ derivatives[at] @ np.linalg.inv(scaling))
+        # Where damping is strong an ellipse would reach far beyond where anything is linear.
+        form = onward.T @ first @ onward + (0.0 if at == 0 else (size / _LARGEST_ELLIPSE) ** 2) * np.eye(2)
+        rings, here = _ring(form), size if at == 0 else 0.5 * size
+        while here > _SMALLEST_ELLIPSE:
+            norms = _norms_after(oscillator, orbit, at, here * rings, first, speed_scale)
+            if norms is not None and (norms <= (here * bounds if at == 0 else size)).all():
+                break
+            here *= 0.5
+        size = here if at == 0 else size
+        forms.append(scaling @ form @ scaling / here**2)
+    return [forms[0], *forms[:0:-1]]
 
 
 @lru_cache(maxsize=256)
@@ -97,7 +119,7 @@ def _ellipses(oscillator: Oscillator, times: bytes, speeds: bytes) -> tuple[np.n
     orbit = find_periodic_orbit(oscillator, float(t[0]), float(v[0]), t.size, scale)
     if orbit is None:
         raise ValueError(f"the catalogue's orbit at t = {t[0]}, v = {v[0]} is no orbit of {oscillator}")
-    ellipses = [_ellipse(oscillator, orbit, at, scale) for at in range(orbit.upper_contacts)]
+    ellipses = _ellipses_along(oscillator, orbit, scale)
     forms = np.array([(ellipse[0, 0], ellipse[0, 1], ellipse[1, 1]) for ellipse in ellipses])
     return np.column_stack([orbit.t, orbit.v]), forms
 

@@ -97,18 +97,37 @@ def newton_orbit(oscillator, t, v, period, speed_scale):
     return t - math.floor(t), v, residual
 
 
+@step
+def _write(jacobian, matrix):
+    matrix[0, 0], matrix[0, 1] = jacobian.tt, jacobian.tv
+    matrix[1, 0], matrix[1, 1] = jacobian.vt, jacobian.vv
+
+
+@step
+def _read(matrix):
+    return Jacobian(matrix[0, 0], matrix[0, 1], matrix[1, 0], matrix[1, 1])
+
+
 @kernel
-def _orbit_points(oscillator, t, v, period, speed_scale, times, speeds, jacobians):
+def _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians):
     """Points of the orbit with DP^p at each; elapsed time and contacts with -beta of one turn."""
-    elapsed_turn, lower_turn = 0.0, 0
+    elapsed, lower = 0.0, 0
+    before = Jacobian(1.0, 0.0, 0.0, 1.0)
     for i in range(period):
         times[i], speeds[i] = t, v
-        _, _, jacobian, elapsed_turn, lower_turn = _iterate(oscillator, t, v, period)
-        jacobians[i, 0, 0], jacobians[i, 0, 1] = jacobian.tt, jacobian.tv
-        jacobians[i, 1, 0], jacobians[i, 1, 1] = jacobian.vt, jacobian.vv
-        impact, _ = next_impact_with_jacobian(oscillator, t, v)
+        _write(before, jacobians[i])
+        impact, one = next_impact_with_jacobian(oscillator, t, v)
+        _write(one, steps[i])
+        before = multiply(one, before)
+        elapsed += impact.duration
+        lower += impact.lower_impacts
         t, v = impact.t, impact.v
-    return elapsed_turn, lower_turn
+    # A turn from point i: from there to the end, then from the start to there.
+    onward = Jacobian(1.0, 0.0, 0.0, 1.0)
+    for i in range(period - 1, -1, -1):
+        onward = multiply(onward, _read(steps[i]))
+        _write(multiply(_read(jacobians[i]), onward), jacobians[i])
+    return elapsed, lower
 
 
 def find_periodic_orbit(
@@ -136,8 +155,9 @@ def find_periodic_orbit(
     if not residual <= _RESIDUAL:
         return None
     period = _own_period(oscillator, t, v, period, speed_scale)
-    times, speeds, jacobians = np.empty(period), np.empty(period), np.empty((period, 2, 2))
-    elapsed, lower = _orbit_points(oscillator, t, v, period, speed_scale, times, speeds, jacobians)
+    times, speeds = np.empty(period), np.empty(period)
+    steps, jacobians = np.empty((period, 2, 2)), np.empty((period, 2, 2))
+    elapsed, lower = _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians)
     if round(elapsed) < 1:
         return None  # not an orbit but the limit v -> 0, where every phase maps onto itself
     first = int(np.argmin(speeds))
@@ -145,6 +165,31 @@ def find_periodic_orbit(
         np.roll(times, -first), np.roll(speeds, -first), round(elapsed), period, int(lower),
         np.roll(jacobians, -first, axis=0), float(residual),
     )  # fmt: skip
+
+
+@kernel
+def _derivatives(oscillator, t, v, derivatives):
+    for i in range(t.size):
+        _, one = next_impact_with_jacobian(oscillator, t[i], v[i])
+        _write(one, derivatives[i])
+
+
+def derivatives_along(oscillator: Oscillator, orbit: PeriodicOrbit) -> np.ndarray:
+    """DP at every point of an orbit.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    orbit : PeriodicOrbit
+
+    Returns
+    -------
+    ndarray of float64, shape (upper_contacts, 2, 2)
+    """
+    derivatives = np.empty((orbit.upper_contacts, 2, 2))
+    _derivatives(oscillator, orbit.t, orbit.v, derivatives)
+    return derivatives
 
 
 @kernel

@@ -33,13 +33,12 @@ import numpy as np
 
 from rattle_kernels.attractor import Attractor, AttractorKind
 from rattle_kernels.capture import LARGEST_DIFFERENCE, REQUIRED_DESCENT
-from rattle_kernels.impact_jacobian import next_impact_with_jacobian
 from rattle_kernels.impact_lanes import next_impacts
 from rattle_kernels.jit import kernel
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.lane_traps import DEGREE, NO_TRAPS, NOWHERE, POWERS, LaneTraps
 from rattle_kernels.oscillator import Oscillator
-from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
+from rattle_kernels.periodic_orbit import PeriodicOrbit, derivatives_along, find_periodic_orbit
 
 _LARGEST, _SMALLEST, _SHRINK = 0.2, 1e-6, 0.5
 # Once a trap is found, what lies between it and the last failure is tried from above.
@@ -201,20 +200,10 @@ def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, speed_scale: float) 
     return None
 
 
-@kernel
-def _derivatives(oscillator, t, v, derivatives):
-    """DP at every departure."""
-    for i in range(t.size):
-        _, one = next_impact_with_jacobian(oscillator, t[i], v[i])
-        derivatives[i, 0, 0], derivatives[i, 0, 1] = one.tt, one.tv
-        derivatives[i, 1, 0], derivatives[i, 1, 1] = one.vt, one.vv
-
-
 def _along(oscillator: Oscillator, trap: Trap, speed_scale: float) -> tuple[np.ndarray, np.ndarray]:
     """At every point of a trap's orbit: the frame of what z will be on arrival at the slowest one, and the stretch."""
     orbit = trap.orbit
-    derivatives = np.empty((orbit.upper_contacts, 2, 2))
-    _derivatives(oscillator, orbit.t, orbit.v, derivatives)
+    derivatives = derivatives_along(oscillator, orbit)
     arriving, leaving = [], [np.linalg.inv(trap.frame)]
     ahead = trap.frame
     for derivative in derivatives[::-1]:
@@ -257,7 +246,7 @@ def _gather(oscillator: Oscillator, traps: Sequence[Trap], speed_scale: float) -
     frames, stretches = zip(*(_along(oscillator, trap, speed_scale) for trap in traps), strict=True)
     time, speed = (np.concatenate([getattr(trap.orbit, name) for trap in traps]) for name in ("t", "v"))
     radius = np.array([trap.radius for trap in traps])
-    nearest = np.full((_ROWS, _COLUMNS), NOWHERE, np.int64)
+    nearest = np.full((_ROWS, _COLUMNS), NOWHERE, np.int32)
     top = 1.05 * float(speed.max())
     _paint(
         time, speed, np.concatenate(frames), np.repeat(radius, periods), top, nearest, np.full(nearest.shape, np.inf)
