@@ -36,7 +36,7 @@ _APPLICATIONS_AT_A_TIME = 1 << 24
 _LONGEST_PERIOD = 512
 _CLOSE_RETURN = 1e-6
 # Transients through a chaotic saddle are given this many crowds of 16,384 impacts before a motion is left undecided.
-_PATIENCE = 8
+_PATIENCE = 4
 # After so many seeds in a row that led to nothing new, the rest is left to be named, and counted where it cannot be.
 _FRUITLESS_SEEDS = 8
 
@@ -94,13 +94,13 @@ def _orbits_of(oscillator: Oscillator, ends: np.ndarray) -> list[Attractor]:
     return [attractor_of(orbit) for orbit in orbits if orbit is not None]
 
 
-def _motions_of(oscillator: Oscillator, t: float, v: float) -> list[Attractor]:
+def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Callable[[], None]) -> list[Attractor]:
     """Motion that one trajectory ends in, whatever the catalogue holds; and those that it can end in after chaos."""
     for _ in range(_PATIENCE):
         orbit = _orbit_of(oscillator, t, v)
         if orbit is not None:
             return [attractor_of(orbit)]
-        crowd = wander(oscillator, t, v)
+        crowd = wander(oscillator, t, v, pause)
         ends = _orbits_of(oscillator, crowd.settled)
         left = crowd.captured + len(ends)
         if 2 * left > CROWD:
@@ -219,7 +219,7 @@ def find_attractors(
         t_left, v_left = t_left[places < 0], v_left[places < 0]
         if not t_left.size:
             break
-        motions = _motions_of(checked, float(t_left[0]), float(v_left[0]))
+        motions = _motions_of(checked, float(t_left[0]), float(v_left[0]), pause)
         t_left, v_left = t_left[1:], v_left[1:]
         if any([_list(checked, motion, catalogue) for motion in motions]):
             fruitless = 0

@@ -9,6 +9,7 @@ independent. All are carried for 16,384 impacts and tell by how their tangent ve
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -74,7 +75,7 @@ def mean_life(left: int) -> float:
     return math.nan if left == 0 else -_LEGS * _LEG / math.log1p(-left / CROWD)
 
 
-def wander(oscillator: Oscillator, t: float, v: float) -> Wandering:
+def wander(oscillator: Oscillator, t: float, v: float, pause: Callable[[], None] = lambda: None) -> Wandering:
     """Follow a crowd beside a trajectory.
 
     Parameters
@@ -83,6 +84,8 @@ def wander(oscillator: Oscillator, t: float, v: float) -> Wandering:
         Checked by the caller.
     t, v : float
         Phase and speed of a departure from +beta.
+    pause : callable
+        Called several times a second; what it raises ends the search.
 
     Returns
     -------
@@ -94,6 +97,7 @@ def wander(oscillator: Oscillator, t: float, v: float) -> Wandering:
     going = np.flatnonzero(np.isfinite(begun.t))
     times, speeds = begun.t[going], begun.v[going]
     for visit in visits:
+        pause()
         visit[:, going] = times, speeds
         carried, _ = run_lanes(oscillator, times, speeds, _LEG, shortcuts=True)
         kept = carried.outcome == Outcome.RETURNED
