@@ -68,9 +68,7 @@ class Palette(StrEnum):
 def _by_length(attractor: Attractor) -> Colour:
     """Hue by the logarithm of contacts a turn, greens for short ones and reds for long ones; odd ones are darker."""
     contacts = attractor.upper_contacts + attractor.lower_contacts
-    for least, most, first, last in _HUES:
-        if contacts <= most:
-            break
+    least, most, first, last = next((each for each in _HUES if contacts <= each[1]), _HUES[-1])
     part = math.log(min(max(contacts, least), most) / least) / math.log(most / least)
     hue = (first + (last - first) * part) % 1.0
     # Neighbours on the scale differ in length by one or two contacts: of two that would look alike one is odd, mostly.

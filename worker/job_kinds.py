@@ -14,7 +14,7 @@ from worker.basin_job import BasinJob
 from worker.job import Job
 from worker.pipeline import run_basin
 from worker.progress import Report
-from worker.store import Fence
+from worker.store_opening import Fence
 
 
 class Run(Protocol):

@@ -26,7 +26,8 @@ from worker.numbering import Numbered, Numbering
 from worker.panel import Panel
 from worker.progress import BasinProgress, Progress, Report, Stage
 from worker.results import BasinSummary, summarise
-from worker.store import BasinStore, Fence, unfenced
+from worker.store import BasinStore
+from worker.store_opening import Fence, unfenced
 from worker.tasks import (
     Task,
     assemble_panel,
