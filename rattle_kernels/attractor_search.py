@@ -1,4 +1,4 @@
-"""The catalogue of motions that landing points end in: permanent contact, periodic orbits, chaotic attractors.
+"""The catalogue of motions that landing points end in: permanent contact, periodic orbits, chaos.
 
 A seed (a landing point) is followed by P itself until it is clear where it ends:
 
@@ -6,7 +6,9 @@ A seed (a landing point) is followed by P itself until it is clear where it ends
 2. it lands on an attractor already in the catalogue (`neighbourhoods`): nothing new;
 3. it comes back close to itself after p impacts: the orbit there is polished by Newton and its multipliers decide.
    Slow convergence is not chaos;
-4. else its largest Lyapunov exponent over a long run is positive by several standard errors: a chaotic attractor;
+4. else its largest Lyapunov exponent over a long run is positive by several standard errors: chaos, and where its
+   points are seen to leave it (`chaotic_leak`) a transient. One with a mean life of less than 16,000 impacts is no part
+   of the catalogue, what is on it is followed to its end; one that lasts longer is listed as what it is;
 5. else it is undecided, and says so.
 
 Seeds are taken in ascending order, so the catalogue depends on the set of seeds alone.
@@ -18,78 +20,29 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from rattle_kernels.attractor import PERMANENT_CONTACT_ATTRACTOR, UNDECIDED_ATTRACTOR, Attractor, AttractorKind
+from rattle_kernels.chaotic_leak import chaotic_leak
 from rattle_kernels.impact_lanes import run_lanes
-from rattle_kernels.impact_map import RETURNED, next_impact
-from rattle_kernels.jit import kernel
-from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.lyapunov import lyapunov_exponent
 from rattle_kernels.neighbourhoods import hit_the_same_boxes, locate, neighbourhoods
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.outcome import Outcome
-from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
+from rattle_kernels.settled_orbit import attractor_of, settled_orbit
 
 _SETTLING = 4096
 # A quarter of a second.
 _APPLICATIONS_AT_A_TIME = 1 << 24
-_LONGEST_PERIOD = 512
-_CLOSE_RETURN = 1e-6
 _LYAPUNOV_IMPACTS = 32_768
 # Transients through a chaotic saddle are given this many rounds of settling before a motion is left undecided.
 _PATIENCE = 4
 # After so many seeds in a row that led to nothing new, the rest is left to be named, and counted where it cannot be.
 _FRUITLESS_SEEDS = 8
-
-
-def attractor_of(orbit: PeriodicOrbit) -> Attractor:
-    """Attractor that a periodic orbit is, where it attracts."""
-    return Attractor(
-        AttractorKind.PERIODIC, orbit.forcing_periods, orbit.upper_contacts, orbit.lower_contacts,
-        orbit.lyapunov_exponent, 0.0, orbit.t, orbit.v,
-    )  # fmt: skip
-
-
-@kernel
-def _distances_on_return(oscillator, t, v, speed_scale, distances):
-    """Distance from a departure after 1, 2, ... impacts; infinite from where contact is permanent."""
-    here_t, here_v = t, v
-    distances[:] = math.inf
-    for i in range(distances.size):
-        impact = next_impact(oscillator, here_t, here_v)
-        if impact.outcome != RETURNED:
-            return
-        here_t, here_v = impact.t, impact.v
-        apart = here_t - t
-        distances[i] = math.hypot(apart - math.floor(apart + 0.5), (here_v - v) / speed_scale)
-
-
-def _closest_return(oscillator: Oscillator, t: float, v: float) -> tuple[int, float]:
-    """Impact period after which a trajectory first comes back within 1e-6, or else closest; and that distance."""
-    distances = np.empty(_LONGEST_PERIOD)
-    _distances_on_return(oscillator, t, v, lane_tables(oscillator).speed_scale, distances)
-    close = np.flatnonzero(distances < _CLOSE_RETURN)
-    period = int(close[0] if close.size else np.argmin(distances))
-    return period + 1, float(distances[period])
-
-
-def _orbit_of(oscillator: Oscillator, t: float, v: float) -> PeriodicOrbit | None:
-    """The attracting periodic orbit that a settled trajectory approaches, or none."""
-    scale = lane_tables(oscillator).speed_scale
-    period, distance = _closest_return(oscillator, t, v)
-    if distance > 1e-3:
-        return None
-    orbit = find_periodic_orbit(oscillator, t, v, period, scale)
-    if orbit is None or not orbit.attracts:
-        return None
-    apart = orbit.t - t
-    near = np.hypot(apart - np.rint(apart), (orbit.v - v) / scale).min()
-    # Converging like lambda^n, a trajectory that moves by d in one turn is d/(1 - lambda) away.
-    allowed = 10.0 * distance / (1.0 - np.abs(orbit.multipliers).max()) + 1e-9
-    return orbit if near <= allowed else None
+# Impacts: an eighth of what a landing point is followed for before it is called a stranger.
+_LONG_LIFE = 16_000.0
 
 
 def _motion_of(oscillator: Oscillator, t: float, v: float) -> Attractor:
     """Motion that one trajectory ends in, whatever the catalogue holds."""
-    orbit = _orbit_of(oscillator, t, v)
+    orbit = settled_orbit(oscillator, t, v)
     for _ in range(_PATIENCE):
         if orbit is not None:
             break
@@ -99,7 +52,7 @@ def _motion_of(oscillator: Oscillator, t: float, v: float) -> Attractor:
         t, v = float(run.t[-1]), float(run.v[-1])
         # A transient that settled on the way has a positive mean exponent too: the end of the run must still be
         # irregular.
-        orbit = _orbit_of(oscillator, t, v)
+        orbit = settled_orbit(oscillator, t, v)
         if orbit is None and run.chaotic:
             return Attractor(AttractorKind.CHAOTIC, 0, 0, 0, run.exponent, run.error, run.t, run.v)
     return UNDECIDED_ATTRACTOR if orbit is None else attractor_of(orbit)
@@ -120,16 +73,28 @@ def _overlapping(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[
     One of the two may be a long transient through the other's surroundings. Listed apart, they would share their boxes,
     which then would tell nothing, so that every seed would find one attractor more.
     """
-    if motion.kind != AttractorKind.CHAOTIC:
+    if not motion.wanders:
         return None
-    chaotic = [i for i, listed in enumerate(catalogue) if listed.kind == AttractorKind.CHAOTIC]
+    chaotic = [i for i, listed in enumerate(catalogue) if listed.wanders]
     return next((i for i in chaotic if hit_the_same_boxes(oscillator, motion, catalogue[i])), None)
+
+
+def _news(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> list[Attractor]:
+    """What a motion adds to a catalogue: itself; of a transient what it leads to, and itself if it is long."""
+    if motion.kind != AttractorKind.CHAOTIC:
+        return [] if _is_known(oscillator, motion, catalogue) else [motion]
+    leak = chaotic_leak(oscillator, motion, catalogue)
+    if leak.mean_life < _LONG_LIFE:
+        return list(leak.orbits)
+    kind = AttractorKind.CHAOTIC if math.isinf(leak.mean_life) else AttractorKind.CHAOTIC_TRANSIENT
+    return [*leak.orbits, motion._replace(kind=kind)]
 
 
 def _united(known: Attractor, motion: Attractor) -> Attractor:
     """One attractor with half of the points of either; its exponent is that of the run that settled for longer."""
     time = np.concatenate([known.time[::2], motion.time[::2]])
-    return motion._replace(time=time, velocity=np.concatenate([known.velocity[::2], motion.velocity[::2]]))
+    velocity = np.concatenate([known.velocity[::2], motion.velocity[::2]])
+    return motion._replace(kind=known.kind, time=time, velocity=velocity)
 
 
 def _settle(
@@ -150,10 +115,11 @@ def _settle(
 
 def _canonical(found: Sequence[Attractor]) -> tuple[Attractor, ...]:
     def key(attractor: Attractor) -> tuple[float, ...]:
-        place = {AttractorKind.PERMANENT_CONTACT: 0, AttractorKind.PERIODIC: 1, AttractorKind.CHAOTIC: 2}
+        kinds = AttractorKind.PERMANENT_CONTACT, AttractorKind.PERIODIC, AttractorKind.CHAOTIC
+        place = {kind: number for number, kind in enumerate((*kinds, AttractorKind.CHAOTIC_TRANSIENT))}
         contacts = attractor.upper_contacts, attractor.forcing_periods, attractor.lower_contacts
         lowest = (round(float(attractor.velocity.min()), 9), float(attractor.time[0])) if attractor.time.size else ()
-        return (place.get(attractor.kind, 3), *contacts, *lowest)
+        return (place.get(attractor.kind, len(place)), *contacts, *lowest)
 
     return tuple(sorted(found, key=key))
 
@@ -181,8 +147,8 @@ def find_attractors(
     Returns
     -------
     tuple of Attractor
-        Permanent contact first, always; then periodic orbits by (n+, m, n-) and lowest speed, then chaotic attractors;
-        UNDECIDED last and only where some seed is.
+        Permanent contact first, always; then periodic orbits by (n+, m, n-) and lowest speed, then chaotic attractors,
+        then chaotic transients; UNDECIDED last and only where some seed is.
 
     Raises
     ------
@@ -205,11 +171,12 @@ def find_attractors(
         same = _overlapping(checked, motion, catalogue)
         if same is not None:
             catalogue[same] = _united(catalogue[same], motion)
-        if same is None and not _is_known(checked, motion, catalogue):
-            catalogue.append(motion)
-            fruitless = 0
+            news: list[Attractor] = []
         else:
-            fruitless += 1
+            news = _news(checked, motion, catalogue)
+        catalogue += news
+        fruitless = 0 if news else fruitless + 1
+        if not news:
             # A long transient: the others are likely on one too, and lanes follow them a hundred times faster than one
             # by one.
             t_left, v_left = _settle(checked, t_left, v_left, 16 * _SETTLING, pause)

@@ -5,11 +5,11 @@ Lyapunov equation of DP^p (which exists because both multipliers lie inside the 
 until P^p itself brings points on four rings in it closer, in that norm. Grazing inside the ellipse would break that and
 so shrinks it. Around every other point an ellipse that P brings into the first one, seen in the same way.
 
-*Chaotic attractor*: a lattice of boxes, 2048 to a period and to the natural speed, marked by a million of its points. A
-trajectory has arrived when it has hit marked boxes of one attractor on 24 impacts in a row. A trajectory of a
-neighbouring basin can pass through marked boxes, but to do so 24 times it would have to start within 2048^-1 e^(-24
-lambda) or so of the attractor's own orbits, lambda its exponent per impact: the sets are told apart far below the size
-of any cell.
+*Chaos*, an attractor or a long transient: a lattice of boxes, 2048 to a period and to the natural speed, marked by a
+million of its points. A trajectory has arrived when it has hit marked boxes of one attractor on 24 impacts in a row. A
+trajectory of a neighbouring basin can pass through marked boxes, but to do so 24 times it would have to start within
+2048^-1 e^(-24 lambda) or so of the attractor's own orbits, lambda its exponent per impact: the sets are told apart far
+below the size of any cell.
 
 *Capture* by ever lower bounces is decided by `capture`.
 """
@@ -183,7 +183,7 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
         if not attractor.time.size:  # permanent contact; or a sweep's catalogue, which lists what other basins have
             continue
         points = attractor.time.tobytes(), attractor.velocity.tobytes()
-        if attractor.kind == AttractorKind.CHAOTIC:
+        if attractor.wanders:
             marked[index] = _boxes(oscillator, *points)
         elif attractor.kind == AttractorKind.PERIODIC:
             points_of_orbit, forms = _ellipses(oscillator, *points)

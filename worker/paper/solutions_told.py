@@ -22,11 +22,11 @@ def told_oscillator(oscillator: Oscillator) -> dict[str, Any]:
 def told_motion(motion: Attractor) -> dict[str, Any]:
     """Name and exponent of a motion; where it is, by its points or, of a chaotic one, by their ranges."""
     told: dict[str, Any] = {"name": motion.name}
-    if motion.kind in (AttractorKind.PERIODIC, AttractorKind.CHAOTIC):
+    if motion.kind == AttractorKind.PERIODIC or motion.wanders:
         told["lyapunov_exponent"] = motion.lyapunov_exponent
     if motion.kind == AttractorKind.PERIODIC:
         told["points"] = list(zip(motion.time.tolist(), motion.velocity.tolist(), strict=True))
-    if motion.kind == AttractorKind.CHAOTIC:
+    if motion.wanders:
         told["lyapunov_error"] = motion.lyapunov_error
         told["time_range"] = [float(motion.time.min()), float(motion.time.max())]
         told["velocity_range"] = [float(motion.velocity.min()), float(motion.velocity.max())]

@@ -23,7 +23,7 @@ function entry(solution, share, known, look, pick) {
   button.setAttribute("aria-pressed", String(look.highlight === solution.number));
   const name = document.createElement("span");
   name.textContent = solution.name;
-  if (solution.lyapunov_exponent !== null && solution.kind === "chaotic") {
+  if (solution.lyapunov_exponent !== null && solution.kind.startsWith("chaotic")) {
     button.title = `largest Lyapunov exponent ${solution.lyapunov_exponent.toFixed(3)} per forcing period`;
   }
   const part = document.createElement("span");
