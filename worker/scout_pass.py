@@ -25,13 +25,12 @@ from rattle_kernels import (
 _ROUNDS = (128, 2048)
 # At 0.06 a second of scouting saves three quarters of the applications; at 0.6, half a per cent.
 _LARGEST_DAMPING = 0.1
-# Below, the pass costs more than it saves.
-_FEWEST_CELLS = 16_384
-_CELLS_PER_SCOUT = 16
+# With fewer the pass would cost more than it saves.
+_PLACES_PER_SCOUT = 8
 
 
 @lru_cache(maxsize=4)
-def scouted_traps(oscillator: Oscillator, grid: CellGrid, iterations: int) -> LaneTraps:
+def scouted_traps(oscillator: Oscillator, grid: CellGrid, iterations: int, places: int) -> LaneTraps:
     """Traps of the attractors that a sample of the window ends in; none where they would not pay.
 
     Parameters
@@ -41,16 +40,18 @@ def scouted_traps(oscillator: Oscillator, grid: CellGrid, iterations: int) -> La
     grid : CellGrid
     iterations : int
         k, after which the scouts have settled or are left out.
+    places : int
+        Cells or points that the traps are for.
 
     Returns
     -------
     LaneTraps
     """
-    if oscillator.damping > _LARGEST_DAMPING or grid.cells < _FEWEST_CELLS:
+    if oscillator.damping > _LARGEST_DAMPING:
         return NO_TRAPS
     attractors: tuple[Attractor, ...] = ()
     traps = NO_TRAPS
-    for number in (number for number in _ROUNDS if number * _CELLS_PER_SCOUT <= grid.cells):
+    for number in (number for number in _ROUNDS if number * _PLACES_PER_SCOUT <= places):
         unit = np.random.default_rng(number).random((2, number))
         t = grid.time_start + unit[0] * (grid.time_stop - grid.time_start)
         v = grid.velocity_start + (1.0 - unit[1]) * (grid.velocity_stop - grid.velocity_start)

@@ -54,6 +54,10 @@ def told_basin(view: BasinView) -> dict[str, Any]:
     }
 
 
+def _wanders(view: BasinView) -> np.ndarray:
+    return np.array([motion.wanders for motion in view.attractors])[view.solution]
+
+
 def told_differences(one: BasinView, other: BasinView) -> dict[str, float]:
     """Share of the cells that end differently in two basins over one grid.
 
@@ -62,7 +66,7 @@ def told_differences(one: BasinView, other: BasinView) -> dict[str, float]:
     """
     by_name = one.names != other.names
     quiet = [view.names == PERMANENT_CONTACT_ATTRACTOR.name for view in (one, other)]
-    chaotic = [on_transient(view) | (view.names == AttractorKind.CHAOTIC.name.lower()) for view in (one, other)]
+    chaotic = [on_transient(view) | _wanders(view) for view in (one, other)]
     after_k = np.where(chaotic[0] | chaotic[1], chaotic[0] != chaotic[1], by_name)
     return {
         "by_name": float(by_name.mean()),
