@@ -24,7 +24,7 @@ from worker.sample import Sample
 from worker.swept_parameter import SweptParameter, check_swept
 
 # Part of every digest: a store of another layout, or of kernels that answer otherwise, is another result.
-RESULT_VERSION = 2
+RESULT_VERSION = 3
 
 SETTLED = -1
 """In place of k: the one of `settled_iterations`."""
