@@ -76,12 +76,12 @@ Overlay = Lines | Marks
 
 
 def attractor_marks(attractors: Iterable[Attractor], colour: str = "white") -> tuple[Marks, ...]:
-    """Crosses on the departures of periodic attractors, in a colour, and black dots on those of chaotic ones."""
+    """Crosses on the departures of periodic attractors, in a colour, and black dots on those of chaos."""
     marks = []
     for attractor in attractors:
         if attractor.kind == AttractorKind.PERIODIC:
             marks.append(Marks(attractor.name, colour, attractor.time, attractor.velocity, "x"))
-        elif attractor.kind == AttractorKind.CHAOTIC:
+        elif attractor.wanders:
             marks.append(Marks(attractor.name, "black", attractor.time, attractor.velocity, ".", 1.0))
     return tuple(marks)
 
