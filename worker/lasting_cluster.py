@@ -5,7 +5,7 @@ import logging
 import time
 
 from worker.certificates import Certificates
-from worker.cluster import Client, connect, count_workers
+from worker.cluster import Client, connect, count_workers, kill_workers
 from worker.errors import ClusterFailed
 
 _log = logging.getLogger("rattle.cluster")
@@ -82,3 +82,8 @@ class LastingCluster:
             self._stack.close()
         except Exception:  # what is lost need not close in order
             _log.debug("closing a lost cluster", exc_info=True)
+
+    def drop(self) -> None:
+        """Kill embedded workers and leave the rest to the end of this process: Dask takes seconds to close it."""
+        if self._client is not None and self._address is None:
+            kill_workers(self._client.cluster)
