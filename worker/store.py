@@ -8,7 +8,7 @@ such as those over HTTP, which cannot list a folder, see all there is at any mom
 """
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,18 +18,12 @@ from rattle_kernels import Attractor, AttractorKind, CellGroups, ImageSet, with_
 from worker import layout
 from worker.basin_job import BasinJob
 from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
+from worker.fence import Fence, unfenced
 from worker.layout import Variable
 from worker.new_store import CONFIG, consolidate, create_array, create_store, now, places_of, tiling_of
 from worker.solution_table import Motion, SolutionTable
 from worker.storage import place_at
 from worker.tiles import Tile
-
-Fence = Callable[[], None]
-"""Called before everything that only the driver writes: raises `LeaseLost` where the job is another driver's by now."""
-
-
-def unfenced() -> None:
-    """The fence of a driver that nobody can take a job from."""
 
 
 class BasinStore:
@@ -54,7 +48,7 @@ class BasinStore:
         self.location, self._fence = location, fence
         with told_as_store_failure(location):
             try:
-                self._group = _open_group(location, "r+")
+                self._group = _open_group(location, "r+", fence=fence)
             except (FileNotFoundError, NotADirectoryError, ValueError) as error:
                 raise StoreConflict(f"{location} is no basin store: nothing there that Zarr can open") from error
         if "kind" in self._group.attrs:
@@ -84,7 +78,7 @@ class BasinStore:
             with told_as_store_failure(location):
                 if place_at(location).taken():
                     raise StoreConflict(f"{location} exists and is no basin store: choose another place, or remove it")
-                create_store(location, job)
+                create_store(location, job, fence)
         store = cls(location, fence)
         if store.digest != job.digest:
             raise StoreConflict(
@@ -225,7 +219,7 @@ class BasinStore:
             # Last of all the one that tells how much room there is: a driver that is killed before does it all again.
             for variable in reversed(layout.POINTS):
                 self._array(variable).resize((*self.job.panel_shape, *room))
-            consolidate(self.location)
+            consolidate(self.location, self._fence)
 
     def _measured(self) -> tuple[Variable, ...]:
         return layout.MEASURED if self.job.sample is None else (*layout.MEASURED, layout.SHARE_ERROR)
@@ -302,9 +296,9 @@ class BasinStore:
         """Consolidate the store's metadata and mark it complete (driver only)."""
         self._fence()
         with told_as_store_failure(self.location):
-            consolidate(self.location)
+            consolidate(self.location, self._fence)
             # Written with the consolidated metadata, in one piece: what is complete is so for every reader.
-            whole = _open_group(self.location, "r+", consolidated=True)
+            whole = _open_group(self.location, "r+", consolidated=True, fence=self._fence)
             whole.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
 
     @property
@@ -336,5 +330,5 @@ def holds_store(location: str) -> bool:
         return "layout_version" in group.attrs
 
 
-def _open_group(location: str, mode: str, *, consolidated: bool = False) -> Any:
-    return zarr.open_group(place_at(location).zarr, mode=mode, zarr_format=3, use_consolidated=consolidated)
+def _open_group(location: str, mode: str, *, consolidated: bool = False, fence: Fence = unfenced) -> Any:
+    return zarr.open_group(place_at(location, fence).zarr, mode=mode, zarr_format=3, use_consolidated=consolidated)
