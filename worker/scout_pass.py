@@ -18,6 +18,7 @@ from rattle_kernels import (
     map_points,
     set_traps,
 )
+from rattle_kernels.pausing import Pause, never_stopped
 
 _SCOUTS = 1024
 # At 0.06 a second of scouting saves three quarters of the applications; at 0.6, half a per cent.
@@ -27,7 +28,7 @@ _FEWEST_CELLS = 16 * _SCOUTS
 
 
 @lru_cache(maxsize=4)
-def scouted_traps(oscillator: Oscillator, grid: CellGrid, iterations: int) -> LaneTraps:
+def scouted_traps(oscillator: Oscillator, grid: CellGrid, iterations: int, pause: Pause = never_stopped) -> LaneTraps:
     """Traps of the attractors that a sample of the window ends in; none where they would not pay.
 
     Parameters
@@ -37,6 +38,8 @@ def scouted_traps(oscillator: Oscillator, grid: CellGrid, iterations: int) -> La
     grid : CellGrid
     iterations : int
         k, after which the scouts have settled or are left out.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
 
     Returns
     -------
@@ -47,7 +50,7 @@ def scouted_traps(oscillator: Oscillator, grid: CellGrid, iterations: int) -> La
     unit = np.random.default_rng(0).random((2, _SCOUTS))
     t = grid.time_start + unit[0] * (grid.time_stop - grid.time_start)
     v = grid.velocity_start + (1.0 - unit[1]) * (grid.velocity_stop - grid.velocity_start)
-    landed = map_points(oscillator, grid, iterations, t, v)
+    landed = map_points(oscillator, grid, iterations, t, v, pause=pause)
     there = np.isfinite(landed.landing_time)
-    attractors = find_attractors(oscillator, landed.landing_time[there], landed.landing_velocity[there])
+    attractors = find_attractors(oscillator, landed.landing_time[there], landed.landing_velocity[there], pause=pause)
     return set_traps(oscillator, attractors)
