@@ -14,7 +14,7 @@ A seed (a landing point) is followed by P itself until it is clear where it ends
 Seeds are taken in ascending order, so the catalogue depends on the set of seeds alone.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from rattle_kernels.impact_lanes import run_lanes
 from rattle_kernels.neighbourhoods import hit_the_same_boxes, locate, neighbourhoods
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.outcome import Outcome
+from rattle_kernels.pausing import Pause, never_stopped
 from rattle_kernels.settled_orbit import attractor_of, settled_orbit
 from rattle_kernels.wandering import CROWD, wander
 
@@ -41,7 +42,7 @@ def _orbits_of(oscillator: Oscillator, ends: np.ndarray) -> list[Attractor]:
     return [attractor_of(orbit) for orbit in orbits if orbit is not None]
 
 
-def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Callable[[], None]) -> list[Attractor]:
+def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Pause) -> list[Attractor]:
     """Motion that one trajectory ends in, whatever the catalogue holds; a transient, and what it was left for."""
     for _ in range(_PATIENCE):
         orbit = settled_orbit(oscillator, t, v)
@@ -106,7 +107,7 @@ def _list(oscillator: Oscillator, motion: Attractor, catalogue: list[Attractor])
 
 
 def _settle(
-    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int, pause: Callable[[], None]
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int, pause: Pause
 ) -> tuple[np.ndarray, np.ndarray]:
     """Where points are after many applications, those captured left out."""
     times, speeds = [t[:0]], [v[:0]]
@@ -137,7 +138,7 @@ def find_attractors(
     t: np.typing.ArrayLike,
     v: np.typing.ArrayLike,
     known: Sequence[Attractor] = (),
-    pause: Callable[[], None] = lambda: None,
+    pause: Pause = never_stopped,
 ) -> tuple[Attractor, ...]:
     """Catalogue of the motions that seeds end in.
 

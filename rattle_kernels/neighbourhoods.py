@@ -14,7 +14,7 @@ below the size of any cell.
 *Capture* by ever lower bounces is decided by `capture`.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -26,6 +26,7 @@ from rattle_kernels.lane_arrival import BOXES, ELLIPSE_COLUMNS, UNMARKED, boxes_
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.outcome import Outcome
+from rattle_kernels.pausing import Pause, never_stopped
 from rattle_kernels.periodic_orbit import PeriodicOrbit, derivatives_along, find_periodic_orbit
 
 _MARKING_ROUNDS = 256
@@ -219,7 +220,7 @@ def locate(
     t: np.ndarray,
     v: np.ndarray,
     legs: int = 0,
-    pause: Callable[[], None] = lambda: None,
+    pause: Pause = never_stopped,
 ) -> np.ndarray:
     """Follow points by P until each has arrived at an attractor.
 

@@ -11,7 +11,6 @@ that is more, and tell by how their tangent vectors grow then:
 """
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +21,7 @@ from rattle_kernels.lane_flight import LANES
 from rattle_kernels.lyapunov import tangent_growth
 from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.outcome import Outcome
+from rattle_kernels.pausing import Pause, never_stopped
 
 CROWD = LANES
 # Apart by rounding's thousandfold in speed, they are e^-21 of the speed from being one.
@@ -90,7 +90,7 @@ def _all_captured(impacts: int) -> Wandering:
     return Wandering(impacts, *nothing, nowhere, nowhere, CROWD, np.empty((0, 2)))
 
 
-def wander(oscillator: Oscillator, t: float, v: float, pause: Callable[[], None] = lambda: None) -> Wandering:
+def wander(oscillator: Oscillator, t: float, v: float, pause: Pause = never_stopped) -> Wandering:
     """Follow a crowd beside a trajectory.
 
     Parameters
@@ -112,9 +112,8 @@ def wander(oscillator: Oscillator, t: float, v: float, pause: Callable[[], None]
     going = np.flatnonzero(np.isfinite(begun.t))
     times, speeds = begun.t[going], begun.v[going]
     for visit in visits:
-        pause()
         visit[:, going] = times, speeds
-        kept, times, speeds = _carried(oscillator, times, speeds, leg)
+        kept, times, speeds = _carried(oscillator, times, speeds, leg, pause)
         going = going[kept]
     ended = tangent_growth(oscillator, times, speeds, _GROWING)
     there = np.isfinite(ended.growth)
@@ -123,7 +122,7 @@ def wander(oscillator: Oscillator, t: float, v: float, pause: Callable[[], None]
     median = np.nanmedian(ended.growth)
     # Where half of them do not grow this is no chaos that others could have left.
     settled = there & (ended.growth < _SLUGGISH * median) & (median > 0.0)
-    kept, *ends = _carried(oscillator, ended.t[settled], ended.v[settled], _LEGS * leg)
+    kept, *ends = _carried(oscillator, ended.t[settled], ended.v[settled], _LEGS * leg, pause)
     wandering = ended.of(there & ~settled)
     points = visits[:, :, going[there & ~settled]]
     turns = float(wandering.elapsed.mean())
@@ -135,9 +134,9 @@ def wander(oscillator: Oscillator, t: float, v: float, pause: Callable[[], None]
 
 
 def _carried(
-    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, impacts: int
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, impacts: int, pause: Pause
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Which of some departures are not captured within so many impacts, and where those are then."""
-    carried, _ = run_lanes(oscillator, t, v, impacts, shortcuts=True)
+    carried, _ = run_lanes(oscillator, t, v, impacts, shortcuts=True, pause=pause)
     kept = carried.outcome == Outcome.RETURNED
     return kept, carried.t[kept], carried.v[kept]

@@ -67,7 +67,7 @@ def create_app(settings: Settings) -> FastAPI:
         app.state.runner = RunnerProcess(settings)
         app.state.probes = Probes(Probe(app.state.jobs.answers, False), app.state.runner.workers)
         app.state.runner.start()
-        # What has been loaded stays: to look through it all for garbage would hold answers up for a third of a second.
+        # What has been loaded stays: to look through it all for garbage would hold answers up for 150 ms.
         gc.freeze()
         try:
             yield

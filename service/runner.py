@@ -126,11 +126,13 @@ class Runner:
     def _claim(self) -> bool:
         """Begin one more job, if there is room, a cluster, and a job."""
         running = [lease.record for lease in self._held()]
-        client = self.cluster.client()
         if time.monotonic() - self._looked_for_dead >= _LOOK_FOR_DEAD_SECONDS:
             self.jobs.free_the_dead()
             self._looked_for_dead = time.monotonic()
-        if client is None or len(running) >= self.most:
+        if len(running) >= self.most > 0:
+            return False
+        client = self.cluster.client()
+        if client is None or self.most == 0:
             return False
         asked = time.monotonic()
         owner, ours = f"{self._name}/{next(self._claims)}", [record.id for record in running]

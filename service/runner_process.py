@@ -127,20 +127,20 @@ def _run_jobs(settings: Settings, orders: Connection, news: Connection) -> None:
         signal.signal(asked, lambda *_: None)
     os.nice(_NICENESS)
     write_logs(settings.log_format, settings.log_level)
-    with contextlib.ExitStack() as stack:
-        engine, sessions = open_database(settings.database)
-        stack.callback(engine.dispose)
-        cluster = LastingCluster(settings.scheduler, settings.workers, settings.certificates)
-        stack.callback(cluster.close)
-        cluster.open()
-        runner = Runner(Jobs(sessions, settings.quotas), cluster, settings.results, settings.concurrent_jobs)
-        stack.callback(runner.stop)
-        runner.start()
-        threading.Thread(target=_tell, args=(runner, news), name="rattle-news", daemon=True).start()
-        with contextlib.suppress(EOFError):
-            while True:
-                job_id = orders.recv()
-                runner.ring() if job_id is None else runner.cancel(job_id)
+    engine, sessions = open_database(settings.database)
+    cluster = LastingCluster(settings.scheduler, settings.workers, settings.certificates)
+    cluster.open()
+    runner = Runner(Jobs(sessions, settings.quotas), cluster, settings.results, settings.concurrent_jobs)
+    runner.start()
+    threading.Thread(target=_tell, args=(runner, news), name="rattle-news", daemon=True).start()
+    with contextlib.suppress(EOFError):
+        while True:
+            job_id = orders.recv()
+            runner.ring() if job_id is None else runner.cancel(job_id)
+    runner.stop()
+    cluster.drop()
+    engine.dispose()
+    os._exit(0)  # all that matters is in order; what Dask would still wait for is not
 
 
 def _tell(runner: Runner, news: Connection) -> None:

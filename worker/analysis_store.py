@@ -15,18 +15,11 @@ import zarr
 from worker.analysis import Analysis, Columns
 from worker.analysis_job import AnalysisJob
 from worker.errors import StoreConflict, told_as_store_failure
+from worker.fence import Fence, unfenced
 from worker.layout import Variable
 from worker.new_store import CONFIG, birth_certificate, consolidate, now
 from worker.storage import place_at
-from worker.store_opening import (
-    Fence,
-    create_unless_there,
-    demand_same_request,
-    holds_store,
-    open_group,
-    open_store_at,
-    unfenced,
-)
+from worker.store_opening import create_unless_there, demand_same_request, holds_store, open_group, open_store_at
 
 ANALYSIS_LAYOUT_VERSION = 1
 _PARTS = "parts"
@@ -54,7 +47,7 @@ class AnalysisStore:
 
     def __init__(self, location: str, fence: Fence = unfenced) -> None:
         self.location, self._fence = location, fence
-        self._group = open_store_at(location, "store")
+        self._group = open_store_at(location, "store", fence)
         if "kind" not in self._group.attrs:
             raise StoreConflict(f"{location} holds no analysis")
         if self._group.attrs["layout_version"] != ANALYSIS_LAYOUT_VERSION:
@@ -73,7 +66,7 @@ class AnalysisStore:
         StoreFailed
             Where it cannot be written.
         """
-        create_unless_there(location, "store", lambda: _create(location, analysis, job), fence)
+        create_unless_there(location, "store", lambda: _create(location, analysis, job, fence), fence)
         store = cls(location, fence)
         demand_same_request(location, job.digest, store.digest, store.request)
         return store
@@ -130,7 +123,7 @@ class AnalysisStore:
                     del self._group[variable.name]
                 values = np.asarray(columns[variable.name])
                 _write(self._group, variable.name, values, variable.dims, variable.attrs(), variable)
-            consolidate(self.location)
+            consolidate(self.location, self._fence)
 
     def read_tables(self) -> Columns:
         """Columns of the tables."""
@@ -150,7 +143,7 @@ class AnalysisStore:
         with told_as_store_failure(self.location):
             if _PARTS in self._group:
                 del self._group[_PARTS]
-            consolidate(self.location)
+            consolidate(self.location, self._fence)
 
 
 class StoredParts(Mapping[str, Columns]):
@@ -194,12 +187,12 @@ def kind_of_store(location: str) -> str:
         return str(open_group(location, "r").attrs.get("kind", "basin"))
 
 
-def _create(location: str, analysis: Analysis, job: AnalysisJob) -> None:
+def _create(location: str, analysis: Analysis, job: AnalysisJob, fence: Fence) -> None:
     """Lay out a new store: attributes alone, as nobody knows yet how long its tables will be."""
-    group = zarr.create_group(place_at(location).zarr, zarr_format=3, overwrite=True)
+    group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
     born = birth_certificate(analysis.title, job.request(), job.digest)
     group.update_attributes(born | {"kind": job.kind, "layout_version": ANALYSIS_LAYOUT_VERSION})
-    consolidate(location)
+    consolidate(location, fence)
 
 
 def _write(

@@ -86,10 +86,7 @@ def _end(cluster: LocalCluster) -> None:
     The other way round takes longer than anyone waits on a busy machine, and a `close` that has timed out leaves the
     cluster closing for ever: Dask then waits for it another ten seconds when the process ends.
     """
-    for nanny in cluster.workers.values():
-        nanny.auto_restart = False
-        with contextlib.suppress(ProcessLookupError, TypeError):  # gone by itself, or never started
-            os.kill(nanny.pid, signal.SIGKILL)
+    kill_workers(cluster)
     # A scheduler that still believes in them would write to them as it closes, and tell of it in a traceback when
     # nothing silences it any more.
     patience = time.monotonic() + _FORGET_SECONDS
@@ -97,6 +94,14 @@ def _end(cluster: LocalCluster) -> None:
         time.sleep(0.01)
     with contextlib.suppress(TimeoutError):
         cluster.close(timeout=_CLOSE_SECONDS)
+
+
+def kill_workers(cluster: LocalCluster) -> None:
+    """Kill the workers of an embedded cluster, for good."""
+    for nanny in cluster.workers.values():
+        nanny.auto_restart = False
+        with contextlib.suppress(ProcessLookupError, TypeError):  # gone by itself, or never started
+            os.kill(nanny.pid, signal.SIGKILL)
 
 
 @contextlib.contextmanager

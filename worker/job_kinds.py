@@ -11,10 +11,10 @@ from distributed import Client
 from worker.analysis_kinds import ANALYSES
 from worker.analysis_run import run_analysis
 from worker.basin_job import BasinJob
+from worker.fence import Fence
 from worker.job import Job
 from worker.pipeline import run_basin
 from worker.progress import Report
-from worker.store_opening import Fence
 
 
 class Run(Protocol):

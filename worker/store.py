@@ -17,18 +17,12 @@ from rattle_kernels import Attractor, AttractorKind, CellGroups, ImageSet, with_
 from worker import layout
 from worker.basin_job import BasinJob
 from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
+from worker.fence import Fence, unfenced
 from worker.layout import Variable
 from worker.new_store import CONFIG, consolidate, create_array, create_store, now, places_of, tiling_of
 from worker.solution_table import Motion, SolutionTable
 from worker.storage import place_at
-from worker.store_opening import (
-    Fence,
-    create_unless_there,
-    demand_same_request,
-    open_group,
-    open_store_at,
-    unfenced,
-)
+from worker.store_opening import create_unless_there, demand_same_request, open_group, open_store_at
 from worker.tiles import Tile
 
 
@@ -52,7 +46,7 @@ class BasinStore:
 
     def __init__(self, location: str, fence: Fence = unfenced) -> None:
         self.location, self._fence = location, fence
-        self._group = open_store_at(location, "basin store")
+        self._group = open_store_at(location, "basin store", fence)
         if "kind" in self._group.attrs:
             raise StoreConflict(f"{location} is no basin store: it is one of kind {self._group.attrs['kind']}")
         if self._group.attrs.get("layout_version") != layout.LAYOUT_VERSION:
@@ -75,7 +69,7 @@ class BasinStore:
         StoreFailed
             Where it cannot be written.
         """
-        create_unless_there(location, "basin store", lambda: create_store(location, job), fence)
+        create_unless_there(location, "basin store", lambda: create_store(location, job, fence), fence)
         store = cls(location, fence)
         demand_same_request(location, job.digest, store.digest, store.job.request())
         return store
@@ -212,7 +206,7 @@ class BasinStore:
             # Last of all the one that tells how much room there is: a driver that is killed before does it all again.
             for variable in reversed(layout.POINTS):
                 self._array(variable).resize((*self.job.panel_shape, *room))
-            consolidate(self.location)
+            consolidate(self.location, self._fence)
 
     def _measured(self) -> tuple[Variable, ...]:
         return layout.MEASURED if self.job.sample is None else (*layout.MEASURED, layout.SHARE_ERROR)
@@ -289,9 +283,9 @@ class BasinStore:
         """Consolidate the store's metadata and mark it complete (driver only)."""
         self._fence()
         with told_as_store_failure(self.location):
-            consolidate(self.location)
+            consolidate(self.location, self._fence)
             # Written with the consolidated metadata, in one piece: what is complete is so for every reader.
-            whole = open_group(self.location, "r+", consolidated=True)
+            whole = open_group(self.location, "r+", consolidated=True, fence=self._fence)
             whole.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
 
     @property

@@ -7,24 +7,18 @@ from typing import Any
 import zarr
 
 from worker.errors import StoreConflict, told_as_store_failure
+from worker.fence import Fence, unfenced
 from worker.storage import place_at
-
-Fence = Callable[[], None]
-"""Called before everything that only the driver writes: raises `LeaseLost` where the job is another driver's by now."""
 
 _NOTHING_THERE = (FileNotFoundError, NotADirectoryError, ValueError)
 
 
-def unfenced() -> None:
-    """The fence of a driver that nobody can take a job from."""
-
-
-def open_group(location: str, mode: str, *, consolidated: bool = False) -> Any:
+def open_group(location: str, mode: str, *, consolidated: bool = False, fence: Fence = unfenced) -> Any:
     """Root of what Zarr has at a location; raises what Zarr does."""
-    return zarr.open_group(place_at(location).zarr, mode=mode, zarr_format=3, use_consolidated=consolidated)
+    return zarr.open_group(place_at(location, fence).zarr, mode=mode, zarr_format=3, use_consolidated=consolidated)
 
 
-def open_store_at(location: str, what: str) -> Any:
+def open_store_at(location: str, what: str, fence: Fence) -> Any:
     """Root of a store, for reading and writing; `what` is the kind of store that is expected.
 
     Raises
@@ -36,7 +30,7 @@ def open_store_at(location: str, what: str) -> Any:
     """
     with told_as_store_failure(location):
         try:
-            return open_group(location, "r+")
+            return open_group(location, "r+", fence=fence)
         except _NOTHING_THERE as error:
             raise StoreConflict(f"{location} is no {what}: nothing there that Zarr can open") from error
 

@@ -11,10 +11,10 @@ from service.settings import Settings
 from worker.analysis_kinds import ANALYSES
 from worker.cluster import connect
 from worker.errors import InvalidJob, JobCancelled, WorkerError
+from worker.fence import unfenced
 from worker.job import Job
 from worker.job_kinds import JOB_KINDS
 from worker.progress import Progress
-from worker.store_opening import unfenced
 
 
 def run_here(
