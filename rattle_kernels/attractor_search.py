@@ -8,7 +8,8 @@ A seed (a landing point) is followed by P itself until it is clear where it ends
    Slow convergence is not chaos;
 4. else its largest Lyapunov exponent over a long run is positive by several standard errors: chaos, and where its
    points are seen to leave it (`chaotic_leak`) a transient. One with a mean life of less than 16,000 impacts is no part
-   of the catalogue, what is on it is followed to its end; one that lasts longer is listed as what it is;
+   of the catalogue, what is on it is followed to its end; one that lasts longer is listed as what it is. Below a
+   damping of 0.02 chaos that is not seen to end is left undecided;
 5. else it is undecided, and says so.
 
 Seeds are taken in ascending order, so the catalogue depends on the set of seeds alone.
@@ -22,6 +23,7 @@ import numpy as np
 from rattle_kernels.attractor import PERMANENT_CONTACT_ATTRACTOR, UNDECIDED_ATTRACTOR, Attractor, AttractorKind
 from rattle_kernels.chaotic_leak import chaotic_leak
 from rattle_kernels.impact_lanes import run_lanes
+from rattle_kernels.iterations import WEAK_DAMPING
 from rattle_kernels.lyapunov import lyapunov_exponent
 from rattle_kernels.neighbourhoods import hit_the_same_boxes, locate, neighbourhoods
 from rattle_kernels.oscillator import Oscillator, check_domain
@@ -86,8 +88,12 @@ def _news(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attract
     leak = chaotic_leak(oscillator, motion, catalogue)
     if leak.mean_life < _LONG_LIFE:
         return list(leak.orbits)
-    kind = AttractorKind.CHAOTIC if math.isinf(leak.mean_life) else AttractorKind.CHAOTIC_TRANSIENT
-    return [*leak.orbits, motion._replace(kind=kind)]
+    if math.isfinite(leak.mean_life):
+        return [*leak.orbits, motion._replace(kind=AttractorKind.CHAOTIC_TRANSIENT)]
+    # There low bounces may sink for longer than anything is followed, and look chaotic.
+    if oscillator.damping <= WEAK_DAMPING:
+        return [] if _is_known(oscillator, UNDECIDED_ATTRACTOR, catalogue) else [UNDECIDED_ATTRACTOR]
+    return [motion]
 
 
 def _united(known: Attractor, motion: Attractor) -> Attractor:
