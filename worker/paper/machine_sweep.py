@@ -54,15 +54,16 @@ def _told(whole: xr.Dataset, low: xr.Dataset) -> list[dict[str, Any]]:
     quiet, motions = kinds == AttractorKind.PERMANENT_CONTACT, whole.name.values
     quiet_low = low.kind.values == AttractorKind.PERMANENT_CONTACT
     speeds = low.velocity.values
-    told = []
+    told: list[dict[str, Any]] = []
     for panel in range(job.panels):
         at = job.place_of(panel)
         share, solution = whole.share.values[at], low.solution.values[at]
         rattles = ~quiet_low[solution]
         largest = np.argsort(-np.where(np.isfinite(share) & ~quiet, share, -1.0))[:3]
         oscillator = job.oscillator_of(panel)
+        values: dict[str, Any] = dict(job.values_of(panel))
         told.append(
-            job.values_of(panel)
+            values
             | {
                 "quiet": float(share[quiet][0]),
                 "quiet_error": float(whole.share_error.values[at][quiet][0]),
