@@ -70,3 +70,14 @@ def test_the_anatomy_of_a_basin_is_built_from_what_a_service_answers(service, mo
     assert "saddle P(1,1,0) at t = 0.6017074510, v = 3.7699111843, multipliers" in text
     assert "saddle-node of P(1,2,0) at damping = 0.5997157626" in text
     assert "both manifolds" in text and pictures == 2
+
+
+@pytest.mark.timeout(180)
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
+def test_the_machine_is_told_apart_into_quiet_and_rattle(monkeypatch):
+    monkeypatch.delenv("RATTLE_MACHINE", raising=False)
+    monkeypatch.setenv("RATTLE_CELLS", "40")
+    monkeypatch.setenv("RATTLE_POINTS", "16")
+    text, pictures = outputs_of("machine.ipynb")
+    assert "P(1,2,0)" in text and "chaotic" not in text and "undecided" not in text
+    assert "least disturbance: between" in text and pictures == 2

@@ -20,13 +20,14 @@ from worker.paper.fig16 import FIG16
 from worker.paper.fig17 import FIG17
 from worker.paper.figure import PaperFigure
 from worker.paper.machine import MACHINE, MACHINE_SOFT
+from worker.paper.machine_sweep import MACHINE_SWEEP
 
 _IN_ORDER = (
     FIG1, FIG2, FIG3, FIG4, FIG5, FIG6, FIG7, FIG8, FIG9, FIG10, FIG11, FIG12, FIG13, FIG14, FIG15, FIG16, FIG17,
 )  # fmt: skip
 
 PAPER_FIGURES: dict[str, PaperFigure] = {figure.name: figure for figure in _IN_ORDER}
-ALL_FIGURES = PAPER_FIGURES | {figure.name: figure for figure in (MACHINE, MACHINE_SOFT)}
+ALL_FIGURES = PAPER_FIGURES | {figure.name: figure for figure in (MACHINE, MACHINE_SOFT, MACHINE_SWEEP)}
 """Those of the paper, and those of the machine at dampings that it could not reach."""
 
 

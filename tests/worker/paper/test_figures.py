@@ -127,7 +127,10 @@ def test_solutions_of_fig9_die_where_the_paper_says_until_all_is_quiet(client, t
     assert names["damping 0.7"] == {"permanent contact"}
     assert died["P(1,2,0)"] == (0.575, 0.6) and died["P(1,3,0)"] == (0.5, 0.525)
     assert died["P(1,1,0)"] == died["chaotic"] == (0.675, 0.7)
-    assert changes(numbers, "birth")["chaotic"] == (0.575, 0.6)
+    # Chaos at 0.65 is a transient into P(3,3,1).
+    chaos = {name for name, motions in names.items() if "chaotic" in motions}
+    assert chaos == {"damping 0.6", "damping 0.625", "damping 0.675"}
+    assert {"chaotic transient", "P(3,3,1)"} <= names["damping 0.65"]
     assert "P(3,3,2)" in names["damping 0.525"] and "P(2,2,1)" in names["damping 0.575"]
     quiet = [shares(panel)["permanent contact"] for panel in numbers["panels"].values()]
     assert np.all(np.diff(quiet) > 0.0) and quiet[-1] == 1.0
