@@ -1,4 +1,4 @@
-"""What a motion that trajectories end in is: permanent contact, a periodic orbit, a chaotic attractor."""
+"""What a motion that trajectories end in, or are on for long, is: permanent contact, a periodic orbit, chaos."""
 
 from enum import IntEnum
 from typing import NamedTuple
@@ -13,13 +13,14 @@ class AttractorKind(IntEnum):
     CHAOTIC = 2
     PERMANENT_CONTACT = 3
     UNDECIDED = 4
+    CHAOTIC_TRANSIENT = 5
 
 
 class Attractor(NamedTuple):
-    """A motion that trajectories end in.
+    """A motion that trajectories end in; or a chaotic transient, on which they are for very long before they do.
 
     ``time`` and ``velocity`` (shape (points,)) are its departures from +beta: one turn of a periodic orbit from its
-    slowest on, some thousand of a chaotic one, none of permanent contact. Exponents are per forcing period, NaN where
+    slowest on, some thousand of chaos, none of permanent contact. Exponents are per forcing period, NaN where
     there is none; ``lyapunov_error`` is the standard error (0 for a periodic orbit, whose exponent comes from its
     multipliers). ``mean_life`` is known of chaos that trajectories leave again: impacts until one does, on average;
     NaN where none was seen to leave.
@@ -37,7 +38,7 @@ class Attractor(NamedTuple):
 
     @property
     def name(self) -> str:
-        """``P(m, n+, n-)`` (Sec. 4), chaotic, permanent contact or undecided."""
+        """``P(m, n+, n-)`` (Sec. 4), chaotic, chaotic transient, permanent contact or undecided."""
         if self.kind == AttractorKind.PERIODIC:
             return f"P({self.forcing_periods},{self.upper_contacts},{self.lower_contacts})"
         return self.kind.name.lower().replace("_", " ")
@@ -45,7 +46,12 @@ class Attractor(NamedTuple):
     @property
     def label(self) -> str:
         """The name, and for how long chaos that does not last holds a motion."""
-        return self.name if np.isnan(self.mean_life) else f"{self.name} for some {self.mean_life:.1g} impacts"
+        return self.name if np.isnan(self.mean_life) else f"{self.name} of some {self.mean_life:.1g} impacts"
+
+    @property
+    def wanders(self) -> bool:
+        """Whether it is chaos, on an attractor or on a transient."""
+        return self.kind in (AttractorKind.CHAOTIC, AttractorKind.CHAOTIC_TRANSIENT)
 
 
 def _without_points(kind: AttractorKind) -> Attractor:

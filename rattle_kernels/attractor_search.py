@@ -1,4 +1,4 @@
-"""The catalogue of motions that landing points end in: permanent contact, periodic orbits, chaotic attractors.
+"""The catalogue of motions that landing points end in: permanent contact, periodic orbits, chaos.
 
 A seed (a landing point) is followed by P itself until it is clear where it ends:
 
@@ -6,108 +6,56 @@ A seed (a landing point) is followed by P itself until it is clear where it ends
 2. it lands on an attractor already in the catalogue (`neighbourhoods`): nothing new;
 3. it comes back close to itself after p impacts: the orbit there is polished by Newton and its multipliers decide.
    Slow convergence is not chaos;
-4. else a crowd is started beside it (`wandering`). Where most of the crowd settle it was on a transient, and ends in
-   what they end in. Where most do not, and their largest Lyapunov exponent is positive by several standard errors, it
-   is chaotic; what some of the crowd have left chaos for is in the catalogue, too, and chaos has a mean life;
+4. else a crowd is started beside it (`wandering`). Where most of the crowd settle it was on a short transient, and ends
+   in what they end in. Where most do not, and their largest Lyapunov exponent is positive by several standard errors,
+   this is chaos: an attractor where none of the crowd leaves it, else a transient, beside what it is left for;
 5. else it is undecided, and says so.
 
 Seeds are taken in ascending order, so the catalogue depends on the set of seeds alone.
 """
 
-import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from rattle_kernels.attractor import PERMANENT_CONTACT_ATTRACTOR, UNDECIDED_ATTRACTOR, Attractor, AttractorKind
 from rattle_kernels.impact_lanes import run_lanes
-from rattle_kernels.impact_map import RETURNED, next_impact
-from rattle_kernels.jit import kernel
-from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.neighbourhoods import hit_the_same_boxes, locate, neighbourhoods
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.outcome import Outcome
-from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
-from rattle_kernels.wandering import CROWD, mean_life, wander
+from rattle_kernels.settled_orbit import attractor_of, settled_orbit
+from rattle_kernels.wandering import CROWD, wander
 
 _SETTLING = 4096
 # A quarter of a second.
 _APPLICATIONS_AT_A_TIME = 1 << 24
-_LONGEST_PERIOD = 512
-_CLOSE_RETURN = 1e-6
 # Transients through a chaotic saddle are given this many crowds of 16,384 impacts before a motion is left undecided.
 _PATIENCE = 4
 # After so many seeds in a row that led to nothing new, the rest is left to be named, and counted where it cannot be.
 _FRUITLESS_SEEDS = 8
 
 
-def attractor_of(orbit: PeriodicOrbit) -> Attractor:
-    """Attractor that a periodic orbit is, where it attracts."""
-    return Attractor(
-        AttractorKind.PERIODIC, orbit.forcing_periods, orbit.upper_contacts, orbit.lower_contacts,
-        orbit.lyapunov_exponent, 0.0, orbit.t, orbit.v,
-    )  # fmt: skip
-
-
-@kernel
-def _distances_on_return(oscillator, t, v, speed_scale, distances):
-    """Distance from a departure after 1, 2, ... impacts; infinite from where contact is permanent."""
-    here_t, here_v = t, v
-    distances[:] = math.inf
-    for i in range(distances.size):
-        impact = next_impact(oscillator, here_t, here_v)
-        if impact.outcome != RETURNED:
-            return
-        here_t, here_v = impact.t, impact.v
-        apart = here_t - t
-        distances[i] = math.hypot(apart - math.floor(apart + 0.5), (here_v - v) / speed_scale)
-
-
-def _closest_return(oscillator: Oscillator, t: float, v: float) -> tuple[int, float]:
-    """Impact period after which a trajectory first comes back within 1e-6, or else closest; and that distance."""
-    distances = np.empty(_LONGEST_PERIOD)
-    _distances_on_return(oscillator, t, v, lane_tables(oscillator).speed_scale, distances)
-    close = np.flatnonzero(distances < _CLOSE_RETURN)
-    period = int(close[0] if close.size else np.argmin(distances))
-    return period + 1, float(distances[period])
-
-
-def _orbit_of(oscillator: Oscillator, t: float, v: float) -> PeriodicOrbit | None:
-    """The attracting periodic orbit that a settled trajectory approaches, or none."""
-    scale = lane_tables(oscillator).speed_scale
-    period, distance = _closest_return(oscillator, t, v)
-    if distance > 1e-3:
-        return None
-    orbit = find_periodic_orbit(oscillator, t, v, period, scale)
-    if orbit is None or not orbit.attracts:
-        return None
-    apart = orbit.t - t
-    near = np.hypot(apart - np.rint(apart), (orbit.v - v) / scale).min()
-    # Converging like lambda^n, a trajectory that moves by d in one turn is d/(1 - lambda) away.
-    allowed = 10.0 * distance / (1.0 - np.abs(orbit.multipliers).max()) + 1e-9
-    return orbit if near <= allowed else None
-
-
 def _orbits_of(oscillator: Oscillator, ends: np.ndarray) -> list[Attractor]:
     """The attracting periodic orbits that settled trajectories approach, of each of them its own."""
-    orbits = [_orbit_of(oscillator, t, v) for t, v in ends.tolist()]
+    orbits = [settled_orbit(oscillator, t, v) for t, v in ends.tolist()]
     return [attractor_of(orbit) for orbit in orbits if orbit is not None]
 
 
 def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Callable[[], None]) -> list[Attractor]:
-    """Motion that one trajectory ends in, whatever the catalogue holds; and those that it can end in after chaos."""
+    """Motion that one trajectory ends in, whatever the catalogue holds; a transient, and what it was left for."""
     for _ in range(_PATIENCE):
-        orbit = _orbit_of(oscillator, t, v)
+        orbit = settled_orbit(oscillator, t, v)
         if orbit is not None:
             return [attractor_of(orbit)]
         crowd = wander(oscillator, t, v, pause)
-        ends = _orbits_of(oscillator, crowd.settled)
+        ends = _orbits_of(oscillator, crowd.settled if crowd.chaotic else crowd.ends)
         left = crowd.captured + len(ends)
         if 2 * left > CROWD:
             return ends or [PERMANENT_CONTACT_ATTRACTOR]
         if crowd.chaotic:
-            points = crowd.t, crowd.v, mean_life(left)
-            return [Attractor(AttractorKind.CHAOTIC, 0, 0, 0, crowd.exponent, crowd.error, *points), *ends]
+            kind = AttractorKind.CHAOTIC_TRANSIENT if left else AttractorKind.CHAOTIC
+            points = crowd.t, crowd.v, crowd.mean_life(left)
+            return [Attractor(kind, 0, 0, 0, crowd.exponent, crowd.error, *points), *ends]
         t, v = float(crowd.t[-1]), float(crowd.v[-1])
     return [UNDECIDED_ATTRACTOR]
 
@@ -127,16 +75,22 @@ def _overlapping(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[
     One of the two may be a long transient through the other's surroundings. Listed apart, they would share their boxes,
     which then would tell nothing, so that every seed would find one attractor more.
     """
-    if motion.kind != AttractorKind.CHAOTIC:
+    if not motion.wanders:
         return None
-    chaotic = [i for i, listed in enumerate(catalogue) if listed.kind == AttractorKind.CHAOTIC]
+    chaotic = [i for i, listed in enumerate(catalogue) if listed.wanders]
     return next((i for i in chaotic if hit_the_same_boxes(oscillator, motion, catalogue[i])), None)
 
 
 def _united(known: Attractor, motion: Attractor) -> Attractor:
-    """One attractor with half of the points of either; its exponent is that of the crowd that settled for longer."""
+    """One chaos with half of the points of either; a transient where one of the crowds has been seen to leave."""
     time = np.concatenate([known.time[::2], motion.time[::2]])
-    return motion._replace(time=time, velocity=np.concatenate([known.velocity[::2], motion.velocity[::2]]))
+    velocity = np.concatenate([known.velocity[::2], motion.velocity[::2]])
+    rates = np.nan_to_num([1.0 / known.mean_life, 1.0 / motion.mean_life])
+    lasts = not rates.any()
+    return motion._replace(
+        kind=AttractorKind.CHAOTIC if lasts else AttractorKind.CHAOTIC_TRANSIENT,
+        time=time, velocity=velocity, mean_life=np.nan if lasts else float(1.0 / rates.mean()),
+    )  # fmt: skip
 
 
 def _list(oscillator: Oscillator, motion: Attractor, catalogue: list[Attractor]) -> bool:
@@ -169,10 +123,11 @@ def _settle(
 
 def _canonical(found: Sequence[Attractor]) -> tuple[Attractor, ...]:
     def key(attractor: Attractor) -> tuple[float, ...]:
-        place = {AttractorKind.PERMANENT_CONTACT: 0, AttractorKind.PERIODIC: 1, AttractorKind.CHAOTIC: 2}
+        kinds = AttractorKind.PERMANENT_CONTACT, AttractorKind.PERIODIC, AttractorKind.CHAOTIC
+        place = {kind: number for number, kind in enumerate((*kinds, AttractorKind.CHAOTIC_TRANSIENT))}
         contacts = attractor.upper_contacts, attractor.forcing_periods, attractor.lower_contacts
         lowest = (round(float(attractor.velocity.min()), 9), float(attractor.time[0])) if attractor.time.size else ()
-        return (place.get(attractor.kind, 3), *contacts, *lowest)
+        return (place.get(attractor.kind, len(place)), *contacts, *lowest)
 
     return tuple(sorted(found, key=key))
 
@@ -200,8 +155,8 @@ def find_attractors(
     Returns
     -------
     tuple of Attractor
-        Permanent contact first, always; then periodic orbits by (n+, m, n-) and lowest speed, then chaotic attractors;
-        UNDECIDED last and only where some seed is.
+        Permanent contact first, always; then periodic orbits by (n+, m, n-) and lowest speed, then chaotic attractors,
+        then chaotic transients; UNDECIDED last and only where some seed is.
 
     Raises
     ------

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from rattle_kernels.attractor import Attractor, AttractorKind
-from rattle_kernels.attractor_search import attractor_of
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.periodic_orbit import find_periodic_orbit
+from rattle_kernels.settled_orbit import attractor_of
 
 # Points of an orbit that Newton's method is started from, and of a chaotic attractor that are compared.
 _STARTS = 8

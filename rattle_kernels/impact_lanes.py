@@ -175,20 +175,30 @@ def _arrives(lanes, i, traps, orbit):
 
 
 @step
+def _is_far(lanes, i, nearest, top):
+    """Whether lane i, which was to look where it is, is near no orbit with a trap; then when to look again."""
+    if lanes[_EVENT + i] != _LOOK or lanes[_AWAITED + i] != NOWHERE:
+        return False
+    if nearest_point(nearest, top, lanes[PHASE + i], -lanes[VELOCITY + i]) != NOWHERE:
+        return False
+    lanes[_LOOK_NEXT + i] = lanes[_DONE + i] + min(lanes[_DONE + i], _LONGEST_LEG)
+    return True
+
+
+@step
 def _look(lanes, i, traps):
-    """Whether lane i has arrived for good; else say when to look again."""
+    """Whether lane i, near an orbit, has arrived for good; else say when to look again."""
     done = lanes[_DONE + i]
     orbit = int(lanes[_AWAITED + i])
     if orbit == NOWHERE:
-        point = nearest_point(traps, lanes[PHASE + i], -lanes[VELOCITY + i])
-        orbit = traps.orbit[point] if point != NOWHERE else NOWHERE
-        wait = traps.period[orbit] - traps.place[point] if point != NOWHERE and traps.place[point] > 0 else 0
-        if wait > 0:
-            lanes[_AWAITED + i], lanes[_LOOK_NEXT + i] = orbit, done + wait
+        point = nearest_point(traps.nearest, traps.top, lanes[PHASE + i], -lanes[VELOCITY + i])
+        orbit, place = traps.orbit[point], traps.place[point]
+        if place > 0:
+            lanes[_AWAITED + i], lanes[_LOOK_NEXT + i] = orbit, done + (traps.period[orbit] - place)
             return False
     lanes[_AWAITED + i] = NOWHERE
     lanes[_LOOK_NEXT + i] = done + min(done, _LONGEST_LEG)
-    return orbit != NOWHERE and _arrives(lanes, i, traps, orbit)
+    return _arrives(lanes, i, traps, orbit)
 
 
 @step
@@ -256,6 +266,7 @@ def _run_lanes(oscillator, tables, traps, applications, capture_bound, lock_tole
             following = _refill(lanes, i, tables, applications, first_look, points, following)
             flying += 1 if lanes[_POINT + i] != _NOBODY else 0
     stiff, radian, slow = math.isfinite(oscillator.stiffness), stay_time(oscillator), slow_part(oscillator)
+    nearest, top = traps.nearest, traps.top
     done = 0.0
     steps = _STEPS_A_LEG
     while flying > 0 and steps > 0:
@@ -277,7 +288,8 @@ def _run_lanes(oscillator, tables, traps, applications, capture_bound, lock_tole
         for i in range(LANES):
             if lanes[_POINT + i] == _NOBODY:
                 continue
-            if lanes[_EVENT + i] != _NOTHING and _settle(lanes, i, traps):
+            far = lanes[_EVENT + i] == _NOTHING or _is_far(lanes, i, nearest, top)
+            if not far and _settle(lanes, i, traps):
                 done += _land(lanes, i, points, lower_impacts)
                 following = _refill(lanes, i, tables, applications, first_look, points, following)
             flying += 1 if lanes[_POINT + i] != _NOBODY else 0

@@ -27,6 +27,7 @@ from rattle_kernels.lane_flight import (
 )
 
 BOXES = 2048
+ELLIPSE_COLUMNS = 512
 UNMARKED = -1
 _ARRIVAL_STREAK = 24
 _NOT_ARRIVED = -1
@@ -42,7 +43,9 @@ def box_of(speed_scale, t, v):
 @step
 def _owner_of_ellipse(around, t, v):
     """Periodic orbit in one of whose ellipses a departure lies, or none."""
-    for j in range(around.owner.size):
+    column = min(int(t * ELLIPSE_COLUMNS), ELLIPSE_COLUMNS - 1)
+    for place in range(around.first_ellipse[column], around.first_ellipse[column + 1]):
+        j = around.ellipse[place]
         dt = t - around.centre[j, 0]
         dt -= np.floor(dt + 0.5)
         dv = v - around.centre[j, 1]

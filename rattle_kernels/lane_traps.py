@@ -13,9 +13,9 @@ import numpy as np
 from rattle_kernels.jit import step
 
 DEGREE = 8
-POWERS = tuple((total - k, k) for total in range(3, DEGREE + 1) for k in range((total + 1) // 2))
-"""Powers (j, k) of z and its conjugate in V, j > k."""
-_LEFT = tuple(j for j, _ in POWERS)
+POWERS = tuple((n + k, k) for n in range(1, DEGREE + 1) for k in range(DEGREE) if 3 <= n + 2 * k <= DEGREE)
+"""Powers (j, k) of z and its conjugate in V, j > k, by j - k."""
+_TURNS = tuple(j - k for j, k in POWERS)
 _RIGHT = tuple(k for _, k in POWERS)
 TERMS = len(POWERS)
 NOWHERE = -1
@@ -61,28 +61,24 @@ NO_TRAPS = _no_traps()
 
 
 @step
-def nearest_point(traps, phase, speed):
+def nearest_point(nearest, top, phase, speed):
     """Number of the orbit's point likely near, NOWHERE for none."""
-    if not speed < traps.top:
+    if not speed < top:
         return NOWHERE
-    rows, columns = traps.nearest.shape
-    row, column = int(speed / traps.top * rows), int(phase * columns)
-    return traps.nearest[min(row, rows - 1), min(column, columns - 1)]
+    rows, columns = nearest.shape
+    row, column = int(speed / top * rows), int(phase * columns)
+    return int(nearest[min(row, rows - 1), min(column, columns - 1)])
 
 
 @step
 def potential(real, imaginary, x, y):
     """V at z = x + iy."""
     square = x * x + y * y
-    total = square
-    # Powers of z by recurrence; |z|^2 takes the place of each conjugate.
-    cosine, sine = np.empty(DEGREE + 1), np.empty(DEGREE + 1)
-    cosine[0], sine[0] = 1.0, 0.0
-    for n in range(DEGREE):
-        cosine[n + 1], sine[n + 1] = cosine[n] * x - sine[n] * y, cosine[n] * y + sine[n] * x
+    total, cosine, sine, n = square, 1.0, 0.0, 0
     for m in range(TERMS):
-        n = _LEFT[m] - _RIGHT[m]
-        total += square ** _RIGHT[m] * (real[m] * cosine[n] - imaginary[m] * sine[n])
+        while n < _TURNS[m]:  # the next power of z
+            cosine, sine, n = cosine * x - sine * y, cosine * y + sine * x, n + 1
+        total += square ** _RIGHT[m] * (real[m] * cosine - imaginary[m] * sine)
     return total
 
 

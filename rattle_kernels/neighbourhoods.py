@@ -5,11 +5,11 @@ Lyapunov equation of DP^p (which exists because both multipliers lie inside the 
 until P^p itself brings points on four rings in it closer, in that norm. Grazing inside the ellipse would break that and
 so shrinks it. Around every other point an ellipse that P brings into the first one, seen in the same way.
 
-*Chaotic attractor*: a lattice of boxes, 2048 to a period and to the natural speed, marked by a million of its points. A
-trajectory has arrived when it has hit marked boxes of one attractor on 24 impacts in a row. A trajectory of a
-neighbouring basin can pass through marked boxes, but to do so 24 times it would have to start within 2048^-1 e^(-24
-lambda) or so of the attractor's own orbits, lambda its exponent per impact: the sets are told apart far below the size
-of any cell.
+*Chaos*, an attractor or a long transient: a lattice of boxes, 2048 to a period and to the natural speed, marked by a
+million of its points. A trajectory has arrived when it has hit marked boxes of one attractor on 24 impacts in a row. A
+trajectory of a neighbouring basin can pass through marked boxes, but to do so 24 times it would have to start within
+2048^-1 e^(-24 lambda) or so of the attractor's own orbits, lambda its exponent per impact: the sets are told apart far
+below the size of any cell.
 
 *Capture* by ever lower bounces is decided by `capture`.
 """
@@ -22,7 +22,7 @@ import numpy as np
 
 from rattle_kernels.attractor import Attractor, AttractorKind
 from rattle_kernels.impact_lanes import next_impacts, run_lanes
-from rattle_kernels.lane_arrival import BOXES, UNMARKED, boxes_passed, follow
+from rattle_kernels.lane_arrival import BOXES, ELLIPSE_COLUMNS, UNMARKED, boxes_passed, follow
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.outcome import Outcome
@@ -45,13 +45,17 @@ class Neighbourhoods(NamedTuple):
     """Where each attractor of a catalogue is recognised.
 
     ``centre`` (shape (n, 2)): points of periodic orbits, phase and speed; ``form`` (n, 3): the ellipse ``form0 dt^2 + 2
-    form1 dt dv + form2 dv^2 <= 1`` around each; ``owner`` (n,): index of the attractor. ``box_owner`` (rows, BOXES)
-    int16: index of the chaotic attractor that marked a box. ``speed_scale``: the speed that BOXES rows make up.
+    form1 dt dv + form2 dv^2 <= 1`` around each; ``owner`` (n,): index of the attractor. ``ellipse``: numbers of those
+    that reach into each of ELLIPSE_COLUMNS parts of the period, from ``first_ellipse`` of the part to that of the next.
+    ``box_owner`` (rows, BOXES) int16: index of the chaos that marked a box. ``speed_scale``: the speed that BOXES rows
+    make up.
     """
 
     centre: np.ndarray
     form: np.ndarray
     owner: np.ndarray
+    first_ellipse: np.ndarray
+    ellipse: np.ndarray
     box_owner: np.ndarray
     speed_scale: float
 
@@ -163,6 +167,18 @@ def _own_boxes(marked: dict[int, np.ndarray]) -> np.ndarray:
     return owner.reshape(rows, BOXES)
 
 
+def _by_column(phase: np.ndarray, form: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where the ellipses of each column of phases begin, and their numbers, ascending in each."""
+    reach = np.sqrt(form[:, 2] / (form[:, 0] * form[:, 2] - form[:, 1] ** 2)) + 1e-12
+    lowest = np.floor((phase - reach) * ELLIPSE_COLUMNS).astype(np.int64)
+    columns = np.minimum(np.floor((phase + reach) * ELLIPSE_COLUMNS).astype(np.int64) - lowest + 1, ELLIPSE_COLUMNS)
+    number = np.repeat(np.arange(phase.size), columns)
+    within = np.arange(number.size) - np.repeat(np.cumsum(columns) - columns, columns)
+    column = (lowest[number] + within) % ELLIPSE_COLUMNS
+    first = np.concatenate([[0], np.cumsum(np.bincount(column, minlength=ELLIPSE_COLUMNS))])
+    return first, number[np.argsort(column, kind="stable")]
+
+
 def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> Neighbourhoods:
     """Neighbourhoods of a catalogue; what belongs to one attractor is built once per process.
 
@@ -183,7 +199,7 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
         if not attractor.time.size:  # permanent contact; or a sweep's catalogue, which lists what other basins have
             continue
         points = attractor.time.tobytes(), attractor.velocity.tobytes()
-        if attractor.kind == AttractorKind.CHAOTIC:
+        if attractor.wanders:
             marked[index] = _boxes(oscillator, *points)
         elif attractor.kind == AttractorKind.PERIODIC:
             points_of_orbit, forms = _ellipses(oscillator, *points)
@@ -191,8 +207,9 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
             form.append(forms)
             owner += [index] * forms.shape[0]
     scale = lane_tables(oscillator).speed_scale
+    centres, forms = np.concatenate(centre), np.concatenate(form)
     return Neighbourhoods(
-        np.concatenate(centre), np.concatenate(form), np.array(owner, np.int64), _own_boxes(marked), scale
+        centres, forms, np.array(owner, np.int64), *_by_column(centres[:, 0], forms), _own_boxes(marked), scale
     )
 
 

@@ -1,11 +1,13 @@
 """A crowd beside a trajectory that does not settle, to tell whether this is chaos, and for how long chaos holds it.
 
 64 trajectories start a hair's breadth apart. Chaos parts them within some tens of impacts; from there on they are
-independent. All are carried for 16,384 impacts and tell by how their tangent vectors grow then:
+independent. All are carried for 16,384 impacts, or for as many as settle a motion at the oscillator's damping where
+that is more, and tell by how their tangent vectors grow then:
 
 - whether the motion is chaotic: their mean exponent is positive by several standard errors;
-- whether it lasts: a trajectory that has left chaos is captured, or its tangent vector no longer grows. Chaos that some
-  leave is a chaotic saddle, no attractor; how many leave it within so many impacts gives its mean life.
+- whether it lasts: a trajectory that has left chaos is captured, or its tangent vector no longer grows, and when it has
+  been carried as far again it is on a periodic orbit. Chaos that some leave is a chaotic saddle, no attractor; how many
+  leave it within so many impacts gives its mean life.
 """
 
 import math
@@ -15,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_lanes import run_lanes
+from rattle_kernels.iterations import settled_iterations
 from rattle_kernels.lane_flight import LANES
 from rattle_kernels.lyapunov import tangent_growth
 from rattle_kernels.oscillator import Oscillator
@@ -24,9 +27,11 @@ CROWD = LANES
 # Apart by rounding's thousandfold in speed, they are e^-21 of the speed from being one.
 _APART = 1e-9
 _LEGS = 64
-_LEG = 256
+_SHORTEST_LEG = 256
 _GROWING = 512
 _STANDARD_ERRORS = 5.0
+# Regular motions part, too, but no faster than in proportion to the impacts: by the ninefold in so many.
+_LEAST_GROWTH = 8.0
 # A vector that has grown by less than this part of the median does not grow as in chaos.
 _SLUGGISH = 0.25
 # A motion that bounces ever lower needs less and less time for an impact, and thousands of impacts fit into a period;
@@ -36,16 +41,19 @@ _LEAST_TURNS = 8.0
 
 
 class Wandering(NamedTuple):
-    """What a crowd has done.
+    """What a crowd has done in so many ``impacts`` of each.
 
-    ``exponent`` per forcing period and its standard ``error`` at the end, over so many ``turns`` of the forcing;
-    ``pace`` is the time that an impact took then, as a part of what it took at the beginning. ``t``, ``v`` are
-    departures on the way, 256 impacts apart, of those that have neither been captured nor settled; ``captured`` counts
-    the former, and ``settled`` (shape (n, 2)) are phases and speeds at the end of those that seem to have settled.
+    ``exponent`` per forcing period and its standard ``error`` at the end, over so many ``turns`` of the forcing, in
+    which the logarithm of a tangent vector grew by ``growth``; ``pace`` is the time that an impact took then, as a part
+    of what it took at the beginning. ``t``, ``v`` are departures on the way, at least 256 impacts apart, of those that
+    have neither been captured nor settled; ``captured`` counts the former, and ``settled`` (shape (n, 2)) are phases
+    and speeds of those that seem to have settled, carried on for as long again.
     """
 
+    impacts: int
     exponent: float
     error: float
+    growth: float
     turns: float
     pace: float
     t: np.ndarray
@@ -61,18 +69,25 @@ class Wandering(NamedTuple):
         and the exponent alone would take the decay for an attractor.
         """
         steady = _PACES[0] < self.pace < _PACES[1] and self.turns > _LEAST_TURNS
-        return self.exponent > _STANDARD_ERRORS * self.error and steady
+        return self.exponent > _STANDARD_ERRORS * self.error and self.growth > _LEAST_GROWTH and steady
+
+    @property
+    def ends(self) -> np.ndarray:
+        """Phases and speeds, shape (n, 2), of the last departures of all that have not been captured."""
+        last = self.t.size - self.t.size // _LEGS
+        return np.vstack([self.settled, np.column_stack([self.t[last:], self.v[last:]])])
+
+    def mean_life(self, left: int) -> float:
+        """Impacts after which a trajectory leaves, on average, where so many have; NaN where none has.
+
+        The law is exponential, and when each of them left is not known: so many are gone after all impacts.
+        """
+        return math.nan if left == 0 else -self.impacts / math.log1p(-left / CROWD)
 
 
-_ALL_CAPTURED = Wandering(math.nan, math.nan, 0.0, math.nan, np.empty(0), np.empty(0), CROWD, np.empty((0, 2)))
-
-
-def mean_life(left: int) -> float:
-    """Impacts after which a trajectory leaves, on average, where so many of a crowd have; NaN where none has.
-
-    The law is exponential, and when each of them left is not known: so many are gone after all impacts.
-    """
-    return math.nan if left == 0 else -_LEGS * _LEG / math.log1p(-left / CROWD)
+def _all_captured(impacts: int) -> Wandering:
+    nothing, nowhere = (math.nan,) * 5, np.empty(0)
+    return Wandering(impacts, *nothing, nowhere, nowhere, CROWD, np.empty((0, 2)))
 
 
 def wander(oscillator: Oscillator, t: float, v: float, pause: Callable[[], None] = lambda: None) -> Wandering:
@@ -91,31 +106,38 @@ def wander(oscillator: Oscillator, t: float, v: float, pause: Callable[[], None]
     -------
     Wandering
     """
-    times, speeds = np.full(CROWD, t), v * (1.0 + _APART * np.arange(CROWD))
-    begun = tangent_growth(oscillator, times, speeds, _GROWING)
+    leg = max(_SHORTEST_LEG, settled_iterations(oscillator.damping) // _LEGS)
+    begun = tangent_growth(oscillator, np.full(CROWD, t), v * (1.0 + _APART * np.arange(CROWD)), _GROWING)
     visits = np.full((_LEGS, 2, CROWD), np.nan)
     going = np.flatnonzero(np.isfinite(begun.t))
     times, speeds = begun.t[going], begun.v[going]
     for visit in visits:
         pause()
         visit[:, going] = times, speeds
-        carried, _ = run_lanes(oscillator, times, speeds, _LEG, shortcuts=True)
-        kept = carried.outcome == Outcome.RETURNED
-        going, times, speeds = going[kept], carried.t[kept], carried.v[kept]
+        kept, times, speeds = _carried(oscillator, times, speeds, leg)
+        going = going[kept]
     ended = tangent_growth(oscillator, times, speeds, _GROWING)
     there = np.isfinite(ended.growth)
     if there.sum() < 2:
-        return _ALL_CAPTURED
+        return _all_captured(_LEGS * leg)
     median = np.nanmedian(ended.growth)
     # Where half of them do not grow this is no chaos that others could have left.
     settled = there & (ended.growth < _SLUGGISH * median) & (median > 0.0)
-    wandering = there & ~settled
-    chosen = ended.of(wandering)
-    points = visits[:, :, going[wandering]]
-    turns = float(chosen.elapsed.mean())
-    pace = turns / float(np.nanmean(begun.elapsed))
-    ends = np.column_stack([ended.t[settled], ended.v[settled]])
+    kept, *ends = _carried(oscillator, ended.t[settled], ended.v[settled], _LEGS * leg)
+    wandering = ended.of(there & ~settled)
+    points = visits[:, :, going[there & ~settled]]
+    turns = float(wandering.elapsed.mean())
     return Wandering(
-        chosen.exponent, chosen.error, turns, pace, points[:, 0].ravel(), points[:, 1].ravel(),
-        CROWD - int(there.sum()), ends,
+        _LEGS * leg, wandering.exponent, wandering.error, float(wandering.growth.mean()), turns,
+        turns / float(np.nanmean(begun.elapsed)), points[:, 0].ravel(), points[:, 1].ravel(),
+        CROWD - int(there.sum()) + int((~kept).sum()), np.column_stack(ends),
     )  # fmt: skip
+
+
+def _carried(
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, impacts: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which of some departures are not captured within so many impacts, and where those are then."""
+    carried, _ = run_lanes(oscillator, t, v, impacts, shortcuts=True)
+    kept = carried.outcome == Outcome.RETURNED
+    return kept, carried.t[kept], carried.v[kept]

@@ -20,8 +20,6 @@ from service.keys import KeyRing, Keys
 from service.readiness import Probe, Probes
 from service.request_body import RequestBody
 from service.routes import (
-    analyses,
-    basins,
     checks,
     events,
     explorer,
@@ -29,7 +27,7 @@ from service.routes import (
     jobs,
     metrics,
     results,
-    sweeps,
+    submissions,
     trajectories,
     viewer,
 )
@@ -89,7 +87,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)
     install_error_handlers(app)
-    asking = (basins, sweeps, analyses, checks, trajectories)
+    asking = (submissions, checks, trajectories)
     for each in (*asking, jobs, events, results, viewer, health, metrics, explorer):
         app.include_router(each.router)
     app.mount("/explorer", explorer.files)

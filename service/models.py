@@ -294,7 +294,7 @@ class SolutionView(BaseModel):
     """One motion and its share of the cells: of all basins of a sweep together, and as the first that has it has it."""
 
     name: str = Field(examples=["P(1,1,0)"])
-    kind: Literal["periodic", "chaotic", "permanent_contact", "undecided"]
+    kind: Literal["periodic", "chaotic", "chaotic_transient", "permanent_contact", "undecided"]
     share: float | None = Field(description="Part of the cells that end in it; null until every tile is labelled")
     forcing_periods: int
     upper_contacts: int

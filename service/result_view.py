@@ -15,7 +15,7 @@ from worker.panel_picture import Layer
 from worker.picture import draw_basin
 from worker.result_files import result_location
 from worker.results import fingerprint, summarise
-from worker.store import holds_store
+from worker.store_opening import holds_store
 
 _ANALYSIS_RESULT: TypeAdapter[AnalysisResult] = TypeAdapter(AnalysisResult)
 

@@ -43,7 +43,7 @@ class DrawnSolution(BaseModel):
 
     number: int
     name: str
-    kind: Literal["periodic", "chaotic", "permanent_contact", "undecided"]
+    kind: Literal["periodic", "chaotic", "chaotic_transient", "permanent_contact", "undecided"]
     share: float | None = Field(
         description="In this basin; null until it is complete, or where it has no such solution"
     )

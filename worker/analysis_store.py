@@ -19,7 +19,13 @@ from worker.fence import Fence, unfenced
 from worker.layout import Variable
 from worker.new_store import CONFIG, birth_certificate, consolidate, now
 from worker.storage import place_at
-from worker.store import holds_store
+from worker.store_opening import (
+    create_unless_there,
+    demand_same_request,
+    holds_store,
+    open_group,
+    open_store_at,
+)
 
 ANALYSIS_LAYOUT_VERSION = 1
 _PARTS = "parts"
@@ -47,13 +53,7 @@ class AnalysisStore:
 
     def __init__(self, location: str, fence: Fence = unfenced) -> None:
         self.location, self._fence = location, fence
-        with told_as_store_failure(location):
-            try:
-                self._group = zarr.open_group(
-                    place_at(location, fence).zarr, mode="r+", zarr_format=3, use_consolidated=False
-                )
-            except (FileNotFoundError, NotADirectoryError, ValueError) as error:
-                raise StoreConflict(f"{location} is no store: nothing there that Zarr can open") from error
+        self._group = open_store_at(location, "store", fence)
         if "kind" not in self._group.attrs:
             raise StoreConflict(f"{location} holds no analysis")
         if self._group.attrs["layout_version"] != ANALYSIS_LAYOUT_VERSION:
@@ -72,18 +72,9 @@ class AnalysisStore:
         StoreFailed
             Where it cannot be written.
         """
-        if not holds_store(location):
-            fence()
-            with told_as_store_failure(location):
-                if place_at(location).taken():
-                    raise StoreConflict(f"{location} exists and is no store: choose another place, or remove it")
-                _create(location, analysis, job, fence)
+        create_unless_there(location, "store", lambda: _create(location, analysis, job, fence), fence)
         store = cls(location, fence)
-        if store.digest != job.digest:
-            raise StoreConflict(
-                f"{location} holds the store of another request: choose another place, or remove it\n"
-                f"it holds {json.dumps(store.request)}"
-            )
+        demand_same_request(location, job.digest, store.digest, store.request)
         return store
 
     @property
@@ -199,8 +190,7 @@ def kind_of_store(location: str) -> str:
     if not holds_store(location):
         raise StoreConflict(f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open")
     with told_as_store_failure(location):
-        group = zarr.open_group(place_at(location).zarr, mode="r", zarr_format=3, use_consolidated=False)
-        return str(group.attrs.get("kind", "basin"))
+        return str(open_group(location, "r").attrs.get("kind", "basin"))
 
 
 def _create(location: str, analysis: Analysis, job: AnalysisJob, fence: Fence) -> None:

@@ -54,7 +54,7 @@ def find_seeds(oscillator: Oscillator, region: Region, *, pause: Pause) -> Colum
     pause()
     scouts = choose_scouts(oscillator, landed.t, landed.v)
     found = find_attractors(oscillator, scouts.time, scouts.velocity)
-    moving = [each for each in found if each.kind in (AttractorKind.PERIODIC, AttractorKind.CHAOTIC)]
+    moving = [each for each in found if each.kind == AttractorKind.PERIODIC or each.wanders]
     if not moving:
         raise NotFound(
             f"all motions from v = {region.velocity_start:g} to {region.velocity_stop:g} end in permanent contact at "

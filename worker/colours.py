@@ -1,6 +1,7 @@
 """One colour a kind of motion, the same in every picture (Sec. 4).
 
-Permanent contact is dark blue, shorter itineraries are bluer, chaos is dark red.
+Permanent contact is dark blue, shorter itineraries are bluer, chaos is dark red,
+a chaotic transient greyer.
 """
 
 import colorsys
@@ -15,6 +16,7 @@ Colour = tuple[float, float, float]
 
 PERMANENT_CONTACT: Colour = (0.0, 0.0, 0.5)
 CHAOTIC: Colour = (0.5, 0.0, 0.0)
+CHAOTIC_TRANSIENT: Colour = (0.62, 0.33, 0.33)
 UNDECIDED: Colour = (1.0, 0.0, 1.0)
 MISSING: Colour = (0.85, 0.85, 0.85)
 SPECKLE = (0.85, 1.05, 1.25, 1.45)
@@ -23,6 +25,7 @@ SPECKLE = (0.85, 1.05, 1.25, 1.45)
 _KINDS: dict[AttractorKind, Colour] = {
     AttractorKind.PERMANENT_CONTACT: PERMANENT_CONTACT,
     AttractorKind.CHAOTIC: CHAOTIC,
+    AttractorKind.CHAOTIC_TRANSIENT: CHAOTIC_TRANSIENT,
     AttractorKind.UNDECIDED: UNDECIDED,
 }
 # Places on the scale from blue to red that the paper's text names: P(1,1,0) pale blue, P(1,2,0) blue, P(2,2,1) yellow,
@@ -44,6 +47,7 @@ _LONG_ITINERARY = 24
 _SAFE_KINDS: dict[AttractorKind, Colour] = {
     AttractorKind.PERMANENT_CONTACT: (0.08, 0.12, 0.25),
     AttractorKind.CHAOTIC: (0.835, 0.369, 0.0),
+    AttractorKind.CHAOTIC_TRANSIENT: (0.72, 0.53, 0.4),
     AttractorKind.UNDECIDED: (0.6, 0.6, 0.6),
 }
 _SAFE_NAMED: dict[str, Colour] = {
@@ -68,9 +72,7 @@ class Palette(StrEnum):
 def _by_length(attractor: Attractor) -> Colour:
     """Hue by the logarithm of contacts a turn, greens for short ones and reds for long ones; odd ones are darker."""
     contacts = attractor.upper_contacts + attractor.lower_contacts
-    for least, most, first, last in _HUES:
-        if contacts <= most:
-            break
+    least, most, first, last = next((each for each in _HUES if contacts <= each[1]), _HUES[-1])
     part = math.log(min(max(contacts, least), most) / least) / math.log(most / least)
     hue = (first + (last - first) * part) % 1.0
     # Neighbours on the scale differ in length by one or two contacts: of two that would look alike one is odd, mostly.
@@ -133,7 +135,7 @@ def paint_cells(solution: np.ndarray, group: np.ndarray, attractors: tuple[Attra
     """
     palette = np.array([*colours_of(attractors), MISSING])
     image = palette[np.where(solution >= 0, solution, len(attractors))]
-    chaotic = [i for i, attractor in enumerate(attractors) if attractor.kind == AttractorKind.CHAOTIC]
+    chaotic = [i for i, attractor in enumerate(attractors) if attractor.wanders]
     inside = np.isin(solution, chaotic)
     speckle = np.array(SPECKLE)[group[inside] % len(SPECKLE)]
     image[inside] = np.minimum(image[inside] * speckle[:, None], 1.0)

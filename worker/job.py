@@ -18,5 +18,8 @@ class Job(Protocol):
     def places(self) -> int:
         """Cells, or points of samples, that it computes."""
 
+    def demand_quiet(self) -> None:
+        """Refuse it where it has no quiet solution (Eq. 3): raises `OutsideDomain`."""
+
     def request(self) -> dict[str, Any]:
         """Request that asks for it, as JSON."""

@@ -136,7 +136,7 @@ MOTIONS = (
     Variable("forcing_periods", _ATTRACTOR, np.int32, MISSING, "m of P(m, n+, n-), 0 where not periodic", {}, False),
     Variable("upper_contacts", _ATTRACTOR, np.int32, MISSING, "n+ of P(m, n+, n-): contacts with +beta", {}, False),
     Variable("lower_contacts", _ATTRACTOR, np.int32, MISSING, "n- of P(m, n+, n-): contacts with -beta", {}, False),
-    Variable("name", _ATTRACTOR, str, "", "P(m, n+, n-), chaotic, permanent contact or undecided", {}, False),
+    Variable("name", _ATTRACTOR, str, "", "P(m, n+, n-), or in words what is not periodic", {}, False),
 )
 """What a solution is by its number, the same in all panels."""
 

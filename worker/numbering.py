@@ -18,7 +18,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from typing import NamedTuple
 
-from rattle_kernels import Attractor, AttractorKind, Oscillator, attractor_distance, continue_attractor
+from rattle_kernels import Attractor, Oscillator, attractor_distance, continue_attractor
 from worker.basin_job import BasinJob
 from worker.solution_table import Motion, SolutionTable, motion_of
 
@@ -112,7 +112,7 @@ class Numbering:
 
 def _thinned(attractor: Attractor) -> Attractor:
     """Attractor with as many points of a chaotic one as tell where it is: a row of panels is kept in memory."""
-    if attractor.kind != AttractorKind.CHAOTIC:
+    if not attractor.wanders:
         return attractor
     return attractor._replace(time=attractor.time[:_POINTS_KEPT], velocity=attractor.velocity[:_POINTS_KEPT])
 

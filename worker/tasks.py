@@ -112,7 +112,7 @@ def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
     assert job.sample is not None
     oscillator = job.oscillator_of(tile.panel)
     t, v = job.sample.departures(job.grid, *tile.columns)
-    traps = scouted_traps(oscillator, job.grid, job.iterations, stop_if_cancelled)
+    traps = scouted_traps(oscillator, job.grid, job.iterations, job.sample.points, stop_if_cancelled)
     parts = []
     for points in runs_of_points(t.size, job.applications):
         here = slice(*points)
@@ -128,7 +128,7 @@ def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
 
 def _map_in_bands(store: BasinStore, tile: Tile) -> CellImages:
     job, oscillator = store.job, store.job.oscillator_of(tile.panel)
-    traps = scouted_traps(oscillator, job.grid, job.iterations, stop_if_cancelled)
+    traps = scouted_traps(oscillator, job.grid, job.iterations, job.grid.cells, stop_if_cancelled)
     parts = []
     for rows in bands(tile, job.applications):
         part = map_cells(

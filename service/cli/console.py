@@ -71,14 +71,13 @@ def print_solutions(
     rows: Sequence[tuple[str, float | None, float | None, float | None, Sequence[tuple[float, float]]]],
 ) -> None:
     """Table of solutions: name, share, Lyapunov exponent, mean life of what does not last, first point."""
-    table = Table("", "solution", "share", "Lyapunov exponent", "left after (impacts)", "a departure (t, v)")
+    table = Table("", "solution", "share", "Lyapunov exponent", "a departure (t, v)")
     for number, (name, share, exponent, life, points) in enumerate(rows):
         table.add_row(
             str(number),
-            name,
+            name if life is None else f"{name} for some {life:.1g} impacts",
             "not known yet" if share is None else f"{100 * share:.3f} %",
             "" if exponent is None else f"{exponent:.4f}",
-            "" if life is None else f"some {life:.1g}",
             f"({points[0][0]:.6f}, {points[0][1]:.6f})" if points else "",
         )
     out.print(table)

@@ -33,6 +33,28 @@ def test_energy_after_many_impacts_is_that_of_extended_precision(speed, period):
     assert fall == pytest.approx(MACHINE.damping * float(elapsed), rel=0.05)
 
 
+@pytest.mark.parametrize(
+    ("phase", "speed", "period", "worst"),
+    [(None, 2.0 * np.pi, 1, 1e-12), (None, 2.475, 2, 1e-11), (0.3, 0.3, 1, 1e-7)],
+    ids=["onto P(1,1,0)", "onto P(1,2,0)", "low bounces"],
+)
+def test_energy_is_that_of_extended_precision_all_along_1e5_impacts(phase, speed, period, worst):
+    if phase is None:
+        orbit = orbit_near(speed, period)
+        t, v = orbit.t[0] + 2e-3, orbit.v[0] * (1.0 + 1e-3)
+    else:
+        t, v = phase, speed * MACHINE.damping
+    exact, elapsed, apart = (t, v), 0.0, []
+    for _ in range(20):
+        *exact, passed = run_extended(MACHINE, *exact, 5000)
+        landed = next_impacts(MACHINE, t, v, 5000)
+        t, v, elapsed = float(landed.t), float(landed.v), elapsed + passed
+        apart.append(abs(v**2 / float(exact[1]) ** 2 - 1.0))
+    # Errors of the phase grow with the number of impacts where nothing pulls the motion back to an orbit.
+    assert max(apart) < worst
+    assert elapsed > 1000.0
+
+
 def test_shares_stay_when_the_last_bits_change():
     oscillator = Oscillator(6e-3, 1e-3, 6e-3)
     grid = CellGrid(0.0, 1.0, 1000, 0.0, 12.0 * oscillator.damping, 1000)

@@ -18,7 +18,8 @@ from worker.errors import JobCancelled, LeaseLost, StoreConflict, StoreFailed
 from worker.reading import open_basin
 from worker.result_files import file_of_store, remove_result
 from worker.results import summarise
-from worker.store import BasinStore, holds_store
+from worker.store import BasinStore
+from worker.store_opening import holds_store
 from worker.swept_parameter import SweptParameter
 
 SMALL = BasinJob(grid=CellGrid(time_cells=24, velocity_cells=20), iterations=7)

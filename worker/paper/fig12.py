@@ -5,7 +5,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from rattle_kernels import AttractorKind, CellGrid
+from rattle_kernels import CellGrid
 from worker.basin_job import BasinJob
 from worker.overlay import attractor_marks
 from worker.paper.basin_view import view_basin
@@ -28,7 +28,7 @@ def _basins(grid: CellGrid) -> dict[str, BasinJob]:
 
 def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     view = view_basin(stores[_BASIN])
-    shown = tuple(each for each in view.attractors if each.name == _NAME or each.kind == AttractorKind.CHAOTIC)
+    shown = tuple(each for each in view.attractors if each.name == _NAME or each.wanders)
     drawing = Figure(figsize=(12.0, 6.8), dpi=90, layout="constrained")
     places: Any = drawing.subplot_mosaic([["a", "b"], ["a", "c"]], width_ratios=(1.1, 1.0))
     draw_marked(places["a"], "a", view, attractor_marks(shown))

@@ -1,4 +1,4 @@
-"""The figures that can be recomputed, in the paper's order."""
+"""The figures that can be recomputed, in the paper's order, and those of the machine."""
 
 from worker.errors import InvalidJob
 from worker.paper.fig1 import FIG1
@@ -19,12 +19,15 @@ from worker.paper.fig15 import FIG15
 from worker.paper.fig16 import FIG16
 from worker.paper.fig17 import FIG17
 from worker.paper.figure import PaperFigure
+from worker.paper.machine import MACHINE, MACHINE_SOFT
 
 _IN_ORDER = (
     FIG1, FIG2, FIG3, FIG4, FIG5, FIG6, FIG7, FIG8, FIG9, FIG10, FIG11, FIG12, FIG13, FIG14, FIG15, FIG16, FIG17,
 )  # fmt: skip
 
 PAPER_FIGURES: dict[str, PaperFigure] = {figure.name: figure for figure in _IN_ORDER}
+ALL_FIGURES = PAPER_FIGURES | {figure.name: figure for figure in (MACHINE, MACHINE_SOFT)}
+"""Those of the paper, and those of the machine at dampings that it could not reach."""
 
 
 def figure_named(name: str) -> PaperFigure:
@@ -35,6 +38,6 @@ def figure_named(name: str) -> PaperFigure:
     InvalidJob
         Where there is none; it lists those that there are.
     """
-    if name not in PAPER_FIGURES:
-        raise InvalidJob(f"there is no figure {name!r} to recompute; choose one of {', '.join(PAPER_FIGURES)}")
-    return PAPER_FIGURES[name]
+    if name not in ALL_FIGURES:
+        raise InvalidJob(f"there is no figure {name!r} to recompute; choose one of {', '.join(ALL_FIGURES)}")
+    return ALL_FIGURES[name]

@@ -22,11 +22,11 @@ def told_oscillator(oscillator: Oscillator) -> dict[str, Any]:
 def told_motion(motion: Attractor) -> dict[str, Any]:
     """Name and exponent of a motion; where it is, by its points or, of a chaotic one, by their ranges."""
     told: dict[str, Any] = {"name": motion.name}
-    if motion.kind in (AttractorKind.PERIODIC, AttractorKind.CHAOTIC):
+    if motion.kind == AttractorKind.PERIODIC or motion.wanders:
         told["lyapunov_exponent"] = motion.lyapunov_exponent
     if motion.kind == AttractorKind.PERIODIC:
         told["points"] = list(zip(motion.time.tolist(), motion.velocity.tolist(), strict=True))
-    if motion.kind == AttractorKind.CHAOTIC:
+    if motion.wanders:
         told["lyapunov_error"] = motion.lyapunov_error
         if not math.isnan(motion.mean_life):
             told["mean_life"] = motion.mean_life
@@ -56,6 +56,10 @@ def told_basin(view: BasinView) -> dict[str, Any]:
     }
 
 
+def _wanders(view: BasinView) -> np.ndarray:
+    return np.array([motion.wanders for motion in view.attractors])[view.solution]
+
+
 def told_differences(one: BasinView, other: BasinView) -> dict[str, float]:
     """Share of the cells that end differently in two basins over one grid.
 
@@ -64,7 +68,7 @@ def told_differences(one: BasinView, other: BasinView) -> dict[str, float]:
     """
     by_name = one.names != other.names
     quiet = [view.names == PERMANENT_CONTACT_ATTRACTOR.name for view in (one, other)]
-    chaotic = [on_transient(view) | (view.names == AttractorKind.CHAOTIC.name.lower()) for view in (one, other)]
+    chaotic = [on_transient(view) | _wanders(view) for view in (one, other)]
     after_k = np.where(chaotic[0] | chaotic[1], chaotic[0] != chaotic[1], by_name)
     return {
         "by_name": float(by_name.mean()),

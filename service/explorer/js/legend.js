@@ -23,7 +23,7 @@ function entry(solution, share, known, look, pick) {
   button.setAttribute("aria-pressed", String(look.highlight === solution.number));
   const name = document.createElement("span");
   name.textContent = solution.name;
-  if (solution.lyapunov_exponent !== null && solution.kind === "chaotic") {
+  if (solution.lyapunov_exponent !== null && solution.kind.startsWith("chaotic")) {
     const life = solution.mean_life === null ? "" : `; left after some ${solution.mean_life.toPrecision(1)} impacts`;
     button.title = `largest Lyapunov exponent ${solution.lyapunov_exponent.toFixed(3)} per forcing period${life}`;
   }

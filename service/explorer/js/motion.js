@@ -51,6 +51,9 @@ function ending(model, solution, start, history, periods) {
   if (solution.kind === "chaotic") {
     return `rattles chaotically without end, with ${impactsBefore(history, Infinity)} impacts in ${periods} forcing periods`;
   }
+  if (solution.kind === "chaotic_transient") {
+    return "rattles chaotically for longer than it was followed; such motions have been seen to settle in the end";
+  }
   if (solution.kind === "undecided") return "could not be decided";
   const time = settledAt(solution, start, history);
   if (time === null) return `ends in ${solution.name}, later than the ${periods} forcing periods followed`;

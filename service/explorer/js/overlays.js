@@ -61,7 +61,7 @@ function drawDots(plot, points) {
 
 function drawAttractors(plot, picture) {
   for (const { kind, points } of picture.outline.solutions) {
-    if (kind === "chaotic") drawDots(plot, points);
+    if (kind.startsWith("chaotic")) drawDots(plot, points);
     if (kind === "periodic") points.forEach(([t, v]) => drawCross(plot, t, v));
   }
 }

@@ -43,7 +43,7 @@ export function solutionPixels(outline, look) {
     const faint = look.highlight !== null && look.highlight !== solution.number;
     for (let i = 0; i < kinds; i++) {
       let rgb = channels(solution.colours[look.palette]);
-      if (solution.kind === "chaotic") rgb = brighter(rgb, outline.speckle[i]);
+      if (solution.kind.startsWith("chaotic")) rgb = brighter(rgb, outline.speckle[i]);
       if (faint) rgb = paler(rgb, ground, 0.86);
       table[solution.number * kinds + i] = pixel(rgb);
     }
