@@ -19,7 +19,13 @@ from worker.fence import Fence, unfenced
 from worker.layout import Variable
 from worker.new_store import CONFIG, birth_certificate, consolidate, now
 from worker.storage import place_at
-from worker.store_opening import create_unless_there, demand_same_request, holds_store, open_group, open_store_at
+from worker.store_opening import (
+    create_unless_there,
+    demand_same_request,
+    holds_store,
+    open_group,
+    open_store_at,
+)
 
 ANALYSIS_LAYOUT_VERSION = 1
 _PARTS = "parts"

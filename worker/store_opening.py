@@ -19,7 +19,7 @@ def open_group(location: str, mode: str, *, consolidated: bool = False, fence: F
 
 
 def open_store_at(location: str, what: str, fence: Fence) -> Any:
-    """Root of a store, for reading and writing; `what` is the kind of store that is expected.
+    """Root of a store, for reading and writing; `what` is the kind of store that is expected, `fence` the driver's.
 
     Raises
     ------

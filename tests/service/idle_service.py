@@ -1,4 +1,4 @@
-"""A service in a thread of this process without the one that runs jobs: it starts at once, and jobs stay as put."""
+"""A service in a thread of this process, without the one that runs jobs: it starts at once, and jobs stay queued."""
 
 import contextlib
 import threading

@@ -187,7 +187,7 @@ def test_motions_of_fig11_depend_on_the_way_and_its_points_are_the_papers(tmp_pa
 
 def test_chaos_of_fig12_coexists_with_p332_which_lives_between_its_birth_and_its_doubling(client, folder):
     numbers = produced("fig12", folder, client)
-    assert shares(numbers).keys() >= {"P(3,3,2)", "chaotic", "P(1,1,0)", "P(1,2,0)", "permanent contact"}
+    assert shares(numbers).keys() >= {"P(3,3,2)", "chaotic transient", "P(1,1,0)", "P(1,2,0)", "permanent contact"}
     window = numbers["windows"]["P(3,3,2)"]
     assert [(side, window[side]["kind"]) for side in window] == [("below", "saddle-node"), ("above", "period doubling")]
     assert window["below"]["damping"] < 0.527 < window["above"]["damping"]
