@@ -78,14 +78,16 @@ def _told(whole: xr.Dataset, low: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def _draw_map(axes: Axes, told: list[dict[str, Any]], key: str, scale: float, title: str, label: str) -> None:
-    """Numbers of all panels, damping upwards, as a coloured table."""
+    """Numbers of all panels, damping upwards, as a coloured table; grey where none was seen in the window."""
     values = np.array([math.nan if each[key] is None else scale * each[key] for each in told])
     table = values.reshape(len(_DAMPINGS), len(_ECCENTRICITIES))
     image = axes.imshow(table, origin="lower", aspect="auto", cmap="viridis")
+    axes.set_facecolor("lightgray")
     middle = 0.5 * (np.nanmin(table) + np.nanmax(table))
     for (row, column), value in np.ndenumerate(table):
-        colour = "black" if value > middle else "white"
-        axes.text(column, row, f"{value:.3g}", ha="center", va="center", color=colour, fontsize="small")
+        colour = "white" if value < middle else "black"
+        text = f"> {scale * _WINDOWS['low'] * _MACHINE.damping:.3g}" if math.isnan(value) else f"{value:.3g}"
+        axes.text(column, row, text, ha="center", va="center", color=colour, fontsize="small")
     axes.set_xticks(range(len(_ECCENTRICITIES)), [f"{1e4 * value:g}" for value in _ECCENTRICITIES])
     axes.set_yticks(range(len(_DAMPINGS)), [f"{1e4 * value:g}" for value in _DAMPINGS])
     axes.set_xlabel("eccentricity ε (1e-4)")
