@@ -94,7 +94,10 @@ class RunnerProcess:
 
     def _keep(self) -> None:
         while not self._stopping.is_set():
-            self._run_once()
+            try:
+                self._run_once()
+            except OSError:
+                _log.exception("no process for jobs could be started")
             if not self._stopping.is_set():
                 _log.error("the process that runs jobs has ended; starting it again")
                 self._stopping.wait(_PAUSE_SECONDS)
