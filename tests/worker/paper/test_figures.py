@@ -11,7 +11,7 @@ from matplotlib.image import imread
 
 from rattle_kernels import CellGrid, Oscillator, next_impacts
 from worker.errors import InvalidJob, JobCancelled
-from worker.paper import fig1, fig11, fig17
+from worker.paper import fig1, fig11, fig17, machine, machine_sweep
 from worker.paper.production import produce
 from worker.paper.registry import PAPER_FIGURES, figure_named
 
@@ -127,10 +127,12 @@ def test_solutions_of_fig9_die_where_the_paper_says_until_all_is_quiet(client, t
     assert names["damping 0.7"] == {"permanent contact"}
     assert died["P(1,2,0)"] == (0.575, 0.6) and died["P(1,3,0)"] == (0.5, 0.525)
     assert died["P(1,1,0)"] == died["chaotic"] == (0.675, 0.7)
-    # Chaos at 0.65 is a transient into P(3,3,1).
-    chaos = {name for name, motions in names.items() if "chaotic" in motions}
-    assert chaos == {"damping 0.6", "damping 0.625", "damping 0.675"}
-    assert {"chaotic transient", "P(3,3,1)"} <= names["damping 0.65"]
+    # At 0.65 chaos does not last.
+    born = [
+        change["between"] for change in numbers["changes"] if (change["what"], change["name"]) == ("birth", "chaotic")
+    ]
+    assert born == [[0.575, 0.6], [0.65, 0.675]]
+    assert "chaotic transient" in names["damping 0.65"] and "chaotic" not in names["damping 0.65"]
     assert "P(3,3,2)" in names["damping 0.525"] and "P(2,2,1)" in names["damping 0.575"]
     quiet = [shares(panel)["permanent contact"] for panel in numbers["panels"].values()]
     assert np.all(np.diff(quiet) > 0.0) and quiet[-1] == 1.0
@@ -240,3 +242,25 @@ def test_a_figure_that_is_cancelled_stops_and_is_resumed(client, tmp_path):
 def test_a_figure_that_is_not_there_is_refused_and_those_that_are_listed():
     with pytest.raises(InvalidJob, match=", ".join(PAPER_FIGURES)):
         figure_named("fig99")
+
+
+def test_the_machine_s_basins_are_told_by_share_with_their_lowest_rattle(folder, client, monkeypatch):
+    monkeypatch.setattr(machine, "_DAMPINGS", {"delta 0.06": 0.06, "delta 6e-3": 6e-3})
+    for panel in produced("machine", folder, client)["panels"].values():
+        told = [solution["share"] for solution in panel["solutions"]]
+        assert told == sorted(told, reverse=True) and sum(told) == pytest.approx(1.0)
+        assert {"permanent contact", "P(1,2,0)"} <= {solution["name"] for solution in panel["solutions"]}
+        assert 0.2 < panel["least_rattle"]["velocity"] / panel["oscillator"]["damping"] < 3.0
+
+
+def test_quiet_of_the_machine_grows_with_damping_and_falls_with_eccentricity(folder, client, monkeypatch):
+    monkeypatch.setattr(machine_sweep, "_MACHINE", machine.machine_oscillator(6e-3))
+    monkeypatch.setattr(machine_sweep, "_DAMPINGS", (6e-3, 12e-3))
+    monkeypatch.setattr(machine_sweep, "_ECCENTRICITIES", (0.4e-3, 1e-3))
+    monkeypatch.setattr(machine_sweep, "_POINTS", 128)
+    panels = produced("machine-sweep", folder, client)["panels"]
+    quiet = np.array([panel["quiet"] for panel in panels]).reshape(2, 2)
+    assert (quiet[1] > quiet[0]).all() and (quiet[:, 0] > quiet[:, 1]).all()
+    for panel in panels:
+        assert panel["undecided"] == 0.0 and 0.0 < panel["proven_quiet_below"]
+        assert panel["least_rattle"] is None or panel["least_rattle"] > panel["proven_quiet_below"]
