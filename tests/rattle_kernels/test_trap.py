@@ -5,6 +5,7 @@ import pytest
 
 from rattle_kernels import CellGrid, Oscillator, find_attractors, map_points
 from rattle_kernels.impact_lanes import next_impacts, run_lanes
+from rattle_kernels.iterations import settled_iterations
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.lane_traps import potential_in
 from rattle_kernels.periodic_orbit import find_periodic_orbit
@@ -37,6 +38,18 @@ def test_images_are_those_of_the_plain_loop(oscillator):
     apart = caught.landing_time - plain.landing_time
     assert np.nanmax(np.abs(apart - np.rint(apart))) < 1e-8
     assert caught.applications < 0.8 * map_points(oscillator, grid, ITERATIONS, t, v).applications
+
+
+def test_images_at_the_machines_own_damping_are_those_of_the_plain_loop():
+    grid = CellGrid(0.0, 1.0, 1000, 0.0, 12.0 * MACHINE.damping, 1000)
+    iterations, (t, v) = settled_iterations(MACHINE.damping), points(MACHINE, 64)
+    waited = map_points(MACHINE, grid, iterations, t, v)
+    there = np.isfinite(waited.landing_time)
+    traps = set_traps(MACHINE, find_attractors(MACHINE, waited.landing_time[there], waited.landing_velocity[there]))
+    caught = map_points(MACHINE, grid, iterations, t, v, traps=traps)
+    plain = map_points(MACHINE, grid, iterations, t, v, shortcuts=False)
+    np.testing.assert_array_equal(caught.image_cell, plain.image_cell)
+    assert caught.applications < 0.5 * waited.applications < 0.25 * plain.applications
 
 
 @pytest.mark.parametrize(("speed", "period"), [(2.0 * np.pi, 1), (2.475, 2)])
