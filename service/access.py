@@ -6,8 +6,9 @@ import time
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service import metrics
+from service.logs import ACCESS_LOG
 
-_log = logging.getLogger("rattle.access")
+_log = logging.getLogger(ACCESS_LOG)
 _METHODS = ("GET", "HEAD", "POST", "DELETE", "PUT", "PATCH", "OPTIONS")
 
 

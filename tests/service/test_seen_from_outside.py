@@ -74,6 +74,7 @@ def written(form, what):
         write_logs(form, "info")
         root.handlers[0].stream = stream = io.StringIO()
         what(logging.getLogger("rattle.test"))
+        root.handlers[0].flush()
         return stream.getvalue().splitlines()
     finally:
         root.handlers[:] = handlers
@@ -118,6 +119,18 @@ def test_answers_are_logged_with_who_asked_and_no_client_breaks_a_line(service):
     assert (first["method"], first["path"], first["status"], first["key"]) == ("GET", "/v1/jobs", 200, "local")
     assert first["client"] == "127.0.0.1" and first["milliseconds"] >= 0
     assert second["path"].startswith("/nothing/%0D%0A") or second["path"].startswith("/nothing/%0d%0a")
+
+
+def test_lines_of_answers_are_written_soon_and_in_order_with_others():
+    def work(log):
+        logging.getLogger("rattle.access").info("one")
+        log.info("two")
+        logging.getLogger("rattle.access").info("three")
+        patience = time.monotonic() + 10.0
+        while "three" not in logging.getLogger().handlers[0].stream.getvalue() and time.monotonic() < patience:
+            time.sleep(0.01)
+
+    assert [line[-5:].split()[-1] for line in written(LogFormat.PLAIN, work)] == ["one", "two", "three"]
 
 
 def test_a_service_is_ready_with_a_database_and_a_worker_alone(service):
