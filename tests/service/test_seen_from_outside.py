@@ -129,6 +129,7 @@ def test_lines_of_answers_are_written_soon_and_in_order_with_others():
         patience = time.monotonic() + 10.0
         while "three" not in logging.getLogger().handlers[0].stream.getvalue() and time.monotonic() < patience:
             time.sleep(0.01)
+        assert "three" in logging.getLogger().handlers[0].stream.getvalue()
 
     assert [line[-5:].split()[-1] for line in written(LogFormat.PLAIN, work)] == ["one", "two", "three"]
 
