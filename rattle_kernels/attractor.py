@@ -22,7 +22,8 @@ class Attractor(NamedTuple):
     ``time`` and ``velocity`` (shape (points,)) are its departures from +beta: one turn of a periodic orbit from its
     slowest on, some thousand of chaos, none of permanent contact. Exponents are per forcing period, NaN where
     there is none; ``lyapunov_error`` is the standard error (0 for a periodic orbit, whose exponent comes from its
-    multipliers).
+    multipliers). ``mean_life`` is known of chaos that trajectories leave again: impacts until one does, on average;
+    NaN where none was seen to leave.
     """
 
     kind: AttractorKind
@@ -33,6 +34,7 @@ class Attractor(NamedTuple):
     lyapunov_error: float
     time: np.ndarray
     velocity: np.ndarray
+    mean_life: float = np.nan
 
     @property
     def name(self) -> str:
@@ -40,6 +42,11 @@ class Attractor(NamedTuple):
         if self.kind == AttractorKind.PERIODIC:
             return f"P({self.forcing_periods},{self.upper_contacts},{self.lower_contacts})"
         return self.kind.name.lower().replace("_", " ")
+
+    @property
+    def label(self) -> str:
+        """The name, and for how long chaos that does not last holds a motion."""
+        return self.name if np.isnan(self.mean_life) else f"{self.name} of some {self.mean_life:.1g} impacts"
 
     @property
     def wanders(self) -> bool:

@@ -6,58 +6,59 @@ A seed (a landing point) is followed by P itself until it is clear where it ends
 2. it lands on an attractor already in the catalogue (`neighbourhoods`): nothing new;
 3. it comes back close to itself after p impacts: the orbit there is polished by Newton and its multipliers decide.
    Slow convergence is not chaos;
-4. else its largest Lyapunov exponent over a long run is positive by several standard errors: chaos, and where its
-   points are seen to leave it (`chaotic_leak`) a transient. One with a mean life of less than 16,000 impacts is no part
-   of the catalogue, what is on it is followed to its end; one that lasts longer is listed as what it is. Below a
-   damping of 0.02 chaos that is not seen to end is left undecided;
+4. else a crowd is started beside it (`wandering`). Where most of the crowd settle it was on a short transient, and ends
+   in what they end in. Where most do not, and their largest Lyapunov exponent is positive by several standard errors,
+   this is chaos: an attractor where none of the crowd leaves it, else a transient, beside what it is left for;
 5. else it is undecided, and says so.
 
 Seeds are taken in ascending order, so the catalogue depends on the set of seeds alone.
 """
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from rattle_kernels.attractor import PERMANENT_CONTACT_ATTRACTOR, UNDECIDED_ATTRACTOR, Attractor, AttractorKind
-from rattle_kernels.chaotic_leak import chaotic_leak
 from rattle_kernels.impact_lanes import run_lanes
-from rattle_kernels.iterations import WEAK_DAMPING
-from rattle_kernels.lyapunov import lyapunov_exponent
 from rattle_kernels.neighbourhoods import hit_the_same_boxes, locate, neighbourhoods
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.outcome import Outcome
+from rattle_kernels.pausing import Pause, never_stopped
 from rattle_kernels.settled_orbit import attractor_of, settled_orbit
+from rattle_kernels.wandering import CROWD, wander
 
 _SETTLING = 4096
 # A quarter of a second.
 _APPLICATIONS_AT_A_TIME = 1 << 24
-_LYAPUNOV_IMPACTS = 32_768
-# Transients through a chaotic saddle are given this many rounds of settling before a motion is left undecided.
+# Transients through a chaotic saddle are given this many crowds of 16,384 impacts before a motion is left undecided.
 _PATIENCE = 4
 # After so many seeds in a row that led to nothing new, the rest is left to be named, and counted where it cannot be.
 _FRUITLESS_SEEDS = 8
-# Impacts: an eighth of what a landing point is followed for before it is called a stranger.
-_LONG_LIFE = 16_000.0
 
 
-def _motion_of(oscillator: Oscillator, t: float, v: float) -> Attractor:
-    """Motion that one trajectory ends in, whatever the catalogue holds."""
-    orbit = settled_orbit(oscillator, t, v)
+def _orbits_of(oscillator: Oscillator, ends: np.ndarray) -> list[Attractor]:
+    """The attracting periodic orbits that settled trajectories approach, of each of them its own."""
+    orbits = [settled_orbit(oscillator, t, v) for t, v in ends.tolist()]
+    return [attractor_of(orbit) for orbit in orbits if orbit is not None]
+
+
+def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Pause) -> list[Attractor]:
+    """Motion that one trajectory ends in, whatever the catalogue holds; a transient, and what it was left for."""
     for _ in range(_PATIENCE):
-        if orbit is not None:
-            break
-        run = lyapunov_exponent(oscillator, t, v, _LYAPUNOV_IMPACTS)
-        if run.captured:
-            return PERMANENT_CONTACT_ATTRACTOR
-        t, v = float(run.t[-1]), float(run.v[-1])
-        # A transient that settled on the way has a positive mean exponent too: the end of the run must still be
-        # irregular.
         orbit = settled_orbit(oscillator, t, v)
-        if orbit is None and run.chaotic:
-            return Attractor(AttractorKind.CHAOTIC, 0, 0, 0, run.exponent, run.error, run.t, run.v)
-    return UNDECIDED_ATTRACTOR if orbit is None else attractor_of(orbit)
+        if orbit is not None:
+            return [attractor_of(orbit)]
+        crowd = wander(oscillator, t, v, pause)
+        ends = _orbits_of(oscillator, crowd.settled if crowd.chaotic else crowd.ends)
+        left = crowd.captured + len(ends)
+        if 2 * left > CROWD:
+            return ends or [PERMANENT_CONTACT_ATTRACTOR]
+        if crowd.chaotic:
+            kind = AttractorKind.CHAOTIC_TRANSIENT if left else AttractorKind.CHAOTIC
+            points = crowd.t, crowd.v, crowd.mean_life(left)
+            return [Attractor(kind, 0, 0, 0, crowd.exponent, crowd.error, *points), *ends]
+        t, v = float(crowd.t[-1]), float(crowd.v[-1])
+    return [UNDECIDED_ATTRACTOR]
 
 
 def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> bool:
@@ -81,30 +82,32 @@ def _overlapping(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[
     return next((i for i in chaotic if hit_the_same_boxes(oscillator, motion, catalogue[i])), None)
 
 
-def _news(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> list[Attractor]:
-    """What a motion adds to a catalogue: itself; of a transient what it leads to, and itself if it is long."""
-    if motion.kind != AttractorKind.CHAOTIC:
-        return [] if _is_known(oscillator, motion, catalogue) else [motion]
-    leak = chaotic_leak(oscillator, motion, catalogue)
-    if leak.mean_life < _LONG_LIFE:
-        return list(leak.orbits)
-    if math.isfinite(leak.mean_life):
-        return [*leak.orbits, motion._replace(kind=AttractorKind.CHAOTIC_TRANSIENT)]
-    # There low bounces may sink for longer than anything is followed, and look chaotic.
-    if oscillator.damping <= WEAK_DAMPING:
-        return [] if _is_known(oscillator, UNDECIDED_ATTRACTOR, catalogue) else [UNDECIDED_ATTRACTOR]
-    return [motion]
-
-
 def _united(known: Attractor, motion: Attractor) -> Attractor:
-    """One attractor with half of the points of either; its exponent is that of the run that settled for longer."""
+    """One chaos with half of the points of either; a transient where one of the crowds has been seen to leave."""
     time = np.concatenate([known.time[::2], motion.time[::2]])
     velocity = np.concatenate([known.velocity[::2], motion.velocity[::2]])
-    return motion._replace(kind=known.kind, time=time, velocity=velocity)
+    rates = np.nan_to_num([1.0 / known.mean_life, 1.0 / motion.mean_life])
+    lasts = not rates.any()
+    return motion._replace(
+        kind=AttractorKind.CHAOTIC if lasts else AttractorKind.CHAOTIC_TRANSIENT,
+        time=time, velocity=velocity, mean_life=np.nan if lasts else float(1.0 / rates.mean()),
+    )  # fmt: skip
+
+
+def _list(oscillator: Oscillator, motion: Attractor, catalogue: list[Attractor]) -> bool:
+    """Enter a motion in the catalogue; whether it is new there."""
+    same = _overlapping(oscillator, motion, catalogue)
+    if same is not None:
+        catalogue[same] = _united(catalogue[same], motion)
+        return False
+    new = not _is_known(oscillator, motion, catalogue)
+    if new:
+        catalogue.append(motion)
+    return new
 
 
 def _settle(
-    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int, pause: Callable[[], None]
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int, pause: Pause
 ) -> tuple[np.ndarray, np.ndarray]:
     """Where points are after many applications, those captured left out."""
     times, speeds = [t[:0]], [v[:0]]
@@ -135,7 +138,7 @@ def find_attractors(
     t: np.typing.ArrayLike,
     v: np.typing.ArrayLike,
     known: Sequence[Attractor] = (),
-    pause: Callable[[], None] = lambda: None,
+    pause: Pause = never_stopped,
 ) -> tuple[Attractor, ...]:
     """Catalogue of the motions that seeds end in.
 
@@ -172,17 +175,12 @@ def find_attractors(
         t_left, v_left = t_left[places < 0], v_left[places < 0]
         if not t_left.size:
             break
-        motion = _motion_of(checked, float(t_left[0]), float(v_left[0]))
+        motions = _motions_of(checked, float(t_left[0]), float(v_left[0]), pause)
         t_left, v_left = t_left[1:], v_left[1:]
-        same = _overlapping(checked, motion, catalogue)
-        if same is not None:
-            catalogue[same] = _united(catalogue[same], motion)
-            news: list[Attractor] = []
+        if any([_list(checked, motion, catalogue) for motion in motions]):
+            fruitless = 0
         else:
-            news = _news(checked, motion, catalogue)
-        catalogue += news
-        fruitless = 0 if news else fruitless + 1
-        if not news:
+            fruitless += 1
             # A long transient: the others are likely on one too, and lanes follow them a hundred times faster than one
             # by one.
             t_left, v_left = _settle(checked, t_left, v_left, 16 * _SETTLING, pause)

@@ -17,6 +17,7 @@ from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.lane_traps import NO_TRAPS, LaneTraps
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.outcome import Outcome
+from rattle_kernels.pausing import Pause, never_stopped
 
 PERMANENT_CONTACT = -2
 UNDECIDED = -3
@@ -60,6 +61,7 @@ def map_cells(
     *,
     shortcuts: bool = True,
     traps: LaneTraps = NO_TRAPS,
+    pause: Pause = never_stopped,
 ) -> CellImages:
     """Image cells of a rectangle of the grid.
 
@@ -78,6 +80,8 @@ def map_cells(
         trajectory that is not chaotic depends on them.
     traps : LaneTraps
         Of attractors known before (`set_traps`): a shortcut, too.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
 
     Returns
     -------
@@ -93,7 +97,7 @@ def map_cells(
     check_grid(grid)
     times, velocities = grid.time_centres()[slice(*columns)], grid.velocity_centres()[slice(*rows)]
     t, v = np.tile(times, velocities.size), np.repeat(velocities, times.size)
-    images = map_points(oscillator, grid, iterations, t, v, shortcuts=shortcuts, traps=traps)
+    images = map_points(oscillator, grid, iterations, t, v, shortcuts=shortcuts, traps=traps, pause=pause)
     shape = velocities.size, times.size
     image_cell, landing_time, landing_velocity = (field.reshape(shape) for field in images[:3])
     return CellImages(image_cell, landing_time, landing_velocity, images.applications)
@@ -108,6 +112,7 @@ def map_points(
     *,
     shortcuts: bool = True,
     traps: LaneTraps = NO_TRAPS,
+    pause: Pause = never_stopped,
 ) -> CellImages:
     """Cells in which points land under ``P^k``, wherever they start.
 
@@ -121,7 +126,7 @@ def map_points(
         k, 1 or a prime.
     t, v : ndarray of float64, shape (n,)
         Departures from +beta.
-    shortcuts, traps
+    shortcuts, traps, pause
         As in `map_cells`.
 
     Returns
@@ -138,7 +143,7 @@ def map_points(
     """
     checked = check_domain(oscillator)
     check_iterations(iterations)
-    landing, run = run_lanes(checked, t, v, iterations, shortcuts=shortcuts, traps=traps)
+    landing, run = run_lanes(checked, t, v, iterations, shortcuts=shortcuts, traps=traps, pause=pause)
     image_cell = np.empty(t.size, np.int64)
     bound = lane_tables(checked).capture_bound
     _settle_images(checked, bound, grid, landing.outcome, landing.t, landing.v, image_cell)

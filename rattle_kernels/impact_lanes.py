@@ -48,6 +48,7 @@ from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.lane_traps import NO_TRAPS, NOWHERE, LaneTraps, nearest_point, potential_in
 from rattle_kernels.oscillator import Oscillator, check_domain
 from rattle_kernels.outcome import Outcome
+from rattle_kernels.pausing import Pause, never_stopped
 
 CAPTURED = int(Outcome.PERMANENT_CONTACT)
 _LOCK_TOLERANCE = 1e-13
@@ -71,6 +72,17 @@ _FIELDS = FLIGHT_FIELDS + 11
 
 _NOTHING, _FINISHED, _CAPTURE, _LOCK, _LOST, _LOOK = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
 _NOBODY = -1.0
+_NOT_BEGUN = -1
+# Of all lanes, some microseconds each: a tenth of a second.
+_STEPS_A_LEG = 1 << 16
+
+
+class _Flights(NamedTuple):
+    """What a run goes on from after a pause: lanes, corners of their guesses, and counts of `_run_lanes`."""
+
+    lanes: np.ndarray
+    corners: np.ndarray
+    counts: np.ndarray
 
 
 class LaneRun(NamedTuple):
@@ -238,20 +250,27 @@ def _land(lanes, i, points, lower_impacts):
 
 
 @lane_kernel
-def _run_lanes(oscillator, tables, traps, applications, capture_bound, lock_tolerance, points, lower_impacts):
+def _run_lanes(oscillator, tables, traps, applications, capture_bound, lock_tolerance, points, lower_impacts, flights):
+    """Fly on for a leg; `flights.counts` has the next point, lanes that fly, careful flights and applications so far.
+
+    Lanes are copied here and back: loops over a buffer that the compiler has seen being made are faster.
+    """
     lanes = lane_buffer(_FIELDS)
     corners = np.zeros(LANES, np.int64)
-    following = 0
-    flying = 0
+    lanes[:], corners[:] = flights.lanes, flights.corners
+    following, flying, careful = flights.counts[0], flights.counts[1], flights.counts[2]
     first_look = _FIRST_CHECKPOINT if traps.orbit.size > 0 else math.inf
-    for i in range(LANES):
-        following = _refill(lanes, i, tables, applications, first_look, points, following)
-        flying += 1 if lanes[_POINT + i] != _NOBODY else 0
+    if flying == _NOT_BEGUN:
+        flying = 0
+        for i in range(LANES):
+            following = _refill(lanes, i, tables, applications, first_look, points, following)
+            flying += 1 if lanes[_POINT + i] != _NOBODY else 0
     stiff, radian, slow = math.isfinite(oscillator.stiffness), stay_time(oscillator), slow_part(oscillator)
     nearest, top = traps.nearest, traps.top
     done = 0.0
-    careful = 0
-    while flying > 0:
+    steps = _STEPS_A_LEG
+    while flying > 0 and steps > 0:
+        steps -= 1
         guess_durations(lanes, corners, tables, 2.0 * oscillator.half_backlash)
         unsure = refine_durations(lanes, oscillator.damping, oscillator.eccentricity)
         if unsure > 0:
@@ -274,7 +293,9 @@ def _run_lanes(oscillator, tables, traps, applications, capture_bound, lock_tole
                 done += _land(lanes, i, points, lower_impacts)
                 following = _refill(lanes, i, tables, applications, first_look, points, following)
             flying += 1 if lanes[_POINT + i] != _NOBODY else 0
-    return LaneRun(int(done), careful)
+    flights.lanes[:], flights.corners[:] = lanes, corners
+    flights.counts[0], flights.counts[1], flights.counts[2] = following, flying, careful
+    flights.counts[3] += int(done)
 
 
 def run_lanes(
@@ -285,6 +306,7 @@ def run_lanes(
     *,
     shortcuts: bool,
     traps: LaneTraps = NO_TRAPS,
+    pause: Pause = never_stopped,
 ) -> tuple[Impacts, LaneRun]:
     """Apply P many times to many points.
 
@@ -301,6 +323,8 @@ def run_lanes(
         periods. Without, ``lower_impacts`` counts all contacts; with, those of the applications done.
     traps : LaneTraps
         Points that are caught in one land on its orbit at once.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
 
     Returns
     -------
@@ -312,8 +336,12 @@ def run_lanes(
     lower_impacts, outcome = np.zeros(t.size, np.int64), np.zeros(t.size, np.int8)
     bound, tolerance = (tables.capture_bound, _LOCK_TOLERANCE) if shortcuts else (0.0, -1.0)
     points = (phase, speed, outcome)
-    run = _run_lanes(oscillator, tables, traps, float(applications), bound, tolerance, points, lower_impacts)
-    return Impacts(phase, speed, lower_impacts, outcome), run
+    flights = _Flights(np.zeros(_FIELDS * LANES), np.zeros(LANES, np.int64), np.array([0, _NOT_BEGUN, 0, 0]))
+    given = oscillator, tables, traps, float(applications), bound, tolerance, points, lower_impacts, flights
+    while flights.counts[1] != 0:
+        pause()
+        _run_lanes(*given)
+    return Impacts(phase, speed, lower_impacts, outcome), LaneRun(int(flights.counts[3]), int(flights.counts[2]))
 
 
 def next_impacts(

@@ -15,7 +15,7 @@ _PAPERS_DAMPING = 0.5
 _SETTLED = 900.0
 _LEAST_DAMPING = 9e-5
 # Below it no chaotic attractor is known, in which a trajectory would do all k.
-WEAK_DAMPING = 0.02
+_WEAK_DAMPING = 0.02
 # Impacts until a trajectory is trapped or captured, times delta: 50 at 6e-4, less above.
 _TRAPPED = 54.0
 
@@ -93,6 +93,6 @@ def expected_applications(damping: float, iterations: int) -> float:
     float
         At most `iterations`.
     """
-    if damping > WEAK_DAMPING:
+    if damping > _WEAK_DAMPING:
         return float(iterations)
     return min(float(iterations), _TRAPPED / max(damping, _LEAST_DAMPING))

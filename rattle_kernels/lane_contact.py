@@ -120,6 +120,7 @@ def refine_stays(lanes, damping, slow_part):
         lanes[UNSURE + i] = unsure
         sure = unsure == 0.0
         phase = lanes[END_PHASE + i] + tau + step_
+        lanes[DURATION + i] = tau + step_
         bend = x2 + step_ * (x3 + 0.5 * step_ * x4)
         lanes[END_PHASE + i] = phase - math.floor(phase) if sure else lanes[END_PHASE + i]
         lanes[END_VELOCITY + i] = -side * leaving if sure else velocity
@@ -144,6 +145,7 @@ def stay_carefully(lanes, oscillator):
             lanes[END_VELOCITY + i] = 0.0
             continue
         phase = lanes[END_PHASE + i] + stay.duration
+        lanes[DURATION + i] = stay.duration
         lanes[END_PHASE + i] = phase - math.floor(phase) if stay.outcome == RETURNED else math.nan
         lanes[END_VELOCITY + i] = -side * stay.speed
         lanes[END_ACCELERATION + i] = rest_acceleration(oscillator, phase)

@@ -31,7 +31,8 @@ from rattle_kernels.lane_tables import ABSCISSAE, BLOCK, DROP, FALL_BACK, GRAZES
 LANES = 64
 
 # Fields of the buffer. A flight reads PHASE and VELOCITY and leaves its end in END_PHASE and END_VELOCITY, the velocity
-# after the wall has reversed it; DROPS is 1.0 where it ended on -beta, UNSURE 1.0 where the careful path must decide.
+# after the wall has reversed it, and what it took in DURATION; DROPS is 1.0 where it ended on -beta, UNSURE 1.0 where
+# the careful path must decide.
 PHASE = 0 * LANES
 VELOCITY = 1 * LANES
 SINE = 2 * LANES
@@ -230,6 +231,7 @@ def refine_durations(lanes, d, e):
         ds, dc = ds + (c * turn - s * versine), dc - (s * turn + c * versine)
         tau += step_
         phase = lanes[PHASE + i] + tau
+        lanes[DURATION + i] = tau
         lanes[END_PHASE + i] = phase - math.floor(phase)
         lanes[END_VELOCITY + i] = -(w + d * (FOUR_PI * tau - target) + e * (d * dc - TWO_PI * ds))
         lanes[END_ACCELERATION + i] = FOUR_PI * d - TWO_PI * e * (TWO_PI * (c0 + dc) + d * (s0 + ds))
@@ -263,6 +265,7 @@ def fly_carefully(lanes, oscillator):
         contact = next_contact(oscillator, LOWER if velocity > 0.0 else UPPER, lanes[PHASE + i], velocity, 1.0)
         all_found = all_found and contact.found
         phase = contact.phase - math.floor(contact.phase)
+        lanes[DURATION + i] = contact.duration
         lanes[END_PHASE + i] = phase if contact.found else math.nan
         # The sign tells the wall that is left, even after an exact graze.
         lanes[END_VELOCITY + i] = max(-contact.velocity, _NO_SPEED) if contact.wall == LOWER else -contact.velocity

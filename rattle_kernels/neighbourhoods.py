@@ -14,7 +14,7 @@ below the size of any cell.
 *Capture* by ever lower bounces is decided by `capture`.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -26,6 +26,7 @@ from rattle_kernels.lane_arrival import BOXES, ELLIPSE_COLUMNS, UNMARKED, boxes_
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.outcome import Outcome
+from rattle_kernels.pausing import Pause, never_stopped
 from rattle_kernels.periodic_orbit import PeriodicOrbit, derivatives_along, find_periodic_orbit
 
 _MARKING_ROUNDS = 256
@@ -47,8 +48,8 @@ class Neighbourhoods(NamedTuple):
     ``centre`` (shape (n, 2)): points of periodic orbits, phase and speed; ``form`` (n, 3): the ellipse ``form0 dt^2 + 2
     form1 dt dv + form2 dv^2 <= 1`` around each; ``owner`` (n,): index of the attractor. ``ellipse``: numbers of those
     that reach into each of ELLIPSE_COLUMNS parts of the period, from ``first_ellipse`` of the part to that of the next.
-    ``box_owner`` (rows, BOXES) int16: index of the chaotic attractor that marked a box. ``speed_scale``: the speed that
-    BOXES rows make up.
+    ``box_owner`` (rows, BOXES) int16: index of the chaos that marked a box. ``speed_scale``: the speed that BOXES rows
+    make up.
     """
 
     centre: np.ndarray
@@ -219,7 +220,7 @@ def locate(
     t: np.ndarray,
     v: np.ndarray,
     legs: int = 0,
-    pause: Callable[[], None] = lambda: None,
+    pause: Pause = never_stopped,
 ) -> np.ndarray:
     """Follow points by P until each has arrived at an attractor.
 

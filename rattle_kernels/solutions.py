@@ -1,6 +1,6 @@
 """Solution of each landing point: the motion it truly ends in, whatever window it was seen in."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from rattle_kernels.attractor import Attractor
 from rattle_kernels.lane_tables import lane_tables
 from rattle_kernels.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.oscillator import Oscillator, check_domain
+from rattle_kernels.pausing import Pause, never_stopped
 
 STRANGER = -1
 """No attractor of a catalogue."""
@@ -24,7 +25,7 @@ def name_solutions(
     attractors: Sequence[Attractor],
     t: np.typing.ArrayLike,
     v: np.typing.ArrayLike,
-    pause: Callable[[], None] = lambda: None,
+    pause: Pause = never_stopped,
 ) -> np.ndarray:
     """Index of the attractor that each landing point ends in, found by following P from it.
 

@@ -1,6 +1,7 @@
 """The FastAPI application: what it holds while it runs, and its routes."""
 
 import contextlib
+import gc
 from collections.abc import AsyncIterator
 from importlib.metadata import version
 
@@ -19,8 +20,6 @@ from service.keys import KeyRing, Keys
 from service.readiness import Probe, Probes
 from service.request_body import RequestBody
 from service.routes import (
-    analyses,
-    basins,
     checks,
     events,
     explorer,
@@ -28,14 +27,14 @@ from service.routes import (
     jobs,
     metrics,
     results,
-    sweeps,
+    submissions,
     trajectories,
     viewer,
 )
-from service.runner import Runner
+from service.runner_process import RunnerProcess
 from service.security_headers import SecurityHeaders
 from service.settings import Settings
-from worker.lasting_cluster import LastingCluster
+from service.summaries import Summaries
 
 _DESCRIPTION = """Basins of attraction of a rattling gear pair.
 
@@ -46,7 +45,7 @@ once. Time counts forcing periods; everything else is nondimensional.
 
 
 def create_app(settings: Settings) -> FastAPI:
-    """Application with its database, cluster and runner, which live as long as it runs.
+    """Application with its database and the process that runs jobs, which live as long as it runs.
 
     Parameters
     ----------
@@ -60,24 +59,22 @@ def create_app(settings: Settings) -> FastAPI:
     @contextlib.asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         engine, sessions = open_database(settings.database)
-        stack = contextlib.ExitStack()
-        stack.callback(engine.dispose)
-        cluster = LastingCluster(settings.scheduler, settings.workers, settings.certificates)
-        stack.callback(cluster.close)
-        await to_thread.run_sync(cluster.open)
         app.state.jobs = Jobs(sessions, settings.quotas)
         app.state.key_ring = KeyRing(Keys(sessions), settings.keys_demanded)
         app.state.events = Events(sessions)
         app.state.feed = EventFeed(app.state.events)
-        app.state.runner = Runner(app.state.jobs, cluster, settings.results, settings.concurrent_jobs)
-        app.state.probes = Probes(Probe(app.state.jobs.answers, False), Probe(app.state.runner.workers, 0))
+        app.state.summaries = Summaries(settings.results)
+        app.state.runner = RunnerProcess(settings)
+        app.state.probes = Probes(Probe(app.state.jobs.answers, False), app.state.runner.workers)
         app.state.runner.start()
+        # What has been loaded stays: to look through it all for garbage would hold answers up for 150 ms.
+        gc.freeze()
         try:
             yield
         finally:
             app.state.feed.close()
             await to_thread.run_sync(app.state.runner.stop)
-            await to_thread.run_sync(stack.close)
+            engine.dispose()
 
     app = FastAPI(
         title="gear-rattle", version=version("gear-rattle"), description=_DESCRIPTION, lifespan=lifespan,
@@ -90,7 +87,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)
     install_error_handlers(app)
-    asking = (basins, sweeps, analyses, checks, trajectories)
+    asking = (submissions, checks, trajectories)
     for each in (*asking, jobs, events, results, viewer, health, metrics, explorer):
         app.include_router(each.router)
     app.mount("/explorer", explorer.files)

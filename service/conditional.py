@@ -30,5 +30,9 @@ def not_modified(etag: str, known: str | None) -> Response | None:
 def view_or_not_modified(view: BaseModel, known: str | None, exclude_unset: bool = False) -> Response:
     """Answer with a view, or 304 where the client has just that."""
     body = view.model_dump_json(exclude_unset=exclude_unset)
-    etag = etag_of(body)
+    return json_or_not_modified(body, etag_of(body), known)
+
+
+def json_or_not_modified(body: str, etag: str, known: str | None) -> Response:
+    """Answer with JSON, or 304 where the client has what this ETag is of."""
     return not_modified(etag, known) or Response(body, media_type="application/json", headers={"etag": etag})

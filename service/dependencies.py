@@ -1,4 +1,8 @@
-"""What routes are given: the settings, the job records, the runner."""
+"""What routes are given: the settings, the job records, the runner.
+
+What only looks something up is `async`: FastAPI sends every other function to a thread, which costs more than a read of
+the database.
+"""
 
 import re
 from typing import Annotated
@@ -14,41 +18,47 @@ from service.jobs import Jobs
 from service.key_record import KeyScope
 from service.keys import Caller
 from service.readiness import Probes
-from service.runner import Runner
+from service.runner_process import RunnerProcess
 from service.settings import Settings
+from service.summaries import Summaries
 
 
-def _settings(request: Request) -> Settings:
+async def _settings(request: Request) -> Settings:
     settings: Settings = request.app.state.settings
     return settings
 
 
-def _jobs(request: Request) -> Jobs:
+async def _jobs(request: Request) -> Jobs:
     jobs: Jobs = request.app.state.jobs
     return jobs
 
 
-def _runner(request: Request) -> Runner:
-    runner: Runner = request.app.state.runner
+async def _runner(request: Request) -> RunnerProcess:
+    runner: RunnerProcess = request.app.state.runner
     return runner
 
 
-def _events(request: Request) -> Events:
+async def _events(request: Request) -> Events:
     events: Events = request.app.state.events
     return events
 
 
-def _feed(request: Request) -> EventFeed:
+async def _feed(request: Request) -> EventFeed:
     feed: EventFeed = request.app.state.feed
     return feed
 
 
-def _probes(request: Request) -> Probes:
+async def _probes(request: Request) -> Probes:
     probes: Probes = request.app.state.probes
     return probes
 
 
-def _caller(request: Request) -> Caller:
+async def _summaries(request: Request) -> Summaries:
+    summaries: Summaries = request.app.state.summaries
+    return summaries
+
+
+async def _caller(request: Request) -> Caller:
     caller: Caller = request.state.caller
     return caller
 
@@ -60,7 +70,7 @@ def _job_id(text: str) -> str:
     return text
 
 
-def _submitter(caller: "CallerHere") -> str:
+async def _submitter(caller: "CallerHere") -> str:
     return caller.name
 
 
@@ -80,10 +90,11 @@ JobId = Annotated[str, Path(json_schema_extra={"pattern": f"^{_JOB_ID}$"}), Afte
 EventsHere = Annotated[Events, Depends(_events)]
 ProbesHere = Annotated[Probes, Depends(_probes)]
 FeedHere = Annotated[EventFeed, Depends(_feed)]
+SummariesHere = Annotated[Summaries, Depends(_summaries)]
 CallerHere = Annotated[Caller, Depends(_caller)]
 SettingsHere = Annotated[Settings, Depends(_settings)]
 JobsHere = Annotated[Jobs, Depends(_jobs)]
-RunnerHere = Annotated[Runner, Depends(_runner)]
+RunnerHere = Annotated[RunnerProcess, Depends(_runner)]
 SubmitterHere = Annotated[str, Depends(_submitter)]
 
 

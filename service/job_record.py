@@ -37,6 +37,8 @@ class JobState(StrEnum):
         return self in (JobState.SUCCEEDED, JobState.FAILED, JobState.CANCELLED)
 
 
+SMALL_PLACES = 250_000
+"""A basin or sweep of up to so many cells or points is small: it waits for no place that large ones have taken."""
 LIVE = (JobState.QUEUED, JobState.RUNNING, JobState.CANCELLING)
 """States that are not final."""
 
@@ -81,3 +83,8 @@ class JobRecord(Base):
     # Name of its result's store: its own id, or that of the failed or cancelled job whose result it goes on from; NULL
     # while it is being deleted.
     store: Mapped[str | None] = mapped_column(String(32))
+
+    @property
+    def small(self) -> bool:
+        """Whether it is over soon; of analyses, which have no places, nobody knows."""
+        return 1 <= self.places <= SMALL_PLACES

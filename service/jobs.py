@@ -3,9 +3,10 @@
 import uuid
 from collections.abc import Callable, Collection
 from datetime import UTC, datetime
+from enum import Enum
 from typing import Any
 
-from sqlalchemy import ColumnElement, and_, delete, func, or_, select, text, update
+from sqlalchemy import ColumnElement, and_, delete, func, or_, select, text, true, update
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session, aliased
 
@@ -13,10 +14,10 @@ from service.database import to_read
 from service.database_time import database_time
 from service.errors import JobNotFound
 from service.events import forget_events, note_event
-from service.job_record import LIVE, JobRecord, JobState
+from service.job_record import LIVE, SMALL_PLACES, JobRecord, JobState
 from service.quotas import Quotas
 from service.replica import is_dead
-from worker.job_kinds import Job
+from worker.job import Job
 
 LEASE_SECONDS = 20.0
 """How long a replica need not be heard of before its jobs are taken over."""
@@ -31,6 +32,14 @@ def _now() -> datetime:
 
 def _lease_over() -> ColumnElement[bool]:
     return or_(JobRecord.lease_until.is_(None), JobRecord.lease_until < database_time())
+
+
+class Whose(Enum):
+    """Of which submitters."""
+
+    ANYONES = "anyone's"
+    NEWCOMERS = "of who has nothing running"
+    NOBODYS = "nobody's"
 
 
 class Jobs:
@@ -62,9 +71,10 @@ class Jobs:
         """
         answering = select(JobRecord).where(JobRecord.answering == job.digest)
         while True:
-            with self._sessions() as session:
+            with to_read(self._sessions()) as session:
                 if (known := session.scalar(answering)) is not None:
                     return known, False
+            with self._sessions() as session:
                 _one_at_a_time(session)
                 self._quotas.check(session, submitter, job.places)
                 job_id = uuid.uuid4().hex
@@ -105,7 +115,7 @@ class Jobs:
         with to_read(self._sessions()) as session:
             return list(session.scalars(query))
 
-    def claim(self, owner: str, *, but: Collection[str] = (), newcomers: bool = False) -> JobRecord | None:
+    def claim(self, owner: str, *, but: Collection[str] = (), large: Whose = Whose.ANYONES) -> JobRecord | None:
         """A job that is queued, or that a dead replica has left running: now leased, and running.
 
         It is of the submitter with the fewest jobs running, then the one who was served longest ago, and the oldest of
@@ -117,12 +127,13 @@ class Jobs:
             Who claims; unlike any other claim.
         but : collection of str
             Jobs that are not to be claimed.
-        newcomers : bool
-            Only of submitters that have nothing running.
+        large : Whose
+            Whose jobs may be claimed that are not small.
         """
         free = and_(
             or_(JobRecord.state == JobState.QUEUED, and_(JobRecord.state == JobState.RUNNING, _lease_over())),
             JobRecord.id.not_in(but),
+            _allowed(large),
         )
         values = {
             "state": JobState.RUNNING, "started": _now(), "lease_owner": owner,
@@ -130,7 +141,7 @@ class Jobs:
         }  # fmt: skip
         while True:
             with self._sessions() as session:
-                number = session.scalar(_next_in_turn(free, newcomers))
+                number = session.scalar(_next_in_turn(free))
                 if number is None:
                     return None
                 taken = update(JobRecord).where(JobRecord.number == number, free).values(values)
@@ -255,7 +266,22 @@ def _store_left(session: Session, digest: str) -> str | None:
     return session.scalar(select(JobRecord.store).where(*ended).order_by(JobRecord.number.desc()).limit(1))
 
 
-def _next_in_turn(free: ColumnElement[bool], newcomers: bool) -> Any:
+def _allowed(large: Whose) -> ColumnElement[bool]:
+    """Jobs that there is a place for: small ones, and some of the others."""
+    if large is Whose.ANYONES:
+        return true()
+    small = JobRecord.places.between(1, SMALL_PLACES)
+    return or_(small, _running_of(JobRecord.submitter) == 0) if large is Whose.NEWCOMERS else small
+
+
+def _running_of(submitter: Any) -> Any:
+    """Query for how many jobs of a submitter run."""
+    other = aliased(JobRecord)
+    held = other.state.in_(_HELD), other.lease_until >= database_time()
+    return select(func.count(other.number)).where(other.submitter == submitter, *held).scalar_subquery()
+
+
+def _next_in_turn(free: ColumnElement[bool]) -> Any:
     """Query for the number of the job whose turn it is."""
     waiting = (
         select(JobRecord.submitter, func.min(JobRecord.number).label("number"))
@@ -264,12 +290,6 @@ def _next_in_turn(free: ColumnElement[bool], newcomers: bool) -> Any:
         .subquery()
     )
     other = aliased(JobRecord)
-    theirs = other.submitter == waiting.c.submitter
-    running = (
-        select(func.count(other.number))
-        .where(theirs, other.state.in_(_HELD), other.lease_until >= database_time())
-        .scalar_subquery()
-    )
-    served = select(func.max(other.started)).where(theirs).scalar_subquery()
-    query = select(waiting.c.number).order_by(running, served.asc().nulls_first(), waiting.c.number).limit(1)
-    return query.where(running == 0) if newcomers else query
+    served = select(func.max(other.started)).where(other.submitter == waiting.c.submitter).scalar_subquery()
+    turn = _running_of(waiting.c.submitter), served.asc().nulls_first(), waiting.c.number
+    return select(waiting.c.number).order_by(*turn).limit(1)

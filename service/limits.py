@@ -4,7 +4,7 @@ from typing import Any, Protocol
 
 from service.errors import LimitExceeded
 from service.settings import Settings
-from worker.job_kinds import Job
+from worker.job import Job
 
 
 class JobRequest(Protocol):

@@ -300,6 +300,9 @@ class SolutionView(BaseModel):
     upper_contacts: int
     lower_contacts: int
     lyapunov_exponent: float | None = Field(description="Per forcing period")
+    mean_life: float | None = Field(
+        description="Of chaos that motions leave again: impacts until one does, on average; null where none was seen to"
+    )
     points: list[tuple[float, float]] = Field(
         description="(t, v) of its departures; the first hundred of a chaotic one"
     )
@@ -308,12 +311,12 @@ class SolutionView(BaseModel):
     def from_attractor(cls, attractor: Attractor, share: float) -> "SolutionView":
         """View of an attractor."""
         points = zip(attractor.time[:100].tolist(), attractor.velocity[:100].tolist(), strict=True)
-        exponent = attractor.lyapunov_exponent
+        exponent, life = attractor.lyapunov_exponent, attractor.mean_life
         return cls(
             name=attractor.name, kind=attractor.kind.name.lower(), share=share if share == share else None,
             forcing_periods=attractor.forcing_periods, upper_contacts=attractor.upper_contacts,
             lower_contacts=attractor.lower_contacts, lyapunov_exponent=exponent if exponent == exponent else None,
-            points=list(points),
+            mean_life=life if life == life else None, points=list(points),
         )  # fmt: skip
 
 

@@ -45,4 +45,4 @@ class Probes:
     """Whether the database answers, and how many workers there are."""
 
     database: Probe[bool]
-    workers: Probe[int]
+    workers: Callable[[], int]

@@ -6,14 +6,31 @@ from typing import IO
 from pydantic import TypeAdapter
 
 from service.analysis_requests import AnalysisResult
+from service.errors import NotReady
+from service.job_record import JobRecord
 from service.models import ResultView
 from worker.analysis_kinds import ANALYSES, draw_analysis
 from worker.analysis_run import fingerprint_of_analysis, summarise_analysis
 from worker.panel_picture import Layer
 from worker.picture import draw_basin
+from worker.result_files import result_location
 from worker.results import fingerprint, summarise
+from worker.store_opening import holds_store
 
 _ANALYSIS_RESULT: TypeAdapter[AnalysisResult] = TypeAdapter(AnalysisResult)
+
+
+def place_of_result(record: JobRecord, results: str) -> str:
+    """Place of a job's store below the folder of all results, once there is one.
+
+    Raises
+    ------
+    NotReady
+    """
+    location = result_location(results, record.store or record.id)
+    if not holds_store(location):
+        raise NotReady(f"job {record.id} is {record.state} and has no result yet")
+    return location
 
 
 def result_view(kind: str, location: str, zarr: str) -> ResultView | AnalysisResult:

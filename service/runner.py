@@ -11,10 +11,10 @@ from typing import Any
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from service import metrics
+from service import run_metrics
 from service.errors import kind_of
-from service.job_record import JobState
-from service.jobs import Jobs
+from service.job_record import JobRecord, JobState
+from service.jobs import Jobs, Whose
 from service.lease import Lease
 from service.logs import about_job
 from service.replica import replica_name
@@ -60,7 +60,8 @@ class Runner:
     results : str
         Folder of the Zarr stores.
     most : int
-        Jobs that run at once. One place of several is kept for submitters that have nothing running.
+        Jobs that run at once. Of several places the last one is kept for small jobs, the one before it for those and
+        for submitters that have nothing running.
     """
 
     def __init__(self, jobs: Jobs, cluster: LastingCluster, results: str, most: int) -> None:
@@ -124,16 +125,18 @@ class Runner:
 
     def _claim(self) -> bool:
         """Begin one more job, if there is room, a cluster, and a job."""
-        running = [lease.record.id for lease in self._held()]
-        client = self.cluster.client()
+        running = [lease.record for lease in self._held()]
         if time.monotonic() - self._looked_for_dead >= _LOOK_FOR_DEAD_SECONDS:
             self.jobs.free_the_dead()
             self._looked_for_dead = time.monotonic()
-        if client is None or len(running) >= self.most:
+        if len(running) >= self.most > 0:
+            return False
+        client = self.cluster.client()
+        if client is None or self.most == 0:
             return False
         asked = time.monotonic()
-        last_place = len(running) + 1 == self.most > 1
-        record = self.jobs.claim(f"{self._name}/{next(self._claims)}", but=running, newcomers=last_place)
+        owner, ours = f"{self._name}/{next(self._claims)}", [record.id for record in running]
+        record = self.jobs.claim(owner, but=ours, large=self._large(running))
         if record is None:
             return False
         lease = Lease(record, asked)
@@ -142,6 +145,13 @@ class Runner:
             self._leases[record.id], self._threads[record.id] = lease, thread
         thread.start()
         return True
+
+    def _large(self, running: list[JobRecord]) -> Whose:
+        """Whose large jobs there is a place for, beside those that run."""
+        left = self.most - sum(not record.small for record in running)
+        if left <= 1 < self.most:
+            return Whose.NOBODYS
+        return Whose.NEWCOMERS if left == 2 < self.most else Whose.ANYONES
 
     def _keep_leases(self) -> None:
         while not self._stopping.wait(_BEAT_SECONDS):
@@ -166,13 +176,13 @@ class Runner:
         record = lease.record
         _log.info("runs: %s of %s", record.kind, record.submitter)
         if record.progress is None:
-            metrics.job_started((datetime.now(UTC) - record.created.replace(tzinfo=UTC)).total_seconds())
+            run_metrics.job_started((datetime.now(UTC) - record.created.replace(tzinfo=UTC)).total_seconds())
         try:
             ends, values = self._compute(lease, client)
             if not lease.lost:
                 self._record_end(lease, ends, values)
             if lease.lost:
-                metrics.lease_lost()
+                run_metrics.lease_lost()
                 _log.warning("job %s was taken over by another replica, or may be: it is left alone", lease.record.id)
         finally:
             with self._lock:
@@ -221,7 +231,7 @@ class Runner:
         if state.final:
             _log.info("ends: %s", state)
             self._losses.pop(lease.record.id, None)
-            metrics.job_ended(state)
+            run_metrics.job_ended(state)
 
 
 class _Throttled:
@@ -233,7 +243,7 @@ class _Throttled:
         self.written = 0.0
         self.begun: tuple[Stage, int] | None = None
         self.came_further = False
-        self.pace = metrics.Pace()
+        self.pace = run_metrics.Pace()
 
     def __call__(self, progress: Progress) -> None:
         self.pace(progress)

@@ -1,22 +1,27 @@
 """What every submission does, whatever it asks for."""
 
+from dataclasses import dataclass
 from typing import Annotated
 
 from fastapi import Depends, Response
 
 from service.dependencies import JobsHere, RunnerHere, SettingsHere, SubmitterHere
+from service.jobs import Jobs
 from service.limits import JobRequest, check_size
 from service.models import JobView
+from service.runner_process import RunnerProcess
+from service.settings import Settings
 
 
+@dataclass(frozen=True)
 class Submission:
     """What a submission needs: the answer under way, the records, the runner, the limits, and who asks."""
 
-    def __init__(
-        self, response: Response, jobs: JobsHere, runner: RunnerHere, settings: SettingsHere, submitter: SubmitterHere
-    ) -> None:
-        self.response, self.jobs, self.runner, self.settings = response, jobs, runner, settings
-        self.submitter = submitter
+    response: Response
+    jobs: Jobs
+    runner: RunnerProcess
+    settings: Settings
+    submitter: str
 
     def accept(self, request: JobRequest) -> JobView:
         """Record a request as a job, wake the runner where it is a new one, and say where the job is.
@@ -34,4 +39,10 @@ class Submission:
         return JobView.from_record(record)
 
 
-SubmissionHere = Annotated[Submission, Depends()]
+async def _submission(
+    response: Response, jobs: JobsHere, runner: RunnerHere, settings: SettingsHere, submitter: SubmitterHere
+) -> Submission:
+    return Submission(response, jobs, runner, settings, submitter)
+
+
+SubmissionHere = Annotated[Submission, Depends(_submission)]

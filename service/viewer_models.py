@@ -48,6 +48,7 @@ class DrawnSolution(BaseModel):
         description="In this basin; null until it is complete, or where it has no such solution"
     )
     lyapunov_exponent: float | None
+    mean_life: float | None = Field(description="Impacts until a motion leaves chaos, on average; null where it lasts")
     colours: dict[Palette, str]
     points: list[tuple[float, float]] = Field(description="(t, v) of its departures in this basin")
 
@@ -56,12 +57,13 @@ class DrawnSolution(BaseModel):
         cls, number: int, attractor: Attractor, share: float, colours: dict[Palette, str]
     ) -> "DrawnSolution":
         """View of an attractor."""
-        exponent = attractor.lyapunov_exponent
+        exponent, life = attractor.lyapunov_exponent, attractor.mean_life
         points = zip(attractor.time.tolist(), attractor.velocity.tolist(), strict=True)
         return cls(
             number=number, name=attractor.name, kind=attractor.kind.name.lower(),
             share=share if math.isfinite(share) else None,
-            lyapunov_exponent=exponent if math.isfinite(exponent) else None, colours=colours, points=list(points),
+            lyapunov_exponent=exponent if math.isfinite(exponent) else None,
+            mean_life=life if math.isfinite(life) else None, colours=colours, points=list(points),
         )  # fmt: skip
 
 

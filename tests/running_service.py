@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import httpx2 as httpx
+import psutil
 
 from tests.object_store import BUCKET
 from tests.ports import free_port
@@ -29,6 +30,28 @@ class RunningService:
     def store_of(self, job):
         """Place of a job's store, as `worker.reading.open_basin` takes it."""
         return result_location(self.results, job["id"])
+
+    def runner(self):
+        """Process that runs jobs, None while there is none."""
+        with contextlib.suppress(psutil.NoSuchProcess):
+            for child in psutil.Process(self.process.pid).children():
+                with contextlib.suppress(psutil.NoSuchProcess):
+                    if any("spawn_main" in part for part in child.cmdline()):
+                        return child
+        return None
+
+    def signal(self, number):
+        """Send a signal to the process that answers and to the one that runs jobs."""
+        runner = self.runner()
+        self.process.send_signal(number)
+        if runner is not None:
+            with contextlib.suppress(psutil.NoSuchProcess):
+                runner.send_signal(number)
+
+    def kill(self):
+        """SIGKILL: nothing is put in order."""
+        self.signal(signal.SIGKILL)
+        self.process.wait(10)
 
     def request(self, method, path, **options):
         """Answer to a request."""

@@ -18,8 +18,8 @@ from worker.analysis_job import AnalysisJob
 from worker.analysis_store import AnalysisStore, StoredParts
 from worker.driver import run_tasks
 from worker.errors import StoreConflict
+from worker.fence import Fence, unfenced
 from worker.progress import Progress, Report, Stage
-from worker.store import Fence, unfenced
 from worker.tasks import Task, stop_if_cancelled
 
 

@@ -15,10 +15,17 @@ import zarr
 from worker.analysis import Analysis, Columns
 from worker.analysis_job import AnalysisJob
 from worker.errors import StoreConflict, told_as_store_failure
+from worker.fence import Fence, unfenced
 from worker.layout import Variable
 from worker.new_store import CONFIG, birth_certificate, consolidate, now
 from worker.storage import place_at
-from worker.store import Fence, holds_store, unfenced
+from worker.store_opening import (
+    create_unless_there,
+    demand_same_request,
+    holds_store,
+    open_group,
+    open_store_at,
+)
 
 ANALYSIS_LAYOUT_VERSION = 1
 _PARTS = "parts"
@@ -46,11 +53,7 @@ class AnalysisStore:
 
     def __init__(self, location: str, fence: Fence = unfenced) -> None:
         self.location, self._fence = location, fence
-        with told_as_store_failure(location):
-            try:
-                self._group = zarr.open_group(place_at(location).zarr, mode="r+", zarr_format=3, use_consolidated=False)
-            except (FileNotFoundError, NotADirectoryError, ValueError) as error:
-                raise StoreConflict(f"{location} is no store: nothing there that Zarr can open") from error
+        self._group = open_store_at(location, "store", fence)
         if "kind" not in self._group.attrs:
             raise StoreConflict(f"{location} holds no analysis")
         if self._group.attrs["layout_version"] != ANALYSIS_LAYOUT_VERSION:
@@ -69,18 +72,9 @@ class AnalysisStore:
         StoreFailed
             Where it cannot be written.
         """
-        if not holds_store(location):
-            fence()
-            with told_as_store_failure(location):
-                if place_at(location).taken():
-                    raise StoreConflict(f"{location} exists and is no store: choose another place, or remove it")
-                _create(location, analysis, job)
+        create_unless_there(location, "store", lambda: _create(location, analysis, job, fence), fence)
         store = cls(location, fence)
-        if store.digest != job.digest:
-            raise StoreConflict(
-                f"{location} holds the store of another request: choose another place, or remove it\n"
-                f"it holds {json.dumps(store.request)}"
-            )
+        demand_same_request(location, job.digest, store.digest, store.request)
         return store
 
     @property
@@ -135,7 +129,7 @@ class AnalysisStore:
                     del self._group[variable.name]
                 values = np.asarray(columns[variable.name])
                 _write(self._group, variable.name, values, variable.dims, variable.attrs(), variable)
-            consolidate(self.location)
+            consolidate(self.location, self._fence)
 
     def read_tables(self) -> Columns:
         """Columns of the tables."""
@@ -155,7 +149,7 @@ class AnalysisStore:
         with told_as_store_failure(self.location):
             if _PARTS in self._group:
                 del self._group[_PARTS]
-            consolidate(self.location)
+            consolidate(self.location, self._fence)
 
 
 class StoredParts(Mapping[str, Columns]):
@@ -196,16 +190,15 @@ def kind_of_store(location: str) -> str:
     if not holds_store(location):
         raise StoreConflict(f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open")
     with told_as_store_failure(location):
-        group = zarr.open_group(place_at(location).zarr, mode="r", zarr_format=3, use_consolidated=False)
-        return str(group.attrs.get("kind", "basin"))
+        return str(open_group(location, "r").attrs.get("kind", "basin"))
 
 
-def _create(location: str, analysis: Analysis, job: AnalysisJob) -> None:
+def _create(location: str, analysis: Analysis, job: AnalysisJob, fence: Fence) -> None:
     """Lay out a new store: attributes alone, as nobody knows yet how long its tables will be."""
-    group = zarr.create_group(place_at(location).zarr, zarr_format=3, overwrite=True)
+    group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
     born = birth_certificate(analysis.title, job.request(), job.digest)
     group.update_attributes(born | {"kind": job.kind, "layout_version": ANALYSIS_LAYOUT_VERSION})
-    consolidate(location)
+    consolidate(location, fence)
 
 
 def _write(

@@ -14,15 +14,16 @@ from rattle_kernels import warm_up
 from worker.certificates import Certificates
 from worker.errors import ClusterFailed
 
+_log = logging.getLogger("rattle.cluster")
 _CONNECT_SECONDS = 10
 _CLOSE_SECONDS = 10
 _FORGET_SECONDS = 3
-# Workers yield to the service, which must answer while both cores compute.
-_NICENESS = 10
+# Workers yield to whoever drives them, and more so to a service, which must answer while both cores compute.
+_NICENESS = 8
 # Each connection keeps its last messages for developers, a thousand by default: with catalogues in them, 100 MB.
 _MESSAGES_KEPT = {"distributed.admin.low-level-log-length": 20}
-
-
+# A worker holds the one task that it computes: when it dies, that one is to blame, and no other.
+_ONE_TASK_A_WORKER = {"distributed.scheduler.worker-saturation": 1.0, "distributed.scheduler.allowed-failures": 1}
 # Dask's parts answer over HTTP as well, and tell whoever asks what they do: they are left nothing to say.
 _NO_PAGES: dict[str, list[str]] = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
 
@@ -62,9 +63,7 @@ def local_cluster(workers: int = 2) -> Iterator[Client]:
         "distributed.comm.timeouts.connect": f"{_CONNECT_SECONDS}s",
         # Nobody reads Dask's sampled profiles here, and workers and scheduler share two cores.
         "distributed.worker.profile.enabled": False,
-        # A worker holds the one task that it computes: when it dies, that one is to blame, and no other.
-        "distributed.scheduler.worker-saturation": 1.0,
-        "distributed.scheduler.allowed-failures": 1,
+        **_ONE_TASK_A_WORKER,
         **_NO_PAGES,
     }
     with dask.config.set(settings):
@@ -87,10 +86,7 @@ def _end(cluster: LocalCluster) -> None:
     The other way round takes longer than anyone waits on a busy machine, and a `close` that has timed out leaves the
     cluster closing for ever: Dask then waits for it another ten seconds when the process ends.
     """
-    for nanny in cluster.workers.values():
-        nanny.auto_restart = False
-        with contextlib.suppress(ProcessLookupError, TypeError):  # gone by itself, or never started
-            os.kill(nanny.pid, signal.SIGKILL)
+    kill_workers(cluster)
     # A scheduler that still believes in them would write to them as it closes, and tell of it in a traceback when
     # nothing silences it any more.
     patience = time.monotonic() + _FORGET_SECONDS
@@ -98,6 +94,14 @@ def _end(cluster: LocalCluster) -> None:
         time.sleep(0.01)
     with contextlib.suppress(TimeoutError):
         cluster.close(timeout=_CLOSE_SECONDS)
+
+
+def kill_workers(cluster: LocalCluster) -> None:
+    """Kill the workers of an embedded cluster, for good."""
+    for nanny in cluster.workers.values():
+        nanny.auto_restart = False
+        with contextlib.suppress(ProcessLookupError, TypeError):  # gone by itself, or never started
+            os.kill(nanny.pid, signal.SIGKILL)
 
 
 @contextlib.contextmanager
@@ -133,9 +137,22 @@ def remote_cluster(address: str, certificates: Certificates | None = None) -> It
     with _closing(client):
         try:
             client.register_plugin(WarmKernels())
+            _tell_of_settings(client, address)
         except OSError as error:  # its workers are being restarted
             raise ClusterFailed(f"the workers of {address} cannot be reached: {error}") from error
         yield client
+
+
+def _tell_of_settings(client: Client, address: str) -> None:
+    """Say where a scheduler was started without what the embedded one has."""
+    for name, right in _ONE_TASK_A_WORKER.items():
+        found = client.run_on_scheduler(dask.config.get, name)
+        if found != right:
+            variable = "DASK_" + name.replace(".", "__").replace("-", "_").upper()
+            _log.warning(
+                "the scheduler at %s has %s = %s: start it with %s=%s, so that no tile is blamed for another's worker",
+                address, name, found, variable, right,
+            )  # fmt: skip
 
 
 def _security(certificates: Certificates | None) -> Security | None:

@@ -5,6 +5,7 @@ a chaotic transient greyer.
 """
 
 import colorsys
+import math
 from enum import StrEnum
 
 import numpy as np
@@ -37,7 +38,9 @@ _NAMED: dict[str, Colour] = {
     "P(4,4,2)": (1.0, 0.78, 0.1),
     "P(3,3,2)": (1.0, 0.6, 0.1),
 }
-_GREEN_HUE, _RED_HUE = 0.36, 0.02
+# Least and most contacts a turn, and the hues of these; between lie the yellows and oranges of the itineraries named.
+_HUES = ((2, 8, 0.45, 0.2), (9, 48, 0.03, -0.07))
+_ODD_VALUE, _EVEN_VALUE = 0.6, 0.95
 _LONG_ITINERARY = 24
 
 # Okabe and Ito's colours, which people with any of the common colour blindnesses tell apart.
@@ -67,12 +70,13 @@ class Palette(StrEnum):
 
 
 def _by_length(attractor: Attractor) -> Colour:
-    """Hue that runs from green to red with the number of contacts a turn; the balance of walls shifts it a little."""
+    """Hue by the logarithm of contacts a turn, greens for short ones and reds for long ones; odd ones are darker."""
     contacts = attractor.upper_contacts + attractor.lower_contacts
-    part = min(contacts, _LONG_ITINERARY) / _LONG_ITINERARY
-    hue = _GREEN_HUE + (_RED_HUE - _GREEN_HUE) * part
-    value = 0.95 - 0.25 * attractor.lower_contacts / max(contacts, 1)
-    return colorsys.hsv_to_rgb(hue, 0.85, value)
+    least, most, first, last = next((each for each in _HUES if contacts <= each[1]), _HUES[-1])
+    part = math.log(min(max(contacts, least), most) / least) / math.log(most / least)
+    hue = (first + (last - first) * part) % 1.0
+    # Neighbours on the scale differ in length by one or two contacts: of two that would look alike one is odd, mostly.
+    return colorsys.hsv_to_rgb(hue, 0.85, _ODD_VALUE if attractor.upper_contacts % 2 else _EVEN_VALUE)
 
 
 def _lighter(colour: Colour, part: float) -> Colour:

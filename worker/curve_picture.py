@@ -1,29 +1,20 @@
 """Pictures of curves in the (t, v) plane: manifolds of saddles, and pre-images of the grazing curve."""
 
-from collections.abc import Iterable
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle_kernels import Piece, grazing_velocity, split_at_wrap
+from rattle_kernels import grazing_velocity
 from worker.analysis import Columns
 from worker.branch_table import slices
 from worker.curve_table import pieces_of
 from worker.grazing_curve_job import GrazingCurveJob
 from worker.manifold_job import ManifoldJob
+from worker.overlay import Lines
 from worker.symbols import oscillator_told
 
+_THIN = 0.8
 _MANIFOLDS = {1: ("stable", "-"), 2: ("unstable", ":")}
-
-
-def plot_pieces(axes: Axes, pieces: Iterable[Piece], label: str, colour: str, style: str = "-") -> None:
-    """Draw pieces on phases 0 to 1 as one line with gaps."""
-    parts = split_at_wrap(pieces)
-    if parts:
-        gap = np.array([np.nan])
-        t, v = (np.concatenate([each for part in parts for each in (part[axis], gap)]) for axis in (0, 1))
-        axes.plot(t, v, style, color=colour, linewidth=0.8, label=label)
 
 
 def _finish(axes: Axes, title: str, velocity: tuple[float, float]) -> None:
@@ -46,7 +37,7 @@ def draw_manifolds(job: ManifoldJob, columns: Columns, figure: Figure) -> None:
         for kind, (told, style) in _MANIFOLDS.items():
             own = np.flatnonzero((columns["branch_kind"] == kind) & (columns["branch_orbit"] == number))
             arcs = [piece for branch in own for piece in pieces[branches[branch]]]
-            plot_pieces(axes, arcs, f"{told} manifold of {name}", colour, style)
+            Lines(f"{told} manifold of {name}", colour, tuple(arcs), _THIN, style).draw(axes)
         marks = columns["orbit_time"][number], columns["orbit_velocity"][number]
         axes.plot(*marks, "+", color="black", markersize=9, label=f"saddle {name}")
     window = job.limits.lowest_velocity, job.limits.highest_velocity
@@ -60,5 +51,5 @@ def draw_grazing_curves(job: GrazingCurveJob, columns: Columns, figure: Figure) 
     for order, own in enumerate(slices(columns["order_size"])):
         label = "grazing curve" if order == 0 else f"pre-image of order {order}"
         missing = "" if columns["order_complete"][order] else ", incomplete"
-        plot_pieces(axes, pieces[own], label + missing, f"C{order % 10}")
+        Lines(label + missing, f"C{order % 10}", tuple(pieces[own]), _THIN).draw(axes)
     _finish(axes, oscillator_told(job.oscillator), job.velocity)

@@ -19,11 +19,13 @@ from weakref import WeakKeyDictionary
 
 from distributed import CancelledError, Client, Future, wait
 
-from worker.errors import ClusterFailed, JobCancelled, TileFailed, WorkerError
+from worker.errors import ClusterFailed, JobCancelled, StoreFailed, TileFailed, WorkerError
 from worker.tasks import Task
 
 _log = logging.getLogger("rattle.driver")
 _TRIES = 4
+# A worker may be cut off from the store alone, or for a while; a disk that is full stays so.
+_STORE_TRIES = 2
 _POLL_SECONDS = 0.2
 # On a busy machine a worker that was killed is back after a minute.
 _NO_WORKER_SECONDS = 180.0
@@ -112,7 +114,7 @@ class _Window:
         future.release()
         if finished:
             return task, receipt
-        if isinstance(error, WorkerError):
+        if isinstance(error, WorkerError) and not (isinstance(error, StoreFailed) and attempt < _STORE_TRIES):
             raise error
         if attempt >= _TRIES:
             reason = f"{type(error).__name__}: {error}" if error else "its worker was lost"

@@ -11,28 +11,10 @@ from distributed import Client
 from worker.analysis_kinds import ANALYSES
 from worker.analysis_run import run_analysis
 from worker.basin_job import BasinJob
+from worker.fence import Fence
+from worker.job import Job
 from worker.pipeline import run_basin
 from worker.progress import Report
-from worker.store import Fence
-
-
-class Job(Protocol):
-    """What every job can say of itself, whatever it computes."""
-
-    @property
-    def kind(self) -> str:
-        """Name of its kind."""
-
-    @property
-    def digest(self) -> str:
-        """Hash of what it asks for: equal digests, equal bytes."""
-
-    @property
-    def places(self) -> int:
-        """Cells, or points of samples, that it computes."""
-
-    def request(self) -> dict[str, Any]:
-        """Request that asks for it, as JSON."""
 
 
 class Run(Protocol):

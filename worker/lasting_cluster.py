@@ -5,7 +5,7 @@ import logging
 import time
 
 from worker.certificates import Certificates
-from worker.cluster import Client, connect, count_workers
+from worker.cluster import Client, connect, count_workers, kill_workers
 from worker.errors import ClusterFailed
 
 _log = logging.getLogger("rattle.cluster")
@@ -52,13 +52,18 @@ class LastingCluster:
 
     def client(self) -> Client | None:
         """The client of a cluster that has a worker, connected to anew if need be; None while there is none."""
+        there = self.workers()
+        if there > 0:
+            self._seen = time.monotonic()
+            return self._client
         if self._client is not None and self._lost():
             _log.warning("the cluster is lost; connecting again")
             self._told = "lost"
             self.close()
         if self._client is None:
             self.open()
-        return self._client if self.workers() > 0 else None
+            there = self.workers()
+        return self._client if there > 0 else None
 
     def workers(self) -> int:
         """Workers that the scheduler knows; 0 where it does not answer."""
@@ -71,8 +76,6 @@ class LastingCluster:
     def _lost(self) -> bool:
         if self._client is None or self._client.status != "running":
             return True
-        if self.workers() > 0:
-            self._seen = time.monotonic()
         return self._address is None and time.monotonic() - self._seen > _NO_WORKER_SECONDS
 
     def close(self) -> None:
@@ -82,3 +85,8 @@ class LastingCluster:
             self._stack.close()
         except Exception:  # what is lost need not close in order
             _log.debug("closing a lost cluster", exc_info=True)
+
+    def drop(self) -> None:
+        """Kill embedded workers and leave the rest to the end of this process: Dask takes seconds to close it."""
+        if self._client is not None and self._address is None:
+            kill_workers(self._client.cluster)

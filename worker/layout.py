@@ -13,7 +13,7 @@ import numpy as np
 
 from rattle_kernels import AttractorKind
 
-LAYOUT_VERSION = 2
+LAYOUT_VERSION = 3
 MISSING = -9
 """Fill value of all integer arrays: no cell number, group, period, step or index."""
 
@@ -145,7 +145,11 @@ MEASURED = (
     Variable("share", _ATTRACTOR, np.float64, np.inf, f"share of the cells that end in it; {_NOT_THERE}"),
     Variable("lyapunov_exponent", _ATTRACTOR, np.float64, np.inf, "largest Lyapunov exponent per forcing period"),
     Variable("lyapunov_error", _ATTRACTOR, np.float64, np.inf, "standard error of lyapunov_exponent"),
-)
+    Variable(
+        "mean_life", _ATTRACTOR, np.float64, np.inf,
+        "of chaos that motions leave again: impacts until one does, on average; NaN where none was seen to leave",
+    ),
+)  # fmt: skip
 """What it is like in each panel."""
 
 SHARE_ERROR = Variable(

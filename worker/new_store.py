@@ -4,6 +4,7 @@ import json
 import subprocess
 import warnings
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from zarr.errors import ZarrUserWarning
 
 from worker import layout
 from worker.basin_job import BasinJob
+from worker.fence import Fence, unfenced
 from worker.layout import Places, TileState, Variable
 from worker.storage import place_at
 from worker.tiles import Tiling, cut, cut_row
@@ -42,12 +44,12 @@ def tiling_of(job: BasinJob) -> Tiling:
     return (cut if job.sample is None else cut_row)(job.grid, job.applications, job.panels)
 
 
-def consolidate(location: str) -> None:
+def consolidate(location: str, fence: Fence = unfenced) -> None:
     """Gather all metadata at the root, where readers find them in one piece; done after every change of them."""
     with warnings.catch_warnings():
         # Consolidated metadata are Zarr-Python's own, not yet part of the specification: other readers ignore them.
         warnings.simplefilter("ignore", ZarrUserWarning)
-        zarr.consolidate_metadata(place_at(location).zarr, zarr_format=3)
+        zarr.consolidate_metadata(place_at(location, fence).zarr, zarr_format=3)
 
 
 def create_array(
@@ -73,9 +75,9 @@ def create_array(
     )  # fmt: skip
 
 
-def create_store(location: str, job: BasinJob) -> None:
+def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     """Lay out a new store; the attributes that make it one are written last."""
-    group = zarr.create_group(place_at(location).zarr, zarr_format=3, overwrite=True)
+    group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
     tiling, places = tiling_of(job), places_of(job)
     sampled = job.sample is not None
     shape: tuple[int, ...] = (job.grid.time_cells,) if sampled else job.grid.shape
@@ -91,7 +93,7 @@ def create_store(location: str, job: BasinJob) -> None:
     born = birth_certificate(title, job.request(), job.digest)
     # In one piece: `attrs.update` writes as often as there are attributes.
     group.update_attributes(born | {"tile_cells": list(tile)})
-    consolidate(location)
+    consolidate(location, fence)
 
 
 def _create_coordinates(group: Any, job: BasinJob, tiling: Tiling) -> None:
@@ -145,7 +147,7 @@ def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[
         "request": json.dumps(request),
         "request_sha256": digest,
         "layout_version": layout.LAYOUT_VERSION,
-        "versions": {package: version(package) for package in _PACKAGES},
+        "versions": _versions(),
         "git_revision": _git_revision(),
         "started": now(),
         "finished": None,
@@ -153,6 +155,12 @@ def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[
     }
 
 
+@cache
+def _versions() -> dict[str, str]:
+    return {package: version(package) for package in _PACKAGES}
+
+
+@cache
 def _git_revision() -> str | None:
     command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
     try:

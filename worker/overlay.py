@@ -30,13 +30,15 @@ _BY_ORDER = ("white", "black", "yellow")
 class Lines(NamedTuple):
     """Curves of one kind.
 
-    ``pieces`` have phases that may run beyond a period; ``label`` names them in a legend; ``width`` is in points.
+    ``pieces`` have phases that may run beyond a period; ``label`` names them in a legend; ``width`` is in points;
+    ``style`` is matplotlib's.
     """
 
     label: str
     colour: str
     pieces: tuple[Piece, ...]
     width: float = 1.0
+    style: str = "-"
 
     def draw(self, axes: Axes, time_start: float = 0.0) -> None:
         """Draw them on axes that show one period from `time_start` on."""
@@ -46,8 +48,8 @@ class Lines(NamedTuple):
         t, v = ([array for part in parts for array in (part[axis], gap)] for axis in (0, 1))
         if parts:
             axes.plot(
-                time_start + np.concatenate(t), np.concatenate(v), color=self.colour, linewidth=self.width,
-                label=self.label,
+                time_start + np.concatenate(t), np.concatenate(v), self.style, color=self.colour,
+                linewidth=self.width, label=self.label,
             )  # fmt: skip
 
 

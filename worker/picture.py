@@ -52,7 +52,7 @@ def _patches(solutions: tuple[Attractor, ...], shares: np.ndarray, labels: list[
 def draw_legend(axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray) -> None:
     """List solutions with colour and share beside the axes; a share of NaN is not known yet."""
     told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
-    labels = [f"{solution.name}   {share}" for solution, share in zip(solutions, told, strict=True)]
+    labels = [f"{solution.label}   {share}" for solution, share in zip(solutions, told, strict=True)]
     handles = _patches(solutions, shares, labels)
     axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0)
 

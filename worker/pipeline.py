@@ -21,12 +21,13 @@ from distributed import Client
 from worker.basin_job import BasinJob
 from worker.changes import list_changes
 from worker.driver import run_tasks, window_size
+from worker.fence import Fence, unfenced
 from worker.layout import TileState
 from worker.numbering import Numbered, Numbering
 from worker.panel import Panel
 from worker.progress import BasinProgress, Progress, Report, Stage
 from worker.results import BasinSummary, summarise
-from worker.store import BasinStore, Fence, unfenced
+from worker.store import BasinStore
 from worker.tasks import (
     Task,
     assemble_panel,

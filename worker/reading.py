@@ -23,7 +23,7 @@ from rattle_kernels import Attractor, AttractorKind
 from worker import colours
 from worker.basin_job import BasinJob
 from worker.errors import InvalidJob, StoreConflict
-from worker.layout import LAYOUT_VERSION
+from worker.layout import LAYOUT_VERSION, MEASURED, MOTIONS
 from worker.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
 from worker.panel_picture import frame
 from worker.picture import draw_legend
@@ -122,12 +122,12 @@ def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
     """
     if "kind" not in dataset:
         return ()
-    names = ("kind", "forcing_periods", "upper_contacts", "lower_contacts", "lyapunov_exponent", "lyapunov_error")
+    names = [variable.name for variable in (*MOTIONS[:4], *MEASURED[1:])]
     numbers = zip(*(dataset[name].values.tolist() for name in names), strict=True)
     points = zip(dataset.attractor_time.values, dataset.attractor_velocity.values, strict=True)
     return tuple(
-        Attractor(AttractorKind(kind), periods, upper, lower, exponent, error, t[np.isfinite(t)], v[np.isfinite(v)])
-        for (kind, periods, upper, lower, exponent, error), (t, v) in zip(numbers, points, strict=True)
+        Attractor(AttractorKind(kind), m, upper, lower, exponent, error, t[np.isfinite(t)], v[np.isfinite(v)], life)
+        for (kind, m, upper, lower, exponent, error, life), (t, v) in zip(numbers, points, strict=True)
     )
 
 

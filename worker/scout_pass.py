@@ -20,6 +20,7 @@ from rattle_kernels import (
     map_points,
     set_traps,
 )
+from rattle_kernels.pausing import Pause, never_stopped
 
 # Rounds of scouts. At 6e-4 the first finds the orbits of 93 % of the window, the second those of 98 %.
 _ROUNDS = (128, 2048)
@@ -30,7 +31,9 @@ _PLACES_PER_SCOUT = 8
 
 
 @lru_cache(maxsize=4)
-def scouted_traps(oscillator: Oscillator, grid: CellGrid, iterations: int, places: int) -> LaneTraps:
+def scouted_traps(
+    oscillator: Oscillator, grid: CellGrid, iterations: int, places: int, pause: Pause = never_stopped
+) -> LaneTraps:
     """Traps of the attractors that a sample of the window ends in; none where they would not pay.
 
     Parameters
@@ -42,6 +45,8 @@ def scouted_traps(oscillator: Oscillator, grid: CellGrid, iterations: int, place
         k, after which the scouts have settled or are left out.
     places : int
         Cells or points that the traps are for.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
 
     Returns
     -------
@@ -55,10 +60,10 @@ def scouted_traps(oscillator: Oscillator, grid: CellGrid, iterations: int, place
         unit = np.random.default_rng(number).random((2, number))
         t = grid.time_start + unit[0] * (grid.time_stop - grid.time_start)
         v = grid.velocity_start + (1.0 - unit[1]) * (grid.velocity_stop - grid.velocity_start)
-        landed = map_points(oscillator, grid, iterations, t, v, traps=traps)
+        landed = map_points(oscillator, grid, iterations, t, v, traps=traps, pause=pause)
         there = np.isfinite(landed.landing_time)
         attractors = find_attractors(
-            oscillator, landed.landing_time[there], landed.landing_velocity[there], known=attractors
+            oscillator, landed.landing_time[there], landed.landing_velocity[there], known=attractors, pause=pause
         )
         traps = set_traps(oscillator, attractors)
     return traps

@@ -30,7 +30,7 @@ def motion_of(attractor: Attractor) -> Motion:
 
 @dataclass
 class SolutionTable:
-    """Solutions by number, and per panel their share, Lyapunov exponent and its error, shape (panels, solutions).
+    """Solutions by number, and per panel their share, Lyapunov exponent, its error and mean life (panels, solutions).
 
     A share is NaN where a panel has no such solution, and in the whole row of a panel that is not complete.
     """
@@ -39,11 +39,20 @@ class SolutionTable:
     share: np.ndarray
     exponent: np.ndarray
     error: np.ndarray
+    mean_life: np.ndarray
 
     @classmethod
     def empty(cls, job: BasinJob) -> "SolutionTable":
         """Table of a job that has not begun."""
-        return cls([], *(np.empty((job.panels, 0)) for _ in range(3)))
+        return cls([], *(np.empty((job.panels, 0)) for _ in range(4)))
+
+    @property
+    def columns(self) -> list[np.ndarray]:
+        """What solutions are like in each panel, in the order of `layout.MEASURED`."""
+        return [self.share, self.exponent, self.error, self.mean_life]
+
+    def _replace(self, columns: list[np.ndarray]) -> None:
+        self.share, self.exponent, self.error, self.mean_life = columns
 
     @property
     def complete(self) -> np.ndarray:
@@ -64,25 +73,21 @@ class SolutionTable:
     def append(self, motion: Motion) -> int:
         """Number of a solution that is new."""
         self.motions.append(motion)
-        self.share, self.exponent, self.error = (
-            np.pad(column, ((0, 0), (0, 1)), constant_values=np.nan)
-            for column in (self.share, self.exponent, self.error)
-        )
+        self._replace([np.pad(column, ((0, 0), (0, 1)), constant_values=np.nan) for column in self.columns])
         return len(self.motions) - 1
 
     def forget_after(self, panels: int) -> None:
         """Keep the rows of the first panels alone, and the solutions that these have."""
-        for column in (self.share, self.exponent, self.error):
+        for column in self.columns:
             column[panels:] = np.nan
         known = np.flatnonzero(np.isfinite(self.share).any(axis=0))
         solutions = int(known[-1]) + 1 if known.size else 0
         del self.motions[solutions:]
-        self.share, self.exponent, self.error = (
-            column[:, :solutions] for column in (self.share, self.exponent, self.error)
-        )
+        self._replace([column[:, :solutions] for column in self.columns])
 
     def enter(self, panel: int, numbers: list[int], attractors: tuple[Attractor, ...], shares: np.ndarray) -> None:
         """Fill the row of a panel."""
         self.share[panel, numbers] = shares
         self.exponent[panel, numbers] = [attractor.lyapunov_exponent for attractor in attractors]
         self.error[panel, numbers] = [attractor.lyapunov_error for attractor in attractors]
+        self.mean_life[panel, numbers] = [attractor.mean_life for attractor in attractors]

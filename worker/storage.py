@@ -7,32 +7,45 @@ Endpoint, region and credentials of S3 come from the usual ``AWS_...`` variables
 location: locations are logged and travel to workers.
 """
 
+import asyncio
+import contextlib
 import os
 import re
 import shutil
-from collections.abc import Sequence
+import time
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import obstore
+from obstore.exceptions import GenericError
 from obstore.store import S3Store
 from zarr.storage import ObjectStore
 
 from worker.errors import StoreFailed
+from worker.fence import Fence, unfenced
 
 if TYPE_CHECKING:  # not there when it runs
     from obstore.store import ClientConfig, RetryConfig
 
 _S3 = "s3://"
 # A server that is gone is told within seconds, and one that is busy is asked again for longer than a leader is elected.
+_PATIENCE_SECONDS, _FIRST_PAUSE_SECONDS, _LONGEST_PAUSE_SECONDS = 15.0, 0.1, 3.0
 _RETRIES: "RetryConfig" = {
     "max_retries": 6,
-    "retry_timeout": timedelta(seconds=15),
-    "backoff": {"init_backoff": timedelta(seconds=0.1), "max_backoff": timedelta(seconds=3), "base": 2},
+    "retry_timeout": timedelta(seconds=_PATIENCE_SECONDS),
+    "backoff": {
+        "init_backoff": timedelta(seconds=_FIRST_PAUSE_SECONDS),
+        "max_backoff": timedelta(seconds=_LONGEST_PAUSE_SECONDS),
+        "base": 2,
+    },
 }
 _TIMEOUTS: "ClientConfig" = {"connect_timeout": "5s", "timeout": "30s"}
+# A fenced request ends within the five seconds by which a lease is lost before another driver may begin.
+_ONCE: "RetryConfig" = {"max_retries": 0, "retry_timeout": timedelta(0)}
+_HURRY: "ClientConfig" = {"connect_timeout": "2s", "timeout": "4s"}
 _DEFAULT_REGION = "us-east-1"
 _REGIONS = ("AWS_REGION", "AWS_DEFAULT_REGION")
 _ENDPOINTS = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT")
@@ -69,8 +82,14 @@ class Place(Protocol):
         """Remove everything; nothing happens where there is nothing."""
 
 
-def place_at(location: str) -> Place:
+def place_at(location: str, fence: Fence = unfenced) -> Place:
     """Place by its location.
+
+    Parameters
+    ----------
+    location : str
+    fence : Fence
+        Of a driver whose job another one may take over.
 
     Raises
     ------
@@ -81,7 +100,7 @@ def place_at(location: str) -> Place:
         bucket, _, prefix = location.removeprefix(_S3).partition("/")
         if not bucket or not prefix.strip("/"):
             raise StoreFailed(f"{location} is no place for stores: write s3://bucket/prefix")
-        return _Objects(location, bucket, prefix.strip("/"))
+        return _Objects(location, bucket, prefix.strip("/"), fence)
     if "://" in location:
         raise StoreFailed(f"{location} is no place for stores: write a folder or s3://bucket/prefix")
     return _Folder(Path(location))
@@ -132,15 +151,57 @@ class _WholeObjects(ObjectStore):
         await obstore.put_async(self.store, key, value.as_buffer_like(), use_multipart=False)
 
 
+class _FencedObjects(_WholeObjects):
+    """Objects that a driver writes whose job another one may take over.
+
+    Guarantees. Each request is sent after a look at the fence and given up before another driver may begin, so that
+    none is accepted later by a server that hangs; what fails is sent again, after another look.
+    """
+
+    def __init__(self, store: Any, hurried: Any, fence: Fence, *, read_only: bool = False) -> None:
+        super().__init__(store, read_only=read_only)
+        self.hurried, self.fence = hurried, fence
+
+    def with_read_only(self, read_only: bool = False) -> "_FencedObjects":
+        return type(self)(self.store, self.hurried, self.fence, read_only=read_only)
+
+    async def set(self, key: str, value: Any) -> None:
+        self._check_writable()
+        data = value.as_buffer_like()
+        await self._patiently(lambda: obstore.put_async(self.hurried, key, data, use_multipart=False))
+
+    async def delete(self, key: str) -> None:
+        self._check_writable()
+        with contextlib.suppress(FileNotFoundError):
+            await self._patiently(lambda: obstore.delete_async(self.hurried, key))
+
+    async def _patiently(self, send: Callable[[], Awaitable[Any]]) -> None:
+        begin, pause = time.monotonic(), _FIRST_PAUSE_SECONDS
+        while True:
+            self.fence()
+            try:
+                await send()
+                return
+            except GenericError:  # the server is gone, busy, or too slow
+                if time.monotonic() + pause > begin + _PATIENCE_SECONDS:
+                    raise
+            await asyncio.sleep(pause)
+            pause = min(2.0 * pause, _LONGEST_PAUSE_SECONDS)
+
+
 class _Objects:
     """Objects of S3 below a prefix."""
 
-    def __init__(self, location: str, bucket: str, prefix: str) -> None:
+    def __init__(self, location: str, bucket: str, prefix: str, fence: Fence) -> None:
         # Whoever writes an address that begins with http:// has decided to do without TLS.
         options: ClientConfig = {**_TIMEOUTS, "allow_http": _variable(_ENDPOINTS).startswith("http://")}
         region = _variable(_REGIONS) or _DEFAULT_REGION
         self._store = S3Store(bucket, prefix=prefix, region=region, retry_config=_RETRIES, client_options=options)
         self.zarr = _WholeObjects(self._store)
+        if fence is not unfenced:
+            hurry: ClientConfig = {**options, **_HURRY}
+            once = S3Store(bucket, prefix=prefix, region=region, retry_config=_ONCE, client_options=hurry)
+            self.zarr = _FencedObjects(self._store, once, fence)
 
     def _paths(self) -> list[str]:
         return [found["path"] for batch in obstore.list(self._store) for found in batch]

@@ -1,4 +1,4 @@
-"""The Zarr store of one job: with `worker.new_store`, the only module that speaks to Zarr.
+"""The Zarr store of one job.
 
 Guarantees. One tile is one chunk of every array and one writer writes it, so writers never meet. Chunks are replaced as
 a whole (temporary file and rename), so a killed writer leaves the old chunk or the new one. Chunks equal to the fill
@@ -8,28 +8,22 @@ such as those over HTTP, which cannot list a folder, see all there is at any mom
 """
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import zarr
 
 from rattle_kernels import Attractor, AttractorKind, CellGroups, ImageSet, with_counts
 from worker import layout
 from worker.basin_job import BasinJob
 from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
+from worker.fence import Fence, unfenced
 from worker.layout import Variable
 from worker.new_store import CONFIG, consolidate, create_array, create_store, now, places_of, tiling_of
 from worker.solution_table import Motion, SolutionTable
 from worker.storage import place_at
+from worker.store_opening import create_unless_there, demand_same_request, open_group, open_store_at
 from worker.tiles import Tile
-
-Fence = Callable[[], None]
-"""Called before everything that only the driver writes: raises `LeaseLost` where the job is another driver's by now."""
-
-
-def unfenced() -> None:
-    """The fence of a driver that nobody can take a job from."""
 
 
 class BasinStore:
@@ -52,11 +46,7 @@ class BasinStore:
 
     def __init__(self, location: str, fence: Fence = unfenced) -> None:
         self.location, self._fence = location, fence
-        with told_as_store_failure(location):
-            try:
-                self._group = _open_group(location, "r+")
-            except (FileNotFoundError, NotADirectoryError, ValueError) as error:
-                raise StoreConflict(f"{location} is no basin store: nothing there that Zarr can open") from error
+        self._group = open_store_at(location, "basin store", fence)
         if "kind" in self._group.attrs:
             raise StoreConflict(f"{location} is no basin store: it is one of kind {self._group.attrs['kind']}")
         if self._group.attrs.get("layout_version") != layout.LAYOUT_VERSION:
@@ -79,18 +69,9 @@ class BasinStore:
         StoreFailed
             Where it cannot be written.
         """
-        if not holds_store(location):
-            fence()
-            with told_as_store_failure(location):
-                if place_at(location).taken():
-                    raise StoreConflict(f"{location} exists and is no basin store: choose another place, or remove it")
-                create_store(location, job)
+        create_unless_there(location, "basin store", lambda: create_store(location, job, fence), fence)
         store = cls(location, fence)
-        if store.digest != job.digest:
-            raise StoreConflict(
-                f"{location} holds the store of another request: choose another place, or remove it\n"
-                f"it holds {json.dumps(store.job.request())}"
-            )
+        demand_same_request(location, job.digest, store.digest, store.job.request())
         return store
 
     def _array(self, variable: Variable) -> Any:
@@ -225,7 +206,7 @@ class BasinStore:
             # Last of all the one that tells how much room there is: a driver that is killed before does it all again.
             for variable in reversed(layout.POINTS):
                 self._array(variable).resize((*self.job.panel_shape, *room))
-            consolidate(self.location)
+            consolidate(self.location, self._fence)
 
     def _measured(self) -> tuple[Variable, ...]:
         return layout.MEASURED if self.job.sample is None else (*layout.MEASURED, layout.SHARE_ERROR)
@@ -248,7 +229,7 @@ class BasinStore:
     def write_solutions(self, table: SolutionTable) -> None:
         """Write what solutions are like in each panel, those that there is room for (driver only)."""
         self._fence()
-        columns = [table.share, table.exponent, table.error]
+        columns = table.columns
         if self.job.sample is not None:
             columns.append(np.sqrt(table.share * (1.0 - table.share) / self.job.sample.points))
         with told_as_store_failure(self.location):
@@ -271,8 +252,9 @@ class BasinStore:
             Motion(AttractorKind(kind), *contacts)
             for kind, *contacts in zip(*(column[:known].tolist() for column in motions), strict=True)
         ]
-        share, exponent, error = (column.reshape(self.job.panels, column.shape[-1])[:, :known] for column in columns)
-        return SolutionTable(listed, share, exponent, error)
+        return SolutionTable(
+            listed, *(column.reshape(self.job.panels, column.shape[-1])[:, :known] for column in columns)
+        )
 
     def read_catalogue(self, panel: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
         """Some of the attractors of a panel, by their numbers."""
@@ -283,6 +265,7 @@ class BasinStore:
             Attractor(
                 *table.motions[number], float(table.exponent[panel, number]), float(table.error[panel, number]),
                 time[number][np.isfinite(time[number])], velocity[number][np.isfinite(velocity[number])],
+                float(table.mean_life[panel, number]),
             )
             for number in numbers
         )  # fmt: skip
@@ -300,9 +283,9 @@ class BasinStore:
         """Consolidate the store's metadata and mark it complete (driver only)."""
         self._fence()
         with told_as_store_failure(self.location):
-            consolidate(self.location)
+            consolidate(self.location, self._fence)
             # Written with the consolidated metadata, in one piece: what is complete is so for every reader.
-            whole = _open_group(self.location, "r+", consolidated=True)
+            whole = open_group(self.location, "r+", consolidated=True, fence=self._fence)
             whole.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
 
     @property
@@ -321,18 +304,3 @@ def _words(names: list[str]) -> list[str]:
     """CF flag meanings: blank-separated words, one of them for each solution, so names that recur are numbered."""
     words = [name.replace(" ", "_") for name in names]
     return [word if words.count(word) == 1 else f"{word}_{words[: i + 1].count(word)}" for i, word in enumerate(words)]
-
-
-def holds_store(location: str) -> bool:
-    """Whether a store of any kind lies at a location: its attributes are the last thing that is created."""
-    with told_as_store_failure(location):
-        try:
-            group = _open_group(location, "r")
-        except (FileNotFoundError, NotADirectoryError, ValueError):
-            place_at(location).check()
-            return False
-        return "layout_version" in group.attrs
-
-
-def _open_group(location: str, mode: str, *, consolidated: bool = False) -> Any:
-    return zarr.open_group(place_at(location).zarr, mode=mode, zarr_format=3, use_consolidated=consolidated)

@@ -112,12 +112,14 @@ def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
     assert job.sample is not None
     oscillator = job.oscillator_of(tile.panel)
     t, v = job.sample.departures(job.grid, *tile.columns)
-    traps = scouted_traps(oscillator, job.grid, job.iterations, job.sample.points)
+    traps = scouted_traps(oscillator, job.grid, job.iterations, job.sample.points, stop_if_cancelled)
     parts = []
     for points in runs_of_points(t.size, job.applications):
-        stop_if_cancelled()
         here = slice(*points)
-        parts.append(map_points(oscillator, job.grid, job.iterations, t[here], v[here], traps=traps))
+        part = map_points(
+            oscillator, job.grid, job.iterations, t[here], v[here], traps=traps, pause=stop_if_cancelled
+        )  # fmt: skip
+        parts.append(part)
     images = _joined(parts)
     # A sample has no cells: what lands, lands outside of all.
     cells = np.minimum(images.image_cell, SINK)
@@ -126,11 +128,13 @@ def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
 
 def _map_in_bands(store: BasinStore, tile: Tile) -> CellImages:
     job, oscillator = store.job, store.job.oscillator_of(tile.panel)
-    traps = scouted_traps(oscillator, job.grid, job.iterations, job.grid.cells)
+    traps = scouted_traps(oscillator, job.grid, job.iterations, job.grid.cells, stop_if_cancelled)
     parts = []
     for rows in bands(tile, job.applications):
-        stop_if_cancelled()
-        parts.append(map_cells(oscillator, job.grid, job.iterations, rows, tile.columns, traps=traps))
+        part = map_cells(
+            oscillator, job.grid, job.iterations, rows, tile.columns, traps=traps, pause=stop_if_cancelled
+        )  # fmt: skip
+        parts.append(part)
     return _joined(parts)
 
 

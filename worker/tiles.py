@@ -132,7 +132,7 @@ def cut_row(row: CellGrid, applications: int, panels: int = 1) -> Tiling:
 
 
 def bands(tile: Tile, applications: int) -> Iterator[tuple[int, int]]:
-    """Runs of rows of a tile, each about a tenth of a second of work: between them a cancelled tile stops."""
+    """Runs of rows of a tile, each about a tenth of a second of work: what one takes in memory is small."""
     width = tile.columns[1] - tile.columns[0]
     rows = max(1, int(_cells_of_band(applications) / width))
     for start in range(tile.rows[0], tile.rows[1], rows):

@@ -1,15 +1,14 @@
 """Commands that compute here, without a service, what explains basins: diagrams, orbits, manifolds, grazing curves."""
 
-from collections.abc import Callable
 from typing import Annotated
 
 import typer
 
-from rattle_kernels import CurveResolution, ManifoldLimits, Oscillator, OutsideDomain
+from rattle_kernels import CurveResolution, ManifoldLimits, Oscillator
 from service.cli.analysis_tables import print_analysis
 from service.cli.compute import Out, Workers, swept_of
-from service.cli.console import announce_compiling, give_up, out, print_seconds, progress_line
-from service.cli.interruptible import run_interruptibly
+from service.cli.console import print_seconds
+from service.cli.local_run import run_here
 from service.cli.oscillator import (
     AllowNoQuietSolution,
     Damping,
@@ -19,18 +18,14 @@ from service.cli.oscillator import (
     Stiffness,
     oscillator_of,
 )
-from service.oscillator_model import PermanentContact, demand_quiet
-from service.settings import Settings
-from worker.analysis_job import AnalysisJob, Region
-from worker.analysis_kinds import ANALYSES
-from worker.analysis_run import AnalysisSummary, run_analysis
+from service.oscillator_model import PermanentContact
+from worker.analysis_job import Region
+from worker.analysis_run import AnalysisSummary
 from worker.bifurcation_job import BifurcationJob, Direction
-from worker.cluster import connect
-from worker.errors import InvalidJob, JobCancelled, WorkerError
+from worker.errors import InvalidJob
 from worker.grazing_curve_job import GrazingCurveJob
 from worker.manifold_job import Itinerary, ManifoldJob, Side
 from worker.orbits_job import Continuation, OrbitSeed, OrbitsJob
-from worker.progress import Progress
 
 Time = Annotated[tuple[float, float], typer.Option(help="Phases of the region searched")]
 Velocity = Annotated[tuple[float, float], typer.Option(help="Speeds of the region searched")]
@@ -69,7 +64,7 @@ def bifurcation(
         seeds = tuple(_departure(text) for text in seed or ())
         return BifurcationJob(about, swept, seeds, Region(*time, *velocity), direction, transient, kept)
 
-    _run(job, allow_no_quiet_solution, out_, workers)
+    run_here(job, out_, workers, _tell, quiet_or_not=allow_no_quiet_solution)
 
 
 def orbits(
@@ -101,7 +96,7 @@ def orbits(
         along = _continuation("follow", follow), _continuation("curves", curves)
         return OrbitsJob(oscillator, longest, Region(*time, *velocity), cells, seeds, *along)
 
-    _run(job, allow_no_quiet_solution, out_, workers)
+    run_here(job, out_, workers, _tell, quiet_or_not=allow_no_quiet_solution)
 
 
 def _orbit_seed(text: str, option: str = "seed") -> OrbitSeed:
@@ -147,7 +142,7 @@ def manifold(
         oscillator = Oscillator(damping, eccentricity, half_backlash)
         return ManifoldJob(oscillator, saddles, side, limits, _resolution(chord, angle))
 
-    _run(job, False, out_, workers)
+    run_here(job, out_, workers, _tell, quiet_or_not=False)
 
 
 def grazing_curve(
@@ -167,7 +162,7 @@ def grazing_curve(
         oscillator = Oscillator(damping, eccentricity, half_backlash)
         return GrazingCurveJob(oscillator, order, velocity, _resolution(chord, angle))
 
-    _run(job, False, out_, workers)
+    run_here(job, out_, workers, _tell, quiet_or_not=False)
 
 
 def _resolution(chord: float, angle: float) -> CurveResolution:
@@ -184,33 +179,6 @@ def _departure(text: str) -> tuple[float, float]:
     return time, velocity
 
 
-def _run(describe: Callable[[], AnalysisJob], allow_no_quiet_solution: bool, out_: str, workers: int) -> None:
-    try:
-        job = describe()
-        demand_quiet(job.demand_quiet, unless=allow_no_quiet_solution)
-    except (OutsideDomain, InvalidJob) as error:
-        give_up(str(error), 2)
-    try:
-        summary = _compute(job, out_, Settings(), workers)
-    except JobCancelled:
-        give_up(f"stopped; the same command goes on from what is in {out_}")
-    except WorkerError as error:
-        give_up(str(error))
+def _tell(summary: AnalysisSummary) -> None:
     print_analysis({"kind": summary.kind, **summary.told})
     print_seconds(summary.seconds)
-    out.print(
-        f"{out_} is complete; draw it with: rattle plot {out_} --out picture.png", highlight=False, soft_wrap=True
-    )
-
-
-def _compute(job: AnalysisJob, location: str, settings: Settings, workers: int) -> AnalysisSummary:
-    announce_compiling()
-    cluster = connect(settings.scheduler, workers, settings.certificates)
-    with cluster as client, progress_line(unit="pieces") as line:
-
-        def report(progress: Progress) -> None:
-            line.show(progress.stage, (progress.tiles_done, progress.tiles_total))
-
-        return run_interruptibly(
-            lambda cancel: run_analysis(ANALYSES[job.kind], job, location, client, report=report, cancel=cancel)
-        )

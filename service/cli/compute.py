@@ -1,21 +1,12 @@
 """Commands that compute here, without a service: one basin, or a sweep of them."""
 
-from collections.abc import Callable
 from typing import Annotated
 
 import typer
 
-from rattle_kernels import CellGrid, OutsideDomain
-from service.cli.console import (
-    announce_compiling,
-    give_up,
-    out,
-    print_changes,
-    print_seconds,
-    print_solutions,
-    progress_line,
-)
-from service.cli.interruptible import run_interruptibly
+from rattle_kernels import CellGrid
+from service.cli.console import print_changes, print_seconds, print_solutions
+from service.cli.local_run import run_here
 from service.cli.oscillator import (
     AllowNoQuietSolution,
     Damping,
@@ -25,13 +16,9 @@ from service.cli.oscillator import (
     Stiffness,
     oscillator_of,
 )
-from service.oscillator_model import PermanentContact, demand_quiet
-from service.settings import Settings
+from service.oscillator_model import PermanentContact
 from worker.basin_job import SETTLED, BasinJob
-from worker.cluster import connect
-from worker.errors import InvalidJob, JobCancelled, WorkerError
-from worker.pipeline import run_basin
-from worker.progress import Progress
+from worker.errors import InvalidJob
 from worker.results import BasinSummary
 from worker.sample import Sample
 from worker.swept_parameter import Spacing, SweptParameter
@@ -72,12 +59,11 @@ def basin(
     """Compute one basin on this machine, without a service."""
     oscillator = oscillator_of(damping, eccentricity, half_backlash, stiffness, rule)
     grid = CellGrid(*time, cells[0], *velocity, cells[1])
-    _run(
-        lambda: BasinJob(oscillator, grid, iterations or SETTLED, (), _sample(sample, seed)),
-        allow_no_quiet_solution,
-        out_,
-        workers,
-    )
+
+    def job() -> BasinJob:
+        return BasinJob(oscillator, grid, iterations or SETTLED, (), _sample(sample, seed))
+
+    run_here(job, out_, workers, _print, quiet_or_not=allow_no_quiet_solution)
 
 
 def sweep(
@@ -113,7 +99,7 @@ def sweep(
             )
         return BasinJob(oscillator, grid, iterations or SETTLED, swept, _sample(sample, seed))
 
-    _run(job, allow_no_quiet_solution, out_, workers)
+    run_here(job, out_, workers, _print, quiet_or_not=allow_no_quiet_solution)
 
 
 def _sample(points: int | None, seed: int) -> Sample | None:
@@ -132,22 +118,6 @@ def swept_of(text: str) -> SweptParameter:
         raise InvalidJob(f"--vary {text}: write damping=0.5,0.55,0.6 or damping=0.5:0.7:21 ({error})") from error
 
 
-def _run(describe: Callable[[], BasinJob], allow_no_quiet_solution: bool, out_: str, workers: int) -> None:
-    try:
-        job = describe()
-        demand_quiet(job.demand_quiet, unless=allow_no_quiet_solution)
-    except (OutsideDomain, InvalidJob) as error:
-        give_up(str(error), 2)
-    try:
-        summary = _compute(job, out_, Settings(), workers)
-    except JobCancelled:
-        give_up(f"stopped; the same command goes on from what is in {out_}")
-    except WorkerError as error:
-        give_up(str(error))
-    _print(summary)
-    out.print(f"{out_} is complete; draw it with: rattle plot {out_} --out basin.png", highlight=False, soft_wrap=True)
-
-
 def _print(summary: BasinSummary) -> None:
     print_solutions(
         [
@@ -155,6 +125,7 @@ def _print(summary: BasinSummary) -> None:
                 attractor.name,
                 share,
                 _number(attractor.lyapunov_exponent),
+                _number(attractor.mean_life),
                 list(zip(attractor.time[:1], attractor.velocity, strict=False)),
             )
             for attractor, share in zip(summary.attractors, summary.shares, strict=True)
@@ -179,19 +150,3 @@ def _print(summary: BasinSummary) -> None:
 
 def _number(value: float) -> float | None:
     return value if value == value else None
-
-
-def _compute(job: BasinJob, location: str, settings: Settings, workers: int) -> BasinSummary:
-    announce_compiling()
-    cluster = connect(settings.scheduler, workers, settings.certificates)
-    with cluster as client, progress_line() as line:
-
-        def report(progress: Progress) -> None:
-            line.show(
-                progress.stage,
-                (progress.tiles_done, progress.tiles_total),
-                (progress.basins_done, progress.basins_total),
-                progress.cells_per_second,
-            )
-
-        return run_interruptibly(lambda cancel: run_basin(job, location, client, report=report, cancel=cancel))

@@ -67,13 +67,15 @@ def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
         yield ProgressLine(bar, unit)
 
 
-def print_solutions(rows: Sequence[tuple[str, float | None, float | None, Sequence[tuple[float, float]]]]) -> None:
-    """Table of solutions: name, share, Lyapunov exponent, first point."""
+def print_solutions(
+    rows: Sequence[tuple[str, float | None, float | None, float | None, Sequence[tuple[float, float]]]],
+) -> None:
+    """Table of solutions: name, share, Lyapunov exponent, mean life of what does not last, first point."""
     table = Table("", "solution", "share", "Lyapunov exponent", "a departure (t, v)")
-    for number, (name, share, exponent, points) in enumerate(rows):
+    for number, (name, share, exponent, life, points) in enumerate(rows):
         table.add_row(
             str(number),
-            name,
+            name if life is None else f"{name} for some {life:.1g} impacts",
             "not known yet" if share is None else f"{100 * share:.3f} %",
             "" if exponent is None else f"{exponent:.4f}",
             f"({points[0][0]:.6f}, {points[0][1]:.6f})" if points else "",

@@ -3,6 +3,7 @@
 import contextlib
 import json
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,7 +19,10 @@ Key = Annotated[
     str | None, typer.Option(envvar="RATTLE_KEY", show_envvar=True, help="Key of a service that demands one")
 ]
 _HERE = "http://127.0.0.1:8000"
-_POLL_SECONDS = 0.2
+# A stream that has nothing to tell says so every 15 s.
+_SILENCE_SECONDS = 40.0
+_PATIENCE_SECONDS = 60.0
+_PAUSE_SECONDS = 0.5
 _ROUTES = {
     "bifurcation": "bifurcations",
     "orbits": "orbits",
@@ -90,7 +94,12 @@ def _follow(url: str, job_id: str, key: str | None) -> None:
 
 
 def _print_basins(result: dict[str, Any]) -> None:
-    print_solutions([(s["name"], s["share"], s["lyapunov_exponent"], s["points"][:1]) for s in result["solutions"]])
+    print_solutions(
+        [
+            (each["name"], each["share"], each["lyapunov_exponent"], each["mean_life"], each["points"][:1])
+            for each in result["solutions"]
+        ]
+    )
     names = [solution["name"] for solution in result["solutions"]]
     print_changes(
         [
@@ -101,15 +110,43 @@ def _print_basins(result: dict[str, Any]) -> None:
 
 
 def _until_the_end(url: str, job_id: str, key: str | None, line: ProgressLine) -> dict[str, Any]:
+    """The job when it has ended; its events are shown as they come, and asked for again where the stream is cut."""
+    seen, patience = "0", time.monotonic() + _PATIENCE_SECONDS
     while True:
-        job: dict[str, Any] = _ask("GET", url, f"/v1/jobs/{job_id}", key)
-        progress = job["progress"]
-        if progress:
-            tiles, basins = ((progress[f"{what}_done"], progress[f"{what}_total"]) for what in ("tiles", "basins"))
-            line.show(progress["stage"], tiles, basins, progress["cells_per_second"])
-        if job["state"] in ("succeeded", "failed", "cancelled"):
-            return job
-        time.sleep(_POLL_SECONDS)
+        try:
+            for number, event in _events(url, job_id, key, seen):
+                seen = number
+                _show(event["progress"], line)
+                if event["state"] in ("succeeded", "failed", "cancelled"):
+                    job: dict[str, Any] = _ask("GET", url, f"/v1/jobs/{job_id}", key)
+                    return job
+                patience = time.monotonic() + _PATIENCE_SECONDS
+        except httpx.HTTPError as error:  # the service is being restarted, perhaps
+            if time.monotonic() > patience:
+                give_up(f"{url} does not answer any more ({error}); the job goes on: look with `rattle jobs`")
+        time.sleep(_PAUSE_SECONDS)
+
+
+def _events(url: str, job_id: str, key: str | None, seen: str) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Numbers and data of a job's events after the last one seen, as long as the stream lasts."""
+    headers = {"last-event-id": seen} | ({"authorization": f"Bearer {key}"} if key else {})
+    address, fields = f"{url.rstrip('/')}/v1/jobs/{job_id}/events", {}
+    with httpx.stream("GET", address, headers=headers, timeout=_SILENCE_SECONDS) as answer:
+        if answer.is_client_error:
+            give_up(json.loads(answer.read())["detail"], 2)
+        answer.raise_for_status()
+        for text in answer.iter_lines():
+            name, _, value = text.partition(": ")
+            fields[name] = value
+            if not text and "data" in fields:
+                yield fields["id"], json.loads(fields["data"])
+                fields = {}
+
+
+def _show(progress: dict[str, Any] | None, line: ProgressLine) -> None:
+    if progress:
+        tiles, basins = ((progress[f"{what}_done"], progress[f"{what}_total"]) for what in ("tiles", "basins"))
+        line.show(progress["stage"], tiles, basins, progress["cells_per_second"])
 
 
 def jobs(

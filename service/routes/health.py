@@ -1,7 +1,5 @@
 """Liveness and readiness."""
 
-import asyncio
-
 from fastapi import APIRouter, Response
 from pydantic import BaseModel
 
@@ -35,7 +33,7 @@ def healthz() -> Health:
 )
 async def readyz(response: Response, probes: ProbesHere) -> Readiness:
     """Whether the database, the scheduler and at least one worker answer, each within three seconds."""
-    database, workers = await asyncio.gather(probes.database(), probes.workers())
+    database, workers = await probes.database(), probes.workers()
     ready = database and workers > 0
     response.status_code = 200 if ready else 503
     return Readiness(ready=ready, database=database, workers=workers)

@@ -3,7 +3,7 @@
 from fastapi import APIRouter, Response
 
 from service import metrics
-from service.dependencies import JobsHere
+from service.dependencies import JobsHere, RunnerHere
 
 router = APIRouter(tags=["health"])
 
@@ -14,6 +14,6 @@ router = APIRouter(tags=["health"])
     summary="Metrics",
     responses={200: {"description": "Prometheus' text format", "content": {"text/plain": {}}}},
 )
-def get_metrics(jobs: JobsHere) -> Response:
-    """Of this process, and of the jobs in its database."""
-    return Response(metrics.exposition(jobs.count()), media_type=metrics.CONTENT_TYPE)
+def get_metrics(jobs: JobsHere, runner: RunnerHere) -> Response:
+    """Of this process, of the one that runs jobs, and of the jobs in their database."""
+    return Response(metrics.exposition(jobs.count(), runner.metrics()), media_type=metrics.CONTENT_TYPE)

@@ -10,17 +10,16 @@ from pydantic import AfterValidator
 
 from service.analysis_requests import AnalysisResult
 from service.byte_range import answer_range
-from service.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, not_modified, view_or_not_modified
-from service.dependencies import JobId, JobsHere, SettingsHere, problems
+from service.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, json_or_not_modified, not_modified
+from service.dependencies import JobId, JobsHere, SettingsHere, SummariesHere, problems
 from service.errors import JobNotFound, NotReady
 from service.models import ResultView
-from service.result_view import draw_result, result_fingerprint, result_view
+from service.result_view import draw_result, place_of_result, result_fingerprint
 from worker.errors import InvalidJob
 from worker.panel_picture import Layer
-from worker.result_files import file_of_store, result_location
+from worker.result_files import file_of_store
 from worker.results import fingerprint
 from worker.share_chart import draw_shares
-from worker.store import holds_store
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
 
@@ -30,11 +29,7 @@ _NOTHING_YET = problems(s404="there is no such job, or it has not begun")
 
 def location_of(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
     """Place of a job's store, once there is one."""
-    record = jobs.get(job_id)
-    location = result_location(settings.results, record.store or job_id)
-    if not holds_store(location):
-        raise NotReady(f"job {job_id} is {record.state} and has no result yet")
-    return location
+    return place_of_result(jobs.get(job_id), settings.results)
 
 
 def _store_path(path: str) -> str:
@@ -50,14 +45,12 @@ def _store_path(path: str) -> str:
     summary="Summary of a result",
     responses=_NOTHING_YET | NOT_MODIFIED,
 )
-def get_result(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
+def get_result(job_id: JobId, jobs: JobsHere, summaries: SummariesHere, if_none_match: IfNoneMatch = None) -> Response:
     """Solutions, shares and attractors, or what an analysis has found.
 
     Also while the job runs, and then it says that it is not complete.
     """
-    location = location_of(job_id, jobs, settings)
-    view = result_view(jobs.get(job_id).kind, location, f"/v1/jobs/{job_id}/result.zarr")
-    return view_or_not_modified(view, if_none_match)
+    return json_or_not_modified(*summaries.of(jobs.get(job_id)), if_none_match)
 
 
 @router.get(

@@ -283,6 +283,24 @@ def test_light_and_dark_follow_the_system_and_the_switch(opened):
     expect(root).to_have_attribute("data-theme", "light")
 
 
+@pytest.mark.parametrize(
+    ("path", "request_", "alt"),
+    [
+        ("/v1/basins", {"sample": {"points": 200, "seed": 1}, "iterations": 211}, "Sample of a basin"),
+        ("/v1/grazing-curves", {"order": 1}, "Grazing curve and its pre-images"),
+    ],
+)
+def test_what_has_no_cells_is_shown_as_the_service_draws_it(explorer, service, path, request_, alt):
+    job = service.request("POST", path, json=request_).json()
+    explorer.visit(f"?job={job['id']}").state("Complete")
+    still = explorer.page.locator("#still")
+    expect(still).to_be_visible()
+    expect(still).to_have_attribute("alt", f"{alt}, as the service draws it")
+    assert explorer.page.evaluate("document.getElementById('still').naturalWidth") > 400
+    expect(explorer.page.locator("#whole")).to_be_disabled()
+    expect(explorer.page.locator("#takeaway")).to_contain_text(path)
+
+
 def test_a_job_that_is_not_there_is_told_in_words(explorer):
     explorer.forgiven += ("404",)
     explorer.visit("?job=nothing").state("There is no job nothing")

@@ -8,6 +8,8 @@ import sys
 import threading
 import time
 
+import psutil
+
 from tests.running_service import free_port
 
 ENVIRONMENT = {"DASK_DISTRIBUTED__WORKER__PRELOAD": '["tests.faults.preload"]'}
@@ -72,11 +74,9 @@ class Farm:
 
 def local_workers(service):
     """Process numbers of the embedded workers of a running service."""
-    import psutil
-
-    found = []
+    found, runner = [], service.runner()
     with contextlib.suppress(psutil.NoSuchProcess):
-        for child in psutil.Process(service.process.pid).children():
+        for child in runner.children() if runner is not None else ():
             with contextlib.suppress(psutil.NoSuchProcess):
                 if any("spawn_main" in part for part in child.cmdline()):
                     found.append(child.pid)

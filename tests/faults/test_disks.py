@@ -33,7 +33,7 @@ def readable(service, job):
 
 
 def test_a_full_disk_fails_the_job_with_that_reason_and_room_lets_it_go_on(a_service, disk, right, tmp_path):
-    disk("size=700k")
+    disk("size=500k")
     with a_service() as service:
         job = service.wait(service.submit(BASIN)["id"])
         assert job["state"] == "failed" and job["error"]["kind"] == "store-failed"

@@ -32,12 +32,16 @@ def owner(tmp_path, job):
         return database.execute("SELECT lease_owner FROM jobs WHERE id = ?", (job["id"],)).fetchone()[0]
 
 
+def runs(replica, tmp_path, job):
+    """Whether a replica has the lease of a job."""
+    return str(replica.runner().pid) == (owner(tmp_path, job) or "..").split(".")[-2]
+
+
 def runs_at(replicas, tmp_path, job):
     """The replica that runs a job, and the other one."""
-    number = wait_for(lambda: owner(tmp_path, job), 10).split(".")[-2]
-    here = [replica for replica in replicas if str(replica.process.pid) == number]
-    (there,) = [replica for replica in replicas if replica not in here]
-    return here[0], there
+    wait_for(lambda: owner(tmp_path, job), 10)
+    here, there = sorted(replicas, key=lambda replica: not runs(replica, tmp_path, job))
+    return here, there
 
 
 def test_replicas_share_the_jobs_and_either_tells_of_all(replicas, tmp_path):
@@ -57,10 +61,9 @@ def test_a_dead_replicas_job_is_taken_over_within_half_a_minute(replicas, tmp_pa
     job = replicas[0].submit(BASIN)
     here, there = runs_at(replicas, tmp_path, job)
     begun(there, job)
-    here.process.kill()
-    here.process.wait(10)
+    here.kill()
     begin = time.monotonic()
-    wait_for(lambda: str(there.process.pid) in owner(tmp_path, job).split(".")[-2], 30)
+    wait_for(lambda: runs(there, tmp_path, job), 30)
     assert time.monotonic() - begin < 10.0  # seen to be dead: nobody waits for its lease to run out
     assert there.wait(job["id"], seconds=150.0)["state"] == "succeeded"
     assert content(tmp_path / "results" / f"{job['id']}.zarr") == undisturbed["basin"].content
@@ -70,12 +73,12 @@ def test_a_paused_replica_loses_its_job_and_harms_nothing_when_it_wakes(replicas
     job = replicas[0].submit(BASIN)
     here, there = runs_at(replicas, tmp_path, job)
     begun(there, job)
-    here.process.send_signal(signal.SIGSTOP)
+    here.signal(signal.SIGSTOP)
     begin = time.monotonic()
-    wait_for(lambda: str(there.process.pid) in owner(tmp_path, job).split(".")[-2], 30)
+    wait_for(lambda: runs(there, tmp_path, job), 30)
     assert time.monotonic() - begin > 10.0  # it might have come back: its lease was respected
     # It wakes while the other one writes, and again is asked for more when all is done.
-    here.process.send_signal(signal.SIGCONT)
+    here.signal(signal.SIGCONT)
     assert there.wait(job["id"], seconds=150.0)["state"] == "succeeded"
     store = tmp_path / "results" / f"{job['id']}.zarr"
     assert content(store) == undisturbed["basin"].content
@@ -89,8 +92,7 @@ def test_a_cancelled_job_of_a_dead_replica_becomes_cancelled(replicas, tmp_path)
     job = replicas[0].submit(BASIN)
     here, there = runs_at(replicas, tmp_path, job)
     begun(there, job)
-    here.process.send_signal(signal.SIGSTOP)
+    here.signal(signal.SIGSTOP)
     assert there.request("POST", f"/v1/jobs/{job['id']}/cancel").json()["state"] == "cancelling"
-    here.process.kill()
-    here.process.wait(10)
+    here.kill()
     assert there.wait(job["id"], seconds=30.0)["state"] == "cancelled"

@@ -6,20 +6,23 @@ import time
 import pytest
 
 from tests.faults.conftest import BASIN, SWEEP
-from tests.faults.test_workers_and_schedulers_killed import store_of
+from tests.faults.farm import wait_for
+from tests.faults.test_workers_and_schedulers_killed import begun, store_of
+from tests.running_service import RunningService
 
 # Tiles in flight, and those whose receipts came after the ledger was last written.
 _LOST_AT_ONCE = 8
 
 
-def kill(service):
+def kill_alone(service):
+    """Kill the process that answers; the one that runs jobs notices, and gives them back."""
     service.process.kill()
     service.process.wait(10)
 
 
 def test_a_service_killed_at_random_moments_loses_nothing(a_service, right):
     chance, kills, job = random.Random(4), 4, None
-    for _ in range(kills):
+    for kill in (RunningService.kill, kill_alone) * (kills // 2):
         with a_service() as service:
             job = service.submit(BASIN)
             service.wait(job["id"], lambda job: job["state"] != "queued")
@@ -27,6 +30,22 @@ def test_a_service_killed_at_random_moments_loses_nothing(a_service, right):
             kill(service)
     with a_service() as service:
         assert service.submit(BASIN)["id"] == job["id"]
+        assert service.wait(job["id"], seconds=150.0)["state"] == "succeeded"
+        right(store_of(service, job), "basin", _LOST_AT_ONCE * kills)
+
+
+def test_a_killed_runner_is_started_again_while_the_service_answers(a_service, right):
+    kills = 2
+    with a_service() as service:
+        job = service.submit(BASIN)
+        for _ in range(kills):
+            begun(service, job)
+            runner = service.runner()
+            runner.kill()
+            wait_for(lambda: service.request("GET", "/readyz").status_code == 503, 10)
+            assert service.request("GET", f"/v1/jobs/{job['id']}").json()["state"] == "running"
+            wait_for(lambda: service.request("GET", "/readyz").status_code == 200, 60)
+            assert service.runner().pid != runner.pid
         assert service.wait(job["id"], seconds=150.0)["state"] == "succeeded"
         right(store_of(service, job), "basin", _LOST_AT_ONCE * kills)
 
@@ -63,7 +82,7 @@ def test_a_service_killed_at_the_steps_of_a_jobs_life_loses_nothing(a_service, r
         with a_service() as service:
             job = service.submit(request_)
             service.wait(job["id"], reached)
-            kill(service)
+            service.kill()
     with a_service() as service:
         assert service.wait(service.submit(request_)["id"], seconds=150.0)["state"] == "succeeded"
         right(store_of(service, job), kind, _LOST_AT_ONCE * len(STEPS[kind]))

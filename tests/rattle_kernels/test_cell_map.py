@@ -8,7 +8,7 @@ from rattle_kernels.capture import descent, is_captured
 from rattle_kernels.cell_grid import cell_number
 from rattle_kernels.flight import rest_acceleration
 from rattle_kernels.impact_lanes import run_lanes
-from rattle_kernels.impact_map import next_impact
+from rattle_kernels.impact_map import RETURNED, next_impact
 from rattle_kernels.jit import step
 from rattle_kernels.lane_tables import lane_tables
 
@@ -141,3 +141,21 @@ def test_what_is_captured_never_rattles_again(oscillator):
 def test_the_descent_tends_to_its_limit_for_low_bounces():
     for phase in np.linspace(0.0, 1.0, 17):
         assert descent(Oscillator(), phase, 1e-3) == pytest.approx(-1.0, abs=5e-3)
+
+
+def test_a_pause_changes_nothing_and_what_is_raised_there_ends_the_work():
+    t, v = np.random.default_rng(3).random((2, 100)) * [[1.0], [7.0]]
+    pauses = []
+    whole, run = run_lanes(PANELS[0], t, v, 120_000, shortcuts=False, pause=lambda: pauses.append(1))
+    assert len(pauses) >= 3 and run.applications <= 120_000 * 100
+    half, _ = run_lanes(PANELS[0], t, v, 60_000, shortcuts=False)
+    again, _ = run_lanes(PANELS[0], half.t, half.v, 60_000, shortcuts=False)
+    rattles = again.outcome == RETURNED
+    assert rattles.sum() > 30
+    np.testing.assert_array_equal(whole.t[rattles], again.t[rattles])
+
+    def stop():
+        raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        run_lanes(PANELS[0], t, v, 7, shortcuts=False, pause=stop)

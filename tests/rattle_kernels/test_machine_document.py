@@ -2,34 +2,18 @@
 
 import itertools
 import json
-import re
-from pathlib import Path
 
-import numpy as np
 import pytest
 
-DOCS = Path(__file__).parents[2] / "docs"
-FIGURES = DOCS / "figures"
-DOCUMENT = (DOCS / "machine.md").read_text()
+from tests.printed import DOCUMENTS, demand_as_printed
 
-
-def block(language):
-    (found,) = re.findall(rf"```{language}\n(.*?)```", DOCUMENT, re.DOTALL)
-    return found
-
-
-def words_and_numbers(text):
-    number = r"\d+\.\d+"
-    return re.split(number, text), np.array(re.findall(number, text), np.float64)
+FIGURES = DOCUMENTS / "figures"
+DOCUMENT = (DOCUMENTS / "machine.md").read_text()
 
 
 def test_what_is_captured_is_as_printed(capsys):
-    exec(compile(block("python"), "docs/machine.md", "exec"), {})
-    words, numbers = words_and_numbers(capsys.readouterr().out)
-    printed_words, printed = words_and_numbers(block("text"))
-    assert words == printed_words
     # The bound goes by steps; on another processor it may be one step off.
-    np.testing.assert_allclose(numbers, printed, rtol=0.09)
+    demand_as_printed("machine.md", capsys, rtol=0.09)
 
 
 def numbers_of(name):

@@ -15,7 +15,6 @@ from rattle_kernels import (
 )
 from rattle_kernels.impact_jacobian import next_impact_with_jacobian
 from rattle_kernels.jit import step
-from rattle_kernels.lyapunov import lyapunov_exponent
 from rattle_kernels.periodic_orbit import find_periodic_orbit
 from tests.rattle_kernels.reference import entries, oscillator_of
 
@@ -166,28 +165,6 @@ def test_phases_count_modulo_one_and_any_speed_is_followed():
 
 def test_rest_on_the_wall_is_no_orbit():
     assert find_periodic_orbit(Oscillator(), 0.3, 1e-3, 1, 5.5) is None
-
-
-def test_low_bounces_are_not_taken_for_chaos():
-    # Close to the bound of Eq. (8) low bounces are captured late; their tangent vectors grow, but not exponentially.
-    near_the_bound = Oscillator(eccentricity=0.1895)
-    run = lyapunov_exponent(near_the_bound, 0.5, 0.02, 32_768)
-    assert run.captured or not run.chaotic
-    run = lyapunov_exponent(Oscillator(6e-4, 1e-4, 6e-4), 0.5, 3e-5, 32_768)
-    assert run.captured or not run.chaotic
-
-
-def test_the_exponent_of_a_periodic_orbit_is_that_of_its_multipliers():
-    orbit = find_periodic_orbit(Oscillator(), 0.898, 3.77, 1, 5.5)
-    run = lyapunov_exponent(Oscillator(), float(orbit.t[0]), float(orbit.v[0]), 20_000)
-    assert run.exponent == pytest.approx(orbit.lyapunov_exponent, abs=1e-3)
-
-
-def test_the_exponent_of_chaos_is_positive_within_its_error_whatever_the_start():
-    runs = [lyapunov_exponent(Oscillator(), t, 4.5, 60_000) for t in (0.6, 0.65)]
-    assert all(not run.captured and run.exponent > 10.0 * run.error for run in runs)
-    apart = abs(runs[0].exponent - runs[1].exponent)
-    assert apart < 5.0 * np.hypot(runs[0].error, runs[1].error)
 
 
 @pytest.mark.parametrize("damping", [0.515615615615616, 0.515815815815816])

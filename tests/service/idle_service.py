@@ -1,4 +1,4 @@
-"""A service in a thread of this process, without a cluster: jobs stay as tests put them, and it starts at once."""
+"""A service in a thread of this process, without the one that runs jobs: it starts at once, and jobs stay queued."""
 
 import contextlib
 import threading
@@ -10,18 +10,11 @@ import httpx2 as httpx
 
 from rattle_kernels import CellGrid
 from service import app as application
+from service import run_metrics
 from service.server import Server
 from service.settings import Settings
 from tests.running_service import free_port
 from worker.basin_job import BasinJob
-
-
-class NoCluster:
-    """Connects to nothing."""
-
-    def __init__(self, *_: Any) -> None: ...
-    def open(self) -> None: ...
-    def close(self) -> None: ...
 
 
 class IdleRunner:
@@ -37,6 +30,9 @@ class IdleRunner:
 
     def workers(self) -> int:
         return self.there
+
+    def metrics(self) -> bytes:
+        return run_metrics.exposition()
 
 
 @dataclass
@@ -66,8 +62,7 @@ class IdleService:
 @contextlib.contextmanager
 def idle_service(monkeypatch, data, **settings):
     """Run one until the context ends."""
-    monkeypatch.setattr(application, "LastingCluster", NoCluster)
-    monkeypatch.setattr(application, "Runner", IdleRunner)
+    monkeypatch.setattr(application, "RunnerProcess", IdleRunner)
     port = free_port()
     asked = Settings(data=data, port=port, **settings)
     app = application.create_app(asked)

@@ -1,7 +1,5 @@
 """The service on PostgreSQL and S3: what it answers is what it answers on SQLite and folders."""
 
-import signal
-
 import pytest
 import xarray as xr
 
@@ -26,8 +24,7 @@ def remote(postgresql, object_store, tmp_path_factory):
     with running_service(data, **places) as first:
         job = first.submit(BASIN)
         first.wait(job["id"], lambda job: job["progress"] and job["progress"]["tiles_done"] >= 2)
-        first.process.send_signal(signal.SIGKILL)
-        first.process.wait(10)
+        first.kill()
     with running_service(data, **places) as second:
         yield second
 

@@ -9,6 +9,8 @@ import pytest
 import xarray as xr
 
 from tests.running_service import running_service
+from worker.reading import open_basin
+from worker.store_opening import holds_store
 
 _iterations = itertools.count()
 # Distinct requests from a list of primes, so that tests do not answer each other's.
@@ -72,7 +74,7 @@ def test_the_result_names_solutions_with_shares_and_points(service, finished):
 
 def test_the_store_opens_over_http_as_from_its_path(service, finished):
     url = service.url + finished["links"]["zarr"]
-    with xr.open_zarr(url) as remote, xr.open_zarr(service.data / "results" / f"{finished['id']}.zarr") as local:
+    with xr.open_zarr(url) as remote, open_basin(service.store_of(finished)) as local:
         assert remote.solution.dims == ("velocity", "time")
         xr.testing.assert_identical(remote.load(), local.load())
 
@@ -139,10 +141,9 @@ def test_a_running_job_shows_what_it_has_and_stops_when_cancelled(service):
 
 def test_a_deleted_job_leaves_nothing(service):
     job = service.wait(service.submit(request(cells=10))["id"])
-    store = service.data / "results" / f"{job['id']}.zarr"
-    assert store.exists()
+    assert holds_store(service.store_of(job))
     assert service.request("DELETE", job["links"]["self"]).status_code == 204
-    assert not store.exists()
+    assert not holds_store(service.store_of(job))
     assert service.request("GET", job["links"]["self"]).status_code == 404
     assert service.request("DELETE", job["links"]["self"]).status_code == 404
 
@@ -186,8 +187,7 @@ def test_a_killed_service_resumes_its_job_at_the_next_start(tmp_path):
     with running_service(tmp_path) as first:
         job = first.submit(body)
         first.wait(job["id"], lambda job: job["progress"] and job["progress"]["tiles_done"] >= 2)
-        first.process.kill()
-        first.process.wait(10)
+        first.kill()
     with running_service(tmp_path) as second:
         assert second.wait(job["id"])["state"] == "succeeded"
 

@@ -10,7 +10,7 @@ from rattle_kernels import CellGrid
 from service.database import open_database
 from service.errors import JobNotFound, LimitExceeded, TooMuch
 from service.job_record import JobState
-from service.jobs import Jobs
+from service.jobs import Jobs, Whose
 from service.quotas import Quotas
 from service.replica import replica_name
 from worker.basin_job import BasinJob
@@ -151,13 +151,16 @@ def test_who_was_served_longest_ago_is_next_where_jobs_end_at_once(jobs):
     assert turns == ["many", "few", "many", "few", "many"]
 
 
-def test_the_place_for_newcomers_is_not_for_who_has_something_running(jobs):
-    jobs.submit(a_job(10), "many")
-    jobs.submit(a_job(11), "many")
-    assert jobs.claim("first", newcomers=True).submitter == "many"
-    assert jobs.claim("second", newcomers=True) is None
-    new, _ = jobs.submit(a_job(12), "new")
-    assert jobs.claim("second", newcomers=True).id == new.id
+def test_places_for_newcomers_and_for_small_jobs_are_not_for_large_jobs_of_who_has_some_running(jobs):
+    large = [jobs.submit(a_job(cells), "many")[0].id for cells in (600, 601)]
+    assert jobs.claim("first", large=Whose.NOBODYS) is None
+    assert jobs.claim("first", large=Whose.NEWCOMERS).id == large[0]
+    assert jobs.claim("second", large=Whose.NEWCOMERS) is None
+    small, _ = jobs.submit(a_job(10), "many")
+    new, _ = jobs.submit(a_job(602), "new")
+    assert jobs.claim("second", large=Whose.NEWCOMERS).id == new.id
+    assert jobs.claim("third", large=Whose.NOBODYS).id == small.id
+    assert jobs.claim("fourth").id == large[1]
 
 
 def refusal(jobs, job, submitter):

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from service import metrics
+from service import run_metrics
 from service.job_record import JobState
 from service.logs import LogFormat, about_job, write_logs
 from tests.service.idle_service import idle_service
@@ -44,7 +44,7 @@ def test_metrics_count_jobs_by_state_from_the_database(service):
 def test_metrics_count_what_a_run_does_and_not_what_was_there_before(service):
     tiles, cells = 'rattle_tiles_total{stage="mapping"}', "rattle_cells_total"
     before = sample(service, tiles), sample(service, cells)
-    pace = metrics.Pace()
+    pace = run_metrics.Pace()
     for each in (
         progress(Stage.MAPPING, 4, 40),  # resumed
         progress(Stage.MAPPING, 7, 70),
@@ -135,7 +135,7 @@ def test_a_service_is_ready_with_a_database_and_a_worker_alone(service):
 
 def test_readiness_is_answered_in_time_by_what_hangs_and_waits_in_one_thread(service):
     asked, release = [], threading.Event()
-    service.app.state.probes.workers._ask = lambda: (asked.append(1), release.wait(20))[0] or 0
+    service.app.state.probes.database._ask = lambda: (asked.append(1), release.wait(20))[0] or True
     begin = time.monotonic()
     threads = [threading.Thread(target=service.request, args=("GET", "/readyz")) for _ in range(8)]
     for thread in threads:

@@ -5,11 +5,11 @@ import re
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from service.models import BasinRequest, SweepRequest
 from tests.service.test_bad_input import assert_problem
 from worker.paper.papers_oscillator import papers_oscillator
+from worker.reading import open_basin
 
 SMALL = {"grid": {"time": {"cells": 130}, "velocity": {"cells": 130}}, "iterations": 179}
 
@@ -42,7 +42,7 @@ def test_the_tiles_together_are_the_store(service, finished, every):
         [tile(service, finished, row * told["across"] + column, every) for column in range(told["across"])]
         for row in range(told["down"])
     ]
-    with xr.open_zarr(service.data / "results" / f"{finished['id']}.zarr") as basin:
+    with open_basin(service.store_of(finished)) as basin:
         for name in ("step", "group", "period", "solution"):
             whole = np.block([[labels[name] for labels in row] for row in rows])
             np.testing.assert_array_equal(whole, basin[name].values[::every, ::every])
@@ -95,7 +95,7 @@ def test_a_panel_of_a_sweep_has_its_own_outline_and_tiles(service):
     names = [solution["name"] for solution in first["solutions"]]
     assert names == [solution["name"] for solution in second["solutions"]]
     assert second["tiles"]["first"] == 1
-    with xr.open_zarr(service.data / "results" / f"{job['id']}.zarr") as sweep:
+    with open_basin(service.store_of(job)) as sweep:
         np.testing.assert_array_equal(tile(service, job, 1)["solution"], sweep.solution.values[1])
 
 

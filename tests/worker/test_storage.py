@@ -14,11 +14,12 @@ from tests.object_store import BUCKET, ObjectStore
 from tests.worker.test_pipeline import JOB, run
 from worker import layout
 from worker.basin_job import BasinJob
-from worker.errors import JobCancelled, StoreConflict, StoreFailed
+from worker.errors import JobCancelled, LeaseLost, StoreConflict, StoreFailed
 from worker.reading import open_basin
 from worker.result_files import file_of_store, remove_result
 from worker.results import summarise
-from worker.store import BasinStore, holds_store
+from worker.store import BasinStore
+from worker.store_opening import holds_store
 from worker.swept_parameter import SweptParameter
 
 SMALL = BasinJob(grid=CellGrid(time_cells=24, velocity_cells=20), iterations=7)
@@ -192,3 +193,26 @@ def test_a_server_that_is_gone_is_told_within_seconds(monkeypatch):
     with pytest.raises(StoreFailed, match=r"s3://.*/b.zarr cannot be read or written: .*error sending request"):
         store.write_ledger(np.ones(store.tiling.tiles))
     assert time.monotonic() - begin < 20.0
+
+
+def test_a_driver_that_waits_for_a_server_sends_nothing_more_once_its_job_is_anothers(object_store, monkeypatch):
+    """The server hangs: requests are given up, and sent again only while the fence lets them through."""
+    monkeypatch.setattr("worker.storage._HURRY", {"connect_timeout": "2s", "timeout": "300ms"})
+    asked = []
+
+    def fence():
+        asked.append(time.monotonic())
+        if len(asked) > 4:
+            raise LeaseLost("another's")
+
+    store = BasinStore.create_or_resume(in_s3("hangs.zarr"), SMALL)
+    driver = BasinStore(in_s3("hangs.zarr"), fence)
+    driver.write_ledger(store.read_ledger())
+    asked.clear()
+    object_store.process.send_signal(signal.SIGSTOP)
+    try:
+        with pytest.raises(LeaseLost):
+            driver.write_ledger(np.ones(store.tiling.tiles, np.uint8))
+    finally:
+        object_store.process.send_signal(signal.SIGCONT)
+    assert len(asked) == 5 and 0.9 < asked[-1] - asked[1] < 15.0

@@ -28,6 +28,8 @@ def told_motion(motion: Attractor) -> dict[str, Any]:
         told["points"] = list(zip(motion.time.tolist(), motion.velocity.tolist(), strict=True))
     if motion.wanders:
         told["lyapunov_error"] = motion.lyapunov_error
+        if not math.isnan(motion.mean_life):
+            told["mean_life"] = motion.mean_life
         told["time_range"] = [float(motion.time.min()), float(motion.time.max())]
         told["velocity_range"] = [float(motion.velocity.min()), float(motion.velocity.max())]
     return told

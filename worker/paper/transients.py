@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind, Oscillator, grazing_velocity, next_impacts
-from rattle_kernels.lyapunov import lyapunov_exponent
+from rattle_kernels.lyapunov import tangent_growth
 from worker.paper.basin_view import BasinView
 
 # An orbit's multipliers bring a motion this close within some tens of impacts; by chance, a point of the transients is
@@ -90,9 +90,9 @@ def measure_transient(oscillator: Oscillator, orbit: Attractor, t: np.ndarray, v
 
 def _exponent(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> float:
     """Mean Lyapunov exponent along a leg from some of the departures."""
-    some = zip(t[:_MEASURED].tolist(), v[:_MEASURED].tolist(), strict=True)
-    exponents = [lyapunov_exponent(oscillator, *departure, _LEG_IMPACTS, points=1).exponent for departure in some]
-    return float(np.mean(exponents)) if exponents else np.nan
+    growth = tangent_growth(oscillator, t[:_MEASURED], v[:_MEASURED], _LEG_IMPACTS)
+    there = growth.of(np.isfinite(growth.growth))
+    return there.exponent if there.t.size else np.nan
 
 
 def _mean_life(left: list[int]) -> tuple[float, float]:

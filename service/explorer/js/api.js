@@ -69,7 +69,12 @@ export async function post(path, body, options) {
   return (await send(path, { ...options, method: "POST", headers, body: JSON.stringify(body) })).json();
 }
 
-/** Where a request for a basin, or for a sweep, is sent. */
-export function pathOf(request) {
-  return request.vary ? "/v1/sweeps" : "/v1/basins";
+const PATHS = {
+  basin: "/v1/basins", sweep: "/v1/sweeps", bifurcation: "/v1/bifurcations", orbits: "/v1/orbits",
+  manifold: "/v1/manifolds", grazing_curve: "/v1/grazing-curves",
+};
+
+/** Where the request of a job is sent. */
+export function pathOf({ kind }) {
+  return PATHS[kind];
 }

@@ -24,7 +24,8 @@ function entry(solution, share, known, look, pick) {
   const name = document.createElement("span");
   name.textContent = solution.name;
   if (solution.lyapunov_exponent !== null && solution.kind.startsWith("chaotic")) {
-    button.title = `largest Lyapunov exponent ${solution.lyapunov_exponent.toFixed(3)} per forcing period`;
+    const life = solution.mean_life === null ? "" : `; left after some ${solution.mean_life.toPrecision(1)} impacts`;
+    button.title = `largest Lyapunov exponent ${solution.lyapunov_exponent.toFixed(3)} per forcing period${life}`;
   }
   const part = document.createElement("span");
   part.className = "share";

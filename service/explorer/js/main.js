@@ -13,6 +13,7 @@ import { Plane } from "./plane.js";
 import { listRecent } from "./recent.js";
 import { attempt, inWords, say } from "./say.js";
 import { stateInWords, showProgress } from "./state.js";
+import { hasCells, Still } from "./still.js";
 import { Sweep } from "./sweep.js";
 import { showTakeaway } from "./takeaway.js";
 import { colour, setUpTheme } from "./theme.js";
@@ -31,6 +32,7 @@ const form = new Form(by("ask"), (request) => submit(request, false));
 const sweep = new Sweep(by("sweep"), openPanel);
 const motions = new Motions(by("history"), plane, oscillatorHere);
 const overlays = new OverlayList(by("overlays"), plane);
+const still = new Still(by("still"));
 
 /** Back to the window that was asked for, before any zooming. */
 function showWhole() {
@@ -43,7 +45,7 @@ async function submit(request, zooming) {
   clearTimeout(at.zoom);
   await attempt(async () => {
     await withdraw();
-    const answer = await send(pathOf(request), {
+    const answer = await send(pathOf({ kind: request.vary ? "sweep" : "basin" }), {
       method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(request),
     });
     const job = await answer.json();
@@ -75,17 +77,22 @@ async function open(job, panel, view, over) {
   if (!same) motions.forget();
   if (!same) overlays.forget();
   if (!over) plane.clear();
+  still.hide();
   [at.job, at.panel, at.result] = [job, panel, null];
-  const { time, velocity } = job.request.grid;
-  const asked = { t0: time.start, t1: time.stop, v0: velocity.start, v1: velocity.stop };
-  if (!over) at.whole = asked;
-  plane.lookAt(view ?? asked);
+  if (hasCells(job)) lookAt(job, view, over);
   writeAddress({ job: job.id, panel, view }, true);
-  if (job.request.vary) sweep.show(job.request.vary, panel);
+  if (hasCells(job) && job.request.vary) sweep.show(job.request.vary, panel);
   else sweep.hide();
   showTakeaway(by("takeaway"), job, plane.look.layer);
   showTools();
   await watch(job, panel, signal);
+}
+
+function lookAt(job, view, over) {
+  const { time, velocity } = job.request.grid;
+  const asked = { t0: time.start, t1: time.stop, v0: velocity.start, v1: velocity.stop };
+  if (!over) at.whole = asked;
+  plane.lookAt(view ?? asked);
 }
 
 function sameOscillator(one, other) {
@@ -107,7 +114,9 @@ async function watch(job, panel, signal) {
     // That it is complete is said when that can be seen.
     if (!ended(now)) tell(now, place);
     // A job's store is there once it has told how far it is.
-    if (now.progress && !now.request.sample) {
+    if (!hasCells(now)) {
+      if (ended(now) && now.progress) await still.show(now, signal);
+    } else if (now.progress) {
       picture ??= await begin(now, panel, signal);
       if (picture && !signal.aborted) await draw(picture, now, signal);
     }
@@ -188,9 +197,8 @@ function oscillatorHere() {
 
 function moved(view) {
   clearTimeout(at.zoom);
-  if (!at.job) return;
-  const anew = by("anew").checked && !at.job.request.sample;
-  if (!anew) writeAddress({ job: at.job.id, panel: at.panel, view }, true);
+  if (!at.job || !hasCells(at.job)) return;
+  if (!by("anew").checked) writeAddress({ job: at.job.id, panel: at.panel, view }, true);
   else at.zoom = setTimeout(() => submit(requestHere(), true), ZOOM_REST_MS);
 }
 
@@ -220,7 +228,7 @@ function legend() {
 
 function showTools() {
   by("empty").hidden = at.job !== null;
-  for (const id of ["back", "forward", "in", "out", "whole", "box", "layer"]) by(id).disabled = !at.job;
+  for (const id of ["back", "forward", "in", "out", "whole", "box", "layer"]) by(id).disabled = !at.job || !hasCells(at.job);
 }
 
 // Setting up.
@@ -259,7 +267,7 @@ async function openAddress() {
   const { job: id, panel, view } = readAddress();
   if (!id) return;
   const job = await get(`/v1/jobs/${id}`);
-  form.fill(job.request);
+  if (job.request.grid) form.fill(job.request);
   by("preset").value = "";
   await open(job, panel, view, sameOscillator(at.job?.request, job.request) && panel === at.panel);
 }

@@ -1,8 +1,11 @@
 /** The jobs that were asked for last, to be opened again. */
 
 import { get } from "./api.js";
+import { hasCells, kindInWords } from "./still.js";
 
-function told({ request: { oscillator, vary }, state }) {
+function told(job) {
+  const { request: { oscillator, vary }, state } = job;
+  if (!hasCells(job)) return `${kindInWords(job)}: ${state}`;
   const what = vary
     ? `sweep of ${vary.map(({ parameter }) => parameter).join(", ")}`
     : `δ ${oscillator.damping}, ε ${oscillator.eccentricity}`;

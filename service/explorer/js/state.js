@@ -2,10 +2,14 @@
 
 import { grouped } from "./ticks.js";
 
-const DOING = { mapping: "mapping cells", assembling: "finding the motions", labelling: "labelling cells", done: "done" };
+const DOING = {
+  computing: "computing basins", mapping: "mapping cells", assembling: "finding the motions", labelling: "labelling cells",
+  searching: "looking for motions", settling: "following motions", continuing: "continuing orbits",
+  tracing: "tracing curves", growing: "growing manifolds", done: "done",
+};
 
 function progressInWords({ stage, tiles_done, tiles_total, cells_per_second, seconds_left, basins_done, basins_total }) {
-  const words = [`${DOING[stage]}: ${tiles_done} of ${tiles_total} tiles`];
+  const words = [`${DOING[stage]}: ${tiles_done} of ${tiles_total} ${basins_total ? "tiles" : "pieces"}`];
   if (basins_total > 1) words.push(`${basins_done} of ${basins_total} basins complete`);
   if (stage === "mapping" && cells_per_second) words.push(`${grouped(cells_per_second)} cells a second`);
   if (seconds_left > 1) words.push(`about ${Math.ceil(seconds_left)} s left`);

@@ -1,6 +1,7 @@
 /** What a reader takes away: the picture, the data, the request. */
 
 import { pathOf, send } from "./api.js";
+import { hasCells } from "./still.js";
 
 function copyable(title, text) {
   const heading = document.createElement("h3");
@@ -29,14 +30,17 @@ async function save(path, name) {
 
 /** Show what there is of a job. */
 export function showTakeaway(place, job, layer) {
+  const cells = hasCells(job);
   const png = Object.assign(document.createElement("button"), { type: "button", textContent: "Picture (PNG)" });
-  png.addEventListener("click", () => save(`${job.links.picture}?layer=${layer}`, `basin-${job.id.slice(0, 8)}.png`));
+  png.addEventListener("click", () => save(cells ? `${job.links.picture}?layer=${layer}` : job.links.picture, `${job.kind}-${job.id.slice(0, 8)}.png`));
   const zarr = new URL(job.links.zarr, location.href).href;
-  const first = (job.request.vary ?? []).map(({ parameter }) => `${parameter}=0`).join(", ");
+  const first = (cells ? job.request.vary ?? [] : []).map(({ parameter }) => `${parameter}=0`).join(", ");
   const basin = first ? `basin.solution.isel(${first})` : "basin.solution";
-  const python = `import xarray as xr\nbasin = xr.open_zarr("${zarr}")\n${basin}.plot()`;
+  const python = cells
+    ? `import xarray as xr\nbasin = xr.open_zarr("${zarr}")\n${basin}.plot()`
+    : `import xarray as xr\nresult = xr.open_zarr("${zarr}")\nprint(result)`;
   const body = JSON.stringify(job.request, null, 1);
-  const url = new URL(pathOf(job.request), location.href).href;
+  const url = new URL(pathOf(job), location.href).href;
   const curl = `curl -X POST ${url} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(job.request)}'`;
   place.replaceChildren(png, ...copyable("Zarr store", zarr), ...copyable("Python", python), ...copyable("curl", curl), ...copyable("JSON", body));
 }

@@ -1,0 +1,142 @@
+"""A crowd beside a trajectory that does not settle, to tell whether this is chaos, and for how long chaos holds it.
+
+64 trajectories start a hair's breadth apart. Chaos parts them within some tens of impacts; from there on they are
+independent. All are carried for 16,384 impacts, or for as many as settle a motion at the oscillator's damping where
+that is more, and tell by how their tangent vectors grow then:
+
+- whether the motion is chaotic: their mean exponent is positive by several standard errors;
+- whether it lasts: a trajectory that has left chaos is captured, or its tangent vector no longer grows, and when it has
+  been carried as far again it is on a periodic orbit. Chaos that some leave is a chaotic saddle, no attractor; how many
+  leave it within so many impacts gives its mean life.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.impact_lanes import run_lanes
+from rattle_kernels.iterations import settled_iterations
+from rattle_kernels.lane_flight import LANES
+from rattle_kernels.lyapunov import tangent_growth
+from rattle_kernels.oscillator import Oscillator
+from rattle_kernels.outcome import Outcome
+from rattle_kernels.pausing import Pause, never_stopped
+
+CROWD = LANES
+# Apart by rounding's thousandfold in speed, they are e^-21 of the speed from being one.
+_APART = 1e-9
+_LEGS = 64
+_SHORTEST_LEG = 256
+_GROWING = 512
+_STANDARD_ERRORS = 5.0
+# Regular motions part, too, but no faster than in proportion to the impacts: by the ninefold in so many.
+_LEAST_GROWTH = 8.0
+# A vector that has grown by less than this part of the median does not grow as in chaos.
+_SLUGGISH = 0.25
+# A motion that bounces ever lower needs less and less time for an impact, and thousands of impacts fit into a period;
+# one on an attractor has a steady pace, and turns of the forcing enough to have one.
+_PACES = (0.5, 2.0)
+_LEAST_TURNS = 8.0
+
+
+class Wandering(NamedTuple):
+    """What a crowd has done in so many ``impacts`` of each.
+
+    ``exponent`` per forcing period and its standard ``error`` at the end, over so many ``turns`` of the forcing, in
+    which the logarithm of a tangent vector grew by ``growth``; ``pace`` is the time that an impact took then, as a part
+    of what it took at the beginning. ``t``, ``v`` are departures on the way, at least 256 impacts apart, of those that
+    have neither been captured nor settled; ``captured`` counts the former, and ``settled`` (shape (n, 2)) are phases
+    and speeds of those that seem to have settled, carried on for as long again.
+    """
+
+    impacts: int
+    exponent: float
+    error: float
+    growth: float
+    turns: float
+    pace: float
+    t: np.ndarray
+    v: np.ndarray
+    captured: int
+    settled: np.ndarray
+
+    @property
+    def chaotic(self) -> bool:
+        """Whether an exponent is five standard errors above zero at a steady pace.
+
+        The second matters for low bounces: close to the bound of Eq. (8) their tangent vectors grow while they decay,
+        and the exponent alone would take the decay for an attractor.
+        """
+        steady = _PACES[0] < self.pace < _PACES[1] and self.turns > _LEAST_TURNS
+        return self.exponent > _STANDARD_ERRORS * self.error and self.growth > _LEAST_GROWTH and steady
+
+    @property
+    def ends(self) -> np.ndarray:
+        """Phases and speeds, shape (n, 2), of the last departures of all that have not been captured."""
+        last = self.t.size - self.t.size // _LEGS
+        return np.vstack([self.settled, np.column_stack([self.t[last:], self.v[last:]])])
+
+    def mean_life(self, left: int) -> float:
+        """Impacts after which a trajectory leaves, on average, where so many have; NaN where none has.
+
+        The law is exponential, and when each of them left is not known: so many are gone after all impacts.
+        """
+        return math.nan if left == 0 else -self.impacts / math.log1p(-left / CROWD)
+
+
+def _all_captured(impacts: int) -> Wandering:
+    nothing, nowhere = (math.nan,) * 5, np.empty(0)
+    return Wandering(impacts, *nothing, nowhere, nowhere, CROWD, np.empty((0, 2)))
+
+
+def wander(oscillator: Oscillator, t: float, v: float, pause: Pause = never_stopped) -> Wandering:
+    """Follow a crowd beside a trajectory.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    t, v : float
+        Phase and speed of a departure from +beta.
+    pause : callable
+        Called several times a second; what it raises ends the search.
+
+    Returns
+    -------
+    Wandering
+    """
+    leg = max(_SHORTEST_LEG, settled_iterations(oscillator.damping) // _LEGS)
+    begun = tangent_growth(oscillator, np.full(CROWD, t), v * (1.0 + _APART * np.arange(CROWD)), _GROWING)
+    visits = np.full((_LEGS, 2, CROWD), np.nan)
+    going = np.flatnonzero(np.isfinite(begun.t))
+    times, speeds = begun.t[going], begun.v[going]
+    for visit in visits:
+        visit[:, going] = times, speeds
+        kept, times, speeds = _carried(oscillator, times, speeds, leg, pause)
+        going = going[kept]
+    ended = tangent_growth(oscillator, times, speeds, _GROWING)
+    there = np.isfinite(ended.growth)
+    if there.sum() < 2:
+        return _all_captured(_LEGS * leg)
+    median = np.nanmedian(ended.growth)
+    # Where half of them do not grow this is no chaos that others could have left.
+    settled = there & (ended.growth < _SLUGGISH * median) & (median > 0.0)
+    kept, *ends = _carried(oscillator, ended.t[settled], ended.v[settled], _LEGS * leg, pause)
+    wandering = ended.of(there & ~settled)
+    points = visits[:, :, going[there & ~settled]]
+    turns = float(wandering.elapsed.mean())
+    return Wandering(
+        _LEGS * leg, wandering.exponent, wandering.error, float(wandering.growth.mean()), turns,
+        turns / float(np.nanmean(begun.elapsed)), points[:, 0].ravel(), points[:, 1].ravel(),
+        CROWD - int(there.sum()) + int((~kept).sum()), np.column_stack(ends),
+    )  # fmt: skip
+
+
+def _carried(
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, impacts: int, pause: Pause
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which of some departures are not captured within so many impacts, and where those are then."""
+    carried, _ = run_lanes(oscillator, t, v, impacts, shortcuts=True, pause=pause)
+    kept = carried.outcome == Outcome.RETURNED
+    return kept, carried.t[kept], carried.v[kept]

@@ -1,0 +1,28 @@
+"""What a document's own code prints, against what the document says that it prints."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+DOCUMENTS = Path(__file__).parents[1] / "docs"
+
+
+def _block(document, language):
+    (found,) = re.findall(rf"```{language}\n(.*?)```", document, re.DOTALL)
+    return found
+
+
+def _words_and_numbers(text):
+    number = r"-?\d+\.\d+"
+    return re.split(number, text), np.array(re.findall(number, text), np.float64)
+
+
+def demand_as_printed(name, capsys, **tolerances):
+    """Run the code of a document of one block of it: the same words, numbers within the tolerances."""
+    document = (DOCUMENTS / name).read_text()
+    exec(compile(_block(document, "python"), name, "exec"), {})
+    words, numbers = _words_and_numbers(capsys.readouterr().out)
+    printed_words, printed = _words_and_numbers(_block(document, "text"))
+    assert words == printed_words
+    np.testing.assert_allclose(numbers, printed, **tolerances)

@@ -1,0 +1,55 @@
+"""What a driver does with tasks that fail, and says of a scheduler that is set otherwise."""
+
+import logging
+import threading
+from pathlib import Path
+
+import pytest
+
+from worker.cluster import _tell_of_settings
+from worker.driver import run_tasks
+from worker.errors import StoreConflict, StoreFailed
+from worker.tasks import Task
+
+
+def reach_store(location, digest, number, failures, error):
+    """Fail so often with an error, then succeed."""
+    with Path(location).open("a") as counted:
+        counted.write(".")
+    if len(Path(location).read_text()) <= failures:
+        raise error(f"{location} cannot be reached")
+    return number
+
+
+def run(client, place, failures, error=StoreFailed):
+    tasks = iter([Task(reach_store, 7, 0, (failures, error))])
+    return [
+        receipt
+        for _, receipt in run_tasks(client, (str(place), "digest"), lambda: next(tasks, None), threading.Event())
+    ]
+
+
+def test_a_tile_whose_worker_could_not_reach_the_store_is_tried_once_more(client, tmp_path):
+    assert run(client, tmp_path / "once", 1) == [7]
+    with pytest.raises(StoreFailed, match="twice cannot be reached"):
+        run(client, tmp_path / "twice", 2)
+    with pytest.raises(StoreConflict):
+        run(client, tmp_path / "other", 1, StoreConflict)
+    assert [len((tmp_path / name).read_text()) for name in ("once", "twice", "other")] == [2, 2, 1]
+
+
+@pytest.mark.parametrize(("saturation", "failures", "lines"), [(1.0, 1, 0), (1.1, 1, 1), (float("inf"), 3, 2)])
+def test_a_scheduler_that_is_set_otherwise_is_told_of(saturation, failures, lines, caplog):
+    settings = {
+        "distributed.scheduler.worker-saturation": saturation, "distributed.scheduler.allowed-failures": failures,
+    }  # fmt: skip
+
+    class Far:
+        def run_on_scheduler(self, function, name):
+            return settings[name]
+
+    with caplog.at_level(logging.WARNING, "rattle.cluster"):
+        _tell_of_settings(Far(), "tls://far:8786")
+    told = [record.getMessage() for record in caplog.records]
+    assert len(told) == lines
+    assert all("tls://far:8786" in line and "DASK_DISTRIBUTED__SCHEDULER__" in line for line in told)
