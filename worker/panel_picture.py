@@ -15,6 +15,9 @@ from worker.overlay_kind import OverlayKind, overlays_for
 from worker.solution_table import SolutionTable
 from worker.store import BasinStore
 
+# Of a sample, the first ones: those of a Sobol sequence cover the window evenly, but every second one only half of it.
+_MOST_POINTS = 20_000
+
 
 class Layer(StrEnum):
     """What a picture shows."""
@@ -51,7 +54,7 @@ class PanelPicture:
         self, store: BasinStore, table: SolutionTable, solutions: tuple[Attractor, ...], panel: int, most_cells: int
     ) -> None:
         self.store, self.table, self.solutions, self.panel = store, table, solutions, panel
-        self.every = max(1, -(-max(store.job.grid.shape) // most_cells))
+        self.every = 1 if store.job.sample else max(1, -(-max(store.job.grid.shape) // most_cells))
         self.tiles = store.tiling.numbers_of(panel)
         self.states = store.read_ledger()[self.tiles]
         self.palette = np.array([*colours.colours_of(solutions), colours.MISSING])
@@ -85,8 +88,8 @@ class PanelPicture:
             self._draw_points(axes)
 
     def _draw_points(self, axes: Axes) -> None:
-        solution = self._read(Layer.SOLUTION)[0]
-        t, v = (values[:: self.every] for values in self.store.read_whole(SAMPLE_COORDINATES))
+        solution = self._read(Layer.SOLUTION)[0, :_MOST_POINTS]
+        t, v = (values[:_MOST_POINTS] for values in self.store.read_whole(SAMPLE_COORDINATES))
         known = solution >= 0
         axes.scatter(t[known], v[known], s=2.0, c=self._colours(solution)[known], linewidths=0.0)
         axes.set_facecolor(colours.MISSING)

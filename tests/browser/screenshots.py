@@ -10,6 +10,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import httpx2 as httpx
 from PIL import Image
 from playwright.sync_api import expect
 
@@ -102,12 +103,19 @@ def cancelled(explorer):
     explorer.state("Cancelled")
 
 
+def sample(explorer):
+    request = {"sample": {"points": 4000, "seed": 1}, "vary": [{"parameter": "damping", "values": [0.55, 0.6]}]}
+    job = httpx.post(f"{explorer.url}/v1/sweeps", json=request).json()
+    explorer.visit(f"?job={job['id']}").state("Complete")
+    explorer.page.locator("#still").wait_for()
+
+
 def narrow(explorer):
     explorer.page.set_viewport_size({"width": 420, "height": 900})
     finished(explorer)
 
 
-STATES = (start, refused, coming, finished, motions, zoomed, steps, highlighted, dark, sweep, cancelled, narrow)
+STATES = (start, refused, coming, finished, motions, zoomed, steps, highlighted, dark, sweep, cancelled, sample, narrow)
 
 
 def shoot(url, names):

@@ -20,7 +20,7 @@ def visited(service, job):
 
 
 def test_reads_stay_fast_and_nothing_fails_under_load(a_service):
-    with a_service() as service:
+    with a_service(RATTLE_LOG_LEVEL="warning") as service:
         job = service.submit(LONG)
         before = service.wait(job["id"], lambda job: job["progress"] and job["progress"]["tiles_done"] >= 2)
         report = visited(service, job)

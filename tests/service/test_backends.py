@@ -86,7 +86,7 @@ def test_a_store_that_goes_away_fails_the_job_with_the_reason(postgresql, tmp_pa
     store.start()
     places = {"RATTLE_DATABASE_URL": postgresql.new_database(), "RATTLE_STORE": f"s3://{BUCKET}/lost"}
     with running_service(tmp_path, **places, **store.variables) as service:
-        job = service.submit(BASIN | {"iterations": 100003})
+        job = service.submit({"grid": {"time": {"cells": 400}, "velocity": {"cells": 400}}, "iterations": 15013})
         service.wait(job["id"], lambda job: job["progress"] and job["progress"]["tiles_done"] >= 2)
         store.kill()
         job = service.wait(job["id"])

@@ -3,12 +3,16 @@
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 from rattle_kernels import CellGrid
 from tests.worker.test_pipeline import content, run
 from worker.basin_job import BasinJob
 from worker.errors import InvalidJob
+from worker.panel_picture import PanelPicture
+from worker.results import representatives
 from worker.sample import Sample
+from worker.store import BasinStore
 from worker.swept_parameter import SweptParameter
 
 WINDOW = CellGrid(0.2, 1.2, 1, 0.0, 6.0, 1)
@@ -52,6 +56,19 @@ def test_a_sample_of_a_basin_has_its_shares_within_their_error(client, tmp_path)
         np.testing.assert_array_equal(sample.velocity, v)
         captured = (sample.landing == -2).values
         assert np.isnan(sample.landing_time.values[captured]).all() and (sample.solution.values[captured] == 0).all()
+
+
+def test_points_of_a_large_sample_are_drawn_all_over_the_window(client, tmp_path):
+    # Every second point of a Sobol sequence lies in one half of the window.
+    location = str(tmp_path / "sample.zarr")
+    run(BasinJob(iterations=1, sample=Sample(4000, 1)), location, client)
+    store = BasinStore(location)
+    table = store.read_solutions()
+    axes = Figure().subplots()
+    PanelPicture(store, table, representatives(store, table), 0, 1000).draw_solutions(axes)
+    t, v = axes.collections[0].get_offsets().T
+    quarters = np.histogram2d(t, v, bins=2, range=[[0.0, 1.0], [0.0, 7.0]])[0]
+    np.testing.assert_allclose(quarters, 1000, atol=10)
 
 
 def test_a_sweep_of_samples_is_the_same_twice(client, tmp_path):

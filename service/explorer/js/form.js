@@ -5,6 +5,7 @@ import { grouped } from "./ticks.js";
 
 const OSCILLATOR = ["damping", "eccentricity", "half_backlash", "stiffness"];
 const GRID = ["time.start", "time.stop", "time.cells", "velocity.start", "velocity.stop", "velocity.cells"];
+const CELLS = 500;
 const WAIT_MS = 180;
 
 /** What a field says: a number where it is one, else the text as it stands, for the service to refuse. */
@@ -83,7 +84,9 @@ export class Form {
     this.#field("allow_no_quiet_solution").checked = oscillator.allow_no_quiet_solution === true;
     for (const name of GRID) {
       const [axis, end] = name.split(".");
-      if (grid[axis][end] !== undefined) this.#field(name).value = grid[axis][end];
+      // A sample has no cells; the form asks for some.
+      const value = grid[axis][end] ?? (end === "cells" ? CELLS : undefined);
+      if (value !== undefined) this.#field(name).value = value;
     }
     this.#field("iterations").value = iterations;
     const swept = vary?.length === 1 ? vary[0] : null;
