@@ -135,7 +135,8 @@ def _grow(oscillator, tables, impacts, t, v, growth, elapsed):
         if stiff:
             _stay(oscillator, tables, lanes, corners, tangents, elapsed, left)
         for i in range(t.size):
-            if left[i] == 0 or lanes[DROPS + i] != 0.0:
+            found = lanes[PHASE + i] == lanes[PHASE + i]  # NaN where a root-finder gave up: that lane is done
+            if left[i] == 0 or (found and lanes[DROPS + i] != 0.0):
                 continue
             left[i] -= 1
             t[i], v[i] = lanes[PHASE + i], -lanes[VELOCITY + i]
@@ -144,7 +145,7 @@ def _grow(oscillator, tables, impacts, t, v, growth, elapsed):
             tangents[0, i], tangents[1, i] = tangents[0, i] / norm, tangents[1, i] / norm
             if left[i] == impacts:
                 growth[i] = elapsed[i] = 0.0
-            if not v[i] > 0.0 or is_captured(oscillator, tables.capture_bound, t[i], v[i]):
+            if not (found and v[i] > 0.0) or is_captured(oscillator, tables.capture_bound, t[i], v[i]):
                 left[i] = 0
                 t[i] = v[i] = growth[i] = elapsed[i] = math.nan
             if left[i] == 0:
