@@ -71,11 +71,10 @@ def _contracting_form(jacobian: np.ndarray, speed_scale: float) -> tuple[np.ndar
     return form / np.linalg.eigvalsh(form).min(), factor
 
 
-def _ring(form: np.ndarray) -> np.ndarray:
-    """Points on four ellipses of a form, the outermost of size 1, as columns."""
+def _ring(root: np.ndarray) -> np.ndarray:
+    """Points on four ellipses of a form root^T root, the outermost of size 1, as columns."""
     angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
-    # Directions on the unit ellipse of the form: the columns of L^-T map the circle to it.
-    ring = np.linalg.solve(np.linalg.cholesky(form).T, np.array([np.cos(angles), np.sin(angles)]))
+    ring = np.linalg.solve(root, np.array([np.cos(angles), np.sin(angles)]))
     return np.concatenate([part * ring for part in _RINGS], axis=1)
 
 
@@ -93,40 +92,44 @@ def _norms_after(
 
 
 def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, speed_scale: float) -> list[np.ndarray]:
-    """Forms of ellipses around an orbit's points: P^p contracts the first, and P brings the others into it."""
+    """Roots of the forms of ellipses around an orbit's points: P^p contracts the first, P brings the others into it."""
     scaling = np.diag([1.0, 1.0 / speed_scale])
     first, factor = _contracting_form(orbit.jacobians[0], speed_scale)
     bounds = 0.5 * (1.0 + factor) * np.repeat(_RINGS, _DIRECTIONS)
-    forms, size = [], _LARGEST_ELLIPSE
+    roots, size = [], _LARGEST_ELLIPSE
+    root_of_first = np.linalg.cholesky(first).T
     onward, derivatives = np.eye(2), derivatives_along(oscillator, orbit)
     for at in (0, *range(orbit.upper_contacts - 1, 0, -1)):
         if at > 0:
             # What the linear map brings to the edge of the first ellipse is taken half as far, for what is not linear.
             onward = onward @ (scaling @ derivatives[at] @ np.linalg.inv(scaling))
-        # Where damping is strong an ellipse would reach far beyond where anything is linear.
-        form = onward.T @ first @ onward + (0.0 if at == 0 else (size / _LARGEST_ELLIPSE) ** 2) * np.eye(2)
-        rings, here = _ring(form), size if at == 0 else 0.5 * size
+        # Where damping is strong an ellipse would reach far beyond where anything is linear. The form's root is put
+        # together, not the form: along orbits of hundreds of impacts its eigenvalues are sixteen digits apart.
+        reach = 0.0 if at == 0 else size / _LARGEST_ELLIPSE
+        root = np.linalg.qr(np.vstack([root_of_first @ onward, reach * np.eye(2)])).R
+        rings, here = _ring(root), size if at == 0 else 0.5 * size
         while here > _SMALLEST_ELLIPSE:
             norms = _norms_after(oscillator, orbit, at, here * rings, first, speed_scale)
             if norms is not None and (norms <= (here * bounds if at == 0 else size)).all():
                 break
             here *= 0.5
         size = here if at == 0 else size
-        forms.append(scaling @ form @ scaling / here**2)
-    return [forms[0], *forms[:0:-1]]
+        roots.append(root @ scaling / here)
+    return [roots[0], *roots[:0:-1]]
 
 
 @lru_cache(maxsize=256)
-def _ellipses(oscillator: Oscillator, times: bytes, speeds: bytes) -> tuple[np.ndarray, np.ndarray]:
-    """Points of a periodic orbit and the forms of the ellipses around them."""
+def _ellipses(oscillator: Oscillator, times: bytes, speeds: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points of a periodic orbit, the forms of the ellipses around them, and how far in time these reach."""
     scale = lane_tables(oscillator).speed_scale
     t, v = np.frombuffer(times), np.frombuffer(speeds)
     orbit = find_periodic_orbit(oscillator, float(t[0]), float(v[0]), t.size, scale)
     if orbit is None:
         raise ValueError(f"the catalogue's orbit at t = {t[0]}, v = {v[0]} is no orbit of {oscillator}")
-    ellipses = _ellipses_along(oscillator, orbit, scale)
-    forms = np.array([(ellipse[0, 0], ellipse[0, 1], ellipse[1, 1]) for ellipse in ellipses])
-    return np.column_stack([orbit.t, orbit.v]), forms
+    roots = np.array(_ellipses_along(oscillator, orbit, scale))
+    forms = np.einsum("nij,nik->njk", roots, roots)[:, (0, 0, 1), (0, 1, 1)]
+    reach = np.hypot(*np.linalg.inv(roots)[:, 0].T)
+    return np.column_stack([orbit.t, orbit.v]), forms, reach
 
 
 @lru_cache(maxsize=16)
@@ -168,9 +171,9 @@ def _own_boxes(marked: dict[int, np.ndarray]) -> np.ndarray:
     return owner.reshape(rows, BOXES)
 
 
-def _by_column(phase: np.ndarray, form: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _by_column(phase: np.ndarray, reach: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where the ellipses of each column of phases begin, and their numbers, ascending in each."""
-    reach = np.sqrt(form[:, 2] / (form[:, 0] * form[:, 2] - form[:, 1] ** 2)) + 1e-12
+    reach = reach + 1e-12
     lowest = np.floor((phase - reach) * ELLIPSE_COLUMNS).astype(np.int64)
     columns = np.minimum(np.floor((phase + reach) * ELLIPSE_COLUMNS).astype(np.int64) - lowest + 1, ELLIPSE_COLUMNS)
     number = np.repeat(np.arange(phase.size), columns)
@@ -194,7 +197,7 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
     -------
     Neighbourhoods
     """
-    centre, form, owner = [np.empty((0, 2))], [np.empty((0, 3))], []
+    ellipses, owner = [(np.empty((0, 2)), np.empty((0, 3)), np.empty(0))], []
     marked = {}
     for index, attractor in enumerate(attractors):
         if not attractor.time.size:  # permanent contact; or a sweep's catalogue, which lists what other basins have
@@ -203,14 +206,12 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
         if attractor.wanders:
             marked[index] = _boxes(oscillator, *points)
         elif attractor.kind == AttractorKind.PERIODIC:
-            points_of_orbit, forms = _ellipses(oscillator, *points)
-            centre.append(points_of_orbit)
-            form.append(forms)
-            owner += [index] * forms.shape[0]
+            ellipses.append(_ellipses(oscillator, *points))
+            owner += [index] * attractor.time.size
     scale = lane_tables(oscillator).speed_scale
-    centres, forms = np.concatenate(centre), np.concatenate(form)
+    centres, forms, reach = (np.concatenate(parts) for parts in zip(*ellipses, strict=True))
     return Neighbourhoods(
-        centres, forms, np.array(owner, np.int64), *_by_column(centres[:, 0], forms), _own_boxes(marked), scale
+        centres, forms, np.array(owner, np.int64), *_by_column(centres[:, 0], reach), _own_boxes(marked), scale
     )
 
 

@@ -16,6 +16,7 @@ from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 
 _LONGEST_PERIOD = 512
+_LONGEST_DOUBLED = 4096
 _CLOSE_RETURN = 1e-6
 
 
@@ -50,6 +51,11 @@ def _closest_return(oscillator: Oscillator, t: float, v: float) -> tuple[int, fl
     return period + 1, float(distances[period])
 
 
+def _has_doubled(orbit: PeriodicOrbit) -> bool:
+    """Whether an orbit has lost its stability at a multiplier -1."""
+    return bool(orbit.multipliers.real.min() < -1.0)
+
+
 def settled_orbit(oscillator: Oscillator, t: float, v: float) -> PeriodicOrbit | None:
     """The attracting periodic orbit that a settled trajectory approaches.
 
@@ -69,6 +75,10 @@ def settled_orbit(oscillator: Oscillator, t: float, v: float) -> PeriodicOrbit |
     if distance > 1e-3:
         return None
     orbit = find_periodic_orbit(oscillator, t, v, period, scale)
+    # In a cascade of period doublings orbits come to lie closer to each other than a close return is.
+    while orbit is not None and _has_doubled(orbit) and 2 * period <= _LONGEST_DOUBLED:
+        period *= 2
+        orbit = find_periodic_orbit(oscillator, t, v, period, scale)
     if orbit is None or not orbit.attracts:
         return None
     apart = orbit.t - t

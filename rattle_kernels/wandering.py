@@ -18,7 +18,7 @@ import numpy as np
 from rattle_kernels.impact_lanes import run_lanes
 from rattle_kernels.iterations import settled_iterations
 from rattle_kernels.lane_flight import LANES
-from rattle_kernels.lyapunov import tangent_growth
+from rattle_kernels.lyapunov import Growth, tangent_growth
 from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.outcome import Outcome
 from rattle_kernels.pausing import Pause, never_stopped
@@ -28,10 +28,11 @@ CROWD = LANES
 _APART = 1e-9
 _LEGS = 64
 _SHORTEST_LEG = 256
-_GROWING = 512
+# Chaos shows within the first; behind a cascade of period doublings it is so weak that it takes the second.
+_GROWING = 512, 8192
 _STANDARD_ERRORS = 5.0
-# Regular motions part, too, but no faster than in proportion to the impacts: by the ninefold in so many.
-_LEAST_GROWTH = 8.0
+# Regular motions part, too, but no faster than in proportion to the impacts: by no more than so many times them.
+_REGULAR_GROWTH = 6.0
 # A vector that has grown by less than this part of the median does not grow as in chaos.
 _SLUGGISH = 0.25
 # A motion that bounces ever lower needs less and less time for an impact, and thousands of impacts fit into a period;
@@ -44,16 +45,18 @@ class Wandering(NamedTuple):
     """What a crowd has done in so many ``impacts`` of each.
 
     ``exponent`` per forcing period and its standard ``error`` at the end, over so many ``turns`` of the forcing, in
-    which the logarithm of a tangent vector grew by ``growth``; ``pace`` is the time that an impact took then, as a part
-    of what it took at the beginning. ``t``, ``v`` are departures on the way, at least 256 impacts apart, of those that
-    have neither been captured nor settled; ``captured`` counts the former, and ``settled`` (shape (n, 2)) are phases
-    and speeds of those that seem to have settled, carried on for as long again.
+    which the logarithm of a tangent vector grew by ``growth``, and by no more than ``regular`` were it not chaos;
+    ``pace`` is the time that an impact took then, as a part of what it took at the beginning. ``t``, ``v`` are
+    departures on the way, at least 256 impacts apart, of those that have neither been captured nor settled;
+    ``captured`` counts the former, and ``settled`` (shape (n, 2)) are phases and speeds of those that seem to have
+    settled, carried on for as long again.
     """
 
     impacts: int
     exponent: float
     error: float
     growth: float
+    regular: float
     turns: float
     pace: float
     t: np.ndarray
@@ -69,7 +72,7 @@ class Wandering(NamedTuple):
         and the exponent alone would take the decay for an attractor.
         """
         steady = _PACES[0] < self.pace < _PACES[1] and self.turns > _LEAST_TURNS
-        return self.exponent > _STANDARD_ERRORS * self.error and self.growth > _LEAST_GROWTH and steady
+        return self.exponent > _STANDARD_ERRORS * self.error and self.growth > self.regular and steady
 
     @property
     def ends(self) -> np.ndarray:
@@ -86,7 +89,7 @@ class Wandering(NamedTuple):
 
 
 def _all_captured(impacts: int) -> Wandering:
-    nothing, nowhere = (math.nan,) * 5, np.empty(0)
+    nothing, nowhere = (math.nan,) * 6, np.empty(0)
     return Wandering(impacts, *nothing, nowhere, nowhere, CROWD, np.empty((0, 2)))
 
 
@@ -107,7 +110,7 @@ def wander(oscillator: Oscillator, t: float, v: float, pause: Pause = never_stop
     Wandering
     """
     leg = max(_SHORTEST_LEG, settled_iterations(oscillator.damping) // _LEGS)
-    begun = tangent_growth(oscillator, np.full(CROWD, t), v * (1.0 + _APART * np.arange(CROWD)), _GROWING)
+    begun = tangent_growth(oscillator, np.full(CROWD, t), v * (1.0 + _APART * np.arange(CROWD)), _GROWING[0])
     visits = np.full((_LEGS, 2, CROWD), np.nan)
     going = np.flatnonzero(np.isfinite(begun.t))
     times, speeds = begun.t[going], begun.v[going]
@@ -115,7 +118,7 @@ def wander(oscillator: Oscillator, t: float, v: float, pause: Pause = never_stop
         visit[:, going] = times, speeds
         kept, times, speeds = _carried(oscillator, times, speeds, leg, pause)
         going = going[kept]
-    ended = tangent_growth(oscillator, times, speeds, _GROWING)
+    ended, grown_over = _growth_that_tells(oscillator, times, speeds)
     there = np.isfinite(ended.growth)
     if there.sum() < 2:
         return _all_captured(_LEGS * leg)
@@ -126,11 +129,22 @@ def wander(oscillator: Oscillator, t: float, v: float, pause: Pause = never_stop
     wandering = ended.of(there & ~settled)
     points = visits[:, :, going[there & ~settled]]
     turns = float(wandering.elapsed.mean())
+    pace = turns / grown_over / (float(np.nanmean(begun.elapsed)) / _GROWING[0])
     return Wandering(
-        _LEGS * leg, wandering.exponent, wandering.error, float(wandering.growth.mean()), turns,
-        turns / float(np.nanmean(begun.elapsed)), points[:, 0].ravel(), points[:, 1].ravel(),
+        _LEGS * leg, wandering.exponent, wandering.error, float(wandering.growth.mean()),
+        math.log(_REGULAR_GROWTH * grown_over), turns, pace, points[:, 0].ravel(), points[:, 1].ravel(),
         CROWD - int(there.sum()) + int((~kept).sum()), np.column_stack(ends),
     )  # fmt: skip
+
+
+def _growth_that_tells(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> tuple[Growth, int]:
+    """Growth of tangent vectors over as many impacts as tell chaos from regular motion; and how many these are."""
+    for impacts in _GROWING:
+        ended = tangent_growth(oscillator, t, v, impacts)
+        growth = ended.growth[np.isfinite(ended.growth)]
+        if not growth.size or not 0.0 < np.median(growth) < math.log(_REGULAR_GROWTH * impacts):
+            break
+    return ended, impacts
 
 
 def _carried(

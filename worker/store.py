@@ -57,6 +57,7 @@ class BasinStore:
         self.places = places_of(self.job)
         # Arrays of cells never change their shape: their handles are kept, as opening one costs half as much as a tile.
         self._handles: dict[str, Any] = {}
+        self._room: tuple[int, int] | None = None
 
     @classmethod
     def create_or_resume(cls, location: str, job: BasinJob, fence: Fence = unfenced) -> "BasinStore":
@@ -86,6 +87,12 @@ class BasinStore:
     def complete(self) -> bool:
         """Whether the job has finished and every array is whole."""
         return bool(self._group.attrs["complete"])
+
+    def _kept_with_room(self, variable: Variable, shape: tuple[int, ...]) -> Any:
+        """An array whose last dimensions the driver lengthens, as it is where what is known of it is too short."""
+        if any(there < needed for there, needed in zip(self._kept(variable).shape[-len(shape) :], shape, strict=True)):
+            del self._handles[variable.path]
+        return self._kept(variable)
 
     def _region(self, tile: Tile) -> tuple[int | slice, ...]:
         """Where a tile lies in an array; the one row of a sample has no dimension of its own."""
@@ -185,12 +192,14 @@ class BasinStore:
         points : int
             Most points of an attractor.
         """
+        if self._room is not None and len(table.motions) <= self._room[0] and points <= self._room[1]:
+            return
         self._fence()
         names = [motion.name for motion in table.motions]
         columns = [np.array(column) for column in zip(*table.motions, strict=True)]
         with told_as_store_failure(self.location):
             there = self._array(layout.POINTS[0]).shape[-2:]
-            room = max(there[0], len(names)), max(there[1], points)
+            room = self._room = max(there[0], len(names)), max(there[1], points)
             if room == there:
                 return
             for variable in self._measured():
@@ -224,7 +233,7 @@ class BasinStore:
                 for number, attractor in zip(numbers, attractors, strict=True):
                     values = getattr(attractor, field)
                     padded[number, : values.size] = values
-                self._array(variable)[*place, : shape[0], : shape[1]] = padded
+                self._kept_with_room(variable, shape)[*place, : shape[0], : shape[1]] = padded
 
     def write_solutions(self, table: SolutionTable) -> None:
         """Write what solutions are like in each panel, those that there is room for (driver only)."""

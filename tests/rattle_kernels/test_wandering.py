@@ -102,6 +102,30 @@ def test_a_transient_of_1e5_impacts_is_one_and_its_end_is_in_the_catalogue(dampi
     assert 0.3 < life / (sum(lives) / len(gone)) < 3.0
 
 
+@pytest.mark.parametrize(
+    ("damping", "start"),
+    [(0.6079079079079079, (0.5342400126931213, 4.542657972910141)),
+     (0.515015015015015, (0.6489820298489566, 4.463135657209052))],
+)  # fmt: skip
+def test_weak_chaos_behind_a_cascade_is_chaos_by_an_exponent_that_a_longer_run_has_too(damping, start):
+    oscillator = Oscillator(damping=damping)
+    crowd = wander(oscillator, *start)
+    assert crowd.chaotic and 0.003 < crowd.exponent < 0.007
+    longer = tangent_growth(oscillator, np.full(64, start[0]), start[1] * (1.0 + 1e-9 * np.arange(64)), 65_536)
+    assert longer.exponent == pytest.approx(crowd.exponent, rel=0.1)
+
+
+def test_far_down_a_cascade_of_period_doublings_the_orbit_that_attracts_is_found():
+    # P(384,384,128) has lost its stability already, and lies within 1e-6 of the one that has doubled.
+    oscillator, start = Oscillator(damping=0.527027027027027), ([0.6554355652996406], [4.670922390326611])
+    catalogue = find_attractors(oscillator, *start)
+    assert [attractor.name for attractor in catalogue] == ["permanent contact", "P(768,768,256)"]
+    assert name_solutions(oscillator, catalogue, *map(np.array, start)).tolist() == [1]
+    t, v = catalogue[1].time[:1], catalogue[1].velocity[:1]
+    half, whole = (next_impacts(oscillator, t, v, n) for n in (384, 768))
+    assert 1e-8 < abs(half.v - v) < 1e-5 and abs(whole.v - v) < 1e-11
+
+
 @pytest.mark.parametrize("damping", [0.6, 0.625, 0.675])
 def test_a_chaotic_attractor_holds_what_is_on_it(damping):
     catalogue, _ = catalogue_of(Oscillator(damping=damping))
