@@ -11,6 +11,9 @@ READY := $(VENV)/.ready
 install = { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install --yes -qq --no-install-recommends $(1) >/dev/null; } || \
   { echo "install these packages first: $(1)"; exit 1; }
 
+# Tests of one file share what they have built.
+ON_TWO_CORES := --numprocesses 2 --dist loadfile
+
 .PHONY: help demo test test-slow test-faults test-load test-backends test-containers test-hosts test-browser screenshots check bench serve openapi lock clean
 
 help:  ## list the verbs
@@ -28,10 +31,10 @@ demo: $(READY)  ## Fig. 7 of the paper over REST: demo/basin.zarr, demo/basin.pn
 	@$(BIN)/python demo/run.py
 
 test: $(READY)  ## run the tests (minutes)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(ON_TWO_CORES)
 
 test-slow: $(READY)  ## run the slow tests as well
-	$(BIN)/python -m pytest -m 'not browser and not faults and not containers and not hosts'
+	$(BIN)/python -m pytest $(ON_TWO_CORES) -m 'not browser and not faults and not containers and not hosts'
 
 test-faults: $(READY)  ## kill and fill things from outside (minutes; as root also full and read-only disks)
 	$(BIN)/python -m pytest -m faults

@@ -97,11 +97,15 @@ def _end(cluster: LocalCluster) -> None:
 
 
 def kill_workers(cluster: LocalCluster) -> None:
-    """Kill the workers of an embedded cluster, for good."""
-    for nanny in cluster.workers.values():
-        nanny.auto_restart = False
+    """Kill the workers of an embedded cluster, for good, and have their nannies give up what they shared with them."""
+    nannies = list(cluster.workers.values())
+    for nanny in nannies:
+        nanny.close_gracefully("killed")  # or it would start another one
         with contextlib.suppress(ProcessLookupError, TypeError):  # gone by itself, or never started
             os.kill(nanny.pid, signal.SIGKILL)
+    patience = time.monotonic() + _FORGET_SECONDS
+    while any(nanny.process and nanny.process.process for nanny in nannies) and time.monotonic() < patience:
+        time.sleep(0.01)
 
 
 @contextlib.contextmanager

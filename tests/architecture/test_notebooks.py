@@ -51,6 +51,7 @@ def test_a_sweep_is_read_over_http(service, sweep, monkeypatch):
     assert pictures >= 5
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(180)
 @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
 def test_a_sweep_is_computed_where_none_is_given(monkeypatch):

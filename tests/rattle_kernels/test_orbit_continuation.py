@@ -190,6 +190,7 @@ def test_only_a_graze_has_another_side():
         orbit_beyond_graze(only(branch.special_points, SpecialKind.SADDLE_NODE))
 
 
+@pytest.mark.slow
 def test_finite_stiffness_passes_grazes_and_turns_in_folds():
     """P(3,3,2) becomes P(3,3,3) by a graze and then folds; the impacting model's branch ends at its graze."""
     oscillator = Oscillator(stiffness=1000.0)

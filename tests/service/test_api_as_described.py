@@ -52,17 +52,22 @@ def ask(service, case):
         case.call_and_validate(base_url=service.url, checks=AS_DESCRIBED + REFUSED, timeout=20)
 
 
-@SCHEMA.parametrize()
-@hypothesis.settings(max_examples=FEW, deadline=None, derandomize=True, database=None)
-def test_answers_are_as_described(service, case):
-    ask(service, case)
+def asked(operation, examples):
+    """A test of one operation; those that schemathesis makes of a whole schema share one id, and xdist runs one."""
+
+    @SCHEMA.include(path=operation.path, method=operation.method.upper()).parametrize()
+    @hypothesis.settings(max_examples=examples, deadline=None, derandomize=True, database=None)
+    def test(service, case):
+        ask(service, case)
+
+    return test
 
 
-@pytest.mark.slow
-@SCHEMA.parametrize()
-@hypothesis.settings(max_examples=MANY, deadline=None, derandomize=True, database=None)
-def test_many_answers_are_as_described(service, case):
-    ask(service, case)
+for _result in SCHEMA.get_all_operations():
+    _operation = _result.ok()
+    _name = re.sub(r"\W+", "_", f"{_operation.method}{_operation.path}").strip("_")
+    globals()[f"test_{_name}_answers_as_described"] = asked(_operation, FEW)
+    globals()[f"test_{_name}_answers_as_described_many_times"] = pytest.mark.slow(asked(_operation, MANY))
 
 
 def test_without_a_key_every_route_answers_as_the_document_says(monkeypatch, tmp_path):

@@ -81,6 +81,14 @@ def written(form, what):
         root.setLevel(level)
 
 
+def wait_for(word):
+    """Wait for a line in the log: those of answers come a little later than these."""
+    patience = time.monotonic() + 10.0
+    while word not in logging.getLogger().handlers[0].stream.getvalue() and time.monotonic() < patience:
+        time.sleep(0.01)
+    assert word in logging.getLogger().handlers[0].stream.getvalue()
+
+
 def test_log_lines_are_json_and_say_which_job_they_are_about():
     def work(log):
         log.info("before")
@@ -113,6 +121,7 @@ def test_answers_are_logged_with_who_asked_and_no_client_breaks_a_line(service):
     def work(_):
         service.request("GET", "/v1/jobs?size=1")
         service.request("GET", "/nothing/%0d%0aINFO forged")
+        wait_for("forged")
 
     lines = [json.loads(line) for line in written(LogFormat.JSON, work)]
     first, second = (line for line in lines if line["logger"] == "rattle.access")
@@ -126,10 +135,7 @@ def test_lines_of_answers_are_written_soon_and_in_order_with_others():
         logging.getLogger("rattle.access").info("one")
         log.info("two")
         logging.getLogger("rattle.access").info("three")
-        patience = time.monotonic() + 10.0
-        while "three" not in logging.getLogger().handlers[0].stream.getvalue() and time.monotonic() < patience:
-            time.sleep(0.01)
-        assert "three" in logging.getLogger().handlers[0].stream.getvalue()
+        wait_for("three")
 
     assert [line[-5:].split()[-1] for line in written(LogFormat.PLAIN, work)] == ["one", "two", "three"]
 

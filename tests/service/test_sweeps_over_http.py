@@ -152,6 +152,7 @@ def test_a_basin_request_varies_nothing(service):
     assert_problem(service.request("POST", "/v1/basins", json=vary(DAMPING)), 422, "body.vary: Extra inputs")
 
 
+@pytest.mark.slow
 def test_a_killed_service_resumes_its_sweep_at_the_next_start(tmp_path):
     count = {"parameter": "damping", "start": 0.55, "stop": 0.65, "count": 12}
     body = REQUEST | {"vary": [count], "grid": {"time": {"cells": 60}, "velocity": {"cells": 60}}}
