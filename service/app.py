@@ -11,6 +11,7 @@ from fastapi import FastAPI
 from service.access import Access
 from service.api_document import describe
 from service.database import open_database
+from service.database_threads import DatabaseThreads
 from service.doors import Doors
 from service.errors import install_error_handlers
 from service.event_feed import EventFeed
@@ -60,6 +61,7 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         engine, sessions = open_database(settings.database)
         app.state.jobs = Jobs(sessions, settings.quotas)
+        app.state.threads = DatabaseThreads(near=engine.dialect.name == "sqlite")
         app.state.key_ring = KeyRing(Keys(sessions), settings.keys_demanded)
         app.state.events = Events(sessions)
         app.state.feed = EventFeed(app.state.events)

@@ -17,6 +17,8 @@ _BUSY_SECONDS = 30
 # of our own, by which replicas that start together migrate one after another.
 _POSTGRESQL = {"connect_timeout": 5, "options": "-c timezone=UTC", "application_name": "gear-rattle"}
 _MIGRATION_LOCK = 0x72617474
+# As many as threads may ask at once: to open one and tune it costs more than to ask.
+_SQLITE_CONNECTIONS = {"pool_size": 16, "max_overflow": 32}
 
 
 _ONLY_READS = "rattle_only_reads"
@@ -86,7 +88,7 @@ def connect_database(url: str) -> Engine:
         return create_engine(parsed, pool_pre_ping=True, connect_args=_POSTGRESQL)
     if parsed.get_backend_name() == "sqlite" and parsed.database:
         Path(parsed.database).parent.mkdir(parents=True, exist_ok=True)
-    engine = create_engine(parsed)
+    engine = create_engine(parsed, **_SQLITE_CONNECTIONS)
     if engine.dialect.name == "sqlite":
         _tune_sqlite(engine)
     return engine

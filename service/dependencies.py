@@ -10,6 +10,7 @@ from typing import Annotated
 from fastapi import Depends, Path, Request
 from pydantic import AfterValidator
 
+from service.database_threads import DatabaseThreads
 from service.errors import JobNotFound, NotYours
 from service.event_feed import EventFeed
 from service.events import Events
@@ -31,6 +32,11 @@ async def _settings(request: Request) -> Settings:
 async def _jobs(request: Request) -> Jobs:
     jobs: Jobs = request.app.state.jobs
     return jobs
+
+
+async def _threads(request: Request) -> DatabaseThreads:
+    threads: DatabaseThreads = request.app.state.threads
+    return threads
 
 
 async def _runner(request: Request) -> RunnerProcess:
@@ -94,6 +100,7 @@ SummariesHere = Annotated[Summaries, Depends(_summaries)]
 CallerHere = Annotated[Caller, Depends(_caller)]
 SettingsHere = Annotated[Settings, Depends(_settings)]
 JobsHere = Annotated[Jobs, Depends(_jobs)]
+ThreadsHere = Annotated[DatabaseThreads, Depends(_threads)]
 RunnerHere = Annotated[RunnerProcess, Depends(_runner)]
 SubmitterHere = Annotated[str, Depends(_submitter)]
 

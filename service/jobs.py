@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from enum import Enum
 from typing import Any
 
-from sqlalchemy import ColumnElement, and_, delete, func, or_, select, text, true, update
+from sqlalchemy import ColumnElement, and_, bindparam, delete, func, or_, select, text, true, update
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session, aliased
 
@@ -22,6 +22,9 @@ from worker.job import Job
 LEASE_SECONDS = 20.0
 """How long a replica need not be heard of before its jobs are taken over."""
 _HELD = (JobState.RUNNING, JobState.CANCELLING)
+# What is asked hundreds of times a second is built once.
+_BY_ID = select(JobRecord).where(JobRecord.id == bindparam("job_id"))
+_ANSWERING = select(JobRecord).where(JobRecord.answering == bindparam("digest"))
 # Any number, as long as every replica takes the same one.
 _SUBMISSION_LOCK = 6
 
@@ -61,6 +64,11 @@ class Jobs:
     def __init__(self, sessions: Callable[[], Session], quotas: Quotas) -> None:
         self._sessions, self._quotas = sessions, quotas
 
+    def answering(self, job: Job) -> JobRecord | None:
+        """Record of the job that answers a request, where there is one."""
+        with to_read(self._sessions()) as session:
+            return session.scalar(_ANSWERING, {"digest": job.digest})
+
     def submit(self, job: Job, submitter: str) -> tuple[JobRecord, bool]:
         """Record of the job that answers a request, and whether it is new; `submitter` is noted where it is.
 
@@ -69,11 +77,9 @@ class Jobs:
         TooMuch, LimitExceeded
             Where a quota leaves no room for a new job.
         """
-        answering = select(JobRecord).where(JobRecord.answering == job.digest)
         while True:
-            with to_read(self._sessions()) as session:
-                if (known := session.scalar(answering)) is not None:
-                    return known, False
+            if (known := self.answering(job)) is not None:
+                return known, False
             with self._sessions() as session:
                 _one_at_a_time(session)
                 self._quotas.check(session, submitter, job.places)
@@ -100,7 +106,7 @@ class Jobs:
         JobNotFound
         """
         with to_read(self._sessions()) as session:
-            record = session.scalar(select(JobRecord).where(JobRecord.id == job_id))
+            record = session.scalar(_BY_ID, {"job_id": job_id})
         if record is None:
             raise JobNotFound(f"there is no job {job_id}")
         return record

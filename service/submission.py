@@ -5,7 +5,8 @@ from typing import Annotated
 
 from fastapi import Depends, Response
 
-from service.dependencies import JobsHere, RunnerHere, SettingsHere, SubmitterHere
+from service.database_threads import DatabaseThreads
+from service.dependencies import JobsHere, RunnerHere, SettingsHere, SubmitterHere, ThreadsHere
 from service.jobs import Jobs
 from service.limits import JobRequest, check_size
 from service.models import JobView
@@ -15,15 +16,16 @@ from service.settings import Settings
 
 @dataclass(frozen=True)
 class Submission:
-    """What a submission needs: the answer under way, the records, the runner, the limits, and who asks."""
+    """What a submission needs: the answer under way, the records, threads to ask them, the runner, limits, who asks."""
 
     response: Response
     jobs: Jobs
+    threads: DatabaseThreads
     runner: RunnerProcess
     settings: Settings
     submitter: str
 
-    def accept(self, request: JobRequest) -> JobView:
+    async def accept(self, request: JobRequest) -> JobView:
         """Record a request as a job, wake the runner where it is a new one, and say where the job is.
 
         Raises
@@ -32,7 +34,9 @@ class Submission:
             Saying what is wrong with the request.
         """
         check_size(request, self.settings)
-        record, new = self.jobs.submit(request.to_job(), self.submitter)
+        job = request.to_job()
+        known = await self.threads.read(self.jobs.answering, job)
+        record, new = (known, False) if known else await self.threads.write(self.jobs.submit, job, self.submitter)
         if new:
             self.runner.ring()
         self.response.headers["Location"] = f"/v1/jobs/{record.id}"
@@ -40,9 +44,14 @@ class Submission:
 
 
 async def _submission(
-    response: Response, jobs: JobsHere, runner: RunnerHere, settings: SettingsHere, submitter: SubmitterHere
+    response: Response,
+    jobs: JobsHere,
+    threads: ThreadsHere,
+    runner: RunnerHere,
+    settings: SettingsHere,
+    submitter: SubmitterHere,
 ) -> Submission:
-    return Submission(response, jobs, runner, settings, submitter)
+    return Submission(response, jobs, threads, runner, settings, submitter)
 
 
 SubmissionHere = Annotated[Submission, Depends(_submission)]

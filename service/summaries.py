@@ -21,8 +21,7 @@ class _Kept:
     lock: threading.Lock = field(default_factory=threading.Lock)
     state: JobState | None = None
     until: float = 0.0
-    body: str = ""
-    etag: str = ""
+    told: tuple[str, str] = "", ""
 
     def holds(self, record: JobRecord) -> bool:
         """Whether it is still what the store would say."""
@@ -46,6 +45,12 @@ class Summaries:
         self._lock = threading.Lock()
         self._kept: OrderedDict[str, _Kept] = OrderedDict()
 
+    def at_hand(self, record: JobRecord) -> tuple[str, str] | None:
+        """What `of` would say, where that takes no reading."""
+        kept = self._kept.get(record.id)
+        # Its lock is not waited for, as another thread may hold it while it reads the store.
+        return kept.told if kept is not None and kept.holds(record) else None
+
     def of(self, record: JobRecord) -> tuple[str, str]:
         """Summary of a job's result as JSON, and its ETag.
 
@@ -62,16 +67,17 @@ class Summaries:
             if not kept.holds(record):
                 self._read(kept, record)
                 self._make_room()
-            return kept.body, kept.etag
+            return kept.told
 
     def _read(self, kept: _Kept, record: JobRecord) -> None:
         begin = time.monotonic()
         location = place_of_result(record, self._results)
         view = result_view(record.kind, location, f"/v1/jobs/{record.id}/result.zarr")
-        kept.body = view.model_dump_json()
-        kept.etag, kept.state, kept.until = etag_of(kept.body), record.state, begin + _WHILE_IT_RUNS_SECONDS
+        body = view.model_dump_json()
+        kept.told = body, etag_of(body)
+        kept.state, kept.until = record.state, begin + _WHILE_IT_RUNS_SECONDS
 
     def _make_room(self) -> None:
         with self._lock:
-            while len(self._kept) > 1 and sum(len(each.body) for each in self._kept.values()) > _MOST_BYTES:
+            while len(self._kept) > 1 and sum(len(each.told[0]) for each in self._kept.values()) > _MOST_BYTES:
                 self._kept.popitem(last=False)

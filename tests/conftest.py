@@ -10,6 +10,8 @@ from tests.object_store import running_object_store
 from tests.postgresql import running_postgresql
 from tests.running_service import BACKENDS, running_service
 
+# Tables of commands are as wide in every terminal; asked once, when the first command is imported.
+os.environ["COLUMNS"] = "200"
 # The first call of a kernel compiles it; the limit per test is pytest-timeout's.
 settings.register_profile("rattle", deadline=None, derandomize=True)
 settings.load_profile("rattle")

@@ -6,9 +6,19 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 
 from service.conditional import NOT_MODIFIED, IfNoneMatch, view_or_not_modified
-from service.dependencies import CallerHere, JobId, JobsHere, RunnerHere, SettingsHere, demand_ownership, problems
+from service.dependencies import (
+    CallerHere,
+    JobId,
+    JobsHere,
+    RunnerHere,
+    SettingsHere,
+    ThreadsHere,
+    demand_ownership,
+    problems,
+)
 from service.errors import Unstoppable
 from service.job_record import JobState
+from service.jobs import Jobs
 from service.models import JobPage, JobView
 from worker.result_files import remove_result, result_location
 
@@ -18,29 +28,35 @@ _STOP_SECONDS = 10.0
 _NO_JOB = problems(s404="there is no such job")
 
 
-@router.get(
-    "", response_model_exclude_unset=True, summary="List jobs", responses=problems(s422="a parameter is out of range")
-)
-def list_jobs(
+@router.get("", response_model=JobPage, summary="List jobs", responses=problems(s422="a parameter is out of range"))
+async def list_jobs(
     jobs: JobsHere,
+    threads: ThreadsHere,
     size: Annotated[int, Query(ge=1, le=200, description="Jobs a page")] = 50,
     before: Annotated[int | None, Query(ge=1, le=2**62, description="Cursor of a `next` link")] = None,
     state: JobState | None = None,
-) -> JobPage:
+) -> Response:
     """Jobs, newest first."""
+    body = await threads.read(_page, jobs, size, before, state)
+    return Response(body, media_type="application/json")
+
+
+def _page(jobs: Jobs, size: int, before: int | None, state: JobState | None) -> str:
     records = jobs.page(before, size + 1, state)
     shown = records[:size]
     following = None
     if len(records) > size:
         only = f"&state={state}" if state else ""
         following = f"/v1/jobs?size={size}&before={shown[-1].number}{only}"
-    return JobPage(jobs=[JobView.from_record(record) for record in shown], next=following)
+    page = JobPage(jobs=[JobView.from_record(record) for record in shown], next=following)
+    return page.model_dump_json(exclude_unset=True)
 
 
 @router.get("/{job_id}", response_model=JobView, summary="State of a job", responses=_NO_JOB | NOT_MODIFIED)
-def get_job(job_id: JobId, jobs: JobsHere, if_none_match: IfNoneMatch = None) -> Response:
+async def get_job(job_id: JobId, jobs: JobsHere, threads: ThreadsHere, if_none_match: IfNoneMatch = None) -> Response:
     """State, progress and links of a job."""
-    return view_or_not_modified(JobView.from_record(jobs.get(job_id)), if_none_match, exclude_unset=True)
+    record = await threads.read(jobs.get, job_id)
+    return view_or_not_modified(JobView.from_record(record), if_none_match, exclude_unset=True)
 
 
 @router.post(

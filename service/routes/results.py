@@ -5,13 +5,14 @@ import re
 from importlib.metadata import version
 from typing import Annotated
 
+from anyio import to_thread
 from fastapi import APIRouter, Request, Response
 from pydantic import AfterValidator
 
 from service.analysis_requests import AnalysisResult
 from service.byte_range import answer_range
 from service.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, json_or_not_modified, not_modified
-from service.dependencies import JobId, JobsHere, SettingsHere, SummariesHere, problems
+from service.dependencies import JobId, JobsHere, SettingsHere, SummariesHere, ThreadsHere, problems
 from service.errors import JobNotFound, NotReady
 from service.models import ResultView
 from service.result_view import draw_result, place_of_result, result_fingerprint
@@ -45,12 +46,18 @@ def _store_path(path: str) -> str:
     summary="Summary of a result",
     responses=_NOTHING_YET | NOT_MODIFIED,
 )
-def get_result(job_id: JobId, jobs: JobsHere, summaries: SummariesHere, if_none_match: IfNoneMatch = None) -> Response:
+async def get_result(
+    job_id: JobId, jobs: JobsHere, threads: ThreadsHere, summaries: SummariesHere, if_none_match: IfNoneMatch = None
+) -> Response:
     """Solutions, shares and attractors, or what an analysis has found.
 
     Also while the job runs, and then it says that it is not complete.
     """
-    return json_or_not_modified(*summaries.of(jobs.get(job_id)), if_none_match)
+    record = await threads.read(jobs.get, job_id)
+    told = summaries.at_hand(record)
+    if told is None:
+        told = await to_thread.run_sync(summaries.of, record)
+    return json_or_not_modified(*told, if_none_match)
 
 
 @router.get(

@@ -28,59 +28,59 @@ _ACCEPTED: dict[str, Any] = {
 
 
 @router.post("/basins", summary="Submit a basin", **_ACCEPTED)
-def submit_basin(request: BasinRequest, submission: SubmissionHere) -> JobView:
+async def submit_basin(request: BasinRequest, submission: SubmissionHere) -> JobView:
     """Record a basin to be computed.
 
     The same request again answers with the same job; after a failure or a cancellation, with a new one that goes on
     from what is there.
     """
-    return submission.accept(request)
+    return await submission.accept(request)
 
 
 @router.post("/sweeps", summary="Submit a sweep", **_ACCEPTED)
-def submit_sweep(request: SweepRequest, submission: SubmissionHere) -> JobView:
+async def submit_sweep(request: SweepRequest, submission: SubmissionHere) -> JobView:
     """Record basins over one or two parameters to be computed, all into one store.
 
     The same request again answers with the same job; after a failure or a cancellation, with a new one that goes on
     from what is there.
     """
-    return submission.accept(request)
+    return await submission.accept(request)
 
 
 @router.post("/bifurcations", summary="Submit a bifurcation diagram", **_ACCEPTED)
-def submit_bifurcation(request: BifurcationRequest, submission: SubmissionHere) -> JobView:
+async def submit_bifurcation(request: BifurcationRequest, submission: SubmissionHere) -> JobView:
     """Record a bifurcation diagram to be computed.
 
     The same request again answers with the same job; after a failure or a cancellation, with a new one that goes on
     from what is there.
     """
-    return submission.accept(request)
+    return await submission.accept(request)
 
 
 @router.post("/orbits", summary="Submit a search for periodic orbits", **_ACCEPTED)
-def submit_orbits(request: OrbitsRequest, submission: SubmissionHere) -> JobView:
+async def submit_orbits(request: OrbitsRequest, submission: SubmissionHere) -> JobView:
     """Record periodic orbits to be found, and on request followed in one parameter or two.
 
     The same request again answers with the same job; after a failure or a cancellation, with a new one that goes on
     from what is there.
     """
-    return submission.accept(request)
+    return await submission.accept(request)
 
 
 @router.post("/manifolds", summary="Submit manifolds of saddles", **_ACCEPTED)
-def submit_manifold(request: ManifoldRequest, submission: SubmissionHere) -> JobView:
+async def submit_manifold(request: ManifoldRequest, submission: SubmissionHere) -> JobView:
     """Record manifolds to be grown.
 
     Whether a seed leads to a saddle is known when it is computed: else the job fails and says what is there.
     """
-    return submission.accept(request)
+    return await submission.accept(request)
 
 
 @router.post("/grazing-curves", summary="Submit a grazing curve", **_ACCEPTED)
-def submit_grazing_curve(request: GrazingCurveRequest, submission: SubmissionHere) -> JobView:
+async def submit_grazing_curve(request: GrazingCurveRequest, submission: SubmissionHere) -> JobView:
     """Record a grazing curve and its pre-images to be computed.
 
     The same request again answers with the same job; after a failure or a cancellation, with a new one that goes on
     from what is there.
     """
-    return submission.accept(request)
+    return await submission.accept(request)

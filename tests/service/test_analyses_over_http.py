@@ -128,7 +128,7 @@ def test_a_shell_submits_every_kind_and_prints_what_was_found(service, finished,
     request = tmp_path / "request.json"
     request.write_text(json.dumps(job["request"]))
     command = ["submit", str(request), "--wait", "--url", service.url]
-    answer = CliRunner(env={"COLUMNS": "200"}).invoke(app, command)
+    answer = CliRunner().invoke(app, command)
     assert answer.exit_code == 0, answer.output
     told = {"bifurcations": "permanent contact", "orbits": "0.59971576259", "manifolds": "3.7699111843"}
     assert job["id"] in answer.output and told.get(route, "vertices") in answer.output

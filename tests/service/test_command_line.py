@@ -166,7 +166,7 @@ def test_a_sweep_is_submitted_and_listed(service, tmp_path):
     request.write_text(json.dumps({"vary": vary, "grid": grid, "iterations": 229}))
     answer = CliRunner().invoke(app, ["submit", str(request), "--wait", "--url", service.url])
     assert answer.exit_code == 0, answer.output
-    listed = CliRunner(env={"COLUMNS": "200"}).invoke(app, ["jobs", "--url", service.url]).output
+    listed = CliRunner().invoke(app, ["jobs", "--url", service.url]).output
     assert "damping 0.6 to 0.65 (2)" in listed
 
 

@@ -7,6 +7,7 @@ from fastapi.testclient import TestClient
 
 from service.app import create_app
 from service.database import open_database
+from service.database_threads import DatabaseThreads
 from service.jobs import Jobs
 from service.keys import KeyRing, Keys
 from service.settings import Settings
@@ -53,7 +54,7 @@ def visitor(tmp_path):
     app = create_app(settings)
     engine, sessions = open_database(settings.database)
     app.state.jobs, app.state.runner = Jobs(sessions, settings.quotas), NoRunner()
-    app.state.key_ring = KeyRing(Keys(sessions), demanded=False)
+    app.state.key_ring, app.state.threads = KeyRing(Keys(sessions), demanded=False), DatabaseThreads(near=False)
     yield TestClient(app, base_url="http://127.0.0.1")
     engine.dispose()
 
