@@ -63,7 +63,7 @@ class RunningService:
         assert answer.status_code == 202, answer.text
         return answer.json()
 
-    def wait(self, job_id, until=lambda job: job["state"] in ("succeeded", "failed", "cancelled"), seconds=60.0):
+    def wait(self, job_id, until=lambda job: job["state"] in ("succeeded", "failed", "cancelled"), seconds=100.0):
         """State of a job once a condition holds."""
         patience = time.monotonic() + seconds
         while True:
