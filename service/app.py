@@ -16,6 +16,7 @@ from service.doors import Doors
 from service.errors import install_error_handlers
 from service.event_feed import EventFeed
 from service.events import Events
+from service.first_answers import FirstAnswers
 from service.jobs import Jobs
 from service.keys import KeyRing, Keys
 from service.readiness import Probe, Probes
@@ -69,6 +70,8 @@ def create_app(settings: Settings) -> FastAPI:
         app.state.runner = RunnerProcess(settings)
         app.state.probes = Probes(Probe(app.state.jobs.answers, False), app.state.runner.workers)
         app.state.runner.start()
+        first_answers = FirstAnswers()
+        first_answers.start()
         # What has been loaded stays: to look through it all for garbage would hold answers up for 150 ms.
         gc.freeze()
         try:
@@ -76,6 +79,7 @@ def create_app(settings: Settings) -> FastAPI:
         finally:
             app.state.feed.close()
             await to_thread.run_sync(app.state.runner.stop)
+            await to_thread.run_sync(first_answers.stop)
             engine.dispose()
 
     app = FastAPI(
