@@ -67,7 +67,6 @@ class _Gathering(logging.StreamHandler):
     def __init__(self) -> None:
         super().__init__()
         self._lines: list[str] = []
-        self._writing = threading.Lock()
         threading.Thread(target=self._write_now_and_then, name="rattle-log", daemon=True).start()
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -80,12 +79,19 @@ class _Gathering(logging.StreamHandler):
             self.handleError(record)
 
     def flush(self) -> None:
-        """Write what is kept, in order."""
-        with self._writing:
+        """Write what is kept, in order.
+
+        Under the handler's own lock, which whoever logs has already: with another one beside it, a line that came while
+        the thread wrote would stop both for ever.
+        """
+        self.acquire()
+        try:
             lines, self._lines = self._lines, []
             if lines:
                 self.stream.write("".join(lines))
             super().flush()
+        finally:
+            self.release()
 
     def _write_now_and_then(self) -> None:
         while True:

@@ -266,17 +266,21 @@ class BasinStore:
         )
 
     def read_catalogue(self, panel: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
-        """Some of the attractors of a panel, by their numbers."""
+        """Some of the attractors of a panel, by their numbers; those whose points are being written have none yet."""
         with told_as_store_failure(self.location):
             place = self.job.place_of(panel)
-            time, velocity = (np.asarray(self._array(variable)[*place, :, :]) for variable in layout.POINTS)
+            points = [np.asarray(self._array(variable)[*place, :, :]) for variable in layout.POINTS]
+        # A reader may come between the two arrays, which are lengthened and written one after the other.
+        rows, columns = np.min([each.shape for each in points], axis=0)
+        nothing = np.full((1, columns), np.nan)
+        time, velocity = (np.vstack([each[:rows, :columns], nothing]) for each in points)
+        there = np.isfinite(time) & np.isfinite(velocity)
         return tuple(
             Attractor(
                 *table.motions[number], float(table.exponent[panel, number]), float(table.error[panel, number]),
-                time[number][np.isfinite(time[number])], velocity[number][np.isfinite(velocity[number])],
-                float(table.mean_life[panel, number]),
+                time[row][there[row]], velocity[row][there[row]], float(table.mean_life[panel, number]),
             )
-            for number in numbers
+            for number, row in ((number, min(number, rows)) for number in numbers)
         )  # fmt: skip
 
     def write_changes(self, columns: Sequence[np.ndarray]) -> None:

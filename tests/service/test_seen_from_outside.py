@@ -3,8 +3,10 @@
 import io
 import json
 import logging
+import sys
 import threading
 import time
+from functools import partial
 
 import pytest
 
@@ -138,6 +140,29 @@ def test_lines_of_answers_are_written_soon_and_in_order_with_others():
         wait_for("three")
 
     assert [line[-5:].split()[-1] for line in written(LogFormat.PLAIN, work)] == ["one", "two", "three"]
+
+
+def test_lines_that_come_while_others_are_written_stop_nobody(request):
+    request.addfinalizer(partial(sys.setswitchinterval, sys.getswitchinterval()))
+    sys.setswitchinterval(1e-6)
+
+    def work(log):
+        def flush():
+            for _ in range(2000):
+                logging.getLogger().handlers[0].flush()
+
+        def tell():
+            for _ in range(2000):
+                log.info("a line")
+
+        threads = [threading.Thread(target=each, daemon=True) for each in (flush, tell)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(30.0)
+        assert not any(thread.is_alive() for thread in threads)
+
+    assert len(written(LogFormat.PLAIN, work)) == 2000
 
 
 def test_a_service_is_ready_with_a_database_and_a_worker_alone(service):
