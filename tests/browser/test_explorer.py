@@ -3,7 +3,6 @@
 import json
 import re
 import signal
-from pathlib import Path
 
 import pytest
 from playwright.sync_api import expect
@@ -12,8 +11,6 @@ from tests.browser.chromium import Explorer
 from tests.running_service import running_service
 
 pytestmark = pytest.mark.browser
-
-EXPLORER = Path(__file__).parents[2] / "service" / "explorer"
 
 QUIET, CHAOS, RATTLE = (0, 0, 128), (128, 0, 0), (140, 217, 255)
 SMALL = {"grid": {"time": {"cells": 140}, "velocity": {"cells": 140}}, "iterations": 211}
@@ -346,9 +343,3 @@ def test_a_restart_of_the_service_in_mid_job_is_waited_out(chromium_here, tmp_pa
         expect(explorer.page.locator("#legend")).to_contain_text("chaotic")
         explorer.context.close()
     assert explorer.unforgiven() == []
-
-
-def test_the_page_asks_for_all_of_its_modules_at_once():
-    page, modules = EXPLORER / "index.html", {f"explorer/js/{path.name}" for path in (EXPLORER / "js").glob("*.js")}
-    asked = set(re.findall(r'(?:modulepreload" href|module" src)="([^"]+)"', page.read_text()))
-    assert asked == modules
