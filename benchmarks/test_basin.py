@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from rattle_kernels import CellGrid, Oscillator, map_cells
+from rattle_kernels import UNDECIDED, CellGrid, Oscillator, map_cells
 from worker.basin_job import BasinJob
 from worker.cluster import local_cluster
 from worker.driver import run_tasks
@@ -30,6 +30,7 @@ def test_panel_kernel_on_one_core(benchmark, oscillator):
     """Seconds for 1000 x 1000 cells, k = 1499, on one core."""
     grid = CellGrid()
     images = benchmark.pedantic(map_cells, (oscillator, grid, 1499, (0, 1000), (0, 1000)), rounds=1)
+    assert images.image_cell.shape == grid.shape and (images.image_cell == UNDECIDED).mean() < 1e-3
     benchmark.extra_info["applications_per_cell"] = images.applications / grid.cells
 
 
@@ -46,6 +47,7 @@ def test_panel_through_the_worker(benchmark, tmp_path, workers):
             return run_basin(BasinJob(), location, client, report=lambda _: None, cancel=threading.Event())
 
         summary = benchmark.pedantic(basin, rounds=3)
+    assert {attractor.name for attractor in summary.attractors} == {"permanent contact", "P(1,1,0)", "chaotic"}
     seconds = summary.seconds
     benchmark.extra_info |= seconds
     kernels = (seconds["map_kernels"] + seconds["label_kernels"]) / workers
@@ -65,5 +67,5 @@ def test_a_tile_without_work(benchmark, tmp_path):
             return list(run_tasks(client, (location, store.digest), lambda: next(tasks, None), threading.Event()))
 
         map_all()
-        benchmark.pedantic(map_all, rounds=3)
+        assert len(benchmark.pedantic(map_all, rounds=3)) == store.tiling.tiles
     benchmark.extra_info["milliseconds_per_tile"] = 1e3 * benchmark.stats.stats.min / store.tiling.tiles

@@ -51,9 +51,21 @@ def _closest_return(oscillator: Oscillator, t: float, v: float) -> tuple[int, fl
     return period + 1, float(distances[period])
 
 
-def _has_doubled(orbit: PeriodicOrbit) -> bool:
-    """Whether an orbit has lost its stability at a multiplier -1."""
-    return bool(orbit.multipliers.real.min() < -1.0)
+def _down_the_cascade(
+    oscillator: Oscillator, t: float, v: float, period: int, orbit: PeriodicOrbit
+) -> PeriodicOrbit | None:
+    """The orbit that a repelling one has become by period doublings, where a departure is on it.
+
+    In a cascade of them orbits come to lie closer to each other than a close return is.
+    """
+    scale = lane_tables(oscillator).speed_scale
+    while not orbit.attracts and orbit.multipliers.real.min() < -1.0 and 2 * period <= _LONGEST_DOUBLED:
+        period *= 2
+        doubled = find_periodic_orbit(oscillator, t, v, period, scale)
+        if doubled is None or doubled.upper_contacts <= orbit.upper_contacts:
+            return None  # the same one again: this is no cascade
+        orbit = doubled
+    return orbit
 
 
 def settled_orbit(oscillator: Oscillator, t: float, v: float) -> PeriodicOrbit | None:
@@ -75,10 +87,8 @@ def settled_orbit(oscillator: Oscillator, t: float, v: float) -> PeriodicOrbit |
     if distance > 1e-3:
         return None
     orbit = find_periodic_orbit(oscillator, t, v, period, scale)
-    # In a cascade of period doublings orbits come to lie closer to each other than a close return is.
-    while orbit is not None and _has_doubled(orbit) and 2 * period <= _LONGEST_DOUBLED:
-        period *= 2
-        orbit = find_periodic_orbit(oscillator, t, v, period, scale)
+    if orbit is not None and not orbit.attracts:
+        orbit = _down_the_cascade(oscillator, t, v, period, orbit)
     if orbit is None or not orbit.attracts:
         return None
     apart = orbit.t - t

@@ -6,6 +6,7 @@ from rattle_kernels.attractor_search import find_attractors
 from rattle_kernels.cell_grid import CellGrid
 from rattle_kernels.cell_groups import find_groups, label_cells
 from rattle_kernels.cell_map import map_cells
+from rattle_kernels.grazing_curve import grazing_velocity
 from rattle_kernels.grazing_preimages import grazing_preimages
 from rattle_kernels.image_set import has_members, mark_images, place_images, unite
 from rattle_kernels.oscillator import Oscillator
@@ -29,5 +30,11 @@ def warm_up() -> None:
     if has_members(members, (0, 4), (0, 4), grid.time_cells):
         place_images(members, (0, 0), grid.time_cells, images.image_cell, place)
     label_cells(find_groups(members, place), np.arange(grid.cells), images.image_cell.ravel())
-    time_history(oscillator, 0.0, 0.0, 0.0, periods=1.0)
+    warm_up_curves()
     grazing_preimages(oscillator, 1)
+
+
+def warm_up_curves() -> None:
+    """Run the kernels of what is drawn beside a basin: its grazing curve, and a motion over time."""
+    grazing_velocity(Oscillator(), 0.0)
+    time_history(Oscillator(), 0.0, 0.0, 0.0, periods=1.0)

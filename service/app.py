@@ -2,12 +2,14 @@
 
 import contextlib
 import gc
+import threading
 from collections.abc import AsyncIterator
 from importlib.metadata import version
 
 from anyio import to_thread
 from fastapi import FastAPI
 
+from rattle_kernels import warm_up_curves
 from service.access import Access
 from service.api_document import describe
 from service.database import open_database
@@ -16,7 +18,6 @@ from service.doors import Doors
 from service.errors import install_error_handlers
 from service.event_feed import EventFeed
 from service.events import Events
-from service.first_answers import FirstAnswers
 from service.jobs import Jobs
 from service.keys import KeyRing, Keys
 from service.readiness import Probe, Probes
@@ -37,6 +38,9 @@ from service.runner_process import RunnerProcess
 from service.security_headers import SecurityHeaders
 from service.settings import Settings
 from service.summaries import Summaries
+
+# Kernels are loaded in a third of a second; compiled, the first time, in ten, for which a service that stops waits not.
+_LOADED_SECONDS = 2.0
 
 _DESCRIPTION = """Basins of attraction of a rattling gear pair.
 
@@ -70,8 +74,9 @@ def create_app(settings: Settings) -> FastAPI:
         app.state.runner = RunnerProcess(settings)
         app.state.probes = Probes(Probe(app.state.jobs.answers, False), app.state.runner.workers)
         app.state.runner.start()
-        first_answers = FirstAnswers()
-        first_answers.start()
+        # Else the first outline that is asked for would wait for them.
+        loading = threading.Thread(target=warm_up_curves, name="rattle-kernels", daemon=True)
+        loading.start()
         # What has been loaded stays: to look through it all for garbage would hold answers up for 150 ms.
         gc.freeze()
         try:
@@ -79,7 +84,7 @@ def create_app(settings: Settings) -> FastAPI:
         finally:
             app.state.feed.close()
             await to_thread.run_sync(app.state.runner.stop)
-            await to_thread.run_sync(first_answers.stop)
+            await to_thread.run_sync(loading.join, _LOADED_SECONDS)
             engine.dispose()
 
     app = FastAPI(

@@ -2,7 +2,7 @@
 
 FastAPI runs plain functions in forty threads. Once answers are late, forty of them ask at once, and spend more time on
 taking Python's lock from each other, and on opening connections, than on answers: a service that answered 300 requests
-a second fell to 200 at a hiccup, and stayed there.
+a second fell to 200 at a hiccup, and stayed there (`docs/decisions/0025-reads-in-the-loop.md`).
 """
 
 from collections.abc import Callable

@@ -47,8 +47,11 @@ class Summaries:
 
     def at_hand(self, record: JobRecord) -> tuple[str, str] | None:
         """What `of` would say, where that takes no reading."""
-        kept = self._kept.get(record.id)
-        # Its lock is not waited for, as another thread may hold it while it reads the store.
+        with self._lock:
+            kept = self._kept.get(record.id)
+            if kept is not None:
+                self._kept.move_to_end(record.id)
+        # Its own lock is not waited for, as another thread may hold it while it reads the store.
         return kept.told if kept is not None and kept.holds(record) else None
 
     def of(self, record: JobRecord) -> tuple[str, str]:

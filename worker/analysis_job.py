@@ -4,6 +4,7 @@ import hashlib
 import json
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 from rattle_kernels import Oscillator, check_domain, check_quiet
@@ -128,7 +129,7 @@ class AnalysisJob:
         oscillator = oscillator_request(self.oscillator, quiet=self.quiet)
         return {"kind": self.kind, "oscillator": oscillator, **self.asked()}
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """Hash of the request and of the version of the result: equal digests, equal bytes."""
         text = json.dumps({"request": self.request(), "version": RESULT_VERSION}, sort_keys=True)

@@ -5,6 +5,7 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from rattle_kernels import (
@@ -24,7 +25,7 @@ from worker.sample import Sample
 from worker.swept_parameter import SweptParameter, check_swept
 
 # Part of every digest: a store of another layout, or of kernels that answer otherwise, is another result.
-RESULT_VERSION = 3
+RESULT_VERSION = 4
 
 SETTLED = -1
 """In place of k: the one of `settled_iterations`."""
@@ -178,7 +179,7 @@ class BasinJob:
             asked["vary"] = [{"parameter": swept.parameter, "values": list(swept.values)} for swept in self.vary]
         return asked
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """Hash of the request and of the version of the result: equal digests, equal bytes."""
         text = json.dumps({"request": self.request(), "version": RESULT_VERSION}, sort_keys=True)

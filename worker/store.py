@@ -57,7 +57,6 @@ class BasinStore:
         self.places = places_of(self.job)
         # Arrays of cells never change their shape: their handles are kept, as opening one costs half as much as a tile.
         self._handles: dict[str, Any] = {}
-        self._room: tuple[int, int] | None = None
 
     @classmethod
     def create_or_resume(cls, location: str, job: BasinJob, fence: Fence = unfenced) -> "BasinStore":
@@ -192,16 +191,14 @@ class BasinStore:
         points : int
             Most points of an attractor.
         """
-        if self._room is not None and len(table.motions) <= self._room[0] and points <= self._room[1]:
-            return
         self._fence()
-        names = [motion.name for motion in table.motions]
-        columns = [np.array(column) for column in zip(*table.motions, strict=True)]
         with told_as_store_failure(self.location):
-            there = self._array(layout.POINTS[0]).shape[-2:]
-            room = self._room = max(there[0], len(names)), max(there[1], points)
+            there = self._kept_with_room(layout.POINTS[0], (len(table.motions), points)).shape[-2:]
+            room = max(there[0], len(table.motions)), max(there[1], points)
             if room == there:
                 return
+            names = [motion.name for motion in table.motions]
+            columns = [np.array(column) for column in zip(*table.motions, strict=True)]
             for variable in self._measured():
                 self._array(variable).resize((*self.job.panel_shape, room[0]))
             for variable, values in zip(
