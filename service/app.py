@@ -18,6 +18,7 @@ from service.doors import Doors
 from service.errors import install_error_handlers
 from service.event_feed import EventFeed
 from service.events import Events
+from service.job_views import JobViews
 from service.jobs import Jobs
 from service.keys import KeyRing, Keys
 from service.readiness import Probe, Probes
@@ -66,6 +67,7 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         engine, sessions = open_database(settings.database)
         app.state.jobs = Jobs(sessions, settings.quotas)
+        app.state.views = JobViews(engine, app.state.jobs)
         app.state.threads = DatabaseThreads(near=engine.dialect.name == "sqlite")
         app.state.key_ring = KeyRing(Keys(sessions), settings.keys_demanded)
         app.state.events = Events(sessions)

@@ -25,9 +25,17 @@ _ONLY_READS = "rattle_only_reads"
 
 
 def to_read(session: Session) -> Session:
-    """Say of a new session that it only reads: then it waits for no writer, in SQLite neither."""
+    """Say of a new session that it only reads: then it waits for no writer, in SQLite neither.
+
+    There each of its statements sees the database as it is at that moment.
+    """
     session.connection(execution_options={_ONLY_READS: True})
     return session
+
+
+def only_reads(engine: Engine) -> Engine:
+    """The same database, with connections for what `to_read` says of sessions."""
+    return engine.execution_options(**{_ONLY_READS: True})
 
 
 def _tune_sqlite(engine: Engine) -> None:
@@ -45,8 +53,8 @@ def _tune_sqlite(engine: Engine) -> None:
 
     @event.listens_for(engine, "begin")
     def _begun(connection: Any) -> None:
-        reads = connection.get_execution_options().get(_ONLY_READS, False)
-        connection.exec_driver_sql("BEGIN" if reads else "BEGIN IMMEDIATE")
+        if not connection.get_execution_options().get(_ONLY_READS, False):
+            connection.exec_driver_sql("BEGIN IMMEDIATE")
 
 
 def _write_ahead(connection: Any) -> None:

@@ -15,6 +15,7 @@ from service.errors import JobNotFound, NotYours
 from service.event_feed import EventFeed
 from service.events import Events
 from service.job_record import JobRecord
+from service.job_views import JobViews
 from service.jobs import Jobs
 from service.key_record import KeyScope
 from service.keys import Caller
@@ -37,6 +38,11 @@ async def _jobs(request: Request) -> Jobs:
 async def _threads(request: Request) -> DatabaseThreads:
     threads: DatabaseThreads = request.app.state.threads
     return threads
+
+
+async def _views(request: Request) -> JobViews:
+    views: JobViews = request.app.state.views
+    return views
 
 
 async def _runner(request: Request) -> RunnerProcess:
@@ -99,6 +105,7 @@ FeedHere = Annotated[EventFeed, Depends(_feed)]
 SummariesHere = Annotated[Summaries, Depends(_summaries)]
 CallerHere = Annotated[Caller, Depends(_caller)]
 SettingsHere = Annotated[Settings, Depends(_settings)]
+ViewsHere = Annotated[JobViews, Depends(_views)]
 JobsHere = Annotated[Jobs, Depends(_jobs)]
 ThreadsHere = Annotated[DatabaseThreads, Depends(_threads)]
 RunnerHere = Annotated[RunnerProcess, Depends(_runner)]

@@ -17,7 +17,7 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, DateTime, Enum, Float, Index, String
+from sqlalchemy import JSON, BigInteger, DateTime, Enum, Float, Index, String, text
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 
@@ -80,6 +80,8 @@ class JobRecord(Base):
     lease_until: Mapped[float | None] = mapped_column(Float)
     # Cells or points that it computes, which quotas count.
     places: Mapped[int] = mapped_column(BigInteger, server_default="0")
+    # Counts its changes, whatever makes them: who has seen this one has seen all that stands here.
+    revision: Mapped[int] = mapped_column(default=0, server_default="0", onupdate=text("revision + 1"))
     # Name of its result's store: its own id, or that of the failed or cancelled job whose result it goes on from; NULL
     # while it is being deleted.
     store: Mapped[str | None] = mapped_column(String(32))

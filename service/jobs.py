@@ -64,11 +64,6 @@ class Jobs:
     def __init__(self, sessions: Callable[[], Session], quotas: Quotas) -> None:
         self._sessions, self._quotas = sessions, quotas
 
-    def answering(self, job: Job) -> JobRecord | None:
-        """Record of the job that answers a request, where there is one."""
-        with to_read(self._sessions()) as session:
-            return session.scalar(_ANSWERING, {"digest": job.digest})
-
     def submit(self, job: Job, submitter: str) -> tuple[JobRecord, bool]:
         """Record of the job that answers a request, and whether it is new; `submitter` is noted where it is.
 
@@ -78,10 +73,11 @@ class Jobs:
             Where a quota leaves no room for a new job.
         """
         while True:
-            if (known := self.answering(job)) is not None:
-                return known, False
             with self._sessions() as session:
                 _one_at_a_time(session)
+                known = session.scalar(_ANSWERING, {"digest": job.digest})
+                if known is not None:
+                    return known, False
                 self._quotas.check(session, submitter, job.places)
                 job_id = uuid.uuid4().hex
                 record = JobRecord(
@@ -111,15 +107,10 @@ class Jobs:
             raise JobNotFound(f"there is no job {job_id}")
         return record
 
-    def page(self, before: int | None, size: int, state: JobState | None) -> list[JobRecord]:
-        """Up to `size` records, newest first, older than number `before`."""
-        query = select(JobRecord).order_by(JobRecord.number.desc()).limit(size)
-        if before is not None:
-            query = query.where(JobRecord.number < before)
-        if state is not None:
-            query = query.where(JobRecord.state == state)
+    def records(self, ids: Collection[str]) -> list[JobRecord]:
+        """Those of these ids that there are, in any order."""
         with to_read(self._sessions()) as session:
-            return list(session.scalars(query))
+            return list(session.scalars(select(JobRecord).where(JobRecord.id.in_(ids))))
 
     def claim(self, owner: str, *, but: Collection[str] = (), large: Whose = Whose.ANYONES) -> JobRecord | None:
         """A job that is queued, or that a dead replica has left running: now leased, and running.

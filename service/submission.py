@@ -5,27 +5,29 @@ from typing import Annotated
 
 from fastapi import Depends, Response
 
+from service.conditional import Told
 from service.database_threads import DatabaseThreads
-from service.dependencies import JobsHere, RunnerHere, SettingsHere, SubmitterHere, ThreadsHere
+from service.dependencies import JobsHere, RunnerHere, SettingsHere, SubmitterHere, ThreadsHere, ViewsHere
+from service.job_views import JobViews
 from service.jobs import Jobs
 from service.limits import JobRequest, check_size
-from service.models import JobView
 from service.runner_process import RunnerProcess
 from service.settings import Settings
+from worker.job import Job
 
 
 @dataclass(frozen=True)
 class Submission:
-    """What a submission needs: the answer under way, the records, threads to ask them, the runner, limits, who asks."""
+    """What a submission needs: the records, how they are told, threads to ask them, the runner, limits, who asks."""
 
-    response: Response
     jobs: Jobs
+    views: JobViews
     threads: DatabaseThreads
     runner: RunnerProcess
     settings: Settings
     submitter: str
 
-    async def accept(self, request: JobRequest) -> JobView:
+    async def accept(self, request: JobRequest) -> Response:
         """Record a request as a job, wake the runner where it is a new one, and say where the job is.
 
         Raises
@@ -35,23 +37,26 @@ class Submission:
         """
         check_size(request, self.settings)
         job = request.to_job()
-        known = await self.threads.read(self.jobs.answering, job)
-        record, new = (known, False) if known else await self.threads.write(self.jobs.submit, job, self.submitter)
+        known = await self.threads.read(self.views.answering, job)
+        job_id, view = known or await self._record(job)
+        return Response(view.body, 202, {"location": f"/v1/jobs/{job_id}"}, "application/json")
+
+    async def _record(self, job: Job) -> tuple[str, Told]:
+        record, new = await self.threads.write(self.jobs.submit, job, self.submitter)
         if new:
             self.runner.ring()
-        self.response.headers["Location"] = f"/v1/jobs/{record.id}"
-        return JobView.from_record(record)
+        return record.id, self.views.of_record(record)
 
 
 async def _submission(
-    response: Response,
     jobs: JobsHere,
+    views: ViewsHere,
     threads: ThreadsHere,
     runner: RunnerHere,
     settings: SettingsHere,
     submitter: SubmitterHere,
 ) -> Submission:
-    return Submission(response, jobs, threads, runner, settings, submitter)
+    return Submission(jobs, views, threads, runner, settings, submitter)
 
 
 SubmissionHere = Annotated[Submission, Depends(_submission)]

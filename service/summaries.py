@@ -2,29 +2,26 @@
 
 import threading
 import time
-from collections import OrderedDict
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
-from service.conditional import etag_of
+from service.conditional import Told, told
 from service.job_record import JobRecord, JobState
+from service.kept_answers import MOST_BYTES, KeptAnswers
 from service.result_view import place_of_result, result_view
 
 # As often as a driver writes down what it has done.
 _WHILE_IT_RUNS_SECONDS = 0.5
-_MOST, _MOST_BYTES = 1000, 1 << 25
+_READERS = 64
 
 
-@dataclass
-class _Kept:
-    """One summary, of a job in a state; its lock lets one thread read the store for all who ask."""
+class _Moment(NamedTuple):
+    """What a job was when its store was read, and until when that holds if it was not final."""
 
-    lock: threading.Lock = field(default_factory=threading.Lock)
-    state: JobState | None = None
-    until: float = 0.0
-    told: tuple[str, str] = "", ""
+    state: JobState
+    until: float
 
     def holds(self, record: JobRecord) -> bool:
-        """Whether it is still what the store would say."""
+        """Whether the store would still say the same."""
         return self.state == record.state and (record.state is JobState.SUCCEEDED or time.monotonic() < self.until)
 
 
@@ -38,49 +35,33 @@ class Summaries:
     ----------
     results : str
         Folder of the Zarr stores.
+    most_bytes : int
+        That are kept.
     """
 
-    def __init__(self, results: str) -> None:
+    def __init__(self, results: str, most_bytes: int = MOST_BYTES) -> None:
         self._results = results
-        self._lock = threading.Lock()
-        self._kept: OrderedDict[str, _Kept] = OrderedDict()
+        self._kept: KeptAnswers[_Moment] = KeptAnswers(most_bytes)
+        self._reading = [threading.Lock() for _ in range(_READERS)]
 
-    def at_hand(self, record: JobRecord) -> tuple[str, str] | None:
+    def at_hand(self, record: JobRecord) -> Told | None:
         """What `of` would say, where that takes no reading."""
-        with self._lock:
-            kept = self._kept.get(record.id)
-            if kept is not None:
-                self._kept.move_to_end(record.id)
-        # Its own lock is not waited for, as another thread may hold it while it reads the store.
-        return kept.told if kept is not None and kept.holds(record) else None
+        kept = self._kept.get(record.id)
+        return kept[1] if kept is not None and kept[0].holds(record) else None
 
-    def of(self, record: JobRecord) -> tuple[str, str]:
+    def of(self, record: JobRecord) -> Told:
         """Summary of a job's result as JSON, and its ETag.
 
         Raises
         ------
         NotReady, StoreConflict, StoreFailed
         """
-        with self._lock:
-            kept = self._kept.setdefault(record.id, _Kept())
-            self._kept.move_to_end(record.id)
-            if len(self._kept) > _MOST:
-                self._kept.popitem(last=False)
-        with kept.lock:
-            if not kept.holds(record):
-                self._read(kept, record)
-                self._make_room()
-            return kept.told
+        # One thread reads the store for all who ask, and seldom makes those wait who ask for another one.
+        with self._reading[hash(record.id) % _READERS]:
+            return self.at_hand(record) or self._read(record)
 
-    def _read(self, kept: _Kept, record: JobRecord) -> None:
-        begin = time.monotonic()
+    def _read(self, record: JobRecord) -> Told:
+        until = time.monotonic() + _WHILE_IT_RUNS_SECONDS
         location = place_of_result(record, self._results)
         view = result_view(record.kind, location, f"/v1/jobs/{record.id}/result.zarr")
-        body = view.model_dump_json()
-        kept.told = body, etag_of(body)
-        kept.state, kept.until = record.state, begin + _WHILE_IT_RUNS_SECONDS
-
-    def _make_room(self) -> None:
-        with self._lock:
-            while len(self._kept) > 1 and sum(len(each.told[0]) for each in self._kept.values()) > _MOST_BYTES:
-                self._kept.popitem(last=False)
+        return self._kept.keep(record.id, _Moment(record.state, until), told(view.model_dump_json()))

@@ -54,10 +54,10 @@ async def get_result(
     Also while the job runs, and then it says that it is not complete.
     """
     record = await threads.read(jobs.get, job_id)
-    told = summaries.at_hand(record)
-    if told is None:
-        told = await to_thread.run_sync(summaries.of, record)
-    return json_or_not_modified(*told, if_none_match)
+    summary = summaries.at_hand(record)
+    if summary is None:
+        summary = await to_thread.run_sync(summaries.of, record)
+    return json_or_not_modified(summary, if_none_match)
 
 
 @router.get(

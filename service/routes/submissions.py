@@ -6,7 +6,7 @@ what is there.
 
 from typing import Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Response
 
 from service.analysis_requests import BifurcationRequest, GrazingCurveRequest, ManifoldRequest, OrbitsRequest
 from service.dependencies import problems
@@ -17,7 +17,7 @@ router = APIRouter(prefix="/v1", tags=["submit"])
 
 _ACCEPTED: dict[str, Any] = {
     "status_code": 202,
-    "response_model_exclude_unset": True,
+    "response_model": JobView,
     "responses": problems(
         s400="malformed JSON",
         s413="body too large",
@@ -28,7 +28,7 @@ _ACCEPTED: dict[str, Any] = {
 
 
 @router.post("/basins", summary="Submit a basin", **_ACCEPTED)
-async def submit_basin(request: BasinRequest, submission: SubmissionHere) -> JobView:
+async def submit_basin(request: BasinRequest, submission: SubmissionHere) -> Response:
     """Record a basin to be computed.
 
     The same request again answers with the same job; after a failure or a cancellation, with a new one that goes on
@@ -38,7 +38,7 @@ async def submit_basin(request: BasinRequest, submission: SubmissionHere) -> Job
 
 
 @router.post("/sweeps", summary="Submit a sweep", **_ACCEPTED)
-async def submit_sweep(request: SweepRequest, submission: SubmissionHere) -> JobView:
+async def submit_sweep(request: SweepRequest, submission: SubmissionHere) -> Response:
     """Record basins over one or two parameters to be computed, all into one store.
 
     The same request again answers with the same job; after a failure or a cancellation, with a new one that goes on
@@ -48,7 +48,7 @@ async def submit_sweep(request: SweepRequest, submission: SubmissionHere) -> Job
 
 
 @router.post("/bifurcations", summary="Submit a bifurcation diagram", **_ACCEPTED)
-async def submit_bifurcation(request: BifurcationRequest, submission: SubmissionHere) -> JobView:
+async def submit_bifurcation(request: BifurcationRequest, submission: SubmissionHere) -> Response:
     """Record a bifurcation diagram to be computed.
 
     The same request again answers with the same job; after a failure or a cancellation, with a new one that goes on
@@ -58,7 +58,7 @@ async def submit_bifurcation(request: BifurcationRequest, submission: Submission
 
 
 @router.post("/orbits", summary="Submit a search for periodic orbits", **_ACCEPTED)
-async def submit_orbits(request: OrbitsRequest, submission: SubmissionHere) -> JobView:
+async def submit_orbits(request: OrbitsRequest, submission: SubmissionHere) -> Response:
     """Record periodic orbits to be found, and on request followed in one parameter or two.
 
     The same request again answers with the same job; after a failure or a cancellation, with a new one that goes on
@@ -68,7 +68,7 @@ async def submit_orbits(request: OrbitsRequest, submission: SubmissionHere) -> J
 
 
 @router.post("/manifolds", summary="Submit manifolds of saddles", **_ACCEPTED)
-async def submit_manifold(request: ManifoldRequest, submission: SubmissionHere) -> JobView:
+async def submit_manifold(request: ManifoldRequest, submission: SubmissionHere) -> Response:
     """Record manifolds to be grown.
 
     Whether a seed leads to a saddle is known when it is computed: else the job fails and says what is there.
@@ -77,7 +77,7 @@ async def submit_manifold(request: ManifoldRequest, submission: SubmissionHere) 
 
 
 @router.post("/grazing-curves", summary="Submit a grazing curve", **_ACCEPTED)
-async def submit_grazing_curve(request: GrazingCurveRequest, submission: SubmissionHere) -> JobView:
+async def submit_grazing_curve(request: GrazingCurveRequest, submission: SubmissionHere) -> Response:
     """Record a grazing curve and its pre-images to be computed.
 
     The same request again answers with the same job; after a failure or a cancellation, with a new one that goes on

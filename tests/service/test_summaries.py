@@ -64,15 +64,15 @@ def test_many_who_ask_at_once_wait_for_one_reading(service, readings):
     assert {answer.status_code for answer in answers} == {200} and len(readings) <= 2
 
 
-def test_what_was_asked_for_long_ago_makes_room(service, readings, monkeypatch):
-    kept = Summaries(service.results)
+def test_what_was_asked_for_long_ago_makes_room(service, readings):
     jobs = [running(service, cells) for cells in (4, 5, 6)]
     for job in jobs:
         service.jobs.move(job.id, JobState.RUNNING, JobState.SUCCEEDED)
     records = [service.jobs.get(job.id) for job in jobs]
-    size = len(kept.of(records[0])[0])
-    monkeypatch.setattr(summaries, "_MOST_BYTES", int(2.5 * size))
-    for record in records[1:]:
+    size = len(Summaries(service.results).of(records[2]).body)
+    readings.clear()
+    kept = Summaries(service.results, most_bytes=2 * (1024 + size))
+    for record in records:
         kept.of(record)
     kept.of(records[2])
     assert len(readings) == 3
