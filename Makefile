@@ -44,7 +44,7 @@ test-load: $(READY)  ## 300 requests a second for a minute while tiles compute; 
 
 test-backends: $(READY)  ## the tests of service and worker once more, on PostgreSQL and S3
 	@command -v initdb >/dev/null || ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || $(call install,postgresql)
-	RATTLE_TEST_BACKENDS=1 $(BIN)/python -m pytest tests/service tests/worker
+	RATTLE_TEST_BACKENDS=1 $(BIN)/python -m pytest tests/service tests/worker $(ON_TWO_CORES)
 
 test-containers: $(READY)  ## build the image and run it, without an engine; as root
 	@command -v buildah podman runc debootstrap >/dev/null || $(call install,buildah podman runc debootstrap)

@@ -84,7 +84,7 @@ class JobRecord(Base):
     revision: Mapped[int] = mapped_column(default=0, server_default="0", onupdate=text("revision + 1"))
     # Name of its result's store: its own id, or that of the failed or cancelled job whose result it goes on from; NULL
     # while it is being deleted.
-    store: Mapped[str | None] = mapped_column(String(32))
+    store: Mapped[str | None] = mapped_column(String(32), index=True)
 
     @property
     def small(self) -> bool:

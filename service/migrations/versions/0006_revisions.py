@@ -1,4 +1,4 @@
-"""How often each job has changed.
+"""How often each job has changed; and which jobs share a store, found without looking at all of them.
 
 Revision ID: 0006
 Revises: 0005
@@ -16,8 +16,10 @@ depends_on = None
 def upgrade() -> None:
     with op.batch_alter_table("jobs") as jobs:
         jobs.add_column(sa.Column("revision", sa.Integer, nullable=False, server_default="0"))
+        jobs.create_index("ix_jobs_store", ["store"])
 
 
 def downgrade() -> None:
     with op.batch_alter_table("jobs") as jobs:
+        jobs.drop_index("ix_jobs_store")
         jobs.drop_column("revision")
