@@ -3,14 +3,8 @@
 from datetime import datetime
 
 import pytest
-from fastapi.testclient import TestClient
 
-from service.app import create_app
-from service.database import open_database
-from service.database_threads import DatabaseThreads
-from service.jobs import Jobs
-from service.keys import KeyRing, Keys
-from service.settings import Settings
+from tests.service.idle_service import idle_service
 
 SWEEP = {
     "grid": {"time": {"cells": 100}, "velocity": {"cells": 100}}, "iterations": 1499,
@@ -40,33 +34,21 @@ def waited(service, cells):
     return (datetime.fromisoformat(basin["started"]) - datetime.fromisoformat(basin["created"])).total_seconds()
 
 
-class NoRunner:
-    """Nothing runs, so that everything waits."""
-
-    def ring(self):
-        pass
-
-
 @pytest.fixture
-def visitor(tmp_path):
-    """Client of a service with room for three jobs."""
-    settings = Settings(data=tmp_path, max_queued_each=3)
-    app = create_app(settings)
-    engine, sessions = open_database(settings.database)
-    app.state.jobs, app.state.runner = Jobs(sessions, settings.quotas), NoRunner()
-    app.state.key_ring, app.state.threads = KeyRing(Keys(sessions), demanded=False), DatabaseThreads(near=False)
-    yield TestClient(app, base_url="http://127.0.0.1")
-    engine.dispose()
+def visited(monkeypatch, tmp_path):
+    """A service with room for three jobs, which runs none."""
+    with idle_service(monkeypatch, tmp_path, max_queued_each=3) as service:
+        yield service
 
 
-def test_too_much_is_answered_by_429_with_the_limit_and_the_time_to_come_back(visitor):
+def test_too_much_is_answered_by_429_with_the_limit_and_the_time_to_come_back(visited):
     for cells in (4, 5, 6):
-        assert visitor.post("/v1/basins", json=small(cells)).status_code == 202
-    refused = visitor.post("/v1/basins", json=small(7))
+        assert visited.request("POST", "/v1/basins", json=small(cells)).status_code == 202
+    refused = visited.request("POST", "/v1/basins", json=small(7))
     assert refused.status_code == 429
     assert refused.headers["content-type"] == "application/problem+json"
     assert refused.json()["type"] == "/problems/too-much"
     assert "RATTLE_MAX_QUEUED_EACH" in refused.json()["detail"]
     assert 1 <= int(refused.headers["retry-after"]) <= 60
     # The same request as before is the same job: nothing more waits.
-    assert visitor.post("/v1/basins", json=small(4)).status_code == 202
+    assert visited.request("POST", "/v1/basins", json=small(4)).status_code == 202
