@@ -5,7 +5,8 @@ the database.
 """
 
 import re
-from typing import Annotated
+from collections.abc import Awaitable, Callable
+from typing import Annotated, Any
 
 from fastapi import Depends, Path, Request
 from pydantic import AfterValidator
@@ -25,49 +26,13 @@ from service.settings import Settings
 from service.summaries import Summaries
 
 
-async def _settings(request: Request) -> Settings:
-    settings: Settings = request.app.state.settings
-    return settings
+def _kept_as(name: str) -> Callable[[Request], Awaitable[Any]]:
+    """Dependency on what the application's state holds under a name."""
 
+    async def kept(request: Request) -> Any:
+        return getattr(request.app.state, name)
 
-async def _jobs(request: Request) -> Jobs:
-    jobs: Jobs = request.app.state.jobs
-    return jobs
-
-
-async def _threads(request: Request) -> DatabaseThreads:
-    threads: DatabaseThreads = request.app.state.threads
-    return threads
-
-
-async def _views(request: Request) -> JobViews:
-    views: JobViews = request.app.state.views
-    return views
-
-
-async def _runner(request: Request) -> RunnerProcess:
-    runner: RunnerProcess = request.app.state.runner
-    return runner
-
-
-async def _events(request: Request) -> Events:
-    events: Events = request.app.state.events
-    return events
-
-
-async def _feed(request: Request) -> EventFeed:
-    feed: EventFeed = request.app.state.feed
-    return feed
-
-
-async def _probes(request: Request) -> Probes:
-    probes: Probes = request.app.state.probes
-    return probes
-
-
-async def _summaries(request: Request) -> Summaries:
-    summaries: Summaries = request.app.state.summaries
-    return summaries
+    return kept
 
 
 async def _caller(request: Request) -> Caller:
@@ -99,16 +64,16 @@ def demand_ownership(record: JobRecord, caller: Caller) -> None:
 
 _JOB_ID = "[0-9a-f]{32}"
 JobId = Annotated[str, Path(json_schema_extra={"pattern": f"^{_JOB_ID}$"}), AfterValidator(_job_id)]
-EventsHere = Annotated[Events, Depends(_events)]
-ProbesHere = Annotated[Probes, Depends(_probes)]
-FeedHere = Annotated[EventFeed, Depends(_feed)]
-SummariesHere = Annotated[Summaries, Depends(_summaries)]
+EventsHere = Annotated[Events, Depends(_kept_as("events"))]
+ProbesHere = Annotated[Probes, Depends(_kept_as("probes"))]
+FeedHere = Annotated[EventFeed, Depends(_kept_as("feed"))]
+SummariesHere = Annotated[Summaries, Depends(_kept_as("summaries"))]
 CallerHere = Annotated[Caller, Depends(_caller)]
-SettingsHere = Annotated[Settings, Depends(_settings)]
-ViewsHere = Annotated[JobViews, Depends(_views)]
-JobsHere = Annotated[Jobs, Depends(_jobs)]
-ThreadsHere = Annotated[DatabaseThreads, Depends(_threads)]
-RunnerHere = Annotated[RunnerProcess, Depends(_runner)]
+SettingsHere = Annotated[Settings, Depends(_kept_as("settings"))]
+ViewsHere = Annotated[JobViews, Depends(_kept_as("views"))]
+JobsHere = Annotated[Jobs, Depends(_kept_as("jobs"))]
+ThreadsHere = Annotated[DatabaseThreads, Depends(_kept_as("threads"))]
+RunnerHere = Annotated[RunnerProcess, Depends(_kept_as("runner"))]
 SubmitterHere = Annotated[str, Depends(_submitter)]
 
 
