@@ -53,6 +53,17 @@ class RunningService:
         self.signal(signal.SIGKILL)
         self.process.wait(10)
 
+    def wait_until_ready(self):
+        """Until it answers, and has workers."""
+        patience = time.monotonic() + 90.0
+        while True:
+            with contextlib.suppress(httpx.TransportError):
+                if self.request("GET", "/readyz").status_code == 200:
+                    return
+            log = (self.data / "serve.log").read_text()
+            assert self.process.poll() is None and time.monotonic() < patience, f"the service is not ready: {log}"
+            time.sleep(0.1)
+
     def request(self, method, path, **options):
         """Answer to a request."""
         return httpx.request(method, self.url + path, timeout=30.0, **options)
@@ -114,21 +125,10 @@ def running_service(data, port=None, **environment):
     results = settings.get("RATTLE_STORE", str(Path(data) / "results"))
     service = RunningService(f"http://127.0.0.1:{port}", Path(data), process, results)
     try:
-        _wait_until_ready(service)
+        service.wait_until_ready()
         yield service
     finally:
         if process.poll() is None:
             process.send_signal(signal.SIGTERM)
             process.wait(30)
         log.close()
-
-
-def _wait_until_ready(service):
-    patience = time.monotonic() + 90.0
-    while True:
-        with contextlib.suppress(httpx.TransportError):
-            if service.request("GET", "/readyz").status_code == 200:
-                return
-        log = (service.data / "serve.log").read_text()
-        assert service.process.poll() is None and time.monotonic() < patience, f"the service does not start: {log}"
-        time.sleep(0.1)

@@ -9,6 +9,15 @@ import pytest
 from service.cli.interruptible import run_interruptibly
 
 
+@pytest.fixture
+def interruptible():
+    """Ctrl-C interrupts, also where the tests were started by a shell in the background, which has it ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupt_cancels_the_work_and_waits_until_it_has_ended():
     main = threading.main_thread()
 
