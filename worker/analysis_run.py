@@ -17,7 +17,7 @@ from worker.analysis import Analysis, Columns, Plan
 from worker.analysis_job import AnalysisJob
 from worker.analysis_store import AnalysisStore, StoredParts
 from worker.driver import run_tasks
-from worker.errors import StoreConflict
+from worker.errors import StoreConflict, StoreFailed
 from worker.fence import Fence, unfenced
 from worker.progress import Progress, Report, Stage
 from worker.tasks import Task, stop_if_cancelled
@@ -154,8 +154,23 @@ def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, Anal
     """
     store = AnalysisStore(location)
     job = analysis.from_request(store.request)
-    columns = store.read_tables() if store.complete else analysis.assemble(job, store.parts())
-    return job, columns, store
+    if not store.complete:
+        columns, failure = _from_parts(analysis, job, store)
+        # A driver that finishes says so before it removes the parts: where it has not yet, they were whole.
+        store = AnalysisStore(location)
+        if not store.complete:
+            if failure is not None:
+                raise failure
+            return job, columns, store
+    return job, store.read_tables(), store
+
+
+def _from_parts(analysis: Analysis, job: Any, store: AnalysisStore) -> tuple[Columns, Exception | None]:
+    """What the parts that are there give, or why they give nothing."""
+    try:
+        return analysis.assemble(job, store.parts()), None
+    except (StoreFailed, KeyError) as error:
+        return {}, error
 
 
 def fingerprint_of_analysis(location: str) -> bytes:

@@ -14,7 +14,7 @@ import zarr
 
 from worker.analysis import Analysis, Columns
 from worker.analysis_job import AnalysisJob
-from worker.errors import StoreConflict, told_as_store_failure
+from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
 from worker.fence import Fence, unfenced
 from worker.layout import Variable
 from worker.new_store import CONFIG, birth_certificate, consolidate, now
@@ -107,18 +107,34 @@ class AnalysisStore:
             part.attrs[_WHOLE] = True
 
     def read_part(self, name: str) -> Columns:
-        """Columns of a piece that is done."""
+        """Columns of a piece that is done.
+
+        Raises
+        ------
+        StoreFailed
+            Where it is there no longer, as where the driver has finished meanwhile.
+        """
+        part = self._part(name)
+        if part is None:
+            raise StoreFailed(f"the store {self.location} has no part {name} any more")
         with told_as_store_failure(self.location):
-            part = self._group[f"{_PARTS}/{name}"]
             return {column: np.asarray(array[...]) for column, array in part.arrays()}
+
+    def _part(self, name: str) -> Any | None:
+        """Group of a piece, where it is there."""
+        with told_as_store_failure(self.location):
+            try:
+                return self._group[f"{_PARTS}/{name}"]
+            except KeyError:
+                return None
 
     def parts(self) -> "StoredParts":
         """Pieces that are done."""
+        # Zarr's own list of groups would warn of the files that writers of other parts have under way.
         with told_as_store_failure(self.location):
-            if _PARTS not in self._group:
-                return StoredParts(self, [])
-            groups = self._group[_PARTS].groups()
-            return StoredParts(self, [name for name, part in groups if part.attrs.get(_WHOLE)])
+            names = place_at(self.location).folders(_PARTS)
+        found = {name: self._part(name) for name in names}
+        return StoredParts(self, [name for name, part in found.items() if part is not None and part.attrs.get(_WHOLE)])
 
     def publish(self, variables: tuple[Variable, ...], columns: Columns) -> None:
         """Write the tables, in place of those that are there (driver only)."""

@@ -75,6 +75,9 @@ class Place(Protocol):
     def read(self, path: str) -> StoredFile | None:
         """One file by its path within; None where there is none, or the path leads out."""
 
+    def folders(self, path: str) -> list[str]:
+        """Names of what lies below a path within and has something below itself, ascending."""
+
     def sweep(self) -> None:
         """Remove what killed writers have left."""
 
@@ -133,6 +136,13 @@ class _Folder:
                 return StoredFile(opened.read(), f"{status.st_mtime_ns:x}-{status.st_size:x}")
         except (FileNotFoundError, ValueError):  # removed in the meantime, or a name that no file can have
             return None
+
+    def folders(self, path: str) -> list[str]:
+        try:
+            with os.scandir(self.path / path) as found:
+                return sorted(each.name for each in found if each.is_dir())
+        except FileNotFoundError:
+            return []
 
     def sweep(self) -> None:
         for orphan in self.path.rglob("*.partial"):
@@ -219,6 +229,10 @@ class _Objects:
         except (FileNotFoundError, ValueError):  # none there, or a path with steps such as ".."
             return None
         return StoredFile(bytes(answer.bytes()), re.sub(r"\W", "", answer.meta["e_tag"] or ""))
+
+    def folders(self, path: str) -> list[str]:
+        found = obstore.list_with_delimiter(self._store, f"{path}/")
+        return sorted(prefix.rstrip("/").rpartition("/")[2] for prefix in found["common_prefixes"])
 
     def sweep(self) -> None:
         """Nothing: objects appear as a whole or not at all."""

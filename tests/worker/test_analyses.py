@@ -92,6 +92,42 @@ def test_a_cancelled_job_says_what_is_missing_and_resumes_to_the_same_bytes(clie
     assert content(location) == content(stores / job.kind)
 
 
+def test_files_that_others_write_are_no_parts(client, tmp_path):
+    cancel = threading.Event()
+    cancel.set()
+    with pytest.raises(JobCancelled):
+        run(GRAZING, tmp_path / "store", client, cancel=cancel)
+    store = AnalysisStore(str(tmp_path / "store"))
+    store.write_part("done", {"numbers": np.arange(3)})
+    parts = tmp_path / "store" / "parts"
+    (parts / "zarr.0123.partial").write_bytes(b"{")
+    (parts / "begun").mkdir()
+    assert list(store.parts()) == ["done"]
+
+
+@each_kind
+def test_who_reads_while_the_driver_finishes_is_told_the_end(client, stores, tmp_path, job, monkeypatch):
+    location = tmp_path / "store"
+    read, finished = AnalysisStore.parts, []
+
+    def finish_first(store):
+        found = read(store)
+        if not finished:
+            finished.append(True)
+            with monkeypatch.context() as unwatched:
+                unwatched.setattr(AnalysisStore, "parts", read)
+                run(job, location, client)
+        return found
+
+    cancel = threading.Event()
+    with pytest.raises(JobCancelled):
+        run(job, location, client, report=lambda progress: progress.tiles_done and cancel.set(), cancel=cancel)
+    monkeypatch.setattr(AnalysisStore, "parts", finish_first)
+    told = summarise_analysis(ANALYSES[job.kind], str(location))
+    assert finished and told.complete
+    assert told.told == summarise_analysis(ANALYSES[job.kind], str(stores / job.kind)).told
+
+
 @each_kind
 def test_a_complete_store_answers_at_once_and_stays(client, stores, job):
     before, seen = content(stores / job.kind), []
