@@ -76,7 +76,7 @@ from rattle_kernels.special_point_curve import SpecialCurve, continue_special_po
 from rattle_kernels.time_history import Contacts, Direction, TimeHistory, time_history
 from rattle_kernels.trap import set_traps
 from rattle_kernels.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
-from rattle_kernels.warm_up import warm_up, warm_up_curves
+from rattle_kernels.warm_up import warm_up, warm_up_analyses, warm_up_curves
 
 __all__ = [
     "PERMANENT_CONTACT",
@@ -185,6 +185,7 @@ __all__ = [
     "unite",
     "unstable_manifold",
     "warm_up",
+    "warm_up_analyses",
     "warm_up_curves",
     "with_counts",
 ]

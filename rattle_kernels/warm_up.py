@@ -1,35 +1,55 @@
-"""Compile, or load from the disk cache, every kernel that the service needs: done once before work arrives."""
+"""Compile, or load from the disk cache, the kernels that the service needs: done once, before work arrives."""
 
 import numpy as np
 
 from rattle_kernels.attractor_search import find_attractors
+from rattle_kernels.bifurcation_diagram import bifurcation_diagram
 from rattle_kernels.cell_grid import CellGrid
 from rattle_kernels.cell_groups import find_groups, label_cells
 from rattle_kernels.cell_map import map_cells
 from rattle_kernels.grazing_curve import grazing_velocity
 from rattle_kernels.grazing_preimages import grazing_preimages
-from rattle_kernels.image_set import has_members, mark_images, place_images, unite
+from rattle_kernels.image_set import has_members, mark_images, members_of, place_images, unite
+from rattle_kernels.lane_tables import lane_tables
+from rattle_kernels.manifold import ManifoldLimits, stable_manifold
+from rattle_kernels.orbit_closure import OrbitShape
+from rattle_kernels.orbit_continuation import continue_orbit
+from rattle_kernels.orbit_search import find_orbit, find_orbits
 from rattle_kernels.oscillator import Oscillator
 from rattle_kernels.periodic_orbit import find_periodic_orbit
+from rattle_kernels.saddle import find_saddle
 from rattle_kernels.solutions import name_solutions
+from rattle_kernels.special_point import SpecialKind, describe_point, locate, shallowest_in_contact
 from rattle_kernels.time_history import time_history
+from rattle_kernels.trap import set_traps
+
+_STIFF = Oscillator(stiffness=1e4)
+# So little damped that low bounces are bounded by the adiabatic invariant, and that traps pay.
+_WEAK = Oscillator(damping=6e-4, eccentricity=1e-5, half_backlash=6e-4)
+# Departures of P(1,1,0), and of chaos.
+_T, _V = 0.89829, 3.76991
+_CHAOTIC_T, _CHAOTIC_V = 0.553, 4.703
 
 
 def warm_up() -> None:
-    """Run every kernel once on a basin of a few cells."""
+    """Run every kernel of basins, of their pictures and of grazing curves once, on a few cells."""
     oscillator = Oscillator()
     grid = CellGrid(time_cells=4, velocity_cells=4)
     images = map_cells(oscillator, grid, 1, (0, 4), (0, 4))
     # Seeds that settle on the periodic orbit and on the chaotic attractor: both ways of being named.
-    attractors = find_attractors(oscillator, [0.89829, 0.553], [3.76991, 4.703])
+    attractors = find_attractors(oscillator, [_T, _CHAOTIC_T], [_V, _CHAOTIC_V])
     name_solutions(oscillator, attractors, [0.9], [3.77])
     # Twice around P(1,1,0): an orbit of which a part may be the whole.
-    find_periodic_orbit(oscillator, 0.89829, 3.76991, 2, 5.0)
+    find_periodic_orbit(oscillator, _T, _V, 2, 5.0)
     members = unite(grid.cells, [mark_images(grid.cells, images.image_cell)])
     place = np.empty(members.size, np.int32)
     if has_members(members, (0, 4), (0, 4), grid.time_cells):
         place_images(members, (0, 0), grid.time_cells, images.image_cell, place)
+    members_of(members)
     label_cells(find_groups(members, place), np.arange(grid.cells), images.image_cell.ravel())
+    set_traps(oscillator, attractors)
+    for other in (_STIFF, _WEAK):
+        lane_tables(other)
     warm_up_curves()
     grazing_preimages(oscillator, 1)
 
@@ -38,3 +58,18 @@ def warm_up_curves() -> None:
     """Run the kernels of what is drawn beside a basin: its grazing curve, and a motion over time."""
     grazing_velocity(Oscillator(), 0.0)
     time_history(Oscillator(), 0.0, 0.0, 0.0, periods=1.0)
+
+
+def warm_up_analyses() -> None:
+    """Run every kernel of searches for orbits, of continuation, diagrams and manifolds once."""
+    oscillator = Oscillator()
+    find_orbits(oscillator, longest=1, cells=2)
+    found = find_orbit(oscillator, _T, _V)
+    assert found is not None
+    continue_orbit(oscillator, found.orbit, "damping", (0.599, 0.601))
+    bifurcation_diagram(oscillator, "damping", [0.6], [_T], [_V], transient=1, kept=2)
+    locate(SpecialKind.GRAZING, oscillator, "damping", OrbitShape(1, 1), _T, _V)
+    locate(SpecialKind.CONTACT_LOSS, _STIFF, "stiffness", OrbitShape(1, 2), _T, _V)
+    describe_point(SpecialKind.CONTACT_LOSS, "stiffness", OrbitShape(1, 2), _STIFF, _T, 0.0, 0.0, 0.0)
+    shallowest_in_contact(_STIFF, found.orbit.t, found.orbit.v)
+    stable_manifold(oscillator, find_saddle(oscillator, 0.6, 3.77), ManifoldLimits(0.1, 0.0, 7.0))

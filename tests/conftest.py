@@ -6,6 +6,7 @@ import os
 import pytest
 from hypothesis import settings
 
+from rattle_kernels import warm_up, warm_up_analyses
 from tests.object_store import running_object_store
 from tests.postgresql import running_postgresql
 from tests.running_service import BACKENDS, running_service
@@ -15,6 +16,13 @@ os.environ["COLUMNS"] = "200"
 # The first call of a kernel compiles it; the limit per test is pytest-timeout's.
 settings.register_profile("rattle", deadline=None, derandomize=True)
 settings.load_profile("rattle")
+
+
+def pytest_configure(config):
+    """Compile kernels once, before two processes and all their services would do so each for itself."""
+    if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
+        warm_up()
+        warm_up_analyses()
 
 
 @pytest.fixture(scope="session", autouse=True)
