@@ -84,6 +84,16 @@ def tasks_retried() -> int:
     return _retries.total
 
 
+def _outcome(future: Future) -> tuple[bool, Any]:
+    """Whether a task that has ended left a receipt, and that one; else its error, None where its worker was lost."""
+    if future.status == "finished":
+        try:
+            return True, future.result()
+        except Exception as error:  # its worker was killed before it could hand the receipt over
+            return False, error
+    return False, future.exception() if future.status == "error" else None
+
+
 class _Window:
     """Tasks in flight: which task each future is, and how often that was tried."""
 
@@ -108,12 +118,11 @@ class _Window:
     def take(self, future: Future) -> tuple[Task, Any] | None:
         """A finished task and its receipt, its future released at once; None where it was submitted again."""
         task, attempt = self.task_of.pop(future)
-        finished = future.status == "finished"
-        error = future.exception() if future.status == "error" else None
-        receipt = future.result() if finished else None
+        finished, receipt_or_error = _outcome(future)
         future.release()
         if finished:
-            return task, receipt
+            return task, receipt_or_error
+        error = receipt_or_error
         if isinstance(error, WorkerError) and not (isinstance(error, StoreFailed) and attempt < _STORE_TRIES):
             raise error
         if attempt >= _TRIES:

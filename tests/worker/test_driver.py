@@ -5,6 +5,8 @@ import threading
 from pathlib import Path
 
 import pytest
+from distributed import CancelledError, Future
+from distributed.scheduler import KilledWorker
 
 from worker.cluster import _tell_of_settings
 from worker.driver import run_tasks
@@ -36,6 +38,21 @@ def test_a_tile_whose_worker_could_not_reach_the_store_is_tried_once_more(client
     with pytest.raises(StoreConflict):
         run(client, tmp_path / "other", 1, StoreConflict)
     assert [len((tmp_path / name).read_text()) for name in ("once", "twice", "other")] == [2, 2, 1]
+
+
+@pytest.mark.parametrize("lost", [KilledWorker("reach_store", None, 1), CancelledError("reach_store")], ids=repr)
+def test_a_receipt_that_died_with_its_worker_is_computed_again(client, tmp_path, monkeypatch, lost):
+    result, refused = Future.result, []
+
+    def once_refused(future, *arguments):
+        if not refused:
+            refused.append(future.key)
+            raise lost
+        return result(future, *arguments)
+
+    monkeypatch.setattr(Future, "result", once_refused)
+    assert run(client, tmp_path / "place", 0) == [7]
+    assert refused[0].endswith("-a1") and len((tmp_path / "place").read_text()) == 2
 
 
 @pytest.mark.parametrize(("saturation", "failures", "lines"), [(1.0, 1, 0), (1.1, 1, 1), (float("inf"), 3, 2)])
