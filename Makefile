@@ -37,8 +37,7 @@ test-slow: $(READY)  ## run the slow tests as well
 	$(BIN)/python -m pytest $(ON_TWO_CORES) -m 'not browser and not faults and not containers and not hosts'
 
 test-faults: $(READY)  ## kill and fill things from outside (minutes; as root also full and read-only disks)
-	$(BIN)/python -m pytest -m faults tests/faults
-	$(BIN)/python -m pytest -m faults tests/worker --numprocesses 2
+	$(BIN)/python -m pytest -m faults
 
 test-load: $(READY)  ## 300 requests a second for a minute while tiles compute; on a quiet machine
 	RATTLE_LOAD_SECONDS=60 $(BIN)/python -m pytest -m faults -s tests/faults/test_load.py

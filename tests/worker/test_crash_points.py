@@ -1,10 +1,12 @@
 """A driver that dies between any two of its writes: the next one brings the job to the same bytes."""
 
+import asyncio
 import errno
 import threading
 
 import pytest
 import xarray as xr
+from zarr.core.sync import sync
 
 from rattle_kernels import CellGrid
 from tests.store_content import content
@@ -43,6 +45,18 @@ class LastWrite:
         self.left -= 1
         return self.write(*arguments, **options)
 
+    def revive(self):
+        """Let files be written again, once all that the dead process had under way has been refused."""
+        sync(ended())
+        self.left = 10**6
+
+
+async def ended():
+    """Wait for what else runs in Zarr's loop: where one file is refused, it goes on with those beside it."""
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    if others:
+        await asyncio.wait(others, timeout=10.0)
+
 
 @pytest.fixture
 def undisturbed(client, tmp_path, job, last):
@@ -67,7 +81,7 @@ def comes_to_the_same(job, client, last, writes, location, undisturbed):
     try:
         run(job, location, client)
     except StoreFailed:
-        last.left = 10**6
+        last.revive()
         run(job, location, client)
     assert content(location) == content(undisturbed)
     with xr.open_zarr(location) as again, xr.open_zarr(undisturbed) as whole:
@@ -81,8 +95,8 @@ def test_a_driver_that_dies_at_some_of_its_writes_leaves_no_trace(job, client, u
         comes_to_the_same(job, client, last, dead_after, tmp_path / f"{dead_after}.zarr", location)
 
 
-@pytest.mark.faults
-@pytest.mark.timeout(300)
+@pytest.mark.slow
+@pytest.mark.timeout(600)
 def test_a_driver_that_dies_at_any_of_its_writes_leaves_no_trace(job, client, undisturbed, last, tmp_path):
     location, writes = undisturbed
     for dead_after in range(writes):
