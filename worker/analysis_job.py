@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
@@ -81,7 +82,7 @@ def check_departure(time: float, velocity: float, place: Place) -> tuple[float, 
 
 
 @dataclass(frozen=True)
-class AnalysisJob:
+class AnalysisJob(ABC):
     """A job about one oscillator.
 
     Raises
@@ -120,9 +121,9 @@ class AnalysisJob:
         """None: neither cells nor points of samples are computed."""
         return 0
 
+    @abstractmethod
     def asked(self) -> dict[str, Any]:
         """What is asked about the oscillator, as JSON."""
-        raise NotImplementedError
 
     def request(self) -> dict[str, Any]:
         """Request that asks for this job, in the JSON shape of its route."""

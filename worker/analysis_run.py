@@ -160,7 +160,7 @@ def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, Anal
         store = AnalysisStore(location)
         if not store.complete:
             if failure is not None:
-                raise failure
+                raise StoreFailed(f"the store {location} has lost a part of what was found: {failure}") from failure
             return job, columns, store
     return job, store.read_tables(), store
 

@@ -5,38 +5,17 @@ import re
 
 import psutil
 import pytest
-import sqlalchemy as sa
 
-from service.database import connect_database
-from service.job_record import JobRecord
 from tests.running_service import running_service
+from tests.service.many_jobs import add_copies, id_of_copy
 
-JOBS, FIRST = 1_000_000, 10**15
+JOBS = 1_000_000
 BASIN = {"grid": {"time": {"cells": 8}, "velocity": {"cells": 8}}, "iterations": 101}
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 
 
 def other(number):
     return BASIN | {"grid": {"time": {"cells": 8}, "velocity": {"cells": 8, "stop": 5.0 + number * 1e-3}}}
-
-
-def one_of_many(number):
-    """Id of one of the copies: 32 digits."""
-    return f"{FIRST}{FIRST + number}"
-
-
-def copy(engine, job_id):
-    """Make a million more of an ended job."""
-    jobs = JobRecord.__table__
-    numbers = sa.select(sa.literal(FIRST, sa.BigInteger).label("i")).cte("numbers", recursive=True)
-    numbers = numbers.union_all(sa.select(numbers.c.i + 1).where(numbers.c.i < FIRST + JOBS - 1))
-    own = sa.literal(str(FIRST)) + sa.cast(numbers.c.i, sa.String)
-    columns = [column for column in jobs.c if column.name not in ("number", "id", "digest", "answering", "store")]
-    pairs = jobs.join(numbers, jobs.c.id == job_id)
-    copies = sa.select(own, own, own, own, *columns).select_from(pairs)
-    names = ["id", "digest", "answering", "store", *(column.name for column in columns)]
-    with engine.begin() as connection:
-        connection.execute(jobs.insert().from_select(names, copies))
 
 
 def mebibytes(service):
@@ -49,9 +28,7 @@ def test_a_million_small_jobs_take_a_bounded_part_of_memory(tmp_path):
     with running_service(tmp_path, RATTLE_DATABASE_URL=database, RATTLE_MAX_QUEUED_EACH=20) as service:
         first = service.submit(BASIN)
         assert service.wait(first["id"])["state"] == "succeeded"
-        engine = connect_database(database)
-        copy(engine, first["id"])
-        engine.dispose()
+        add_copies(database, first["id"], JOBS)
         before = mebibytes(service)
         link, seen = "/v1/jobs?size=200", 0
         while link and seen < 10_000:
@@ -60,7 +37,7 @@ def test_a_million_small_jobs_take_a_bounded_part_of_memory(tmp_path):
         assert seen == 10_000
         chance = random.Random(6)
         for _ in range(500):
-            job_id = one_of_many(chance.randrange(JOBS))
+            job_id = id_of_copy(chance.randrange(JOBS))
             assert service.request("GET", f"/v1/jobs/{job_id}").json()["id"] == job_id
         told = re.search(r'rattle_jobs{state="succeeded"} (.+)', service.request("GET", "/metrics").text)
         assert float(told[1]) == JOBS + 1
@@ -68,6 +45,6 @@ def test_a_million_small_jobs_take_a_bounded_part_of_memory(tmp_path):
         assert {answer.status_code for answer in asked} == {202, 429}
         last = [answer.json()["id"] for answer in asked if answer.status_code == 202][-1]
         assert service.wait(last)["state"] == "succeeded"
-        assert service.request("DELETE", f"/v1/jobs/{one_of_many(7)}").status_code == 204
+        assert service.request("DELETE", f"/v1/jobs/{id_of_copy(7)}").status_code == 204
         grown = [after - was for after, was in zip(mebibytes(service), before, strict=True)]
         assert max(grown) < 100.0, (before, grown)

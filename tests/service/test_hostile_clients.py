@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 from fastapi import Response
-from sqlalchemy import text
 
 from service import bounded_connection
-from service.job_record import JobRecord, JobState
+from service.job_record import JobState
 from tests.service.idle_service import idle_service
+from tests.service.many_jobs import add_copies
 from worker.basin_job import BasinJob
 from worker.new_store import create_store
 
@@ -284,19 +284,7 @@ def test_a_hundred_thousand_jobs_are_listed_by_pages_as_fast_as_a_few(monkeypatc
     with idle_service(monkeypatch, tmp_path) as service:
         template = service.add_job()
         service.jobs.move(template.id, JobState.QUEUED, JobState.SUCCEEDED)
-        fields = [
-            column.name for column in JobRecord.__table__.columns if column.name not in ("number", "id", "answering")
-        ]
-        copied = ", ".join(fields)
-        with service.jobs._sessions() as session:
-            session.execute(
-                text(
-                    f"INSERT INTO jobs (id, {copied}) WITH RECURSIVE count(n) AS "
-                    "(SELECT 1 UNION ALL SELECT n + 1 FROM count WHERE n < 100000) "
-                    f"SELECT printf('%032x', n), {copied} FROM count, jobs"
-                )
-            )
-            session.commit()
+        add_copies(service.app.state.settings.database, template.id, 100_000)
         service.request("GET", "/v1/jobs?size=200")
         tracemalloc.start()
         begin = time.monotonic()
