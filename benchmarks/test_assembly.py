@@ -21,13 +21,14 @@ from rattle_kernels import (
     place_images,
     unite,
 )
-from worker.assembly import assemble_groups
-from worker.basin_job import BasinJob
-from worker.cluster import local_cluster
-from worker.driver import run_tasks
-from worker.layout import LABELLED, MAPPED
-from worker.store import BasinStore
-from worker.tasks import Task, map_tile
+from worker.basins.assembly import assemble_groups
+from worker.basins.tasks import map_tile
+from worker.cluster.connection import local_cluster
+from worker.cluster.driver import run_tasks
+from worker.cluster.task import Task
+from worker.jobs.basin_job import BasinJob
+from worker.stores.basin_store import BasinStore
+from worker.stores.layout import LABELLED, MAPPED
 
 SIDE = 10_000
 ROWS = 1_000

@@ -5,12 +5,13 @@ import threading
 import pytest
 
 from rattle_kernels import UNDECIDED, CellGrid, Oscillator, map_cells
-from worker.basin_job import BasinJob
-from worker.cluster import local_cluster
-from worker.driver import run_tasks
-from worker.pipeline import run_basin
-from worker.store import BasinStore
-from worker.tasks import Task, map_tile
+from worker.basins.pipeline import run_basin
+from worker.basins.tasks import map_tile
+from worker.cluster.connection import local_cluster
+from worker.cluster.driver import run_tasks
+from worker.cluster.task import Task
+from worker.jobs.basin_job import BasinJob
+from worker.stores.basin_store import BasinStore
 
 PANELS = [
     Oscillator(),

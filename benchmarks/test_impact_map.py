@@ -7,9 +7,9 @@ from benchmarks.accuracy import record
 from benchmarks.paper_recipe import apply_recipe
 from benchmarks.plain_newton import apply_plainly, plain_grazing_table
 from rattle_kernels import Oscillator, grazing_velocity, next_impacts, previous_impacts
-from rattle_kernels.impact_lanes import run_lanes
-from rattle_kernels.impact_map import next_impact
-from rattle_kernels.jit import kernel
+from rattle_kernels.impact_map.apply import next_impact
+from rattle_kernels.lanes.run import run_lanes
+from rattle_kernels.numerics.jit import kernel
 
 DAMPINGS = [Oscillator(), Oscillator(0.5, 0.1, 0.6), Oscillator(0.06, 0.01, 0.06), Oscillator(6e-4, 1e-4, 6e-4)]
 STIFFNESSES = [1e2, 1e3, 1e4, 1e5, 1e6]

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.accuracy import record
 from rattle_kernels import Oscillator
-from tests.rattle_kernels.test_impact_map import _integrated_impact
+from tests.rattle_kernels.impact_map.test_apply import _integrated_impact
 
 
 def test_scipys_dop853(benchmark, departures):

@@ -1,29 +1,30 @@
 """Flights, impact maps and cell mapping of a backlash oscillator: NumPy and Numba, nothing else."""
 
-from rattle_kernels.attractor import Attractor, AttractorKind
-from rattle_kernels.attractor_search import find_attractors
-from rattle_kernels.basin_boundary import boundary_cells, boundary_share
-from rattle_kernels.basin_entropy import BasinEntropy, basin_entropy
-from rattle_kernels.basin_integrity import (
+from rattle_kernels.attractors.attractor import Attractor, AttractorKind
+from rattle_kernels.attractors.attractor_search import find_attractors
+from rattle_kernels.attractors.classify import STRANGER, coarser_boxes, landing_boxes, name_solutions
+from rattle_kernels.attractors.matching import attractor_distance, continue_attractor
+from rattle_kernels.attractors.trapping_region import set_traps
+from rattle_kernels.basin_measures.boundary import boundary_cells, boundary_share
+from rattle_kernels.basin_measures.entropy import BasinEntropy, basin_entropy
+from rattle_kernels.basin_measures.integrity import (
     LargestDisc,
     global_integrity_measure,
     integrity_factor,
     local_integrity_measure,
 )
-from rattle_kernels.bifurcation_diagram import BifurcationDiagram, Motions, bifurcation_diagram, follow_values
-from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
-from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
-from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells, map_points
-from rattle_kernels.continuation import attractor_distance, continue_attractor
-from rattle_kernels.grazing_curve import grazing_velocity
-from rattle_kernels.grazing_preimages import (
-    STRETCHES,
-    TooManyPoints,
-    grazing_preimages,
-    join_stretches,
-    preimages_of_stretch,
+from rattle_kernels.basin_measures.least_disturbance import LeastDisturbance, least_disturbance
+from rattle_kernels.basin_measures.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
+from rattle_kernels.cell_mapping.cell_grid import SINK, CellGrid, check_grid
+from rattle_kernels.cell_mapping.cell_groups import CellGroups, find_groups, label_cells
+from rattle_kernels.cell_mapping.cell_map import (
+    PERMANENT_CONTACT,
+    UNDECIDED,
+    CellImages,
+    map_cells,
+    map_points,
 )
-from rattle_kernels.image_set import (
+from rattle_kernels.cell_mapping.image_set import (
     ImageSet,
     MarkedWords,
     has_members,
@@ -33,13 +34,31 @@ from rattle_kernels.image_set import (
     unite,
     with_counts,
 )
-from rattle_kernels.impact_lanes import next_impacts
-from rattle_kernels.impact_map import Impacts, previous_impacts
-from rattle_kernels.iterations import check_iterations, expected_applications, settled_iterations
-from rattle_kernels.jit import compiled_before
-from rattle_kernels.lane_traps import NO_TRAPS, LaneTraps
-from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
-from rattle_kernels.manifold import (
+from rattle_kernels.cell_mapping.iterations import (
+    check_iterations,
+    expected_applications,
+    settled_iterations,
+)
+from rattle_kernels.impact_map.apply import Impacts, previous_impacts
+from rattle_kernels.impact_map.time_history import Contacts, Direction, TimeHistory, time_history
+from rattle_kernels.lanes.run import next_impacts
+from rattle_kernels.lanes.traps import NO_TRAPS, LaneTraps
+from rattle_kernels.manifolds.grazing_preimages import (
+    STRETCHES,
+    TooManyPoints,
+    grazing_preimages,
+    join_stretches,
+    preimages_of_stretch,
+)
+from rattle_kernels.manifolds.polyline import (
+    CurveResolution,
+    Piece,
+    arclength,
+    check_resolution,
+    split_at_wrap,
+)
+from rattle_kernels.manifolds.saddle import NotASaddle, find_saddle
+from rattle_kernels.manifolds.stable_manifold import (
     ManifoldBranch,
     ManifoldEnd,
     ManifoldLimits,
@@ -47,10 +66,8 @@ from rattle_kernels.manifold import (
     stable_manifold,
     unstable_manifold,
 )
-from rattle_kernels.orbit_beyond_graze import orbit_beyond_graze
-from rattle_kernels.orbit_continuation import Branch, BranchEnd, continue_orbit
-from rattle_kernels.orbit_search import FoundOrbit, find_orbit, find_orbits, merge_orbits
-from rattle_kernels.oscillator import (
+from rattle_kernels.model.grazing_curve import grazing_velocity
+from rattle_kernels.model.oscillator import (
     Oscillator,
     OutsideDomain,
     check_domain,
@@ -61,21 +78,25 @@ from rattle_kernels.oscillator import (
     eccentricity_bound_smooth_maxima,
     stiffness_bound,
 )
-from rattle_kernels.outcome import Outcome
-from rattle_kernels.periodic_orbit import PeriodicOrbit
-from rattle_kernels.polyline import CurveResolution, Piece, arclength, check_resolution, split_at_wrap
-from rattle_kernels.saddle import NotASaddle, find_saddle
-from rattle_kernels.single_contact_orbit import (
+from rattle_kernels.model.outcome import Outcome
+from rattle_kernels.numerics.jit import compiled_before
+from rattle_kernels.orbits.bifurcation_curve import SpecialCurve, continue_special_point
+from rattle_kernels.orbits.bifurcation_diagram import (
+    BifurcationDiagram,
+    Motions,
+    bifurcation_diagram,
+    follow_values,
+)
+from rattle_kernels.orbits.bifurcation_point import SpecialKind, SpecialPoint
+from rattle_kernels.orbits.continuation import Branch, BranchEnd, continue_orbit
+from rattle_kernels.orbits.orbit_beyond_graze import orbit_beyond_graze
+from rattle_kernels.orbits.orbit_search import FoundOrbit, find_orbit, find_orbits, merge_orbits
+from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
+from rattle_kernels.orbits.single_contact_orbit import (
     SingleContactOrbit,
     eccentricity_bound_single_contact,
     single_contact_orbits,
 )
-from rattle_kernels.solutions import STRANGER, coarser_boxes, landing_boxes, name_solutions
-from rattle_kernels.special_point import SpecialKind, SpecialPoint
-from rattle_kernels.special_point_curve import SpecialCurve, continue_special_point
-from rattle_kernels.time_history import Contacts, Direction, TimeHistory, time_history
-from rattle_kernels.trap import set_traps
-from rattle_kernels.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
 from rattle_kernels.warm_up import warm_up, warm_up_analyses, warm_up_curves
 
 __all__ = [

@@ -2,26 +2,31 @@
 
 import numpy as np
 
-from rattle_kernels.attractor_search import find_attractors
-from rattle_kernels.bifurcation_diagram import bifurcation_diagram
-from rattle_kernels.cell_grid import CellGrid
-from rattle_kernels.cell_groups import find_groups, label_cells
-from rattle_kernels.cell_map import map_cells
-from rattle_kernels.grazing_curve import grazing_velocity
-from rattle_kernels.grazing_preimages import grazing_preimages
-from rattle_kernels.image_set import has_members, mark_images, members_of, place_images, unite
-from rattle_kernels.lane_tables import lane_tables
-from rattle_kernels.manifold import ManifoldLimits, stable_manifold
-from rattle_kernels.orbit_closure import OrbitShape
-from rattle_kernels.orbit_continuation import continue_orbit
-from rattle_kernels.orbit_search import find_orbit, find_orbits
-from rattle_kernels.oscillator import Oscillator
-from rattle_kernels.periodic_orbit import find_periodic_orbit
-from rattle_kernels.saddle import find_saddle
-from rattle_kernels.solutions import name_solutions
-from rattle_kernels.special_point import SpecialKind, describe_point, locate, shallowest_in_contact
-from rattle_kernels.time_history import time_history
-from rattle_kernels.trap import set_traps
+from rattle_kernels.attractors.attractor_search import find_attractors
+from rattle_kernels.attractors.classify import name_solutions
+from rattle_kernels.attractors.trapping_region import set_traps
+from rattle_kernels.cell_mapping.cell_grid import CellGrid
+from rattle_kernels.cell_mapping.cell_groups import find_groups, label_cells
+from rattle_kernels.cell_mapping.cell_map import map_cells
+from rattle_kernels.cell_mapping.image_set import has_members, mark_images, members_of, place_images, unite
+from rattle_kernels.impact_map.time_history import time_history
+from rattle_kernels.lanes.tables import lane_tables
+from rattle_kernels.manifolds.grazing_preimages import grazing_preimages
+from rattle_kernels.manifolds.saddle import find_saddle
+from rattle_kernels.manifolds.stable_manifold import ManifoldLimits, stable_manifold
+from rattle_kernels.model.grazing_curve import grazing_velocity
+from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.orbits.bifurcation_diagram import bifurcation_diagram
+from rattle_kernels.orbits.bifurcation_point import (
+    SpecialKind,
+    describe_point,
+    locate,
+    shallowest_in_contact,
+)
+from rattle_kernels.orbits.closure import OrbitShape
+from rattle_kernels.orbits.continuation import continue_orbit
+from rattle_kernels.orbits.orbit_search import find_orbit, find_orbits
+from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
 _STIFF = Oscillator(stiffness=1e4)
 # So little damped that low bounces are bounded by the adiabatic invariant, and that traps pay.

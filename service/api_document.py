@@ -4,8 +4,8 @@ from typing import Any
 
 from fastapi import FastAPI
 
-from service.doors import OPEN_PATHS, demanded_scope
-from service.models import EventView, Problem
+from service.middleware.authentication import OPEN_PATHS, demanded_scope
+from service.models.models import EventView, Problem
 
 _ANYWHERE = {
     401: "no key, or none of this service's",

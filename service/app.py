@@ -10,19 +10,21 @@ from anyio import to_thread
 from fastapi import FastAPI
 
 from rattle_kernels import warm_up_curves
-from service.access import Access
+from service.answers.event_feed import EventFeed
+from service.answers.job_views import JobViews
+from service.answers.readiness import Probe, Probes
+from service.answers.summaries import Summaries
 from service.api_document import describe
-from service.database import open_database
-from service.database_threads import DatabaseThreads
-from service.doors import Doors
 from service.errors import install_error_handlers
-from service.event_feed import EventFeed
-from service.events import Events
-from service.job_views import JobViews
-from service.jobs import Jobs
-from service.keys import KeyRing, Keys
-from service.readiness import Probe, Probes
-from service.request_body import RequestBody
+from service.middleware.access import Access
+from service.middleware.authentication import Doors
+from service.middleware.request_body import RequestBody
+from service.middleware.security_headers import SecurityHeaders
+from service.records.engine import open_database
+from service.records.events import Events
+from service.records.jobs import Jobs
+from service.records.keys import KeyRing, Keys
+from service.records.threads import DatabaseThreads
 from service.routes import (
     checks,
     events,
@@ -35,10 +37,8 @@ from service.routes import (
     trajectories,
     viewer,
 )
-from service.runner_process import RunnerProcess
-from service.security_headers import SecurityHeaders
+from service.runner.process import RunnerProcess
 from service.settings import Settings
-from service.summaries import Summaries
 
 # Kernels are loaded in a third of a second; compiled, the first time, in ten, for which a service that stops waits not.
 _LOADED_SECONDS = 2.0

@@ -14,7 +14,6 @@ from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 
 from rattle_kernels import OutsideDomain
-from service.oscillator_model import IMPACTING, PIECEWISE_LINEAR
 from worker.errors import (
     ClusterFailed,
     InvalidJob,
@@ -25,6 +24,7 @@ from worker.errors import (
     SweptOutsideDomain,
     TileFailed,
 )
+from worker.jobs.oscillator_request import IMPACTING, PIECEWISE_LINEAR
 
 _log = logging.getLogger("rattle.service")
 

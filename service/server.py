@@ -6,7 +6,7 @@ from functools import partial
 import uvicorn
 from fastapi import FastAPI
 
-from service.bounded_connection import BoundedConnection, Bounds
+from service.middleware.bounded_connection import BoundedConnection, Bounds
 from service.settings import Settings
 
 _STOP_SECONDS = 2

@@ -1,5 +1,6 @@
 """Settings of the service: one class, read once, passed in."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -7,10 +8,18 @@ from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from service.logs import LogFormat
-from service.quotas import Quotas
-from worker.certificates import Certificates
+from worker.cluster.certificates import Certificates
 
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
+
+
+@dataclass(frozen=True)
+class Quotas:
+    """The most jobs that wait, of all and of each submitter, and the most cells or points a submitter has under way."""
+
+    queued: int
+    queued_each: int
+    places_each: int
 
 
 class Settings(BaseSettings):

@@ -15,7 +15,7 @@ import psutil
 
 from tests.object_store import BUCKET
 from tests.ports import free_port
-from worker.result_files import result_location
+from worker.stores.result_files import result_location
 
 
 @dataclass
@@ -28,7 +28,7 @@ class RunningService:
     results: str
 
     def store_of(self, job):
-        """Place of a job's store, as `worker.reading.open_basin` takes it."""
+        """Place of a job's store, as `worker.views.reading.open_basin` takes it."""
         return result_location(self.results, job["id"])
 
     def runner(self):

@@ -18,14 +18,14 @@ from service.cli.oscillator import (
     Stiffness,
     oscillator_of,
 )
-from service.oscillator_model import PermanentContact
-from worker.analysis_job import Region
-from worker.analysis_run import AnalysisSummary
-from worker.bifurcation_job import BifurcationJob, Direction
+from service.models.oscillator import PermanentContact
+from worker.analyses.run import AnalysisSummary
 from worker.errors import InvalidJob
-from worker.grazing_curve_job import GrazingCurveJob
-from worker.manifold_job import Itinerary, ManifoldJob, Side
-from worker.orbits_job import Continuation, OrbitSeed, OrbitsJob
+from worker.jobs.analysis_job import Region
+from worker.jobs.bifurcation_job import BifurcationJob, Direction
+from worker.jobs.grazing_curve_job import GrazingCurveJob
+from worker.jobs.manifold_job import Itinerary, ManifoldJob, Side
+from worker.jobs.orbits_job import Continuation, OrbitSeed, OrbitsJob
 
 Time = Annotated[tuple[float, float], typer.Option(help="Phases of the region searched")]
 Velocity = Annotated[tuple[float, float], typer.Option(help="Speeds of the region searched")]

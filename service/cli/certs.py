@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from service.cli.console import give_up, out
-from worker.certificates import make_certificates
+from worker.cluster.certificates import make_certificates
 
 
 def certs(

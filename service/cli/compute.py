@@ -16,12 +16,12 @@ from service.cli.oscillator import (
     Stiffness,
     oscillator_of,
 )
-from service.oscillator_model import PermanentContact
-from worker.basin_job import SETTLED, BasinJob
+from service.models.oscillator import PermanentContact
 from worker.errors import InvalidJob
-from worker.results import BasinSummary
-from worker.sample import Sample
-from worker.swept_parameter import Spacing, SweptParameter
+from worker.jobs.basin_job import SETTLED, BasinJob
+from worker.jobs.sample import Sample
+from worker.jobs.swept_parameter import Spacing, SweptParameter
+from worker.stores.summary import BasinSummary
 
 Out = Annotated[
     str, typer.Option("--out", help="Zarr store to write, a folder or s3://BUCKET/PREFIX; an unfinished one is resumed")

@@ -10,9 +10,9 @@ from rich.table import Table
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.cli.console import err, give_up, out
-from service.database import open_database
-from service.key_record import KeyScope
-from service.keys import InvalidKeyName, Keys
+from service.records.engine import open_database
+from service.records.key_record import KeyScope
+from service.records.keys import InvalidKeyName, Keys
 from service.settings import Settings
 
 Data = Annotated[

@@ -12,13 +12,13 @@ from service.cli.keys import opened_keys
 from service.logs import write_logs
 from service.server import Server
 from service.settings import Settings
-from worker.analysis_kinds import ANALYSES, draw_analysis
-from worker.analysis_store import kind_of_store
+from worker.analyses.kinds import ANALYSES, draw_analysis
 from worker.errors import InvalidJob, WorkerError
-from worker.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
-from worker.panel_picture import Layer
-from worker.picture import draw_basin
-from worker.share_chart import draw_shares
+from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
+from worker.pictures.panel_picture import Layer
+from worker.pictures.picture import draw_basin
+from worker.pictures.share_chart import draw_shares
+from worker.stores.analysis_store import kind_of_store
 
 
 def serve(

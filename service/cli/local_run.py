@@ -6,14 +6,14 @@ from typing import Any
 from rattle_kernels import OutsideDomain
 from service.cli.console import announce_compiling, give_up, out, progress_line
 from service.cli.interruptible import run_interruptibly
-from service.oscillator_model import demand_quiet
+from service.models.oscillator import demand_quiet
 from service.settings import Settings
-from worker.analysis_kinds import ANALYSES
-from worker.cluster import connect
+from worker.analyses.kinds import ANALYSES
+from worker.cluster.connection import connect
 from worker.errors import InvalidJob, JobCancelled, WorkerError
 from worker.fence import unfenced
 from worker.job import Job
-from worker.job_kinds import JOB_KINDS
+from worker.kinds import JOB_KINDS
 from worker.progress import Progress
 
 

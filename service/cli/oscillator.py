@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from rattle_kernels import Oscillator
-from service.oscillator_model import PermanentContact
+from service.models.oscillator import PermanentContact
 
 Damping = Annotated[float, typer.Option(help="delta")]
 Eccentricity = Annotated[float, typer.Option(help="epsilon, below the bounds of Eqs. (3) and (8)")]

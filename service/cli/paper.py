@@ -9,7 +9,7 @@ from rattle_kernels import CellGrid
 from service.cli.console import announce_compiling, give_up, out, progress_line
 from service.cli.interruptible import run_interruptibly
 from service.settings import Settings
-from worker.cluster import connect
+from worker.cluster.connection import connect
 from worker.errors import InvalidJob, JobCancelled, WorkerError
 
 if TYPE_CHECKING:

@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory, check_domain, check_quiet, time_history
+from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory, check_domain, check_quiet
+from rattle_kernels.impact_map import time_history
 from service.cli.console import announce_compiling, give_up, out
 from service.cli.oscillator import (
     AllowNoQuietSolution,
@@ -17,9 +18,9 @@ from service.cli.oscillator import (
     Stiffness,
     oscillator_of,
 )
-from service.oscillator_model import PermanentContact, demand_quiet
-from service.trajectory_model import initial_state
-from worker.history_picture import draw_history
+from service.models.oscillator import PermanentContact, demand_quiet
+from service.models.trajectory import initial_state
+from worker.pictures.history_picture import draw_history
 
 _OUTCOMES = {
     Outcome.RETURNED: "rattles on",

@@ -4,8 +4,8 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Body
 
-from service.checks import CheckView, check_request
-from service.dependencies import SettingsHere, problems
+from service.answers.checks import CheckView, check_request
+from service.routes.dependencies import SettingsHere, problems
 
 router = APIRouter(prefix="/v1", tags=["submit"])
 

@@ -7,9 +7,9 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Header, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.dependencies import EventsHere, FeedHere, JobId, JobsHere, problems
-from service.event_record import EventRecord
-from service.models import EventView
+from service.models.models import EventView
+from service.records.event_record import EventRecord
+from service.routes.dependencies import EventsHere, FeedHere, JobId, JobsHere, problems
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["jobs"])
 

@@ -3,7 +3,7 @@
 from fastapi import APIRouter, Response
 from pydantic import BaseModel
 
-from service.dependencies import ProbesHere
+from service.routes.dependencies import ProbesHere
 
 router = APIRouter(tags=["health"])
 

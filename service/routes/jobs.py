@@ -5,8 +5,11 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
 
-from service.conditional import NOT_MODIFIED, IfNoneMatch, json_or_not_modified
-from service.dependencies import (
+from service.answers.conditional import NOT_MODIFIED, IfNoneMatch, json_or_not_modified
+from service.errors import Unstoppable
+from service.models.models import JobPage, JobView
+from service.records.job_record import JobState
+from service.routes.dependencies import (
     CallerHere,
     JobId,
     JobsHere,
@@ -17,10 +20,7 @@ from service.dependencies import (
     demand_ownership,
     problems,
 )
-from service.errors import Unstoppable
-from service.job_record import JobState
-from service.models import JobPage, JobView
-from worker.result_files import remove_result, result_location
+from worker.stores.result_files import remove_result, result_location
 
 router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
 

@@ -2,8 +2,8 @@
 
 from fastapi import APIRouter, Response
 
-from service import metrics
-from service.dependencies import JobsHere, RunnerHere
+from service.middleware import metrics
+from service.routes.dependencies import JobsHere, RunnerHere
 
 router = APIRouter(tags=["health"])
 

@@ -9,18 +9,24 @@ from anyio import to_thread
 from fastapi import APIRouter, Request, Response
 from pydantic import AfterValidator
 
-from service.analysis_requests import AnalysisResult
-from service.byte_range import answer_range
-from service.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, json_or_not_modified, not_modified
-from service.dependencies import JobId, JobsHere, SettingsHere, SummariesHere, ThreadsHere, problems
+from service.answers.byte_range import answer_range
+from service.answers.conditional import (
+    NOT_MODIFIED,
+    IfNoneMatch,
+    etag_of,
+    json_or_not_modified,
+    not_modified,
+)
+from service.answers.result_view import draw_result, place_of_result, result_fingerprint
 from service.errors import JobNotFound, NotReady
-from service.models import ResultView
-from service.result_view import draw_result, place_of_result, result_fingerprint
+from service.models.analysis_requests import AnalysisResult
+from service.models.models import ResultView
+from service.routes.dependencies import JobId, JobsHere, SettingsHere, SummariesHere, ThreadsHere, problems
 from worker.errors import InvalidJob
-from worker.panel_picture import Layer
-from worker.result_files import file_of_store
-from worker.results import fingerprint
-from worker.share_chart import draw_shares
+from worker.pictures.panel_picture import Layer
+from worker.pictures.share_chart import draw_shares
+from worker.stores.result_files import file_of_store
+from worker.stores.summary import fingerprint
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
 

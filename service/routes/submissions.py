@@ -8,10 +8,15 @@ from typing import Any
 
 from fastapi import APIRouter, Response
 
-from service.analysis_requests import BifurcationRequest, GrazingCurveRequest, ManifoldRequest, OrbitsRequest
-from service.dependencies import problems
-from service.models import BasinRequest, JobView, SweepRequest
-from service.submission import SubmissionHere
+from service.models.analysis_requests import (
+    BifurcationRequest,
+    GrazingCurveRequest,
+    ManifoldRequest,
+    OrbitsRequest,
+)
+from service.models.models import BasinRequest, JobView, SweepRequest
+from service.routes.dependencies import problems
+from service.routes.submission import SubmissionHere
 
 router = APIRouter(prefix="/v1", tags=["submit"])
 

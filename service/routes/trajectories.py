@@ -2,9 +2,9 @@
 
 from fastapi import APIRouter
 
-from service.dependencies import SettingsHere, problems
 from service.errors import LimitExceeded
-from service.trajectory_model import TrajectoryRequest, TrajectoryView
+from service.models.trajectory import TrajectoryRequest, TrajectoryView
+from service.routes.dependencies import SettingsHere, problems
 
 router = APIRouter(prefix="/v1", tags=["trajectories"])
 

@@ -6,16 +6,22 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Query, Response
 
-from service.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, not_modified, view_or_not_modified
-from service.dependencies import JobId, JobsHere, SettingsHere, problems
+from service.answers.conditional import (
+    NOT_MODIFIED,
+    IfNoneMatch,
+    etag_of,
+    not_modified,
+    view_or_not_modified,
+)
 from service.errors import NotReady
+from service.models.viewer import OutlineView, OverlaysView, OverlayView
+from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems
 from service.routes.results import location_of
-from service.viewer_models import OutlineView, OverlaysView, OverlayView
-from worker.overlay_kind import OverlayKind
-from worker.panel_outline import outline_panel
-from worker.panel_overlays import overlay_panel
-from worker.results import fingerprint
-from worker.tile_labels import read_tile_labels
+from worker.pictures.overlay_kind import OverlayKind
+from worker.stores.summary import fingerprint
+from worker.views.outline import outline_panel
+from worker.views.overlays import overlay_panel
+from worker.views.tile_labels import read_tile_labels
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["viewer"])
 

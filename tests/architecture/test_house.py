@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import rattle_kernels
-from service.models import BasinRequest
+from service.models.models import BasinRequest
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text()

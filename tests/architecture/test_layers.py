@@ -28,7 +28,7 @@ def test_a_planted_import_is_caught(tmp_path):
     flight = tmp_path / "rattle_kernels" / "flight.py"
     flight.write_text(flight.read_text() + "\nimport worker.tiles\n")
     answer = lint_imports(tmp_path)
-    assert answer.returncode != 0 and "rattle_kernels.flight" in answer.stdout
+    assert answer.returncode != 0 and "rattle_kernels.model.flight" in answer.stdout
 
 
 def test_the_kernels_load_nothing_heavy():

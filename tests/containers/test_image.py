@@ -8,7 +8,7 @@ import httpx2 as httpx
 import pytest
 
 from tests.ports import free_port
-from tests.service.test_analyses_over_http import ROUTES as ANALYSES
+from tests.service.routes.test_analyses_over_http import ROUTES as ANALYSES
 
 pytestmark = pytest.mark.containers
 

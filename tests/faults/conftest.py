@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from service.models import BasinRequest, SweepRequest
+from service.models.models import BasinRequest, SweepRequest
 from tests.faults.farm import ENVIRONMENT, starts
 from tests.running_service import running_service
 from tests.store_content import content
-from worker.cluster import local_cluster
-from worker.pipeline import run_basin
+from worker.basins.pipeline import run_basin
+from worker.cluster.connection import local_cluster
 
 BASIN = {"grid": {"time": {"cells": 300}, "velocity": {"cells": 300}}, "iterations": 15013}
 SWEEP = {

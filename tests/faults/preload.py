@@ -8,7 +8,7 @@ import signal
 
 from distributed import WorkerPlugin
 
-from worker import tasks
+from worker.basins import tasks
 
 POISON = 0.6180339887
 """Damping of an oscillator whose tiles kill their worker."""

@@ -16,7 +16,7 @@ from tests.hosts.network import Network
 from tests.hosts.supervisor import Supervisor
 from tests.object_store import ObjectStore
 from tests.postgresql import running_postgresql
-from worker.certificates import make_certificates
+from worker.cluster.certificates import make_certificates
 
 pytestmark = pytest.mark.hosts
 

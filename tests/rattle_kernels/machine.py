@@ -3,8 +3,8 @@
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind, Oscillator
-from rattle_kernels.lane_tables import lane_tables
-from rattle_kernels.periodic_orbit import find_periodic_orbit
+from rattle_kernels.lanes.tables import lane_tables
+from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
 MACHINE = Oscillator(6e-4, 1e-4, 6e-4)
 

@@ -9,22 +9,28 @@ import rattle_kernels
 from rattle_kernels import warm_up, warm_up_analyses
 
 # Of what users call from Python alone: measures of pictures, inverse maps, orbits beyond a graze.
-FROM_PYTHON_ALONE = {"basin_entropy", "basin_integrity", "distance_transform", "impact_map", "orbit_beyond_graze"}
-FROM_PYTHON_ALONE |= {"uncertainty_exponent"}
+FROM_PYTHON_ALONE = {
+    "basin_measures.entropy",
+    "basin_measures.integrity",
+    "basin_measures.uncertainty_exponent",
+    "impact_map.apply",
+    "numerics.distance_transform",
+    "orbits.orbit_beyond_graze",
+}
 
 
 def kernels():
     """Entry points that are cached on disk, by module and name."""
     found = {}
-    for each in pkgutil.iter_modules(rattle_kernels.__path__):
-        module = importlib.import_module(f"rattle_kernels.{each.name}")
+    for each in pkgutil.walk_packages(rattle_kernels.__path__, "rattle_kernels."):
+        module = importlib.import_module(each.name)
         for name, function in vars(module).items():
             if (
                 isinstance(function, Dispatcher)
                 and function.__module__ == module.__name__
                 and function.stats.cache_path
             ):
-                found[each.name, name] = function
+                found[each.name.removeprefix("rattle_kernels."), name] = function
     return found
 
 

@@ -10,11 +10,11 @@ import httpx2 as httpx
 
 from rattle_kernels import CellGrid
 from service import app as application
-from service import run_metrics
+from service.runner import metrics as run_metrics
 from service.server import Server
 from service.settings import Settings
 from tests.running_service import free_port
-from worker.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob
 
 
 class IdleRunner:

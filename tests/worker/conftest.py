@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from rattle_kernels import CellGrid
-from tests.worker.made_up import CHAOS, QUIET, RATTLE
-from worker.basin_job import BasinJob
-from worker.cluster import local_cluster
-from worker.layout import LABELLED, SOLUTION, TileState
-from worker.solution_table import SolutionTable, motion_of
-from worker.store import BasinStore
+from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE
+from worker.cluster.connection import local_cluster
+from worker.jobs.basin_job import BasinJob
+from worker.stores.basin_store import BasinStore
+from worker.stores.layout import LABELLED, SOLUTION, TileState
+from worker.stores.solution_table import SolutionTable, motion_of
 
 
 @pytest.fixture(scope="session")

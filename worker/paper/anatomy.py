@@ -12,15 +12,15 @@ from rattle_kernels import (
     Piece,
     boundary_share,
     find_saddle,
-    grazing_preimages,
     single_contact_orbits,
     stable_manifold,
 )
-from worker.basin_job import BasinJob
-from worker.overlay import Lines, Marks, manifold_lines, saddle_marks
+from rattle_kernels.manifolds import grazing_preimages
+from worker.jobs.basin_job import BasinJob
 from worker.paper.basin_view import BasinView
 from worker.paper.orbits_told import orbits_named, told_orbit
 from worker.paper.papers_oscillator import papers_basin
+from worker.pictures.overlay import Lines, Marks, manifold_lines, saddle_marks
 
 BASIN = "basin"
 # Colours of Fig. 15, and widths: B's stays visible between the stripes of A's.

@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from rattle_kernels import Attractor, AttractorKind, Oscillator
-from worker import colours
-from worker.overlay import Overlay, attractor_marks, grazing_line
-from worker.panel_picture import frame
 from worker.paper.basin_view import BasinView
 from worker.paper.transients import on_transient
+from worker.pictures import colours
+from worker.pictures.overlay import Overlay, attractor_marks, grazing_line
+from worker.pictures.panel_picture import frame
 
 _MOST_DOTS = 4096
 _NO_POINTS = np.empty(0)

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle_kernels import Attractor, Oscillator
-from worker.basin_job import BasinJob
-from worker.reading import attractors_of, job_of, open_basin, panel_of
-from worker.results import count_images
-from worker.store import BasinStore
+from worker.jobs.basin_job import BasinJob
+from worker.stores.basin_store import BasinStore
+from worker.stores.summary import count_images
+from worker.views.reading import attractors_of, job_of, open_basin, panel_of
 
 # Cells each way at the most: beyond, every n-th cell stands for its neighbours (labels cannot be averaged).
 _MOST_CELLS = 1000

@@ -21,9 +21,9 @@ from rattle_kernels import (
     TimeHistory,
     find_attractors,
     name_solutions,
-    time_history,
 )
-from rattle_kernels.impact_lanes import run_lanes
+from rattle_kernels.impact_map import time_history
+from rattle_kernels.lanes.run import run_lanes
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.history_panel import draw_history_panel
 from worker.paper.solutions_told import told_motion, told_oscillator

@@ -7,23 +7,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle_kernels import (
-    BifurcationDiagram,
-    Branch,
-    CellGrid,
-    PeriodicOrbit,
-    SpecialKind,
-    bifurcation_diagram,
-    continue_orbit,
-)
-from worker.basin_job import BasinJob
-from worker.overlay import attractor_marks, saddle_marks
+from rattle_kernels import BifurcationDiagram, Branch, CellGrid, PeriodicOrbit, SpecialKind, continue_orbit
+from rattle_kernels.orbits import bifurcation_diagram
+from worker.jobs.basin_job import BasinJob
 from worker.paper.basin_panel import draw_panel, legend_of
 from worker.paper.basin_view import BasinView, view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.orbits_told import orbits_named, the_orbit, the_point, told_orbit, told_point
 from worker.paper.papers_oscillator import papers_basin, papers_oscillator
 from worker.paper.solutions_told import told_basin
+from worker.pictures.overlay import attractor_marks, saddle_marks
 
 _NAME = "P(1,2,0)"
 _FIRST, _LAST = 0.575, 0.6

@@ -6,8 +6,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from rattle_kernels import CellGrid
-from worker.basin_job import BasinJob
-from worker.overlay import attractor_marks
+from worker.jobs.basin_job import BasinJob
 from worker.paper.basin_view import view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.history_panel import draw_history_panel
@@ -15,6 +14,7 @@ from worker.paper.marked_basin import draw_marked, history_of
 from worker.paper.orbits_told import the_orbit, told_orbit, told_window
 from worker.paper.papers_oscillator import papers_basin, papers_oscillator
 from worker.paper.solutions_told import told_basin
+from worker.pictures.overlay import attractor_marks
 
 _DAMPING = 0.527
 _NAME = "P(3,3,2)"

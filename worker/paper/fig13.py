@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 from matplotlib.figure import Figure
 
 from rattle_kernels import CellGrid, FoundOrbit
-from worker.basin_job import BasinJob
-from worker.overlay import Marks
+from worker.jobs.basin_job import BasinJob
 from worker.paper.basin_view import BasinView, view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.history_panel import draw_history_panel
@@ -15,6 +14,7 @@ from worker.paper.marked_basin import draw_marked, history_of
 from worker.paper.orbits_told import orbits_named, told_orbit, told_window
 from worker.paper.papers_oscillator import papers_basin
 from worker.paper.solutions_told import told_basin
+from worker.pictures.overlay import Marks
 
 _PERIODS = 12.0
 

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from rattle_kernels import CellGrid
-from worker.basin_job import BasinJob
-from worker.overlay import preimage_lines
+from worker.jobs.basin_job import BasinJob
 from worker.paper.anatomy import (
     BASIN,
     manifold_overlays,
@@ -21,6 +20,7 @@ from worker.paper.fig15 import ARCLENGTH
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.papers_oscillator import papers_basin
 from worker.paper.solutions_told import told_oscillator
+from worker.pictures.overlay import preimage_lines
 
 # The paper does not print its section. This one holds both saddles, all three basins, and both kinds of curves.
 _TIME, _VELOCITY = (0.55, 1.0), (3.0, 4.8)

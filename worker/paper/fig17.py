@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rattle_kernels import Oscillator, next_impacts
-from worker.panel_picture import frame
 from worker.paper.anatomy import manifold_overlays, manifolds, saddle_overlays, told_manifold
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.papers_oscillator import papers_oscillator
 from worker.paper.solutions_told import told_oscillator
+from worker.pictures.panel_picture import frame
 
 _HIGHEST = 40.0
 # With it, A's manifold comes within a cell of all boundaries of a picture of 1600 x 1600 cells (docs/manifolds.md).

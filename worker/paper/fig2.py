@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from worker.history_picture import draw_boundaries
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.papers_oscillator import papers_oscillator
 from worker.paper.solutions_told import told_oscillator
 from worker.paper.three_flights import Flights, three_flights, told_flight
+from worker.pictures.history_picture import draw_boundaries
 
 _PHASE = 0.6
 _NAMES = {"a": "next impact with +β", "b": "next impact with −β", "c": "grazes −β"}

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from rattle_kernels import CellGrid
-from worker.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob
 from worker.paper.basin_panel import draw_panel, legend_of, model_of
 from worker.paper.basin_view import view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell

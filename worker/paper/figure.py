@@ -7,7 +7,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from rattle_kernels import CellGrid
-from worker.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob
 
 Tell = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and how much there is; it raises where work shall stop."""

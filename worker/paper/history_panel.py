@@ -4,7 +4,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import ConnectionPatch
 
 from rattle_kernels import Oscillator, TimeHistory
-from worker.history_picture import draw_boundaries
+from worker.pictures.history_picture import draw_boundaries
 
 # Of the span drawn, what is left free above and below.
 _MARGIN = 0.15

@@ -9,13 +9,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from rattle_kernels import Attractor, AttractorKind, CellGrid, Oscillator
-from worker.basin_job import BasinJob
-from worker.colours import colours_of
+from worker.jobs.basin_job import BasinJob
 from worker.paper.basin_panel import draw_panel, model_of
 from worker.paper.basin_view import BasinView, view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.solutions_told import told_oscillator
-from worker.reading import open_basin
+from worker.pictures.colours import colours_of
+from worker.views.reading import open_basin
 
 _DAMPINGS = {"delta 0.06": 0.06, "delta 6e-3": 6e-3, "delta 6e-4": 6e-4}
 _STIFFNESS = 1000.0

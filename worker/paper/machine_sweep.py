@@ -10,14 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rattle_kernels import AttractorKind, CellGrid, Oscillator
-from rattle_kernels.capture import fastest_below
-from rattle_kernels.lane_tables import lane_tables
-from worker.basin_job import BasinJob
+from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
+from rattle_kernels.impact_map.chatter import fastest_below
+from worker.jobs.basin_job import BasinJob
+from worker.jobs.sample import Sample
+from worker.jobs.swept_parameter import SweptParameter
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.machine import machine_oscillator
-from worker.reading import job_of, open_basin
-from worker.sample import Sample
-from worker.swept_parameter import SweptParameter
+from worker.views.reading import job_of, open_basin
 
 _MACHINE = machine_oscillator(6e-4)
 # Beyond eps/delta = 0.2 the region of capture is so small that low bounces do not sink into it within k.
@@ -44,7 +44,7 @@ def _basins(grid: CellGrid) -> dict[str, BasinJob]:
 
 def _proven_quiet(oscillator: Oscillator) -> float:
     """Speed below which a departure at any phase is in the region of capture: it ends in quiet, by proof."""
-    bound = lane_tables(oscillator).capture_bound
+    bound = capture_bound(oscillator)
     return float(min(fastest_below(oscillator, bound, phase) for phase in _PHASES))
 
 

@@ -13,7 +13,7 @@ from rattle_kernels import (
     find_orbits,
     grazing_velocity,
 )
-from rattle_kernels.periodic_orbit import find_periodic_orbit
+from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
 # Enough for the orbits that the paper names.
 _SEARCH_CELLS = 24

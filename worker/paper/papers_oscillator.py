@@ -3,7 +3,7 @@
 import math
 
 from rattle_kernels import CellGrid, Oscillator
-from worker.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob
 
 ITERATIONS = 1499
 

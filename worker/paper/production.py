@@ -16,12 +16,12 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from rattle_kernels import CellGrid
-from worker.basin_job import BasinJob
+from worker.basins.pipeline import run_basin
 from worker.errors import JobCancelled
+from worker.jobs.basin_job import BasinJob
 from worker.paper.figure import PaperFigure, Sheet, Tell
-from worker.pipeline import run_basin
 from worker.progress import Progress
-from worker.store import BasinStore
+from worker.stores.basin_store import BasinStore
 
 _DIGITS = 12
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind, Oscillator
-from rattle_kernels.attractor import PERMANENT_CONTACT_ATTRACTOR
+from rattle_kernels.attractors.attractor import PERMANENT_CONTACT_ATTRACTOR
 from worker.paper.basin_view import BasinView
 from worker.paper.transients import on_transient
 

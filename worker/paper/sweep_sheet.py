@@ -9,18 +9,18 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from rattle_kernels import CellGrid
-from worker.basin_job import BasinJob
-from worker.colours import CHAOTIC, colours_of
+from worker.jobs.basin_job import BasinJob
+from worker.jobs.swept_parameter import Spacing, SweptParameter
 from worker.paper.basin_panel import attractor_overlays, draw_panel
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.papers_oscillator import ITERATIONS, papers_oscillator
 from worker.paper.solutions_told import told_basin
 from worker.paper.sweep_view import SweepView, view_sweep
 from worker.paper.transients import on_transient
-from worker.results import Change
-from worker.share_chart import draw_lines
-from worker.swept_parameter import Spacing, SweptParameter
-from worker.symbols import SYMBOLS
+from worker.pictures.colours import CHAOTIC, colours_of
+from worker.pictures.share_chart import draw_lines
+from worker.pictures.symbols import SYMBOLS
+from worker.stores.summary import Change
 
 _PANELS, _COLUMNS = 9, 3
 _SWEEP = "sweep"

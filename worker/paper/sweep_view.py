@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from worker.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob
 from worker.paper.basin_view import BasinView, view_basin
-from worker.results import Change, summarise
+from worker.stores.summary import Change, summarise
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind, Oscillator, grazing_velocity, next_impacts
-from rattle_kernels.lyapunov import tangent_growth
+from rattle_kernels.lanes.lyapunov import tangent_growth
 from worker.paper.basin_view import BasinView
 
 # An orbit's multipliers bring a motion this close within some tens of impacts; by chance, a point of the transients is

@@ -1,0 +1,1 @@
+"""Attractors: which motion a point ends in."""

@@ -1,0 +1,192 @@
+"""The catalogue of motions that landing points end in: permanent contact, periodic orbits, chaos.
+
+A seed (a landing point) is followed by P itself until it is clear where it ends:
+
+1. captured by ever lower bounces: permanent contact;
+2. it lands on an attractor already in the catalogue (`neighbourhoods`): nothing new;
+3. it comes back close to itself after p impacts: the orbit there is polished by Newton and its multipliers decide.
+   Slow convergence is not chaos;
+4. else a crowd is started beside it (`wandering`). Where most of the crowd settle it was on a short transient, and ends
+   in what they end in. Where most do not, and their largest Lyapunov exponent is positive by several standard errors,
+   this is chaos: an attractor where none of the crowd leaves it, else a transient, beside what it is left for;
+5. else it is undecided, and says so.
+
+Seeds are taken in ascending order, so the catalogue depends on the set of seeds alone.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rattle_kernels.attractors.attractor import (
+    PERMANENT_CONTACT_ATTRACTOR,
+    UNDECIDED_ATTRACTOR,
+    Attractor,
+    AttractorKind,
+)
+from rattle_kernels.attractors.chaotic_transient import CROWD, wander
+from rattle_kernels.attractors.neighbourhoods import hit_the_same_boxes, locate, neighbourhoods
+from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
+from rattle_kernels.lanes.run import run_lanes
+from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.outcome import Outcome
+from rattle_kernels.numerics.pausing import Pause, never_stopped
+
+_SETTLING = 4096
+# A quarter of a second.
+_APPLICATIONS_AT_A_TIME = 1 << 24
+# Transients through a chaotic saddle are given this many crowds of 16,384 impacts before a motion is left undecided.
+_PATIENCE = 4
+# After so many seeds in a row that led to nothing new, the rest is left to be named, and counted where it cannot be.
+_FRUITLESS_SEEDS = 8
+
+
+def _orbits_of(oscillator: Oscillator, ends: np.ndarray) -> list[Attractor]:
+    """The attracting periodic orbits that settled trajectories approach, of each of them its own."""
+    orbits = [settled_orbit(oscillator, t, v) for t, v in ends.tolist()]
+    return [attractor_of(orbit) for orbit in orbits if orbit is not None]
+
+
+def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Pause) -> list[Attractor]:
+    """Motion that one trajectory ends in, whatever the catalogue holds; a transient, and what it was left for."""
+    for _ in range(_PATIENCE):
+        orbit = settled_orbit(oscillator, t, v)
+        if orbit is not None:
+            return [attractor_of(orbit)]
+        crowd = wander(oscillator, t, v, pause)
+        ends = _orbits_of(oscillator, crowd.settled if crowd.chaotic else crowd.ends)
+        left = crowd.captured + len(ends)
+        if 2 * left > CROWD:
+            return ends or [PERMANENT_CONTACT_ATTRACTOR]
+        if crowd.chaotic:
+            kind = AttractorKind.CHAOTIC_TRANSIENT if left else AttractorKind.CHAOTIC
+            points = crowd.t, crowd.v, crowd.mean_life(left)
+            return [Attractor(kind, 0, 0, 0, crowd.exponent, crowd.error, *points), *ends]
+        t, v = float(crowd.t[-1]), float(crowd.v[-1])
+    return [UNDECIDED_ATTRACTOR]
+
+
+def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> bool:
+    """Whether a motion is in the catalogue: by itself where it has no points, else by where its last point arrives."""
+    if not motion.time.size:
+        return any(listed.kind == motion.kind for listed in catalogue)
+    return bool(
+        locate(oscillator, neighbourhoods(oscillator, catalogue), motion.time[-1:], motion.velocity[-1:])[0] >= 0
+    )
+
+
+def _overlapping(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> int | None:
+    """Which chaotic attractor of the catalogue a chaotic motion is a part of, or has as its part; None where none is.
+
+    One of the two may be a long transient through the other's surroundings. Listed apart, they would share their boxes,
+    which then would tell nothing, so that every seed would find one attractor more.
+    """
+    if not motion.wanders:
+        return None
+    chaotic = [i for i, listed in enumerate(catalogue) if listed.wanders]
+    return next((i for i in chaotic if hit_the_same_boxes(oscillator, motion, catalogue[i])), None)
+
+
+def _united(known: Attractor, motion: Attractor) -> Attractor:
+    """One chaos with half of the points of either; a transient where one of the crowds has been seen to leave."""
+    time = np.concatenate([known.time[::2], motion.time[::2]])
+    velocity = np.concatenate([known.velocity[::2], motion.velocity[::2]])
+    rates = np.nan_to_num([1.0 / known.mean_life, 1.0 / motion.mean_life])
+    lasts = not rates.any()
+    return motion._replace(
+        kind=AttractorKind.CHAOTIC if lasts else AttractorKind.CHAOTIC_TRANSIENT,
+        time=time, velocity=velocity, mean_life=np.nan if lasts else float(1.0 / rates.mean()),
+    )  # fmt: skip
+
+
+def _list(oscillator: Oscillator, motion: Attractor, catalogue: list[Attractor]) -> bool:
+    """Enter a motion in the catalogue; whether it is new there."""
+    same = _overlapping(oscillator, motion, catalogue)
+    if same is not None:
+        catalogue[same] = _united(catalogue[same], motion)
+        return False
+    new = not _is_known(oscillator, motion, catalogue)
+    if new:
+        catalogue.append(motion)
+    return new
+
+
+def _settle(
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int, pause: Pause
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where points are after many applications, those captured left out."""
+    times, speeds = [t[:0]], [v[:0]]
+    at_a_time = max(64, _APPLICATIONS_AT_A_TIME // applications)
+    for start in range(0, t.size, at_a_time):
+        pause()
+        part = slice(start, start + at_a_time)
+        settled, _ = run_lanes(oscillator, t[part], v[part], applications, shortcuts=True)
+        left = settled.outcome == Outcome.RETURNED
+        times.append(settled.t[left])
+        speeds.append(settled.v[left])
+    return np.concatenate(times), np.concatenate(speeds)
+
+
+def _canonical(found: Sequence[Attractor]) -> tuple[Attractor, ...]:
+    def key(attractor: Attractor) -> tuple[float, ...]:
+        kinds = AttractorKind.PERMANENT_CONTACT, AttractorKind.PERIODIC, AttractorKind.CHAOTIC
+        place = {kind: number for number, kind in enumerate((*kinds, AttractorKind.CHAOTIC_TRANSIENT))}
+        contacts = attractor.upper_contacts, attractor.forcing_periods, attractor.lower_contacts
+        lowest = (round(float(attractor.velocity.min()), 9), float(attractor.time[0])) if attractor.time.size else ()
+        return (place.get(attractor.kind, len(place)), *contacts, *lowest)
+
+    return tuple(sorted(found, key=key))
+
+
+def find_attractors(
+    oscillator: Oscillator,
+    t: np.typing.ArrayLike,
+    v: np.typing.ArrayLike,
+    known: Sequence[Attractor] = (),
+    pause: Pause = never_stopped,
+) -> tuple[Attractor, ...]:
+    """Catalogue of the motions that seeds end in.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Impacting model.
+    t, v : array_like, shape (n,)
+        Seeds: phases and speeds of departures from +beta, such as one landing point of every part of the plane.
+    known : sequence of Attractor
+        A catalogue to extend.
+    pause : callable
+        Called several times a second; what it raises ends the search.
+
+    Returns
+    -------
+    tuple of Attractor
+        Permanent contact first, always; then periodic orbits by (n+, m, n-) and lowest speed, then chaotic attractors,
+        then chaotic transients; UNDECIDED last and only where some seed is.
+
+    Raises
+    ------
+    OutsideDomain
+        Where the oscillator's parameters lie outside the domain of the map.
+    """
+    checked = check_domain(oscillator)
+    catalogue = list(known) or [PERMANENT_CONTACT_ATTRACTOR]
+    seeds = np.unique(np.column_stack([np.asarray(t, np.float64), np.asarray(v, np.float64)]), axis=0)
+    t_left, v_left = _settle(checked, seeds[:, 0].copy(), seeds[:, 1].copy(), _SETTLING, pause)
+    fruitless = 0
+    while t_left.size and fruitless < _FRUITLESS_SEEDS:
+        pause()
+        places = locate(checked, neighbourhoods(checked, catalogue), t_left, v_left)
+        t_left, v_left = t_left[places < 0], v_left[places < 0]
+        if not t_left.size:
+            break
+        motions = _motions_of(checked, float(t_left[0]), float(v_left[0]), pause)
+        t_left, v_left = t_left[1:], v_left[1:]
+        if any([_list(checked, motion, catalogue) for motion in motions]):
+            fruitless = 0
+        else:
+            fruitless += 1
+            # A long transient: the others are likely on one too, and lanes follow them a hundred times faster than one
+            # by one.
+            t_left, v_left = _settle(checked, t_left, v_left, 16 * _SETTLING, pause)
+    return _canonical(catalogue)

@@ -1,0 +1,107 @@
+"""Solution of each landing point: the motion it truly ends in, whatever window it was seen in."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rattle_kernels.attractors.attractor import Attractor
+from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
+from rattle_kernels.model.grazing_curve import largest_grazing_speed
+from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.numerics.pausing import Pause, never_stopped
+
+STRANGER = -1
+"""No attractor of a catalogue."""
+
+# Transients of chaotic saddles: 32 more legs of 4093 impacts before a point is called a stranger.
+_LEGS = 32
+_LATTICE = 512
+# A leg of so many points takes some 0.4 s.
+_POINTS_AT_A_TIME = 8192
+
+
+def name_solutions(
+    oscillator: Oscillator,
+    attractors: Sequence[Attractor],
+    t: np.typing.ArrayLike,
+    v: np.typing.ArrayLike,
+    pause: Pause = never_stopped,
+) -> np.ndarray:
+    """Index of the attractor that each landing point ends in, found by following P from it.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Impacting model.
+    attractors : sequence of Attractor
+        A catalogue of `find_attractors`: permanent contact first.
+    t, v : array_like, shape (n,)
+        Landing points: finite phases and speeds of departures from +beta.
+    pause : callable
+        Called several times a second; what it raises ends the search.
+
+    Returns
+    -------
+    ndarray of int16, shape (n,)
+        STRANGER (-1) where a point arrived at no attractor of the catalogue within some 130,000 impacts.
+
+    Raises
+    ------
+    OutsideDomain
+        Where the oscillator's parameters lie outside the domain of the map.
+    ValueError
+        Where a point is no departure: not finite, or not faster than 0.
+    """
+    checked = check_domain(oscillator)
+    times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
+    if not (np.isfinite(times).all() and np.isfinite(speeds).all() and (speeds > 0.0).all()):
+        raise ValueError("landing points must be finite with positive speeds; captured cells have none: leave them out")
+    times = times - np.floor(times)
+    times[times == 1.0] = 0.0  # what a phase just below 0 rounds to
+    around = neighbourhoods(checked, attractors)
+    places = np.empty(times.size, np.int16)
+    for start in range(0, times.size, _POINTS_AT_A_TIME):
+        part = slice(start, start + _POINTS_AT_A_TIME)
+        places[part] = locate(checked, around, times[part], speeds[part], _LEGS, pause)
+    return places
+
+
+def landing_boxes(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.ArrayLike) -> np.ndarray:
+    """Box of a coarse lattice in which each landing point lies: 512 to a period and to the natural speed.
+
+    One landing point of every box is seed enough for a catalogue, however many cells there are.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Impacting model.
+    t, v : array_like, shape (n,)
+        Landing points; NaN where a cell has none.
+
+    Returns
+    -------
+    ndarray of int64, shape (n,)
+        Box numbers, -1 for NaN.
+    """
+    scale = largest_grazing_speed(check_domain(oscillator))
+    times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
+    known = np.isfinite(times) & np.isfinite(speeds)
+    columns = np.minimum((np.where(known, times, 0.0) * _LATTICE).astype(np.int64), _LATTICE - 1)
+    rows = (np.where(known, speeds, 0.0) / scale * _LATTICE).astype(np.int64)
+    return np.where(known, rows * _LATTICE + columns, -1)
+
+
+def coarser_boxes(boxes: np.ndarray) -> np.ndarray:
+    """Boxes of the lattice that is half as fine each way, in which given ones lie.
+
+    Parameters
+    ----------
+    boxes : ndarray of int64, shape (n,)
+        Numbers of `landing_boxes`, or of this function; not negative.
+
+    Returns
+    -------
+    ndarray of int64, shape (n,)
+    """
+    rows, columns = np.divmod(boxes, _LATTICE)
+    return rows // 2 * _LATTICE + columns // 2

@@ -1,0 +1,264 @@
+"""When a trajectory may be said to have arrived at an attractor.
+
+*Periodic orbit*: an ellipse around its slowest point in which P^p contracts. The quadratic form solves the discrete
+Lyapunov equation of DP^p (which exists because both multipliers lie inside the unit circle), and the ellipse is shrunk
+until P^p itself brings points on four rings in it closer, in that norm. Grazing inside the ellipse would break that and
+so shrinks it. Around every other point an ellipse that P brings into the first one, seen in the same way.
+
+*Chaos*, an attractor or a long transient: a lattice of boxes, 2048 to a period and to the natural speed, marked by a
+million of its points. A trajectory has arrived when it has hit marked boxes of one attractor on 24 impacts in a row. A
+trajectory of a neighbouring basin can pass through marked boxes, but to do so 24 times it would have to start within
+2048^-1 e^(-24 lambda) or so of the attractor's own orbits, lambda its exponent per impact: the sets are told apart far
+below the size of any cell.
+
+*Capture* by ever lower bounces is decided by `capture`.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.attractors.attractor import Attractor, AttractorKind
+from rattle_kernels.lanes.arrival import BOXES, ELLIPSE_COLUMNS, UNMARKED, boxes_passed, follow
+from rattle_kernels.lanes.run import next_impacts, run_lanes
+from rattle_kernels.lanes.tables import lane_tables
+from rattle_kernels.model.grazing_curve import largest_grazing_speed
+from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.model.outcome import Outcome
+from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, derivatives_along, find_periodic_orbit
+
+_MARKING_ROUNDS = 256
+_ROUNDS = 200
+# After a carry: enough for a streak. What has settled is recognised at once, what has not is carried on.
+_ROUNDS_AFTER_A_CARRY = 40
+_SHARED_BOX = -2
+_SAME_PART = 0.1
+
+_LARGEST_ELLIPSE = 0.05
+_SMALLEST_ELLIPSE = 1e-9
+_DIRECTIONS = 48
+_RINGS = (1.0, 0.5, 0.25, 0.125)
+
+
+class Neighbourhoods(NamedTuple):
+    """Where each attractor of a catalogue is recognised.
+
+    ``centre`` (shape (n, 2)): points of periodic orbits, phase and speed; ``form`` (n, 3): the ellipse ``form0 dt^2 + 2
+    form1 dt dv + form2 dv^2 <= 1`` around each; ``owner`` (n,): index of the attractor. ``ellipse``: numbers of those
+    that reach into each of ELLIPSE_COLUMNS parts of the period, from ``first_ellipse`` of the part to that of the next.
+    ``box_owner`` (rows, BOXES) int16: index of the chaos that marked a box. ``speed_scale``: the speed that BOXES rows
+    make up.
+    """
+
+    centre: np.ndarray
+    form: np.ndarray
+    owner: np.ndarray
+    first_ellipse: np.ndarray
+    ellipse: np.ndarray
+    box_owner: np.ndarray
+    speed_scale: float
+
+
+def _contracting_form(jacobian: np.ndarray, speed_scale: float) -> tuple[np.ndarray, float]:
+    """Quadratic form in (dt, dv/speed_scale) that DP^p contracts, and the factor per turn."""
+    scaling = np.diag([1.0, 1.0 / speed_scale])
+    scaled = scaling @ jacobian @ np.linalg.inv(scaling)
+    factor = 0.5 * (1.0 + np.abs(np.linalg.eigvals(scaled)).max())
+    slow = scaled / factor
+    form = np.linalg.solve(np.eye(4) - np.kron(slow.T, slow.T), np.eye(2).ravel()).reshape(2, 2)
+    return form / np.linalg.eigvalsh(form).min(), factor
+
+
+def _ring(root: np.ndarray) -> np.ndarray:
+    """Points on four ellipses of a form root^T root, the outermost of size 1, as columns."""
+    angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    ring = np.linalg.solve(root, np.array([np.cos(angles), np.sin(angles)]))
+    return np.concatenate([part * ring for part in _RINGS], axis=1)
+
+
+def _norms_after(
+    oscillator: Oscillator, orbit: PeriodicOrbit, at: int, offsets: np.ndarray, form: np.ndarray, speed_scale: float
+) -> np.ndarray | None:
+    """Norms of offsets from a point of an orbit, once they have come to its first one; None where one cannot start."""
+    t, v = orbit.t[at] + offsets[0], orbit.v[at] + offsets[1] * speed_scale
+    if not v.min() > 0.0:
+        return None
+    landed = next_impacts(oscillator, t, v, orbit.upper_contacts - at)
+    apart = landed.t - orbit.t[0]
+    offset = np.array([apart - np.rint(apart), (landed.v - orbit.v[0]) / speed_scale])
+    return np.sqrt(np.einsum("in,ij,jn->n", offset, form, offset))
+
+
+def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, speed_scale: float) -> list[np.ndarray]:
+    """Roots of the forms of ellipses around an orbit's points: P^p contracts the first, P brings the others into it."""
+    scaling = np.diag([1.0, 1.0 / speed_scale])
+    first, factor = _contracting_form(orbit.jacobians[0], speed_scale)
+    bounds = 0.5 * (1.0 + factor) * np.repeat(_RINGS, _DIRECTIONS)
+    roots, size = [], _LARGEST_ELLIPSE
+    root_of_first = np.linalg.cholesky(first).T
+    onward, derivatives = np.eye(2), derivatives_along(oscillator, orbit)
+    for at in (0, *range(orbit.upper_contacts - 1, 0, -1)):
+        if at > 0:
+            # What the linear map brings to the edge of the first ellipse is taken half as far, for what is not linear.
+            onward = onward @ (scaling @ derivatives[at] @ np.linalg.inv(scaling))
+        # Where damping is strong an ellipse would reach far beyond where anything is linear. The form's root is put
+        # together, not the form: along orbits of hundreds of impacts its eigenvalues are sixteen digits apart.
+        reach = 0.0 if at == 0 else size / _LARGEST_ELLIPSE
+        root = np.linalg.qr(np.vstack([root_of_first @ onward, reach * np.eye(2)])).R
+        rings, here = _ring(root), size if at == 0 else 0.5 * size
+        while here > _SMALLEST_ELLIPSE:
+            norms = _norms_after(oscillator, orbit, at, here * rings, first, speed_scale)
+            if norms is not None and (norms <= (here * bounds if at == 0 else size)).all():
+                break
+            here *= 0.5
+        size = here if at == 0 else size
+        roots.append(root @ scaling / here)
+    return [roots[0], *roots[:0:-1]]
+
+
+@lru_cache(maxsize=256)
+def _ellipses(oscillator: Oscillator, times: bytes, speeds: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points of a periodic orbit, the forms of the ellipses around them, and how far in time these reach."""
+    scale = largest_grazing_speed(oscillator)
+    t, v = np.frombuffer(times), np.frombuffer(speeds)
+    orbit = find_periodic_orbit(oscillator, float(t[0]), float(v[0]), t.size, scale)
+    if orbit is None:
+        raise ValueError(f"the catalogue's orbit at t = {t[0]}, v = {v[0]} is no orbit of {oscillator}")
+    roots = np.array(_ellipses_along(oscillator, orbit, scale))
+    forms = np.einsum("nij,nik->njk", roots, roots)[:, (0, 0, 1), (0, 1, 1)]
+    reach = np.hypot(*np.linalg.inv(roots)[:, 0].T)
+    return np.column_stack([orbit.t, orbit.v]), forms, reach
+
+
+@lru_cache(maxsize=16)
+def _boxes(oscillator: Oscillator, times: bytes, speeds: bytes) -> np.ndarray:
+    """Numbers of the boxes that the points of a chaotic attractor and their next iterates hit, ascending."""
+    t, v = np.frombuffer(times), np.frombuffer(speeds)
+    passed = np.empty((t.size, _MARKING_ROUNDS), np.int64)
+    boxes_passed(oscillator, lane_tables(oscillator), t, v, passed)
+    marked = np.zeros(passed.max(initial=0) + 1, bool)
+    marked[passed[passed >= 0]] = True
+    return np.flatnonzero(marked)
+
+
+def hit_the_same_boxes(oscillator: Oscillator, one: Attractor, other: Attractor) -> bool:
+    """Whether two chaotic motions are one: a tenth of the boxes that the lesser hits are hit by the other, too.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    one, other : Attractor
+        Chaotic ones.
+
+    Returns
+    -------
+    bool
+    """
+    some = _boxes(oscillator, one.time.tobytes(), one.velocity.tobytes())
+    others = _boxes(oscillator, other.time.tobytes(), other.velocity.tobytes())
+    return np.intersect1d(some, others).size > _SAME_PART * min(some.size, others.size)
+
+
+def _own_boxes(marked: dict[int, np.ndarray]) -> np.ndarray:
+    """Lattice of the boxes' owners; a box that two attractors hit tells nothing."""
+    rows = 1 + max((int(boxes[-1]) // BOXES for boxes in marked.values()), default=0)
+    owner = np.full(rows * BOXES, UNMARKED, np.int16)
+    for index, boxes in marked.items():
+        owner[boxes] = np.where(owner[boxes] == UNMARKED, index, _SHARED_BOX)
+    return owner.reshape(rows, BOXES)
+
+
+def _by_column(phase: np.ndarray, reach: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where the ellipses of each column of phases begin, and their numbers, ascending in each."""
+    reach = reach + 1e-12
+    lowest = np.floor((phase - reach) * ELLIPSE_COLUMNS).astype(np.int64)
+    columns = np.minimum(np.floor((phase + reach) * ELLIPSE_COLUMNS).astype(np.int64) - lowest + 1, ELLIPSE_COLUMNS)
+    number = np.repeat(np.arange(phase.size), columns)
+    within = np.arange(number.size) - np.repeat(np.cumsum(columns) - columns, columns)
+    column = (lowest[number] + within) % ELLIPSE_COLUMNS
+    first = np.concatenate([[0], np.cumsum(np.bincount(column, minlength=ELLIPSE_COLUMNS))])
+    return first, number[np.argsort(column, kind="stable")]
+
+
+def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> Neighbourhoods:
+    """Neighbourhoods of a catalogue; what belongs to one attractor is built once per process.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    attractors : sequence of Attractor
+        Permanent contact first.
+
+    Returns
+    -------
+    Neighbourhoods
+    """
+    ellipses, owner = [(np.empty((0, 2)), np.empty((0, 3)), np.empty(0))], []
+    marked = {}
+    for index, attractor in enumerate(attractors):
+        if not attractor.time.size:  # permanent contact; or a sweep's catalogue, which lists what other basins have
+            continue
+        points = attractor.time.tobytes(), attractor.velocity.tobytes()
+        if attractor.wanders:
+            marked[index] = _boxes(oscillator, *points)
+        elif attractor.kind == AttractorKind.PERIODIC:
+            ellipses.append(_ellipses(oscillator, *points))
+            owner += [index] * attractor.time.size
+    scale = largest_grazing_speed(oscillator)
+    centres, forms, reach = (np.concatenate(parts) for parts in zip(*ellipses, strict=True))
+    return Neighbourhoods(
+        centres, forms, np.array(owner, np.int64), *_by_column(centres[:, 0], reach), _own_boxes(marked), scale
+    )
+
+
+def locate(
+    oscillator: Oscillator,
+    around: Neighbourhoods,
+    t: np.ndarray,
+    v: np.ndarray,
+    legs: int = 0,
+    pause: Pause = never_stopped,
+) -> np.ndarray:
+    """Follow points by P until each has arrived at an attractor.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    around : Neighbourhoods
+        Of the catalogue.
+    t, v : ndarray of float64, shape (n,)
+        Departures from +beta.
+    legs : int
+        How often a point that has not arrived within 200 impacts is carried another 4093 and looked at for 40 more
+        (transients).
+    pause : callable
+        Called between legs; what it raises ends the search.
+
+    Returns
+    -------
+    ndarray of int64, shape (n,)
+        Index of the attractor, -1 where it arrived at none. Each point's answer is independent of the others.
+    """
+    tables = lane_tables(oscillator)
+    place = np.full(t.size, -1, np.int64)
+    left, t, v = np.arange(t.size), t.copy(), v.copy()
+    for leg in range(legs + 1):
+        pause()
+        if leg > 0:
+            carried, _ = run_lanes(oscillator, t, v, 4093, shortcuts=True)
+            place[left[carried.outcome == Outcome.PERMANENT_CONTACT]] = 0
+            going = carried.outcome == Outcome.RETURNED
+            left, t, v = left[going], carried.t[going], carried.v[going]
+        arrived = np.full(left.size, -1, np.int64)
+        follow(oscillator, tables, around, _ROUNDS_AFTER_A_CARRY if leg > 0 else _ROUNDS, t, v, arrived)
+        place[left] = arrived
+        left, t, v = (field[arrived < 0] for field in (left, t, v))
+        if not left.size:
+            break
+    return place

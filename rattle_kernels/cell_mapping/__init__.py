@@ -1,0 +1,1 @@
+"""Hsu's cell mapping: grid, images, groups, periods and steps."""

@@ -1,0 +1,219 @@
+"""The image set: the distinct images of all cells, one bit a cell.
+
+Closed under the map, it holds every cycle, and Hsu's algorithm needs nothing else. A bit a cell is 12 MB for 1e8 cells
+whatever the map does: marking an image and asking for its place among the members are one look-up each, where sorted
+cell numbers would have to be searched. What a tile reports are only the words in which it set a bit.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.numerics.jit import kernel, step
+
+_WORD = 64
+
+
+class ImageSet(NamedTuple):
+    """Members of a set of cells, and how many come before each word.
+
+    ``words`` (uint64, one for 64 cells) has bit ``cell % 64`` of word ``cell // 64`` set where a cell is a member;
+    ``before`` (int64, one more than words) counts the members below each word, the last entry all of them.
+    """
+
+    words: np.ndarray
+    before: np.ndarray
+
+    @property
+    def size(self) -> int:
+        """Number of members."""
+        return int(self.before[-1])
+
+
+class MarkedWords(NamedTuple):
+    """Part of a set as it travels: the words with a bit set (uint64), and which they are (int64, ascending)."""
+
+    number: np.ndarray
+    word: np.ndarray
+
+
+@kernel
+def _mark(image_cell, words):
+    for i in range(image_cell.size):
+        cell = image_cell[i]
+        if cell >= 0:
+            words[cell >> 6] |= np.uint64(1) << np.uint64(cell & 63)
+
+
+@kernel
+def _list_members(words, cells):
+    found = 0
+    for i in range(words.size):
+        word = words[i]
+        bit = 0
+        while word != 0:
+            if word & np.uint64(1):
+                cells[found] = i * 64 + bit
+                found += 1
+            word >>= np.uint64(1)
+            bit += 1
+
+
+@step
+def place_of(image_set, cell):
+    """Place of a cell among the members, in ascending order; -1 where it is none."""
+    words, before = image_set
+    number = cell >> 6
+    if number >= words.size:
+        return -1
+    bit = np.uint64(1) << np.uint64(cell & 63)
+    if words[number] & bit == 0:
+        return -1
+    return before[number] + _count_bits(words[number] & (bit - np.uint64(1)))
+
+
+@step
+def _count_bits(word):
+    # The bitwise sum that LLVM knows as one instruction.
+    word = word - ((word >> np.uint64(1)) & np.uint64(0x5555555555555555))
+    word = (word & np.uint64(0x3333333333333333)) + ((word >> np.uint64(2)) & np.uint64(0x3333333333333333))
+    word = (word + (word >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
+    return np.int64((word * np.uint64(0x0101010101010101)) >> np.uint64(56))
+
+
+def mark_images(cells: int, image_cell: np.ndarray) -> MarkedWords:
+    """Distinct images among some.
+
+    Parameters
+    ----------
+    cells : int
+        Number of cells of the whole grid.
+    image_cell : ndarray of int64
+        Cell numbers below `cells`; negative (reserved) images are passed over.
+
+    Returns
+    -------
+    MarkedWords
+    """
+    words = np.zeros(-(-cells // _WORD), np.uint64)
+    _mark(image_cell.ravel(), words)
+    number = np.flatnonzero(words)
+    return MarkedWords(number, words[number])
+
+
+def unite(cells: int, parts: list[MarkedWords]) -> ImageSet:
+    """Union of the images that all tiles have reported.
+
+    Parameters
+    ----------
+    cells : int
+        Number of cells of the whole grid.
+    parts : list of MarkedWords
+
+    Returns
+    -------
+    ImageSet
+    """
+    words = np.zeros(-(-cells // _WORD), np.uint64)
+    for part in parts:
+        words[part.number] |= part.word
+    return with_counts(words)
+
+
+def with_counts(words: np.ndarray) -> ImageSet:
+    """Image set of these words."""
+    before = np.zeros(words.size + 1, np.int64)
+    np.cumsum(np.bitwise_count(words), out=before[1:])
+    return ImageSet(words, before)
+
+
+@kernel
+def _place_images(image_set, first_row, first_column, time_cells, image_cell, place):
+    rows, columns = image_cell.shape
+    for i in range(rows):
+        for j in range(columns):
+            at = place_of(image_set, (first_row + i) * time_cells + first_column + j)
+            if at < 0:
+                continue
+            image = image_cell[i, j]
+            place[at] = image if image < 0 else place_of(image_set, image)
+            if image >= 0 and place[at] < 0:
+                return image
+    return -1
+
+
+@kernel
+def _has_members(words, rows, columns, time_cells):
+    for row in range(rows[0], rows[1]):
+        first, last = row * time_cells + columns[0], row * time_cells + columns[1] - 1
+        for number in range(first >> 6, (last >> 6) + 1):
+            word = words[number]
+            if number == first >> 6:
+                word = (word >> np.uint64(first & 63)) << np.uint64(first & 63)
+            if number == last >> 6:
+                word = word & (~np.uint64(0) >> np.uint64(63 - (last & 63)))
+            if word != 0:
+                return True
+    return False
+
+
+def has_members(image_set: ImageSet, rows: tuple[int, int], columns: tuple[int, int], time_cells: int) -> bool:
+    """Whether any cell of a rectangle of the grid is a member.
+
+    Parameters
+    ----------
+    image_set : ImageSet
+    rows, columns : (int, int)
+        Start and stop of the rectangle along velocity and along time.
+    time_cells : int
+        Cells of the whole grid along time.
+
+    Returns
+    -------
+    bool
+    """
+    return bool(_has_members(image_set.words, rows, columns, time_cells))
+
+
+def place_images(
+    image_set: ImageSet, first: tuple[int, int], time_cells: int, image_cell: np.ndarray, place: np.ndarray
+) -> None:
+    """Say of a rectangle's members where among the members their images stand.
+
+    Parameters
+    ----------
+    image_set : ImageSet
+        Of fewer than 2e9 members.
+    first : (int, int)
+        Row and column of the rectangle's first cell.
+    time_cells : int
+        Cells of the whole grid along time.
+    image_cell : ndarray of int64, shape (rows, columns)
+        Images of the rectangle.
+    place : ndarray of int32, shape (image_set.size,)
+        Written where the rectangle holds members: the place of the member's image, or its reserved (negative) image.
+
+    Raises
+    ------
+    ValueError
+        Where an image is no member: the set is not closed under the map.
+    """
+    stranger = _place_images(image_set, *first, time_cells, image_cell, place)
+    if stranger >= 0:
+        raise ValueError(f"the image set is not closed: image {stranger} is no member of it")
+
+
+def members_of(image_set: ImageSet) -> np.ndarray:
+    """Cell numbers of all members.
+
+    Parameters
+    ----------
+    image_set : ImageSet
+
+    Returns
+    -------
+    ndarray of int64, ascending
+    """
+    cells = np.empty(image_set.size, np.int64)
+    _list_members(image_set.words, cells)
+    return cells

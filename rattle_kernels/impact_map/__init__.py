@@ -1,0 +1,1 @@
+"""The impact map P: applied, inverted, differentiated, and followed one motion at a time."""

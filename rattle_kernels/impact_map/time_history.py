@@ -1,0 +1,268 @@
+"""Time histories Phi(t), Phi'(t) of both models from any initial condition: closed form, nothing is integrated.
+
+The motion is followed piece by piece (`motion_pieces`), then sampled at equal steps and at every contact, so that kinks
+are where they belong.
+
+Contacts are finitely many in any finite time, so that following ends. In the piecewise linear model they could pile up
+only at ``Phi = +-beta, Phi' = 0``, where the acceleration is positive (Eq. 8): the motion leaves such a point for good,
+as from any point where it is not zero. In the impacting model a bounce of duration tau at speed v has ``v = a tau/2 +
+O(tau^2)`` at both its ends, so that each speed is ``1 + O(tau)`` times the one before; were infinitely many tau to sum
+up to a finite time, the product of these factors would stay away from zero, hence the speeds, hence tau. But ever lower
+bounces shrink like ``e^{-delta t/3}`` and their number grows as that falls; therefore it is bounded.
+"""
+
+import math
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
+from rattle_kernels.impact_map.apply import NOT_CONVERGED, RETURNED, UPPER
+from rattle_kernels.impact_map.chatter import is_captured
+from rattle_kernels.impact_map.motion_pieces import (
+    FREEPLAY,
+    PERMANENT_CONTACT,
+    Piece,
+    end_of_piece,
+    fly_along,
+    piece_from,
+    stay_along,
+)
+from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.outcome import Outcome
+from rattle_kernels.numerics.jit import kernel, step
+
+# Columns of the list of pieces.
+_BEGIN, _REGIME, _PHASE, _DISPLACEMENT, _VELOCITY = range(5)
+
+
+class Direction(IntEnum):
+    """What happens at a wall: the impacting model's contacts have no duration, and are one event each."""
+
+    OUT = -1
+    """Back into freeplay."""
+    IMPACT = 0
+    """There and back at once."""
+    IN = 1
+    """Beyond the wall."""
+
+
+class Contacts(NamedTuple):
+    """What happens at the walls, in order; arrays of one shape.
+
+    ``time`` counts forcing periods and is not reduced; ``wall`` is +1 or -1; ``direction`` holds `Direction` codes;
+    ``speed`` is that of crossing, or of the impact.
+    """
+
+    time: np.ndarray
+    wall: np.ndarray
+    direction: np.ndarray
+    speed: np.ndarray
+
+
+class TimeHistory(NamedTuple):
+    """A motion, sampled.
+
+    ``time`` (forcing periods, not reduced) never decreases; every contact is among the samples, and an impact is two of
+    them at one time, with the velocity before and after. ``outcome`` is RETURNED, PERMANENT_CONTACT (seen to begin
+    within the span) or NOT_CONVERGED. ``truncated``: the history ends, at a contact, before what was asked for, as
+    there are more contacts than allowed or a root-finder gave up. ``permanent_from`` is the contact from which on it
+    counts as permanent, infinite where none does.
+    """
+
+    time: np.ndarray
+    displacement: np.ndarray
+    velocity: np.ndarray
+    contacts: Contacts
+    outcome: Outcome
+    truncated: bool
+    permanent_from: float
+
+    @property
+    def departures(self) -> np.ndarray:
+        """Indices of the contacts that are departures from +beta: the points of the impact map."""
+        contacts = self.contacts
+        return np.flatnonzero((contacts.wall > 0) & (contacts.direction != Direction.IN))
+
+
+class _Followed(NamedTuple):
+    """How following ended: number of pieces, end of the last, outcome, whether short of its goal, when permanent."""
+
+    pieces: int
+    end: float
+    outcome: int
+    truncated: bool
+    permanent_from: float
+
+
+@step
+def _is_permanent(oscillator, capture_bound, piece, duration):
+    """Whether a piece is permanent contact by the oscillator's rule, or in the impacting model captured."""
+    if piece.regime == UPPER:
+        return duration > oscillator.permanent_after or math.isinf(duration)
+    leaves_upper = piece.regime == FREEPLAY and piece.displacement == oscillator.half_backlash
+    return leaves_upper and is_captured(oscillator, capture_bound, piece.phase, -piece.velocity)
+
+
+@kernel
+def _follow(oscillator, capture_bound, state, span, departures, pieces):
+    """Fill the list of pieces until the span has passed, or departures are reached, or the list is full."""
+    piece = piece_from(oscillator, *state)
+    first, whole, left = piece.phase, 0.0, 0
+    outcome, permanent_from = RETURNED, math.inf
+    for i in range(pieces.shape[0]):
+        begin = whole + piece.phase
+        pieces[i] = (begin, piece.regime, piece.phase, piece.displacement, piece.velocity)
+        left += 1 if i > 0 and piece.regime == FREEPLAY and piece.displacement == oscillator.half_backlash else 0
+        ended = end_of_piece(oscillator, piece)
+        if ended.outcome == NOT_CONVERGED:
+            return _Followed(i + 1, begin, NOT_CONVERGED, True, permanent_from)
+        if _is_permanent(oscillator, capture_bound, piece, ended.duration):
+            outcome, permanent_from = PERMANENT_CONTACT, min(permanent_from, begin)
+        if left == departures:
+            return _Followed(i + 1, begin, outcome, False, permanent_from)
+        if math.isinf(ended.duration):
+            end = first + span if math.isfinite(span) else begin
+            return _Followed(i + 1, end, outcome, False, permanent_from)
+        whole += math.floor(piece.phase + 0.5)
+        turns = math.floor(ended.following.phase)
+        whole += turns
+        _, phase, displacement, velocity = ended.following
+        piece = Piece(ended.following.regime, phase - turns, displacement, velocity)
+        if whole + piece.phase > first + span:
+            return _Followed(i + 1, first + span, outcome, False, permanent_from)
+    return _Followed(pieces.shape[0], pieces[-1, _BEGIN], outcome, True, permanent_from)
+
+
+@step
+def _sample_piece(oscillator, row, elapsed, displacement, velocity):
+    piece = Piece(row[_REGIME], row[_PHASE], row[_DISPLACEMENT], row[_VELOCITY])
+    if piece.regime == FREEPLAY:
+        fly_along(oscillator, piece, elapsed, displacement, velocity)
+    else:
+        stay_along(oscillator, piece, elapsed, displacement, velocity)
+
+
+@kernel
+def _sample(oscillator, pieces, end, samples_per_period, time, displacement, velocity):
+    """Sample the pieces at their beginnings, at equal steps between, and at the end; return the number of samples."""
+    first = pieces[0, _BEGIN]
+    ticks, filled = 0, 0
+    for i in range(pieces.shape[0]):
+        last = i + 1 == pieces.shape[0]
+        begin, stop = pieces[i, _BEGIN], end if last else pieces[i + 1, _BEGIN]
+        time[filled], displacement[filled], velocity[filled] = begin, pieces[i, _DISPLACEMENT], pieces[i, _VELOCITY]
+        filled += 1
+        inside = filled
+        while first + ticks / samples_per_period < stop:
+            tick = first + ticks / samples_per_period
+            ticks += 1
+            if tick > begin:
+                time[filled] = tick
+                filled += 1
+        if last and end > begin:
+            time[filled] = end
+            filled += 1
+        here = slice(inside, filled)
+        _sample_piece(oscillator, pieces[i], time[here] - begin, displacement[here], velocity[here])
+    return filled
+
+
+def _contacts(oscillator: Oscillator, pieces: np.ndarray, shift: float) -> Contacts:
+    """Beginnings of all pieces but the first are contacts; in the impacting model those of the flights are."""
+    later = pieces[1:]
+    if math.isinf(oscillator.stiffness):
+        later = later[later[:, _REGIME] == FREEPLAY]
+        direction = np.full(len(later), Direction.IMPACT, np.int8)
+    else:
+        direction = np.where(later[:, _REGIME] == FREEPLAY, Direction.OUT, Direction.IN).astype(np.int8)
+    wall = np.sign(later[:, _DISPLACEMENT]).astype(np.int8)
+    return Contacts(later[:, _BEGIN] + shift, wall, direction, np.abs(later[:, _VELOCITY]))
+
+
+def _check_start(oscillator: Oscillator, state: tuple[float, float, float]) -> None:
+    for name, value in zip(("time", "displacement", "velocity"), state, strict=True):
+        if not math.isfinite(value):
+            raise ValueError(f"{name} must be finite, not {value}")
+    if math.isinf(oscillator.stiffness) and abs(state[1]) > oscillator.half_backlash:
+        raise ValueError(
+            f"displacement must lie within the backlash, at most {oscillator.half_backlash:g} either way, "
+            f"not {state[1]:g}: there is nothing beyond the walls of the impacting model"
+        )
+
+
+def _check_goal(periods: float, departures: int | None, samples_per_period: int, most_contacts: int) -> None:
+    if not periods >= 0.0:
+        raise ValueError(f"periods must not be negative, not {periods}")
+    if math.isinf(periods) and departures is None:
+        raise ValueError("say how far to follow: a finite number of periods, or a number of departures")
+    counts = {"samples_per_period": samples_per_period, "most_contacts": most_contacts}
+    if departures is not None:
+        counts["departures"] = departures
+    for name, count in counts.items():
+        if count < 1:
+            raise ValueError(f"{name} must be at least 1, not {count}")
+
+
+def time_history(
+    oscillator: Oscillator, time: float, displacement: float, velocity: float, *, periods: float = math.inf,
+    departures: int | None = None, samples_per_period: int = 200, most_contacts: int = 100_000,
+) -> TimeHistory:  # fmt: skip
+    """Follow a motion of either model from any initial condition.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Infinite stiffness for the impacting model.
+    time, displacement, velocity : float
+        Initial condition: t (forcing periods), Phi and the signed velocity Phi'. A departure from +beta of speed v is
+        ``(t, +beta, -v)``. A start on a wall is no contact, save in the impacting model one that moves into it.
+    periods : float
+        Span to follow, forcing periods; infinite where `departures` ends the history.
+    departures : int, optional
+        The history ends with this many departures from +beta, if the span has not ended before; without a span, also
+        with the beginning of a contact that never ends.
+    samples_per_period : int
+        Equal steps, beside which every contact is sampled.
+    most_contacts : int
+        The history is truncated at this many contacts.
+
+    Returns
+    -------
+    TimeHistory
+        Stays are followed by the exact rule; ``permanent_after`` only decides what the outcome calls permanent.
+
+    Raises
+    ------
+    OutsideDomain
+        Where the oscillator's parameters lie outside the domain.
+    ValueError
+        Where the initial condition or what is asked for cannot be followed.
+
+    Examples
+    --------
+    >>> history = time_history(Oscillator(), 0.25, 0.6, -1.0, periods=3)
+    >>> history.contacts.wall[0], round(float(history.time[-1]), 3)
+    (np.int8(1), 3.25)
+    """
+    checked = check_domain(oscillator)
+    _check_start(checked, (time, displacement, velocity))
+    _check_goal(periods, departures, samples_per_period, most_contacts)
+    impacting = math.isinf(checked.stiffness)
+    # Times are kept from the last whole period before the start, so that they keep their digits however late it is.
+    shift = math.floor(time)
+    rows = np.empty((2 * most_contacts + 1 if impacting else most_contacts + 1, 5))
+    bound = capture_bound(checked) if impacting else 0.0
+    state = (float(time) - shift, float(displacement), float(velocity))
+    followed = _follow(checked, bound, state, float(periods), -1 if departures is None else departures, rows)
+    pieces = rows[: followed.pieces].copy()
+    room = int((followed.end - pieces[0, _BEGIN]) * samples_per_period) + len(pieces) + 3
+    samples = tuple(np.empty(room) for _ in range(3))
+    filled = _sample(checked, pieces, followed.end, samples_per_period, *samples)
+    t, phi, rate = (array[:filled].copy() for array in samples)
+    outcome = Outcome(followed.outcome)
+    return TimeHistory(
+        t + shift, phi, rate, _contacts(checked, pieces, shift), outcome, followed.truncated,
+        followed.permanent_from + shift,
+    )  # fmt: skip

@@ -1,0 +1,151 @@
+"""One stay in contact of every lane at once, after the flight that ended on a wall (piecewise linear model).
+
+Every flight of `lane_flight` ends on a wall, and every wall is followed by one stay: so a pass of the lanes is a flight
+and a stay. The stay starts from the flight's end and puts its own end in its place. As with flights: a first guess
+from a table, one evaluation, one step of fifth order, and the careful path for lanes that are not sure. Among those are
+all that may stay for longer than one swing: the table knows no guess for them, and NaN is never sure.
+
+The formulas are those of `contact_flight`; the sign of the velocity after an elastic impact tells the wall.
+"""
+
+import math
+
+from rattle_kernels.impact_map.apply import LOWER, PERMANENT_CONTACT, RETURNED, UPPER
+from rattle_kernels.lanes.flight import (
+    COLUMN_PART,
+    COSINE,
+    DURATION,
+    END_ACCELERATION,
+    END_PHASE,
+    END_VELOCITY,
+    HALF_COSINE,
+    HALF_SINE,
+    LANES,
+    LAST_TERM,
+    PHI2,
+    RING_COSINE,
+    RING_SINE,
+    ROW_PART,
+    SINE,
+    UNSURE,
+    count_set,
+    fifth_order_step,
+    look_up,
+    turn_phases,
+)
+from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, PHASES, ROW, STAY_ABOVE, STAY_BELOW
+from rattle_kernels.model.contact import stay_in_contact
+from rattle_kernels.model.flight import TWO_PI, rest_acceleration
+from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.polynomials import cosine_of_half_turns, second_phi_of_part, sine_of_half_turns
+
+# The speed at the end is Taylor's polynomial of x' to fourth order, exact to 3e-16 for steps this long.
+_LARGEST_TURN = 2e-3
+
+
+@step
+def guess_stays(lanes, corners, tables):
+    """First pass: wall and first guess of every stay."""
+    turn_phases(lanes, END_PHASE)
+    for i in range(LANES):
+        velocity = lanes[END_VELOCITY + i]
+        speed, below = abs(velocity), velocity > 0.0
+        abscissa = speed / (speed + tables.stay_speed)
+        lanes[DURATION + i] = abscissa if below else 1.0
+        row, column = lanes[END_PHASE + i] * PHASES, abscissa * ABSCISSAE
+        m, n = min(math.floor(row), PHASES - 1.0), min(math.floor(column), ABSCISSAE - 1.0)
+        m, n = (m if m >= 0.0 else 0.0), (n if n >= 0.0 else 0.0)  # NaN: a flight whose end was not found
+        block = STAY_BELOW * BLOCK if below else STAY_ABOVE * BLOCK
+        lanes[ROW_PART + i], lanes[COLUMN_PART + i] = row - m, column - n
+        corners[i] = int(block + m * ROW + n)
+    look_up(lanes, corners, tables.stay)
+
+
+@step
+def refine_stays(lanes, damping, slow_part):
+    """Second pass: one evaluation of every stay, one step of fifth order, and the state at its end.
+
+    Returns
+    -------
+    int
+        Number of lanes that are not sure.
+    """
+    square, frequency, mean_above, cosine_above, sine_above = slow_part
+    turns = frequency / TWO_PI
+    for i in range(LANES):
+        tau = lanes[DURATION + i]
+        r = tau - math.floor(tau + 0.5)
+        lanes[HALF_SINE + i] = sine_of_half_turns(r)
+        lanes[HALF_COSINE + i] = cosine_of_half_turns(r)
+        # Only products of two of these are used, so a half turn more or less does not matter.
+        ring = turns * tau - math.floor(turns * tau + 0.5)
+        lanes[RING_SINE + i] = sine_of_half_turns(ring)
+        lanes[RING_COSINE + i] = cosine_of_half_turns(ring)
+        lanes[PHI2 + i] = second_phi_of_part(0.5 * damping * tau)
+    for i in range(LANES):
+        tau, velocity = lanes[DURATION + i], lanes[END_VELOCITY + i]
+        speed, side = abs(velocity), (-1.0 if velocity > 0.0 else 1.0)
+        s0, c0 = lanes[SINE + i], lanes[COSINE + i]
+        sh, ch, rs, rc = lanes[HALF_SINE + i], lanes[HALF_COSINE + i], lanes[RING_SINE + i], lanes[RING_COSINE + i]
+        here = side * (cosine_above * c0 + sine_above * s0)
+        quarter = side * (sine_above * c0 - cosine_above * s0)
+        mean = side * mean_above
+        change = 2.0 * sh * (quarter * ch - here * sh)
+        rate_change = -TWO_PI * 2.0 * sh * (here * ch + quarter * sh)
+        fading = 0.5 * damping * tau
+        lost = fading * (1.0 - fading * lanes[PHI2 + i])
+        left = 1.0 - lost
+        pulse = 2.0 * left * rs * rc / frequency
+        lag = lost + 2.0 * left * rs * rs
+        settled, pulse_drop = lag - 0.5 * damping * pulse, lag + 0.5 * damping * pulse
+        level, rate_here = mean + here, TWO_PI * quarter
+        x = speed * pulse + level * settled + (change - rate_here * pulse)
+        x1 = speed * (1.0 - pulse_drop) + level * square * pulse + rate_change + rate_here * pulse_drop
+        slow, slow1 = here + change, rate_here + rate_change
+        slow2, slow3 = -TWO_PI * TWO_PI * slow, -TWO_PI * TWO_PI * slow1
+        slow4, slow5 = -TWO_PI * TWO_PI * slow2, -TWO_PI * TWO_PI * slow3
+        x2 = square * (mean + slow - x) + damping * (slow1 - x1) + slow2
+        x3 = square * (slow1 - x1) + damping * (slow2 - x2) + slow3
+        x4 = square * (slow2 - x2) + damping * (slow3 - x3) + slow4
+        x5 = square * (slow3 - x3) + damping * (slow4 - x4) + slow5
+        inverse = 1.0 / x1
+        step_, last = fifth_order_step(-x * inverse, x2 * inverse, x3 * inverse, x4 * inverse)
+        leaving = -(x1 + step_ * (x2 + step_ * (0.5 * x3 + step_ * (x4 * (1.0 / 6.0) + step_ * x5 * (1.0 / 24.0)))))
+        # Selects, not one condition: a short circuit would be a branch. NaN ends up unsure.
+        unsure = 0.0 if abs(last) <= LAST_TERM * tau else 1.0
+        unsure = unsure if abs(step_) * frequency <= _LARGEST_TURN else 1.0
+        unsure = unsure if x1 < 0.0 else 1.0
+        unsure = unsure if leaving > 0.0 else 1.0
+        unsure = unsure if fading <= 1.0 else 1.0
+        lanes[UNSURE + i] = unsure
+        sure = unsure == 0.0
+        phase = lanes[END_PHASE + i] + tau + step_
+        lanes[DURATION + i] = tau + step_
+        bend = x2 + step_ * (x3 + 0.5 * step_ * x4)
+        lanes[END_PHASE + i] = phase - math.floor(phase) if sure else lanes[END_PHASE + i]
+        lanes[END_VELOCITY + i] = -side * leaving if sure else velocity
+        acceleration = side * (bend - damping * leaving)
+        lanes[END_ACCELERATION + i] = acceleration if sure else lanes[END_ACCELERATION + i]
+    return count_set(lanes, UNSURE)
+
+
+@step
+def stay_carefully(lanes, oscillator):
+    """Third pass: the lanes that are not sure, by the scalar path.
+
+    A lane in permanent contact ends with velocity 0; one whose end was not found with a phase of NaN.
+    """
+    for i in range(LANES):
+        if lanes[UNSURE + i] == 0.0 or not math.isfinite(lanes[END_PHASE + i]):
+            continue
+        velocity = lanes[END_VELOCITY + i]
+        side = LOWER if velocity > 0.0 else UPPER
+        stay = stay_in_contact(oscillator, side, lanes[END_PHASE + i], abs(velocity))
+        if stay.outcome == PERMANENT_CONTACT:
+            lanes[END_VELOCITY + i] = 0.0
+            continue
+        phase = lanes[END_PHASE + i] + stay.duration
+        lanes[DURATION + i] = stay.duration
+        lanes[END_PHASE + i] = phase - math.floor(phase) if stay.outcome == RETURNED else math.nan
+        lanes[END_VELOCITY + i] = -side * stay.speed
+        lanes[END_ACCELERATION + i] = rest_acceleration(oscillator, phase)

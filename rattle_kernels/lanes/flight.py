@@ -1,0 +1,276 @@
+"""One flight of every lane at once, in loops that LLVM turns into vector code.
+
+The lanes are 64 independent trajectories whose numbers lie in one flat buffer, field after field; a lane carries the
+wall it leaves in the sign of its velocity (negative from +beta), so cases (a) and (b) of Sec. 2 are one code path with
+a selected target. Three passes:
+
+1. `guess_durations` classifies each flight by the table of v*(t) and looks up a first guess;
+2. `refine_durations` evaluates the flight once (sine, cosine and phi2 by polynomials: no library call, no branch) and
+   takes one step of fifth order;
+3. lanes that are not sure (too close to the grazing curve, too large a step) are flown again by the careful path.
+
+The formulas are those of `flight`.
+"""
+
+import math
+
+import numpy as np
+
+from rattle_kernels.impact_map.apply import LOWER, UPPER, next_contact
+from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, DROP, FALL_BACK, GRAZES, PHASES, RISE, ROW
+from rattle_kernels.model.flight import FOUR_PI, TWO_PI
+from rattle_kernels.numerics.jit import lane_step, step
+from rattle_kernels.numerics.polynomials import (
+    cosine_of_half_turns,
+    second_phi_of_part,
+    sine_of_half_turns,
+    sine_rest_of_half_turns,
+    versine_of_half_turns,
+)
+
+LANES = 64
+
+# Fields of the buffer. A flight reads PHASE and VELOCITY and leaves its end in END_PHASE and END_VELOCITY, the velocity
+# after the wall has reversed it, and what it took in DURATION; DROPS is 1.0 where it ended on -beta, UNSURE 1.0 where
+# the careful path must decide.
+PHASE = 0 * LANES
+VELOCITY = 1 * LANES
+SINE = 2 * LANES
+COSINE = 3 * LANES
+DURATION = 4 * LANES
+TARGET = 5 * LANES
+END_PHASE = 6 * LANES
+END_VELOCITY = 7 * LANES
+END_ACCELERATION = 8 * LANES
+DROPS = 9 * LANES
+UNSURE = 10 * LANES
+GRAZING = 11 * LANES
+ROW_PART = 12 * LANES
+COLUMN_PART = 13 * LANES
+# Of two neighbouring nodes of a table, lane by lane: they are loaded and stored as one.
+LOW_PAIR = 14 * LANES
+HIGH_PAIR = 16 * LANES
+HALF_SINE = 18 * LANES
+HALF_COSINE = 19 * LANES
+PHI2 = 20 * LANES
+RING_SINE = 21 * LANES
+RING_COSINE = 22 * LANES
+CUBIC = 23 * LANES
+MISS = 24 * LANES
+RATE = 25 * LANES
+SINE_CHANGE = 26 * LANES
+COSINE_CHANGE = 27 * LANES
+FLIGHT_FIELDS = 28
+
+# A flight is sure when the last term of its step, 5 r^4 or so for a guess off by the part r, is below this part of the
+# duration: r < 1.4e-3, and what the series leaves out, 14 r^5, below 1e-13.
+LAST_TERM = 2e-11
+_LARGEST_STEP = 4e-3
+_NO_SPEED = 1e-300
+
+
+@lane_step
+def fifth_order_step(q, bend, jerk, snap):
+    """Root of ``q = D + bend D^2/2 + jerk D^3/6 + snap D^4/24`` by reversion of the series, and its last term."""
+    b2, b3, b4 = 0.5 * bend, jerk * (1.0 / 6.0), snap * (1.0 / 24.0)
+    square = b2 * b2
+    last = (b2 * (5.0 * b3 - 5.0 * square) - b4) * q * q * q
+    return q * (1.0 + q * (-b2 + q * (2.0 * square - b3)) + last), last * q
+
+
+@step
+def lane_buffer(fields):
+    """Zeros for so many fields, from the start of a cache line: vectors that cross lines cost 7 %."""
+    longer = np.zeros(fields * LANES + 8)
+    first = -longer.ctypes.data % 64 // 8
+    return longer[first : first + fields * LANES]
+
+
+@step
+def turn_phases(lanes, field):
+    """Sine and cosine of every lane's phase in a field; the reduction to a quarter turn is exact."""
+    for i in range(LANES):
+        phase = lanes[field + i]
+        halves = math.floor(2.0 * phase + 0.5)
+        r = 2.0 * phase - halves
+        odd = halves - 2.0 * math.floor(0.5 * halves)
+        sign = 1.0 - 2.0 * odd
+        lanes[SINE + i] = sign * sine_of_half_turns(r)
+        lanes[COSINE + i] = sign * cosine_of_half_turns(r)
+
+
+@step
+def _graze_speeds(lanes, corners, graze_speed):
+    """v* at every lane's phase, interpolated in its table."""
+    for i in range(LANES):
+        place = lanes[PHASE + i] * GRAZES
+        m = min(math.floor(place), GRAZES - 1.0)
+        lanes[ROW_PART + i] = place - m
+        corners[i] = int(m)
+    for i in range(LANES):
+        at = corners[i] & 0xFFFF
+        lanes[LOW_PAIR + 2 * i], lanes[LOW_PAIR + 2 * i + 1] = graze_speed[at], graze_speed[at + 1]
+    for i in range(LANES):
+        low = lanes[LOW_PAIR + 2 * i]
+        lanes[GRAZING + i] = low + lanes[ROW_PART + i] * (lanes[LOW_PAIR + 2 * i + 1] - low)
+
+
+@step
+def _classify(lanes, corners, tables, two_beta):
+    """Kind of each flight, its target, and where its guess stands in the tables; only selects, no branch."""
+    for i in range(LANES):
+        velocity = lanes[VELOCITY + i]
+        speed, graze = abs(velocity), lanes[GRAZING + i]
+        rises = velocity > 0.0
+        drops = (speed > graze) & (not rises)
+        falls = not (rises | drops)
+        divisor = speed + tables.speed_scale if rises else speed
+        inverse = 1.0 / (graze if falls else divisor)
+        root = math.sqrt(max(1.0 - graze * inverse, 0.0))
+        abscissa = root if drops else speed * inverse
+        lanes[DURATION + i] = speed if falls else inverse
+        target = -two_beta if drops else 0.0
+        lanes[TARGET + i] = two_beta if rises else target
+        lanes[DROPS + i] = 1.0 if drops else 0.0
+        close = (abs(speed - graze) <= tables.grazing_error) & (not rises)
+        lanes[UNSURE + i] = 1.0 if close else 0.0
+        row = lanes[PHASE + i] * PHASES
+        column = min(abscissa, 1.0) * ABSCISSAE
+        m, n = min(math.floor(row), PHASES - 1.0), min(math.floor(column), ABSCISSAE - 1.0)
+        block = DROP * BLOCK if drops else FALL_BACK * BLOCK
+        block = RISE * BLOCK if rises else block
+        lanes[ROW_PART + i], lanes[COLUMN_PART + i] = row - m, column - n
+        corners[i] = int(block + m * ROW + n)
+
+
+@step
+def look_up(lanes, corners, guess):
+    """Bilinear interpolation; the loads are what it costs, so they stand alone."""
+    for i in range(LANES):
+        at = corners[i] & 0xFFFFFF  # tells the compiler that it is no negative index
+        lanes[LOW_PAIR + 2 * i], lanes[LOW_PAIR + 2 * i + 1] = guess[at], guess[at + 1]
+        lanes[HIGH_PAIR + 2 * i], lanes[HIGH_PAIR + 2 * i + 1] = guess[at + ROW], guess[at + ROW + 1]
+    for i in range(LANES):
+        f, g = lanes[ROW_PART + i], lanes[COLUMN_PART + i]
+        low, high = lanes[LOW_PAIR + 2 * i], lanes[HIGH_PAIR + 2 * i]
+        low += g * (lanes[LOW_PAIR + 2 * i + 1] - low)
+        high += g * (lanes[HIGH_PAIR + 2 * i + 1] - high)
+        lanes[DURATION + i] *= low + f * (high - low)
+
+
+@step
+def guess_durations(lanes, corners, tables, two_beta):
+    """First pass: kind of flight, target and first guess."""
+    turn_phases(lanes, PHASE)
+    _graze_speeds(lanes, corners, tables.graze_speed)
+    _classify(lanes, corners, tables, two_beta)
+    look_up(lanes, corners, tables.guess)
+
+
+@step
+def _expand(lanes, d):
+    """Polynomials in the guessed duration of every flight, beside those of its phase."""
+    for i in range(LANES):
+        tau = lanes[DURATION + i]
+        r = tau - math.floor(tau + 0.5)
+        rest, versine = sine_rest_of_half_turns(r), versine_of_half_turns(r)
+        lanes[HALF_SINE + i] = math.pi * r + rest
+        lanes[HALF_COSINE + i] = 1.0 - versine
+        # h - sin h for h = 2 pi tau, in terms of one sign: short flights keep their digits.
+        lanes[CUBIC + i] = TWO_PI * (tau - r) + 2.0 * (math.pi * r * versine - rest * (1.0 - versine))
+        lanes[PHI2 + i] = second_phi_of_part(d * tau)
+
+
+@step
+def _evaluate(lanes, d, e):
+    """By how much the guess misses the target, and the velocity there."""
+    for i in range(LANES):
+        tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
+        x = d * tau
+        p2, sh, ch = lanes[PHI2 + i], lanes[HALF_SINE + i], lanes[HALF_COSINE + i]
+        ds, dc = 2.0 * sh * (c0 * ch - s0 * sh), -2.0 * sh * (s0 * ch + c0 * sh)
+        forced = s0 * lanes[CUBIC + i] - 2.0 * c0 * sh * sh
+        y = tau * (w * (1.0 - x * p2) + x * (FOUR_PI - TWO_PI * e * s0) * p2) + e * forced
+        lanes[MISS + i] = lanes[TARGET + i] - y
+        lanes[RATE + i] = w - d * y + FOUR_PI * x + e * (d * dc - TWO_PI * ds)
+        lanes[SINE_CHANGE + i], lanes[COSINE_CHANGE + i] = ds, dc
+
+
+@step
+def refine_durations(lanes, d, e):
+    """Second pass: one evaluation of every flight, one step of fifth order, and the state at its end.
+
+    Returns
+    -------
+    int
+        Number of lanes that are not sure.
+    """
+    # In three loops: in one, chains are so long that the processor waits for them.
+    _expand(lanes, d)
+    _evaluate(lanes, d, e)
+    for i in range(LANES):
+        tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
+        x, target, y1 = d * tau, lanes[TARGET + i], lanes[RATE + i]
+        ds, dc = lanes[SINE_CHANGE + i], lanes[COSINE_CHANGE + i]
+        s, c = s0 + ds, c0 + dc
+        inverse = 1.0 / y1
+        y2 = FOUR_PI * d - d * y1 - TWO_PI * e * (TWO_PI * c + d * s)
+        y3 = TWO_PI * TWO_PI * e * (TWO_PI * s - d * c) - d * y2
+        y4 = TWO_PI * TWO_PI * TWO_PI * e * (TWO_PI * c + d * s) - d * y3
+        step_, last = fifth_order_step(lanes[MISS + i] * inverse, y2 * inverse, y3 * inverse, y4 * inverse)
+        # Three selects, not one condition: a short circuit would be a branch. NaN ends up unsure.
+        unsure = lanes[UNSURE + i]
+        unsure = unsure if abs(last) <= LAST_TERM * tau else 1.0
+        unsure = unsure if abs(step_) <= _LARGEST_STEP else 1.0
+        lanes[UNSURE + i] = unsure if x <= 1.0 else 1.0
+        # The step turns the phase by a small angle; its sine and cosine to rounding for |step| <= 4e-3.
+        angle = TWO_PI * step_
+        z = angle * angle
+        turn = angle * (1.0 - z * (1.0 / 6.0) * (1.0 - z * (1.0 / 20.0)))
+        versine = 0.5 * z * (1.0 - z * (1.0 / 12.0) * (1.0 - z * (1.0 / 30.0)))
+        ds, dc = ds + (c * turn - s * versine), dc - (s * turn + c * versine)
+        tau += step_
+        phase = lanes[PHASE + i] + tau
+        lanes[DURATION + i] = tau
+        lanes[END_PHASE + i] = phase - math.floor(phase)
+        lanes[END_VELOCITY + i] = -(w + d * (FOUR_PI * tau - target) + e * (d * dc - TWO_PI * ds))
+        lanes[END_ACCELERATION + i] = FOUR_PI * d - TWO_PI * e * (TWO_PI * (c0 + dc) + d * (s0 + ds))
+    return count_set(lanes, UNSURE)
+
+
+@step
+def count_set(lanes, field):
+    """Number of lanes in which a flag field is set."""
+    # An integer sum: one of floats would not vectorise without reassociation.
+    total = 0
+    for i in range(LANES):
+        total += 1 if lanes[field + i] != 0.0 else 0
+    return total
+
+
+@step
+def fly_carefully(lanes, oscillator):
+    """Third pass: the lanes that are not sure, by the scalar path.
+
+    Returns
+    -------
+    bool
+        Whether every root was found; where not, the lane's end is NaN.
+    """
+    all_found = True
+    for i in range(LANES):
+        if lanes[UNSURE + i] == 0.0:
+            continue
+        velocity = lanes[VELOCITY + i]
+        contact = next_contact(oscillator, LOWER if velocity > 0.0 else UPPER, lanes[PHASE + i], velocity, 1.0)
+        all_found = all_found and contact.found
+        phase = contact.phase - math.floor(contact.phase)
+        lanes[DURATION + i] = contact.duration
+        lanes[END_PHASE + i] = phase if contact.found else math.nan
+        # The sign tells the wall that is left, even after an exact graze.
+        lanes[END_VELOCITY + i] = max(-contact.velocity, _NO_SPEED) if contact.wall == LOWER else -contact.velocity
+        lanes[DROPS + i] = 1.0 if contact.wall == LOWER else 0.0
+        angle = TWO_PI * phase
+        forcing = TWO_PI * math.cos(angle) + oscillator.damping * math.sin(angle)
+        lanes[END_ACCELERATION + i] = FOUR_PI * oscillator.damping - TWO_PI * oscillator.eccentricity * forcing
+    return all_found

@@ -1,0 +1,1 @@
+"""Invariant curves: saddles, their manifolds, and pre-images of the grazing curve."""

@@ -1,0 +1,260 @@
+"""Images of a curve under a power of P or of its inverse, as polylines (impacting model).
+
+P and its inverse are continuous, yet not smooth: where a flight grazes -beta, one side of the curve never meets -beta
+and is mapped smoothly, the other meets it with a speed that grows like the square root of the distance. So images of a
+smooth curve are smooth arcs that meet at corners: on the grazing curve (inverse of P) or on its image (P), where the
+arc that meets -beta is tangent to it, and on the images of those corners.
+
+The image of an arc is refined by mapping new points, never by interpolating the image:
+
+1. A chord that is too long, or that makes too large an angle with its neighbour, is divided. The new point starts from
+   the youngest ancestor of the chord that is so short (1e-7) that the curve there is straight to rounding, or else from
+   the first curve itself. Hence the accuracy does not depend on the resolution, and errors across an invariant manifold
+   shrink from image to image.
+2. Between neighbours of which one meets -beta where the other does not lies a corner. It is found by bisection, down to
+   neighbouring numbers before the last mapping, and taken from the side that does not meet -beta, where P is smooth:
+   the other side of the bracket may still be the root of rounding (1e-8) away, along the grazing curve.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.impact_map.apply import next_impact, previous_impact
+from rattle_kernels.manifolds.polyline import CurveResolution, chord_lengths, turning_angles
+from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.numerics.jit import kernel
+
+FORWARDS = 1.0
+BACKWARDS = -1.0
+
+# A smooth curve departs from a chord c by curvature c^2/8: 1e-15 of this one at curvature 1.
+_STRAIGHT = 1e-7
+# Halvings until two neighbouring numbers remain: from 1 to 1e-16, once among ancestors and once before the last map.
+_HALVINGS = 120
+_ROUNDS = 64
+LARGEST_POWER = 62
+"""Which applications met -beta is kept in the bits of an int64."""
+
+
+class CurveMap(NamedTuple):
+    """The map whose images are drawn: P (FORWARDS) or its inverse (BACKWARDS), applied `power` times at once.
+
+    ``turns`` forcing periods are taken off the phase each time, so that it does not run away. ``onto`` gives the speed
+    of the first curve at a phase where that is known; None where the first curve is straight.
+    """
+
+    oscillator: Oscillator
+    direction: float
+    power: int
+    turns: float
+    velocity_scale: float
+    onto: Callable[[np.ndarray], np.ndarray] | None = None
+
+
+class CurvePoints(NamedTuple):
+    """Points along an image and where they came from.
+
+    ``t``, ``v`` (shape (ancestors + 1, points)): the last row is the image, the one before it the points that it is
+    made of, and so on. ``corner``: smooth arcs meet here. ``joined``: whether a point is joined to the next. ``before``
+    and ``after``: which applications of the last mapping met -beta, just before and just after the point, as bits.
+    """
+
+    t: np.ndarray
+    v: np.ndarray
+    corner: np.ndarray
+    joined: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+
+    def at(self, index: np.ndarray | slice) -> "CurvePoints":
+        """The points of an index or mask, with their ancestors."""
+        return CurvePoints(*(field[..., index] for field in self))
+
+
+class UndecidedFlight(ArithmeticError):
+    """A root-finder gave up on a point of a curve; none are expected."""
+
+
+@kernel
+def _follow(oscillator, direction, power, turns, base, t, v, case):
+    for i in range(t.shape[1]):
+        for row in range(base[i] + 1, t.shape[0]):
+            phase, speed, met = t[row - 1, i], v[row - 1, i], 0
+            for _ in range(power):
+                if direction > 0.0:
+                    impact = next_impact(oscillator, phase, speed)
+                else:
+                    impact = previous_impact(oscillator, phase, speed)
+                phase += impact.duration
+                speed = impact.v
+                met = 2 * met + impact.lower_impacts
+            t[row, i], v[row, i], case[i] = phase - turns, speed, met
+
+
+def _map_from(curve_map: CurveMap, base: np.ndarray, t: np.ndarray, v: np.ndarray) -> CurvePoints:
+    """Fill the rows above each point's base, in place."""
+    oscillator, direction, power, turns = curve_map[:4]
+    case = np.zeros(t.shape[1], np.int64)
+    _follow(oscillator, direction, power, turns, base, t, v, case)
+    if not np.isfinite(v[-1]).all():
+        raise UndecidedFlight(f"an image of (t, v) = ({t[0, 0]}, {v[0, 0]}) or near it was not found")
+    return CurvePoints(t, v, np.zeros(case.size, np.bool_), np.ones(case.size, np.bool_), case, case.copy())
+
+
+def first_points(t: np.ndarray, v: np.ndarray) -> CurvePoints:
+    """A curve that has no ancestors.
+
+    Parameters
+    ----------
+    t, v : ndarray of float64, shape (points,)
+
+    Returns
+    -------
+    CurvePoints
+    """
+    joined = np.arange(t.size) < t.size - 1
+    none = np.zeros(t.size, np.int64)
+    return CurvePoints(t[None].copy(), v[None].copy(), np.zeros(t.size, np.bool_), joined, none, none.copy())
+
+
+def _midpoints(curve_map: CurveMap, low: CurvePoints, high: CurvePoints) -> CurvePoints:
+    """Points of the image between others, mapped from the youngest ancestors between which the curve is straight."""
+    t, v = 0.5 * (low.t + high.t), 0.5 * (low.v + high.v)
+    chords = np.hypot(high.t - low.t, (high.v - low.v) / curve_map.velocity_scale)[:-1]
+    rows = np.arange(chords.shape[0])[:, None]
+    base = np.where(chords < _STRAIGHT, rows, 0).max(axis=0, initial=0)
+    if curve_map.onto is not None:
+        v[0, base == 0] = curve_map.onto(t[0, base == 0])
+    return _map_from(curve_map, base, t, v)
+
+
+def _insert(points: CurvePoints, at: np.ndarray, new: CurvePoints) -> CurvePoints:
+    """The points with new ones after those of the indices `at`."""
+    return CurvePoints(*(np.insert(old, at + 1, more, axis=-1) for old, more in zip(points, new, strict=True)))
+
+
+def _choose(first: np.ndarray, one: CurvePoints, other: CurvePoints) -> CurvePoints:
+    return CurvePoints(*(np.where(first, a, b) for a, b in zip(one, other, strict=True)))
+
+
+def _bisect(curve_map: CurveMap, low: CurvePoints, high: CurvePoints) -> CurvePoints:
+    """Corners between pairs of points of which an application meets -beta on one side only."""
+    for _ in range(_HALVINGS):
+        middle = _midpoints(curve_map, low, high)
+        ends = [(middle.t[-2] == end.t[-2]) & (middle.v[-2] == end.v[-2]) for end in (low, high)]
+        stays_low = middle.before == low.after
+        low, high = _choose(stays_low, middle, low), _choose(stays_low, high, middle)
+        if (ends[0] | ends[1]).all():
+            break
+    # The application that differs first misses -beta where its bit is 0, and earlier bits weigh more.
+    corner = _choose(low.after < high.before, low, high)
+    every = np.ones(corner.corner.size, np.bool_)
+    return corner._replace(corner=every, joined=every, before=low.after, after=high.before)
+
+
+def _with_corners(curve_map: CurveMap, points: CurvePoints) -> CurvePoints:
+    """The points and, between them, every corner that their cases tell of."""
+    while True:
+        flips = np.flatnonzero(points.joined[:-1] & (points.after[:-1] != points.before[1:]))
+        if not flips.size:
+            return points
+        points = _insert(points, flips, _bisect(curve_map, points.at(flips), points.at(flips + 1)))
+
+
+def _too_coarse(points: CurvePoints, resolution: CurveResolution, velocity_scale: float) -> np.ndarray:
+    """Indices of the points whose chord to the next is too long, or turns too far and can still be divided."""
+    t, v, joined = points.t[-1], points.v[-1], points.joined[:-1]
+    chords = chord_lengths(t, v, velocity_scale)
+    sharp = turning_angles(t, v, velocity_scale) > resolution.angle
+    sharp &= joined[:-1] & joined[1:] & ~points.corner[1:-1]
+    bent = np.zeros(chords.size, np.bool_)
+    bent[:-1] |= sharp
+    bent[1:] |= sharp
+    return np.flatnonzero(joined & ((chords > resolution.chord) | (bent & (chords > resolution.finest))))
+
+
+def refine(
+    curve_map: CurveMap, points: CurvePoints, resolution: CurveResolution, most_points: int
+) -> CurvePoints | None:
+    """Divide chords until the polyline is as fine as asked, or tell that it takes too many points.
+
+    Parameters
+    ----------
+    curve_map : CurveMap
+    points : CurvePoints
+        At least two.
+    resolution : CurveResolution
+    most_points : int
+
+    Returns
+    -------
+    CurvePoints or None
+        None where more than `most_points` would be needed.
+    """
+    points = _with_corners(curve_map, points)
+    for _ in range(_ROUNDS):
+        if points.corner.size > most_points:
+            return None
+        coarse = _too_coarse(points, resolution, curve_map.velocity_scale)
+        if not coarse.size:
+            break
+        middle = _midpoints(curve_map, points.at(coarse), points.at(coarse + 1))
+        points = _with_corners(curve_map, _insert(points, coarse, middle))
+    return points
+
+
+def map_points(curve_map: CurveMap, points: CurvePoints) -> CurvePoints:
+    """Images of the points themselves, none added.
+
+    Parameters
+    ----------
+    curve_map : CurveMap
+    points : CurvePoints
+
+    Returns
+    -------
+    CurvePoints
+        With one ancestor more.
+    """
+    t, v = (np.concatenate([rows, rows[-1:]]) for rows in (points.t, points.v))
+    base = np.full(points.corner.size, points.t.shape[0] - 1)
+    return _map_from(curve_map, base, t, v)._replace(corner=points.corner, joined=points.joined)
+
+
+def next_image(
+    curve_map: CurveMap, points: CurvePoints, resolution: CurveResolution, most_points: int
+) -> CurvePoints | None:
+    """Image of a curve, refined.
+
+    Parameters
+    ----------
+    curve_map : CurveMap
+    points : CurvePoints
+        The curve, as `first_points` or this function gave it.
+    resolution : CurveResolution
+    most_points : int
+
+    Returns
+    -------
+    CurvePoints or None
+        With one ancestor more. None where it takes more than `most_points`.
+    """
+    return refine(curve_map, map_points(curve_map, points), resolution, most_points)
+
+
+def forget_ancestors(points: CurvePoints, velocity_scale: float) -> CurvePoints:
+    """Leave out ancestors that no new point will start from: all chords of a younger one are straight."""
+    chords = np.hypot(np.diff(points.t), np.diff(points.v) / velocity_scale)[:-1]
+    short = np.flatnonzero((chords < _STRAIGHT)[:, points.joined[:-1]].all(axis=1))
+    oldest = int(short[-1]) if short.size else 0
+    return points._replace(t=points.t[oldest:], v=points.v[oldest:])
+
+
+def drop_fast(points: CurvePoints, highest: float) -> CurvePoints:
+    """Leave out chords of which both ends are faster than a bound, and points that are then joined to none."""
+    fast = points.v[-1] > highest
+    joined = points.joined & ~(fast & np.roll(fast, -1))
+    keep = joined | np.roll(joined, 1)
+    return points._replace(joined=joined).at(keep)

@@ -1,0 +1,1 @@
+"""The backlash oscillator: its equations of motion, and their closed form between events."""

@@ -1,0 +1,154 @@
+"""The grazing curve v*(t): the speed with which a flight from +beta just touches -beta (Sec. 2.1), also backwards.
+
+A flight that touches -beta at phase t_hat with zero speed is, seen from there, a flight with w = 0 on either side of
+the touch. It left +beta the time sigma before, where ``y(-sigma) = 2 beta``, and it comes back to +beta the time sigma'
+after, where ``y(sigma') = 2 beta``. For a given phase on +beta the unknown is sigma. With t_hat = t0 + sigma, moving
+the touch later moves the flight at t0 by ``a(t_hat) (e^{delta sigma} - 1)/delta`` > 0 (the variation obeys eta'' +
+delta eta' = 0), so the residual grows strictly with sigma: one root, which doubling brackets. The same holds for sigma'
+with e^{-delta sigma'}.
+"""
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.model.flight import (
+    acceleration_range,
+    mean_acceleration,
+    part_turn,
+    rest_acceleration,
+    second_phi,
+    start_flight,
+    velocity_after,
+)
+from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.roots import root_finder
+
+# Phases of the mesh on which the largest v* is looked for.
+_MESH = 2048
+
+LEAVING = -1.0
+ARRIVING = 1.0
+
+
+class _Touch(NamedTuple):
+    """The search for a grazing flight through +beta at `phase`; `side` is LEAVING or ARRIVING there."""
+
+    oscillator: Oscillator
+    phase: float
+    side: float
+
+
+@step
+def _flight_from_touch(touch, sigma):
+    return start_flight(touch.oscillator, part_turn(touch.phase) - touch.side * sigma, 0.0)
+
+
+@step
+def _touch_residual(touch, sigma):
+    """Displacement at +beta less 2 beta, and its derivative in sigma."""
+    tau = touch.side * sigma
+    flight = _flight_from_touch(touch, sigma)
+    x = touch.oscillator.damping * tau
+    value = sigma * sigma * mean_acceleration(flight, tau) - 2.0 * touch.oscillator.half_backlash
+    phase = part_turn(touch.phase) - tau
+    # (1 - e^-x)/delta = tau phi1(x): positive on both sides when multiplied by the side.
+    slope = rest_acceleration(touch.oscillator, phase) * sigma * (1.0 - x * second_phi(x))
+    return value, slope
+
+
+_find_touch = root_finder(_touch_residual)
+
+
+@step
+def grazing_flight(oscillator, phase, side):
+    """Speed at +beta and duration of the flight that touches -beta, through +beta at `phase`.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller (Eq. 8 holds).
+    phase : float
+        Phase at +beta, forcing periods.
+    side : float
+        LEAVING for the flight that leaves +beta then, ARRIVING for the one that comes back to it then.
+
+    Returns
+    -------
+    (float, float, bool)
+        Speed v*, time between +beta and the touch, and whether the root was found.
+    """
+    touch = _Touch(oscillator, phase, side)
+    two_beta = 2.0 * oscillator.half_backlash
+    _, strongest = acceleration_range(oscillator)
+    # sigma^2 a phi2 = 2 beta with phi2 about 1/2 and the strongest a; then doubled until +beta lies below the flight.
+    low = 0.0
+    high = math.sqrt(2.0 * two_beta / strongest)
+    while _touch_residual(touch, high)[0] < 0.0:
+        low = high
+        high *= 2.0
+    sigma, found = _find_touch(touch, low, high, 0.5 * (low + high))
+    tau = side * sigma
+    return abs(velocity_after(_flight_from_touch(touch, sigma), tau, two_beta)), sigma, found
+
+
+@kernel
+def _grazing_velocities(oscillator, phase, velocity):
+    for i in range(phase.size):
+        speed, _, found = grazing_flight(oscillator, phase[i], LEAVING)
+        velocity[i] = speed if found else np.nan
+
+
+def grazing_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarray:
+    """Grazing curve v*(t): departures faster than v* reach -beta, slower ones fall back to +beta.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Either model: the curve is freeplay's alone.
+    t : array_like
+        Phases of departure from +beta, forcing periods, any finite value.
+
+    Returns
+    -------
+    ndarray of float64, shape of `t`
+        Positive; NaN where `t` is not finite.
+
+    Raises
+    ------
+    OutsideDomain
+        Where the oscillator's parameters lie outside the domain of the map.
+
+    References
+    ----------
+    Sec. 2.1, Eqs. (9-13), solved for the time between departure and graze.
+    """
+    phase = np.asarray(t, dtype=np.float64)
+    velocity = np.empty(phase.size)
+    freeplay = check_domain(oscillator)._replace(stiffness=math.inf)
+    _grazing_velocities(freeplay, phase.ravel(), velocity)
+    return velocity.reshape(phase.shape)
+
+
+@lru_cache(maxsize=32)
+def largest_grazing_speed(oscillator: Oscillator) -> float:
+    """Largest v*(t) on a mesh of 2048 phases: the scale of speeds of an oscillator.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Either model.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    OutsideDomain
+        Where the oscillator's parameters lie outside the domain of the map.
+    """
+    return float(grazing_velocity(oscillator, np.arange(_MESH + 1) / _MESH).max())

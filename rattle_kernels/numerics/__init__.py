@@ -1,0 +1,1 @@
+"""Numerics that know no mechanics: compiling, roots, polynomials, curves of solutions, phases."""

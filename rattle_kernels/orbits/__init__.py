@@ -1,0 +1,1 @@
+"""Periodic orbits: search, continuation, bifurcations and their diagrams."""

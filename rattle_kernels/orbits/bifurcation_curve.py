@@ -1,0 +1,174 @@
+"""Curves of special points in the plane of two parameters: where saddle-nodes, doublings, grazes or contact losses lie.
+
+The equations of `special_point` in (t, v, p) have one unknown more when a second parameter q is free, so their
+solutions form a curve, which `pseudo_arclength` follows. Such curves bound the regions of the (p, q) plane in which a
+motion exists or attracts. Where two of them meet (a flight grazes at a saddle-node, say) the impacting model's map is
+not smooth and the curve stalls, which tells a point of codimension two.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.impact_map.grazing_distance import grazing_distances
+from rattle_kernels.model.oscillator import PARAMETERS
+from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_kernels.numerics.pseudo_arclength import Steps, System, follow_curve, solve
+from rattle_kernels.orbits.bifurcation_point import (
+    SpecialKind,
+    SpecialPoint,
+    Unknowns,
+    nears_edge_of_domain,
+    special_system,
+    unknowns,
+)
+from rattle_kernels.orbits.closure import OrbitShape, closure, orbit_from
+
+
+class SpecialCurve(NamedTuple):
+    """A curve of special points, in order along it.
+
+    ``values`` (shape (n, 2)) are those of the two ``parameters``; ``t``, ``v`` (shape (n,)) the first departure, as in
+    `SpecialPoint` (v = 0 for contact loss); ``residual`` (shape (n,)) what is left of the equations. ``ends`` say why
+    the curve ends at its first and its last point.
+    """
+
+    kind: SpecialKind
+    parameters: tuple[str, str]
+    values: np.ndarray
+    t: np.ndarray
+    v: np.ndarray
+    residual: np.ndarray
+    ends: tuple[str, str]
+
+
+class _Plane(NamedTuple):
+    """The equations, what they are in, and where to stop."""
+
+    system: System
+    space: Unknowns
+    shape: OrbitShape
+    bounds: np.ndarray
+    steps: Steps
+    most_points: int
+    pause: Pause
+
+    def values(self, z: np.ndarray) -> np.ndarray:
+        """The two parameters."""
+        pair: np.ndarray = z[-2:] * self.space.scales[-2:]
+        return pair
+
+    def where(self, z: np.ndarray) -> str:
+        """The two parameters in words."""
+        pairs = zip(self.space.parameters, self.values(z), strict=True)
+        return ", ".join(f"{name} = {value:.12g}" for name, value in pairs)
+
+
+def _land(plane: _Plane, before: np.ndarray, beyond: np.ndarray) -> np.ndarray | None:
+    """Point of the curve on the bound that was passed between two points; the point before where it is not found."""
+    for i in (0, 1):
+        at = len(before) - 2 + i
+        for bound in plane.bounds[i] / plane.space.scales[at]:
+            if (before[at] - bound) * (beyond[at] - bound) < 0.0:
+                part = (bound - before[at]) / (beyond[at] - before[at])
+                landed = solve(plane.system, before + part * (beyond - before), np.eye(len(before))[at])
+                return before if landed is None else landed.z
+    return None
+
+
+def _stall(plane: _Plane, z: np.ndarray) -> str:
+    message = f"no step succeeds at {plane.where(z)}"
+    read = plane.space.read(z)
+    if read is not None and nears_edge_of_domain(read[0]):
+        return f"the edge of the domain (Eq. 8), at {plane.where(z)}"
+    if read is None or not plane.space.with_speed:
+        return message
+    margin, _ = grazing_distances(read[0], *orbit_from(read[0], plane.shape, read[1], read[2])[:2])
+    others = np.abs(margin[1:] if plane.shape.over else margin)
+    return f"{message}; the other flights are {others.min():.3g} from grazing" if others.size else message
+
+
+def _one_way(plane: _Plane, start: np.ndarray, way: float) -> tuple[list[np.ndarray], str]:
+    along = np.zeros(start.size)
+    along[-1] = way
+    points = [start]
+    for point in follow_curve(plane.system, start, along, plane.steps):
+        plane.pause()
+        landed = _land(plane, points[-1], point.z)
+        points.append(point.z if landed is None else landed)
+        if landed is not None:
+            return points, f"a bound, at {plane.where(landed)}"
+        if len(points) > 3 and np.abs(point.z - start).max() < 0.5 * point.step:
+            return points, f"back where it began, at {plane.where(start)}"
+        if len(points) >= plane.most_points:
+            return points, f"as many points as were asked for, at {plane.where(point.z)}"
+    return points, _stall(plane, points[-1])
+
+
+def _smooth_side(point: SpecialPoint, shape: OrbitShape) -> int | None:
+    """Flights that must go on meeting -beta: all that do, where the map is not smooth across a graze."""
+    if not math.isinf(point.oscillator.stiffness):
+        return None
+    closed = closure(point.oscillator, point.parameter, shape, float(point.t[0]), float(point.v[0]))
+    return None if closed is None else closed.lower
+
+
+def continue_special_point(
+    point: SpecialPoint,
+    second: str,
+    bounds: tuple[float, float],
+    second_bounds: tuple[float, float],
+    most_points: int = 1000,
+    steps: Steps = Steps(),  # noqa: B008 (immutable)
+    pause: Pause = never_stopped,
+) -> SpecialCurve:
+    """Follow a special point as a second parameter varies, both ways.
+
+    Parameters
+    ----------
+    point : SpecialPoint
+        From a branch.
+    second : str
+        The second parameter; the first is the point's own.
+    bounds, second_bounds : (float, float)
+        Where to stop, for the first and the second parameter.
+    most_points : int
+        For each way.
+    steps : Steps
+        In scaled unknowns, as for `continue_orbit`.
+    pause : callable
+        Called at every point; whoever wants the work to stop raises an exception there.
+
+    Returns
+    -------
+    SpecialCurve
+        From where the second parameter falls first to where it grows first.
+
+    Raises
+    ------
+    ValueError
+        Where the second parameter is none, or the first.
+    """
+    if second not in PARAMETERS or second == point.parameter:
+        raise ValueError(f"the second parameter must be another of {', '.join(PARAMETERS)}, not {second!r}")
+    space = unknowns(point.oscillator, (point.parameter, second), point.kind != SpecialKind.CONTACT_LOSS)
+    shape = OrbitShape(point.forcing_periods, point.upper_contacts, point.kind == SpecialKind.GRAZING)
+    lower = _smooth_side(point, shape) if space.with_speed else None
+    system = special_system(point.kind, space, shape, lower)
+    plane = _Plane(system, space, shape, np.array([bounds, second_bounds]), steps, most_points, pause)
+    start = space.write(point.oscillator, float(point.t[0]), float(point.v[0]))
+    falling, growing = (_one_way(plane, start, way) for way in (-1.0, 1.0))
+    return _curve(plane, point.kind, falling[0][:0:-1] + growing[0], (falling[1], growing[1]))
+
+
+def _curve(plane: _Plane, kind: SpecialKind, points: list[np.ndarray], ends: tuple[str, str]) -> SpecialCurve:
+    residual = []
+    for z in points:
+        evaluated = plane.system(z)
+        residual.append(np.nan if evaluated is None else float(np.abs(evaluated[0]).max()))
+    speeds = [float(z[1] * plane.space.scales[1]) if plane.space.with_speed else 0.0 for z in points]
+    return SpecialCurve(
+        kind, (plane.space.parameters[0], plane.space.parameters[1]), np.array([plane.values(z) for z in points]),
+        np.array([z[0] - math.floor(z[0]) for z in points]), np.array(speeds), np.array(residual), ends,
+    )  # fmt: skip

@@ -1,0 +1,249 @@
+"""Bifurcation diagrams by pseudo-continuation: where a motion settles as one parameter is varied (Sec. 5.3, Fig. 11).
+
+At each value of the parameter P is applied many times to let transients die away, and the last departures are kept;
+the very last one seeds the next value. So an attractor is followed until it disappears, and what is reached then
+depends on the direction: attractors that coexist show as two stretches of the diagram, one for each way.
+
+Permanent contact is a state like any other, and is marked as such: contact once permanent stays so while the quiet
+solution exists (Eqs. 3, 8). Where it does not, the motion resumes from rest on the wall.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.impact_map.apply import PERMANENT_CONTACT, RETURNED, next_impact
+from rattle_kernels.impact_map.chatter import descent_bound, is_captured
+from rattle_kernels.model.flight import fall_speed, part_turn
+from rattle_kernels.model.oscillator import PARAMETERS, Oscillator, check_domain, eccentricity_bound_quiet
+from rattle_kernels.numerics.jit import kernel, step
+
+# The paper keeps the last twenty impacts.
+_KEPT = 20
+_TRANSIENT = 1000
+# Whether a bounce is captured is asked only of low ones: the bound costs milliseconds to compute.
+_LOW_BOUNCE = 0.1
+# From rest on the wall: slower than this, relative to the fall through the backlash, is no motion.
+_AT_REST = 1e-9
+# A turn that closes to this, speeds relative to the fall through the backlash, counts as periodic.
+_CLOSED = 1e-7
+
+
+class BifurcationDiagram(NamedTuple):
+    """Last departures at each value of a parameter, in the order in which the values were visited.
+
+    Parameters
+    ----------
+    parameter : str
+        Field of `Oscillator` that was varied.
+    values : ndarray, shape (n,)
+        Its values as visited.
+    t, v : ndarray, shape (n, seeds, kept)
+        Phases and speeds of the last departures; NaN where contact is permanent.
+    outcome : ndarray of int8, shape (n, seeds)
+        `Outcome` codes: RETURNED, PERMANENT_CONTACT or NOT_CONVERGED.
+    period : ndarray of int16, shape (n, seeds)
+        Impact period of the departures kept, 0 where none is seen (longer, chaotic, or not yet settled).
+    """
+
+    parameter: str
+    values: np.ndarray
+    t: np.ndarray
+    v: np.ndarray
+    outcome: np.ndarray
+    period: np.ndarray
+
+
+@step
+def _settle(oscillator, t, v, transient):
+    """Apply P `transient` times: outcome, phase and speed.
+
+    A motion that is back at the very same numbers repeats itself for ever, so whole turns of it are left out: orbits
+    that attract are there after some hundred impacts. Looked for as Brent does, from a state that moves on at powers of
+    two.
+    """
+    marked_t, marked_v, marked_at, n = t, v, 0, 0
+    while n < transient:
+        impact = next_impact(oscillator, t, v)
+        if impact.outcome != RETURNED:
+            return impact.outcome, t, v
+        t, v = impact.t, impact.v
+        n += 1
+        if t == marked_t and v == marked_v:
+            n = transient - (transient - n) % (n - marked_at)
+        elif n >= 2 * marked_at:
+            marked_t, marked_v, marked_at = t, v, n
+    return RETURNED, t, v
+
+
+@step
+def _follow(oscillator, t, v, transient, times, speeds):
+    """Apply P `transient` times, then keep one departure after the other; how it ended."""
+    outcome, t, v = _settle(oscillator, t, v, transient)
+    if outcome != RETURNED:
+        return outcome
+    for n in range(times.size):
+        impact = next_impact(oscillator, t, v)
+        if impact.outcome != RETURNED:
+            return impact.outcome
+        t, v = impact.t, impact.v
+        times[n], speeds[n] = t, v
+    return RETURNED
+
+
+@step
+def _bounces_ever_lower(oscillator, t, v, work):
+    if v > _LOW_BOUNCE * fall_speed(oscillator):
+        return False
+    return is_captured(oscillator, descent_bound(oscillator, work[0], work[1]), t, v)
+
+
+@step
+def _impact_period(times, speeds, scale):
+    """Shortest period after which the last departure had been there before, 0 where there is none."""
+    last = times.size - 1
+    for period in range(1, times.size // 2 + 1):
+        apart = part_turn(times[last] - times[last - period])
+        if math.hypot(apart, (speeds[last] - speeds[last - period]) / scale) < _CLOSED:
+            return period
+    return 0
+
+
+@kernel
+def _settle_along(fields, quiet, seed_t, seed_v, captured, transient, work, t, v, outcome, period):
+    """Fill the diagram of one direction; the seeds are left where the last value's motions are."""
+    for i in range(fields.shape[0]):
+        oscillator = Oscillator(fields[i, 0], fields[i, 1], fields[i, 2], fields[i, 3], fields[i, 4])
+        scale = fall_speed(oscillator)
+        for j in range(seed_t.size):
+            if captured[j] and quiet[i]:
+                outcome[i, j] = PERMANENT_CONTACT
+                continue
+            if captured[j]:
+                seed_t[j], seed_v[j] = 0.0, _AT_REST * scale
+            outcome[i, j] = _follow(oscillator, seed_t[j], seed_v[j], transient, t[i, j], v[i, j])
+            if outcome[i, j] == RETURNED:
+                seed_t[j], seed_v[j] = t[i, j, -1], v[i, j, -1]
+                period[i, j] = _impact_period(t[i, j], v[i, j], scale)
+                if period[i, j] == 0 and _bounces_ever_lower(oscillator, seed_t[j], seed_v[j], work):
+                    outcome[i, j] = PERMANENT_CONTACT
+            if outcome[i, j] != RETURNED:
+                t[i, j], v[i, j], period[i, j] = math.nan, math.nan, 0
+            captured[j] = outcome[i, j] == PERMANENT_CONTACT
+
+
+class Motions(NamedTuple):
+    """Motions side by side where they are left: departures, and whether contact is permanent by now; shape (seeds,)."""
+
+    t: np.ndarray
+    v: np.ndarray
+    captured: np.ndarray
+
+    @classmethod
+    def from_seeds(cls, t: np.typing.ArrayLike, v: np.typing.ArrayLike) -> "Motions":
+        """Motions that begin with departures."""
+        phase, speed = (np.array(a, dtype=np.float64).ravel() for a in np.broadcast_arrays(t, v))
+        return cls(phase, speed, np.zeros(phase.size, np.bool_))
+
+
+def follow_values(
+    oscillator: Oscillator, parameter: str, values: np.ndarray, motions: Motions, transient: int, kept: int
+) -> tuple[BifurcationDiagram, Motions]:
+    """Follow motions from value to value, in the order given: one stretch of a diagram, which others may continue.
+
+    Parameters
+    ----------
+    oscillator, parameter, transient, kept
+        As for `bifurcation_diagram`.
+    values : ndarray, shape (n,)
+        In the order in which they are visited.
+    motions : Motions
+        Where they begin.
+
+    Returns
+    -------
+    (BifurcationDiagram, Motions)
+        The stretch, and where the motions are left.
+
+    Raises
+    ------
+    OutsideDomain
+        Where a value lies outside the domain of the map.
+    """
+    oscillators = [check_domain(oscillator._replace(**{parameter: float(value)})) for value in values]
+    fields = np.array(oscillators, dtype=np.float64)
+    quiet = np.array([o.eccentricity < eccentricity_bound_quiet(o) for o in oscillators])
+    after = Motions(*(field.copy() for field in motions))
+    shape = len(oscillators), after.t.size
+    t, v = np.full((*shape, kept), np.nan), np.full((*shape, kept), np.nan)
+    outcome, period = np.zeros(shape, np.int8), np.zeros(shape, np.int16)
+    _settle_along(fields, quiet, *after, transient, np.empty((2, 12)), t, v, outcome, period)
+    return BifurcationDiagram(parameter, np.array(values, np.float64), t, v, outcome, period), after
+
+
+def _check_numbers(parameter: str, values: np.ndarray, direction: str, transient: int, kept: int) -> None:
+    if parameter not in PARAMETERS:
+        raise ValueError(f"parameter must be one of {', '.join(PARAMETERS)}, not {parameter!r}")
+    if values.ndim != 1 or not values.size:
+        raise ValueError("values must be a sequence of at least one number")
+    if direction not in ("up", "down", "both"):
+        raise ValueError(f"direction must be up, down or both, not {direction!r}")
+    if transient < 0 or kept < 1:
+        raise ValueError(f"transient must not be negative and kept be positive, not {transient} and {kept}")
+
+
+def bifurcation_diagram(
+    oscillator: Oscillator,
+    parameter: str,
+    values: np.typing.ArrayLike,
+    t: np.typing.ArrayLike,
+    v: np.typing.ArrayLike,
+    direction: str = "up",
+    transient: int = _TRANSIENT,
+    kept: int = _KEPT,
+) -> BifurcationDiagram:
+    """Follow motions while one parameter varies, each value's last departure seeding the next value.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Either model. Its own value of the parameter that varies is of no importance.
+    parameter : str
+        ``damping``, ``eccentricity``, ``half_backlash`` or ``stiffness``.
+    values : array_like, shape (n,)
+        Values to visit; sorted here.
+    t, v : array_like, shape (seeds,)
+        Departures to begin with, such as one of each attractor known at the first value visited.
+    direction : {"up", "down", "both"}
+        ``both`` goes up and then, from where that ends, down again: 2 n rows.
+    transient : int
+        Applications of P at each value before any departure is kept.
+    kept : int
+        Departures kept at each value.
+
+    Returns
+    -------
+    BifurcationDiagram
+
+    Raises
+    ------
+    OutsideDomain
+        Where a value lies outside the domain of the map.
+    ValueError
+        Where an argument is none of those named.
+
+    References
+    ----------
+    Sec. 5.3, Figs. 10 and 11.
+    """
+    visited = np.sort(np.asarray(values, dtype=np.float64))
+    _check_numbers(parameter, visited, direction, transient, kept)
+    motions = Motions.from_seeds(t, v)
+    runs = []
+    for way in {"up": (1,), "down": (-1,), "both": (1, -1)}[direction]:
+        run, motions = follow_values(oscillator, parameter, visited[::way], motions, transient, kept)
+        runs.append(run)
+    return BifurcationDiagram(
+        parameter, *(np.concatenate(parts) for parts in zip(*(run[1:] for run in runs), strict=True))
+    )

@@ -1,0 +1,158 @@
+"""The equations of a periodic orbit, P^p(t, v) = (t + m, v), with every derivative that continuation needs."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.impact_map.apply import RETURNED
+from rattle_kernels.impact_map.jacobian import Jacobian, multiply
+from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
+from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
+from rattle_kernels.model.oscillator import PARAMETERS, Oscillator
+from rattle_kernels.numerics.jit import kernel
+
+
+class OrbitShape(NamedTuple):
+    """What stays the same along a branch: P(m, n+, .).
+
+    ``over`` says that the first flight passes -beta as if it were not there, which makes the equations of an orbit that
+    grazes there smooth: a graze belongs to the flights on either side of it.
+    """
+
+    forcing_periods: int
+    upper_contacts: int
+    over: bool = False
+
+
+class Closure(NamedTuple):
+    """How far a departure is from closing, and the derivatives.
+
+    ``gap`` = (elapsed time - m, change of speed); ``jacobian`` = DP^p; ``sensitivity`` = dP^p/dp, shape (2,);
+    ``lower`` has bit i set where flight i meets -beta.
+    """
+
+    gap: np.ndarray
+    jacobian: np.ndarray
+    sensitivity: np.ndarray
+    lower: int
+
+
+@kernel
+def _closure(oscillator, parameter, shape, t, v, gap, derivative, sensitivity):
+    jacobian = Jacobian(1.0, 0.0, 0.0, 1.0)
+    later, faster, lower = 0.0, 0.0, 0
+    here, speed, elapsed = t, v, 0.0
+    for i in range(shape.upper_contacts):
+        over = shape.over and i == 0
+        impact, one, own = next_impact_with_sensitivity(oscillator, parameter, here, speed, over)
+        if impact.outcome != RETURNED or not impact.v > 0.0:
+            return -1
+        later, faster = one.tt * later + one.tv * faster + own[0], one.vt * later + one.vv * faster + own[1]
+        jacobian = multiply(one, jacobian)
+        here, speed = impact.t, impact.v
+        elapsed += impact.duration
+        lower |= impact.lower_impacts << i
+    gap[0], gap[1] = elapsed - shape.forcing_periods, speed - v
+    derivative[0, 0], derivative[0, 1] = jacobian.tt, jacobian.tv
+    derivative[1, 0], derivative[1, 1] = jacobian.vt, jacobian.vv
+    sensitivity[0], sensitivity[1] = later, faster
+    return lower
+
+
+def closure(oscillator: Oscillator, parameter: str, shape: OrbitShape, t: float, v: float) -> Closure | None:
+    """Evaluate the equations of an orbit at a departure.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    parameter : str
+        The field by which to differentiate.
+    shape : OrbitShape
+    t, v : float
+        Phase (any value) and speed of the departure.
+
+    Returns
+    -------
+    Closure or None
+        None where v is not positive or contact becomes permanent on the way.
+    """
+    if not v > 0.0:
+        return None
+    gap, derivative, sensitivity = np.empty(2), np.empty((2, 2)), np.empty(2)
+    lower = _closure(oscillator, PARAMETERS.index(parameter), shape, t, v, gap, derivative, sensitivity)
+    if lower < 0 or not (np.isfinite(derivative).all() and np.isfinite(sensitivity).all()):
+        return None
+    return Closure(gap, derivative, sensitivity, int(lower))
+
+
+@kernel
+def _departures(oscillator, shape, t, v):
+    """Departures of an orbit from the first one on; how many flights meet -beta, not counting one that passes over."""
+    lower = 0
+    for i in range(t.size):
+        impact, _, _ = next_impact_with_sensitivity(oscillator, 0, t[i], v[i], shape.over and i == 0)
+        lower += impact.lower_impacts
+        if i + 1 < t.size:
+            t[i + 1], v[i + 1] = impact.t, impact.v
+    return lower
+
+
+def orbit_from(oscillator: Oscillator, shape: OrbitShape, t: float, v: float) -> tuple[np.ndarray, np.ndarray, int]:
+    """All departures of an orbit from one of them.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    shape : OrbitShape
+    t, v : float
+        Phase (any value) and speed of the first one.
+
+    Returns
+    -------
+    (ndarray, ndarray, int)
+        Phases in [0, 1) and speeds, shape (upper_contacts,), and how many flights meet -beta, not counting one that
+        passes over it.
+    """
+    times, speeds = np.full(shape.upper_contacts, t - math.floor(t)), np.full(shape.upper_contacts, v)
+    lower = _departures(oscillator, shape, times, speeds)
+    return times, speeds, int(lower)
+
+
+@kernel
+def grazing_speed_at(oscillator, t):
+    """v*(t) of one phase, without the cost of arrays.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    t : float
+
+    Returns
+    -------
+    float
+    """
+    return grazing_flight(oscillator, t, LEAVING)[0]
+
+
+def stability_gap(oscillator: Oscillator, shape: OrbitShape, jacobian: np.ndarray, multiplier: float) -> float:
+    """Trace of DP^p less the one at which `multiplier` (+1 or -1) is an eigenvalue; det DP^p = e^{-delta m} exactly.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+    shape : OrbitShape
+    jacobian : ndarray, shape (2, 2)
+        DP^p.
+    multiplier : float
+        +1.0 (saddle-node) or -1.0 (period doubling).
+
+    Returns
+    -------
+    float
+    """
+    area = math.exp(-oscillator.damping * shape.forcing_periods)
+    return float(np.trace(jacobian)) - multiplier * (1.0 + area)

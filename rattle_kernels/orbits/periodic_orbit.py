@@ -1,0 +1,207 @@
+"""Periodic orbits of P: Newton's method on P^p, multipliers, itinerary P(m, n+, n-).
+
+An orbit of impact period p returns to +beta p times (n+ = p) while the forcing runs through m whole periods; n- counts
+its contacts with -beta. Its multipliers are the eigenvalues of DP^p; it attracts where both lie inside the unit circle.
+
+Their product is e^{-delta m}, in both models: the flow of (Phi, Phi') shrinks areas like e^{-delta t} everywhere, an
+elastic impact leaves them alone, and on the section the flow carries v dv dt, so det DP = (v0/v1) e^{-delta T}. Hence a
+complex pair always lies inside the unit circle (no Neimark-Sacker bifurcation), and the trace decides all: stability is
+lost at a multiplier +1 (trace = 1 + e^{-delta m}) or -1 (trace = -1 - e^{-delta m}).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.impact_map.jacobian import Jacobian, multiply, next_impact_with_jacobian
+from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.numerics.jit import kernel, step
+
+_NEWTON_STEPS = 40
+_RESIDUAL = 1e-11
+
+
+class PeriodicOrbit(NamedTuple):
+    """A periodic orbit, polished.
+
+    ``t``, ``v`` (shape (upper_contacts,)) are its departures from +beta in order of time, starting with the slowest;
+    ``jacobians`` (shape (upper_contacts, 2, 2)) are DP^p at each of them; ``residual`` is |P^p(x) - x|.
+    """
+
+    t: np.ndarray
+    v: np.ndarray
+    forcing_periods: int
+    upper_contacts: int
+    lower_contacts: int
+    jacobians: np.ndarray
+    residual: float
+
+    @property
+    def name(self) -> str:
+        """``P(m, n+, n-)``."""
+        return f"P({self.forcing_periods},{self.upper_contacts},{self.lower_contacts})"
+
+    @property
+    def multipliers(self) -> np.ndarray:
+        """Eigenvalues of DP^p, complex, shape (2,)."""
+        return np.linalg.eigvals(self.jacobians[0]).astype(complex)
+
+    @property
+    def attracts(self) -> bool:
+        """Whether both multipliers lie inside the unit circle."""
+        return bool(np.abs(self.multipliers).max() < 1.0)
+
+    @property
+    def lyapunov_exponent(self) -> float:
+        """Largest Lyapunov exponent, per forcing period."""
+        return float(np.log(np.abs(self.multipliers).max()) / self.forcing_periods)
+
+
+@step
+def _iterate(oscillator, t, v, period):
+    """P^p with its derivative, the time that passed, and the contacts with -beta."""
+    jacobian = Jacobian(1.0, 0.0, 0.0, 1.0)
+    elapsed, lower = 0.0, 0
+    for _ in range(period):
+        impact, one = next_impact_with_jacobian(oscillator, t, v)
+        jacobian = multiply(one, jacobian)
+        t, v = impact.t, impact.v
+        elapsed += impact.duration
+        lower += impact.lower_impacts
+    return t, v, jacobian, elapsed, lower
+
+
+@kernel
+def newton_orbit(oscillator, t, v, period, speed_scale):
+    """Newton's method on P^p(x) - x, halving steps that would leave v > 0; the residual tells how it ended."""
+    residual = math.inf
+    for _ in range(_NEWTON_STEPS):
+        t1, v1, jacobian, _, _ = _iterate(oscillator, t, v, period)
+        f = t1 - t
+        f -= math.floor(f + 0.5)
+        g = v1 - v
+        residual = math.hypot(f, g / speed_scale)
+        if not residual > 1e-15:
+            break
+        a, b, c, d = jacobian.tt - 1.0, jacobian.tv, jacobian.vt, jacobian.vv - 1.0
+        determinant = a * d - b * c
+        dt, dv = (b * g - d * f) / determinant, (c * f - a * g) / determinant
+        if not (math.isfinite(dt) and math.isfinite(dv)):
+            return t, v, math.inf
+        while v + dv <= 0.0:
+            dt, dv = 0.5 * dt, 0.5 * dv
+        t, v = t + dt, v + dv
+        if math.hypot(dt, dv / speed_scale) < 1e-15:
+            break
+    return t - math.floor(t), v, residual
+
+
+@step
+def _write(jacobian, matrix):
+    matrix[0, 0], matrix[0, 1] = jacobian.tt, jacobian.tv
+    matrix[1, 0], matrix[1, 1] = jacobian.vt, jacobian.vv
+
+
+@step
+def _read(matrix):
+    return Jacobian(matrix[0, 0], matrix[0, 1], matrix[1, 0], matrix[1, 1])
+
+
+@kernel
+def _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians):
+    """Points of the orbit with DP^p at each; elapsed time and contacts with -beta of one turn."""
+    elapsed, lower = 0.0, 0
+    before = Jacobian(1.0, 0.0, 0.0, 1.0)
+    for i in range(period):
+        times[i], speeds[i] = t, v
+        _write(before, jacobians[i])
+        impact, one = next_impact_with_jacobian(oscillator, t, v)
+        _write(one, steps[i])
+        before = multiply(one, before)
+        elapsed += impact.duration
+        lower += impact.lower_impacts
+        t, v = impact.t, impact.v
+    # A turn from point i: from there to the end, then from the start to there.
+    onward = Jacobian(1.0, 0.0, 0.0, 1.0)
+    for i in range(period - 1, -1, -1):
+        onward = multiply(onward, _read(steps[i]))
+        _write(multiply(_read(jacobians[i]), onward), jacobians[i])
+    return elapsed, lower
+
+
+def find_periodic_orbit(
+    oscillator: Oscillator, t: float, v: float, period: int, speed_scale: float
+) -> PeriodicOrbit | None:
+    """Periodic orbit near a seed, or none.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    t, v : float
+        Seed: phase and speed of a departure from +beta.
+    period : int
+        Impact period p; the orbit found may have a divisor of it as its own, which is then used.
+    speed_scale : float
+        Speed that weighs as much as one forcing period.
+
+    Returns
+    -------
+    PeriodicOrbit or None
+        None where Newton's method does not end with a residual of at most 1e-11, or ends at rest on the wall.
+    """
+    t, v, residual = newton_orbit(oscillator, t, v, period, speed_scale)
+    if not residual <= _RESIDUAL:
+        return None
+    period = _own_period(oscillator, t, v, period, speed_scale)
+    times, speeds = np.empty(period), np.empty(period)
+    steps, jacobians = np.empty((period, 2, 2)), np.empty((period, 2, 2))
+    elapsed, lower = _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians)
+    if round(elapsed) < 1:
+        return None  # not an orbit but the limit v -> 0, where every phase maps onto itself
+    first = int(np.argmin(speeds))
+    return PeriodicOrbit(
+        np.roll(times, -first), np.roll(speeds, -first), round(elapsed), period, int(lower),
+        np.roll(jacobians, -first, axis=0), float(residual),
+    )  # fmt: skip
+
+
+@kernel
+def _derivatives(oscillator, t, v, derivatives):
+    for i in range(t.size):
+        _, one = next_impact_with_jacobian(oscillator, t[i], v[i])
+        _write(one, derivatives[i])
+
+
+def derivatives_along(oscillator: Oscillator, orbit: PeriodicOrbit) -> np.ndarray:
+    """DP at every point of an orbit.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    orbit : PeriodicOrbit
+
+    Returns
+    -------
+    ndarray of float64, shape (upper_contacts, 2, 2)
+    """
+    derivatives = np.empty((orbit.upper_contacts, 2, 2))
+    _derivatives(oscillator, orbit.t, orbit.v, derivatives)
+    return derivatives
+
+
+@kernel
+def _returns_after(oscillator, t, v, divisor, speed_scale):
+    t1, v1, _, _, _ = _iterate(oscillator, t, v, divisor)
+    f = t1 - t
+    f -= math.floor(f + 0.5)
+    return math.hypot(f, (v1 - v) / speed_scale)
+
+
+def _own_period(oscillator: Oscillator, t: float, v: float, period: int, speed_scale: float) -> int:
+    for divisor in range(1, period // 2 + 1):
+        if period % divisor == 0 and _returns_after(oscillator, t, v, divisor, speed_scale) < 1e-9:
+            return divisor
+    return period

@@ -1,0 +1,1 @@
+"""What routes answer with: jobs, results, files, events."""

@@ -1,0 +1,69 @@
+"""One line of the log and one observation of the metrics for every answer."""
+
+import logging
+import time
+
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from service.logs import ACCESS_LOG
+from service.middleware import metrics
+
+_log = logging.getLogger(ACCESS_LOG)
+_METHODS = ("GET", "HEAD", "POST", "DELETE", "PUT", "PATCH", "OPTIONS")
+
+
+class Access:
+    """ASGI middleware that notes who asked what, and how that was answered.
+
+    Parameters
+    ----------
+    app : ASGI application
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on and note its answer."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        begin = time.perf_counter()
+        status = 0
+
+        async def noted(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                _observe(scope, status, time.perf_counter() - begin)
+            await send(message)
+
+        try:
+            await self.app(scope, receive, noted)
+        except Exception:
+            if not status:
+                status = 500
+                _observe(scope, status, time.perf_counter() - begin)
+            raise
+        finally:
+            _write(scope, status, time.perf_counter() - begin)
+
+
+def _observe(scope: Scope, status: int, seconds: float) -> None:
+    # Of routes and methods there are few; of paths and of what clients call a method there is no end.
+    route = getattr(scope.get("route"), "path", "none")
+    metrics.answered(scope["method"] if scope["method"] in _METHODS else "other", route, status, seconds)
+
+
+def _write(scope: Scope, status: int, seconds: float) -> None:
+    if not _log.isEnabledFor(logging.INFO):
+        return
+    caller = scope.get("state", {}).get("caller")
+    # The path as it was sent: percent-encoded, so that no line break of a client's ends a line here.
+    path = scope.get("raw_path", b"").decode("latin-1")
+    told = {
+        "method": scope["method"], "path": path, "status": status, "milliseconds": round(1000 * seconds, 1),
+        "key": caller.name if caller else None, "client": scope["client"][0] if scope.get("client") else None,
+    }  # fmt: skip
+    who = told["key"] or "nobody"
+    _log.info("%s %s %s %d in %.1f ms", who, told["method"], path, status, told["milliseconds"], extra=told)

@@ -1,0 +1,29 @@
+"""What Prometheus is told: of this process, of the one that runs jobs, and of the jobs in the database."""
+
+from collections.abc import Mapping
+
+from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, Gauge, Histogram, generate_latest
+from prometheus_client.process_collector import ProcessCollector
+
+from service.records.job_record import JobState
+
+CONTENT_TYPE = CONTENT_TYPE_LATEST
+_REGISTRY = CollectorRegistry()
+ProcessCollector(registry=_REGISTRY)
+_JOBS = Gauge("rattle_jobs", "Jobs in the database", ["state"], registry=_REGISTRY)
+_REQUESTS = Histogram(
+    "rattle_request_seconds", "Time until an answer began", ["method", "route", "status"], registry=_REGISTRY,
+    buckets=(0.002, 0.005, 0.01, 0.025, 0.05, 0.1, 0.15, 0.25, 0.5, 1, 2.5, 10),
+)  # fmt: skip
+
+
+def answered(method: str, route: str, status: int, seconds: float) -> None:
+    """Note an answer: to which route of the API, and how long until it began."""
+    _REQUESTS.labels(method, route, status).observe(seconds)
+
+
+def exposition(jobs: Mapping[JobState, int], runner: bytes) -> bytes:
+    """All metrics as Prometheus reads them, given how many jobs there are, and what the runner's process counts."""
+    for state in JobState:
+        _JOBS.labels(state).set(jobs.get(state, 0))
+    return generate_latest(_REGISTRY) + runner

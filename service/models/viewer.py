@@ -1,0 +1,138 @@
+"""What a viewer is told of one basin: all that it needs to draw it, except the cells."""
+
+import math
+from typing import Literal
+
+from pydantic import BaseModel, Field
+
+from rattle_kernels import Attractor
+from worker.pictures.colours import MISSING, SPECKLE, Colour, Palette, colours_of
+from worker.pictures.overlay import Lines, Overlay
+from worker.views.outline import PanelOutline
+
+_DIGITS = 7
+
+
+def _hex(colour: Colour) -> str:
+    return "#" + "".join(f"{round(255 * channel):02x}" for channel in colour)
+
+
+class WindowView(BaseModel):
+    """One direction of the window, cut into cells."""
+
+    start: float
+    stop: float
+    cells: int
+
+
+class TilingView(BaseModel):
+    """How the basin is cut: tiles of so many rows and columns of cells; those at the upper edges may be smaller."""
+
+    rows: int
+    columns: int
+    down: int = Field(description="Tiles along velocity, from the lowest speed")
+    across: int = Field(description="Tiles along time")
+    first: int = Field(
+        description="Number of the basin's first tile; the others follow along time, then along velocity"
+    )
+    states: list[Literal[1, 2, 3]] = Field(description="1 pending, 2 mapped, 3 labelled: only such can be fetched")
+
+
+class DrawnSolution(BaseModel):
+    """One solution as it is drawn."""
+
+    number: int
+    name: str
+    kind: Literal["periodic", "chaotic", "chaotic_transient", "permanent_contact", "undecided"]
+    share: float | None = Field(
+        description="In this basin; null until it is complete, or where it has no such solution"
+    )
+    lyapunov_exponent: float | None
+    mean_life: float | None = Field(description="Impacts until a motion leaves chaos, on average; null where it lasts")
+    colours: dict[Palette, str]
+    points: list[tuple[float, float]] = Field(description="(t, v) of its departures in this basin")
+
+    @classmethod
+    def from_attractor(
+        cls, number: int, attractor: Attractor, share: float, colours: dict[Palette, str]
+    ) -> "DrawnSolution":
+        """View of an attractor."""
+        exponent, life = attractor.lyapunov_exponent, attractor.mean_life
+        points = zip(attractor.time.tolist(), attractor.velocity.tolist(), strict=True)
+        return cls(
+            number=number, name=attractor.name, kind=attractor.kind.name.lower(),
+            share=share if math.isfinite(share) else None,
+            lyapunov_exponent=exponent if math.isfinite(exponent) else None,
+            mean_life=life if math.isfinite(life) else None, colours=colours, points=list(points),
+        )  # fmt: skip
+
+
+class CurveView(BaseModel):
+    """A curve in the (t, v) plane."""
+
+    time: list[float]
+    velocity: list[float]
+
+
+class OverlayView(BaseModel):
+    """Curves, or marked departures, of one kind. Phases may run beyond a period."""
+
+    label: str
+    colour: str = Field(description="A colour by its name, as in the paper's pictures")
+    marker: Literal["+", "x", "."] | None = Field(description="null for curves")
+    pieces: list[CurveView] = Field(description="Each by itself: none is joined to another")
+
+    @classmethod
+    def from_overlay(cls, overlay: Overlay) -> "OverlayView":
+        """View of an overlay."""
+        if isinstance(overlay, Lines):
+            marker, pieces = None, [(piece.t, piece.v) for piece in overlay.pieces]
+        else:
+            marker, pieces = overlay.marker, [(overlay.t, overlay.v)]
+        # Finer than any screen, and a third of the bytes.
+        curves = [CurveView(time=t.round(_DIGITS).tolist(), velocity=v.round(_DIGITS).tolist()) for t, v in pieces]
+        return cls(label=overlay.label, colour=overlay.colour, marker=marker, pieces=curves)
+
+
+class OverlaysView(BaseModel):
+    """Overlays of one kind."""
+
+    overlays: list[OverlayView]
+
+
+class OutlineView(BaseModel):
+    """All that a viewer needs to draw one basin, except its cells, which come tile by tile."""
+
+    parameters: dict[str, float] = Field(description="Values of the swept parameters in this basin")
+    time: WindowView
+    velocity: WindowView
+    tiles: TilingView
+    complete: bool
+    solutions: list[DrawnSolution] = Field(description="By number; those of the whole job")
+    missing_colour: str
+    speckle: list[float] = Field(description="Brightness of chaotic cells by their group, counted round")
+    grazing: CurveView = Field(description="The grazing curve v*(t)")
+
+    @classmethod
+    def from_outline(cls, outline: PanelOutline) -> "OutlineView":
+        """View of an outline."""
+        grid, tiling = outline.tiling.grid, outline.tiling
+        down, across = tiling.shape
+        palettes = {palette: colours_of(outline.solutions, palette) for palette in Palette}
+        solutions = [
+            DrawnSolution.from_attractor(
+                number, attractor, share, {name: _hex(colours[number]) for name, colours in palettes.items()}
+            )
+            for number, (attractor, share) in enumerate(zip(outline.solutions, outline.shares, strict=True))
+        ]
+        return cls(
+            parameters=outline.values,
+            time=WindowView(start=grid.time_start, stop=grid.time_stop, cells=grid.time_cells),
+            velocity=WindowView(start=grid.velocity_start, stop=grid.velocity_stop, cells=grid.velocity_cells),
+            tiles=TilingView(
+                rows=tiling.tile_rows, columns=tiling.tile_columns, down=down, across=across,
+                first=outline.first_tile, states=list(outline.states),
+            ),
+            complete=outline.complete, solutions=solutions, missing_colour=_hex(MISSING), speckle=list(SPECKLE),
+            grazing=CurveView(time=outline.curve[0].tolist(), velocity=outline.curve[1].tolist()),
+        )  # fmt: skip

@@ -1,0 +1,66 @@
+"""Writing and reading the events of jobs.
+
+An event is written in the transaction that changes the job, after the job's row has been changed: that row is locked
+until the transaction ends, so the numbers of a job's events have neither gaps nor twins, and appear in order.
+"""
+
+from collections.abc import Callable, Collection, Mapping
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import delete, func, select
+from sqlalchemy.orm import Session
+
+from service.records.engine import to_read
+from service.records.event_record import EventRecord
+from service.records.job_record import JobState
+
+PROGRESS_KEPT = 64
+"""Events of progress that are kept for a job that runs: a quarter of a minute."""
+
+
+def note_event(
+    session: Session, job_id: str, state: JobState, progress: dict[str, Any] | None = None, error: Any = None
+) -> None:
+    """Write an event of a job that this transaction has made or changed."""
+    of_job = EventRecord.job_id == job_id
+    sequence = 1 + (session.scalar(select(func.max(EventRecord.sequence)).where(of_job)) or 0)
+    session.add(
+        EventRecord(
+            job_id=job_id, sequence=sequence, state=state, progress=progress, error=error, moment=datetime.now(UTC)
+        )
+    )
+    if progress is not None or state.final:
+        past = sequence if state.final else sequence - PROGRESS_KEPT
+        outdated = of_job, EventRecord.progress.is_not(None), EventRecord.sequence <= past
+        session.execute(delete(EventRecord).where(*outdated))
+
+
+def forget_events(session: Session, job_id: str) -> None:
+    """Remove the events of a job that is being removed."""
+    session.execute(delete(EventRecord).where(EventRecord.job_id == job_id))
+
+
+class Events:
+    """The events of a service's database, for reading.
+
+    Parameters
+    ----------
+    sessions : callable
+        Makes database sessions.
+    """
+
+    def __init__(self, sessions: Callable[[], Session]) -> None:
+        self._sessions = sessions
+
+    def after(self, job_id: str, sequence: int) -> list[EventRecord]:
+        """Events of a job with higher numbers, in order."""
+        later = select(EventRecord).where(EventRecord.job_id == job_id, EventRecord.sequence > sequence)
+        with to_read(self._sessions()) as session:
+            return list(session.scalars(later.order_by(EventRecord.sequence)))
+
+    def newest(self, job_ids: Collection[str]) -> Mapping[str, int]:
+        """Highest number of each of some jobs; a job that is no more is left out."""
+        newest = select(EventRecord.job_id, func.max(EventRecord.sequence)).where(EventRecord.job_id.in_(job_ids))
+        with to_read(self._sessions()) as session:
+            return dict(session.execute(newest.group_by(EventRecord.job_id)).all())

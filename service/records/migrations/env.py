@@ -1,0 +1,14 @@
+"""Alembic's entry point: migrations run on the connection that `service.records.engine` opened."""
+
+from alembic import context
+
+from service.records.event_record import EventRecord
+from service.records.job_record import JobRecord
+from service.records.key_record import KeyRecord
+
+# A table that has been imported is known to the metadata that they share.
+TABLES = JobRecord, KeyRecord, EventRecord
+
+context.configure(connection=context.config.attributes["connection"], target_metadata=TABLES[0].metadata)
+with context.begin_transaction():
+    context.run_migrations()

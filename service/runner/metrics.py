@@ -1,0 +1,73 @@
+"""What the process that runs jobs counts, for Prometheus; the service passes it on with its own."""
+
+from collections.abc import Iterator
+
+from prometheus_client import CollectorRegistry, Counter, Histogram, generate_latest
+from prometheus_client.core import CounterMetricFamily, Metric
+from prometheus_client.process_collector import ProcessCollector
+from prometheus_client.registry import Collector
+
+from service.records.job_record import JobState
+from worker.cluster.driver import tasks_retried
+from worker.progress import Progress, Stage
+
+_REGISTRY = CollectorRegistry()
+ProcessCollector(namespace="rattle_runner", registry=_REGISTRY)
+_WAIT = Histogram(
+    "rattle_queue_wait_seconds", "Time from a job's submission to its first start", registry=_REGISTRY,
+    buckets=(0.1, 0.5, 1, 2, 5, 10, 30, 60, 300, 1800, 7200, 43200),
+)  # fmt: skip
+_TILES = Counter("rattle_tiles", "Tiles done by jobs that run from here", ["stage"], registry=_REGISTRY)
+_CELLS = Counter("rattle_cells", "Cells mapped by jobs that run from here", registry=_REGISTRY)
+_ENDED = Counter("rattle_jobs_ended", "Jobs that have ended here", ["state"], registry=_REGISTRY)
+_LEASES = Counter("rattle_leases_lost", "Jobs that another replica took over from this one", registry=_REGISTRY)
+
+
+class _Retries(Collector):
+    """Counted by the worker, which knows of no metrics."""
+
+    def collect(self) -> Iterator[Metric]:
+        """As Prometheus asks for them."""
+        yield CounterMetricFamily("rattle_task_retries", "Tasks submitted again after they were lost", tasks_retried())
+
+
+_REGISTRY.register(_Retries())
+
+
+def job_started(waited: float) -> None:
+    """Note that a job has started for the first time, and how many seconds it had waited."""
+    _WAIT.observe(max(0.0, waited))
+
+
+def job_ended(state: JobState) -> None:
+    """Note that a job has ended."""
+    _ENDED.labels(state).inc()
+
+
+def lease_lost() -> None:
+    """Note that another replica has taken over a job of this one."""
+    _LEASES.inc()
+
+
+def exposition() -> bytes:
+    """All of it as Prometheus reads it."""
+    return generate_latest(_REGISTRY)
+
+
+class Pace:
+    """Counts the tiles and cells of one run of a job, from what it reports.
+
+    Tiles that were in the store when a job was resumed count as done in its first report, and not here.
+    """
+
+    def __init__(self) -> None:
+        self._last: Progress | None = None
+
+    def __call__(self, progress: Progress) -> None:
+        """Count what has been done since the last report."""
+        last, self._last = self._last, progress
+        if last is None or last.stage != progress.stage:
+            return
+        _TILES.labels(progress.stage).inc(max(0, progress.tiles_done - last.tiles_done))
+        if progress.stage is Stage.MAPPING:
+            _CELLS.inc(max(0, progress.cells_done - last.cells_done))

@@ -1,0 +1,159 @@
+"""Chaos is told from what looks like it, and whether it lasts."""
+
+import numpy as np
+import pytest
+
+from rattle_kernels import CellGrid, Oscillator, find_attractors, map_points, name_solutions, next_impacts
+from rattle_kernels.attractors.chaotic_transient import CROWD, wander
+from rattle_kernels.impact_map.apply import next_impact
+from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
+from rattle_kernels.lanes.lyapunov import tangent_growth
+from rattle_kernels.lanes.tables import lane_tables
+from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
+from tests.rattle_kernels.machine import MACHINE
+
+CHAOTIC = 0.553, 4.703
+IMPACTING, STIFF = Oscillator(), Oscillator(stiffness=1e5)
+
+
+def growth_by_products(oscillator, t, v, impacts):
+    """The same by DP of the scalar map at every departure that the lanes pass."""
+    scale = lane_tables(oscillator).speed_scale
+    vector, growth, elapsed = np.array([1.0, 0.0]), 0.0, 0.0
+    for n in range(64 + impacts):
+        impact, jacobian = next_impact_with_jacobian(oscillator, t, v)
+        vector = np.array([[jacobian.tt, jacobian.tv * scale], [jacobian.vt / scale, jacobian.vv]]) @ vector
+        if n >= 64:
+            growth += np.log(np.hypot(*vector))
+            elapsed += impact.duration
+        vector /= np.hypot(*vector)
+        t, v = (float(field[0]) for field in next_impacts(oscillator, [t], [v])[:2])
+    return growth, elapsed
+
+
+@pytest.mark.parametrize("oscillator", [IMPACTING, STIFF], ids=["impacting", "piecewise linear"])
+def test_tangent_vectors_grow_in_lanes_as_by_the_scalar_derivative(oscillator):
+    starts = np.array([0.553, 0.2, 0.7]), np.array([4.703, 3.0, 5.5])
+    together = tangent_growth(oscillator, *starts, 40)
+    for at, start in enumerate(zip(*starts, strict=True)):
+        growth, elapsed = growth_by_products(oscillator, *start, 40)
+        if np.isfinite(together.growth[at]):
+            assert together.elapsed[at] == pytest.approx(elapsed, rel=1e-9)
+            assert together.growth[at] == pytest.approx(growth, rel=1e-6, abs=1e-6)
+    assert np.isfinite(together.growth).any()
+
+
+def test_the_exponent_of_a_periodic_orbit_is_that_of_its_multipliers():
+    orbit = find_periodic_orbit(IMPACTING, 0.898, 3.77, 1, 5.5)
+    run = tangent_growth(IMPACTING, orbit.t, orbit.v, 20_000)
+    assert run.exponent == pytest.approx(orbit.lyapunov_exponent, abs=1e-3)
+
+
+def test_what_is_captured_on_the_way_has_no_exponent():
+    run = tangent_growth(IMPACTING, np.array([0.5, 0.553]), np.array([1e-3, 4.703]), 40)
+    assert np.isnan(run.growth).tolist() == np.isnan(run.t).tolist() == [True, False]
+
+
+def test_the_exponent_of_chaos_is_positive_within_its_error_whatever_the_start():
+    crowds = [wander(IMPACTING, t, 4.5) for t in (0.6, 0.65)]
+    assert all(crowd.chaotic and crowd.captured == 0 and not crowd.settled.size for crowd in crowds)
+    assert abs(crowds[0].exponent - crowds[1].exponent) < 5.0 * np.hypot(crowds[0].error, crowds[1].error)
+
+
+def test_points_of_chaos_are_departures_far_apart_in_time():
+    crowd = wander(IMPACTING, *CHAOTIC)
+    assert crowd.t.size == 4096 and np.unique(crowd.t).size == crowd.t.size
+    ahead = next_impacts(IMPACTING, crowd.t[:64], crowd.v[:64], 256)
+    np.testing.assert_array_equal(ahead.t, crowd.t[64:128])
+
+
+@pytest.mark.parametrize(
+    ("oscillator", "start"),
+    [(Oscillator(eccentricity=0.1895), (0.5, 0.02)), (Oscillator(6e-4, 1e-4, 6e-4), (0.5, 3e-5)),
+     (Oscillator(eccentricity=0.1895), (0.461, 1.133e-3)), (Oscillator(eccentricity=0.1895), (0.4171, 0.01135))],
+)  # fmt: skip
+def test_low_bounces_are_not_taken_for_chaos(oscillator, start):
+    # Close to the bound of Eq. (8) low bounces are captured late; their tangent vectors grow, but not exponentially.
+    assert not wander(oscillator, *start).chaotic
+
+
+def catalogue_of(oscillator, speed=7.0, count=200):
+    """Catalogue of landing points after the paper's k, and the place of each in it."""
+    rng = np.random.default_rng(8)
+    grid = CellGrid(velocity_stop=speed)
+    landed = map_points(oscillator, grid, 1499, rng.random(count), speed * (1.0 - rng.random(count)))
+    there = np.isfinite(landed.landing_time)
+    t, v = landed.landing_time[there], landed.landing_velocity[there]
+    catalogue = find_attractors(oscillator, t, v)
+    return catalogue, name_solutions(oscillator, catalogue, t, v)
+
+
+@pytest.mark.parametrize(("damping", "end"), [(0.65, "P(3,3,1)"), (0.527, "P(3,3,2)")])
+def test_a_transient_of_1e5_impacts_is_one_and_its_end_is_in_the_catalogue(damping, end):
+    oscillator = Oscillator(damping=damping)
+    catalogue, places = catalogue_of(oscillator)
+    attractors = {attractor.name: attractor for attractor in catalogue}
+    assert end in attractors and "chaotic" not in attractors and (places >= 0).all()
+    life = attractors["chaotic transient"].mean_life
+    assert attractors["chaotic transient"].label == f"chaotic transient of some {life:.1g} impacts"
+    # Against a plain loop from other starts, each until it comes back close to itself or has made 300,000 impacts.
+    lives = [impacts_until_settled(oscillator, 0.55 + 0.001 * n, 4.7, 300_000) for n in range(24)]
+    gone = [impacts for impacts in lives if impacts < 300_000]
+    assert 0.3 < life / (sum(lives) / len(gone)) < 3.0
+
+
+@pytest.mark.parametrize(
+    ("damping", "start"),
+    [(0.6079079079079079, (0.5342400126931213, 4.542657972910141)),
+     (0.515015015015015, (0.6489820298489566, 4.463135657209052))],
+)  # fmt: skip
+def test_weak_chaos_behind_a_cascade_is_chaos_by_an_exponent_that_a_longer_run_has_too(damping, start):
+    oscillator = Oscillator(damping=damping)
+    crowd = wander(oscillator, *start)
+    assert crowd.chaotic and 0.003 < crowd.exponent < 0.007
+    longer = tangent_growth(oscillator, np.full(64, start[0]), start[1] * (1.0 + 1e-9 * np.arange(64)), 65_536)
+    assert longer.exponent == pytest.approx(crowd.exponent, rel=0.1)
+
+
+def test_far_down_a_cascade_of_period_doublings_the_orbit_that_attracts_is_found():
+    # P(384,384,128) has lost its stability already, and lies within 1e-6 of the one that has doubled.
+    oscillator, start = Oscillator(damping=0.527027027027027), ([0.6554355652996406], [4.670922390326611])
+    catalogue = find_attractors(oscillator, *start)
+    assert [attractor.name for attractor in catalogue] == ["permanent contact", "P(768,768,256)"]
+    assert name_solutions(oscillator, catalogue, *map(np.array, start)).tolist() == [1]
+    t, v = catalogue[1].time[:1], catalogue[1].velocity[:1]
+    half, whole = (next_impacts(oscillator, t, v, n) for n in (384, 768))
+    assert 1e-8 < abs(half.v - v) < 1e-5 and abs(whole.v - v) < 1e-11
+
+
+@pytest.mark.parametrize("damping", [0.6, 0.625, 0.675])
+def test_a_chaotic_attractor_holds_what_is_on_it(damping):
+    catalogue, _ = catalogue_of(Oscillator(damping=damping))
+    assert catalogue[-1].name == catalogue[-1].label == "chaotic" and np.isnan(catalogue[-1].mean_life)
+
+
+def test_at_the_machines_damping_nothing_is_called_chaotic_after_too_few_impacts():
+    catalogue, _ = catalogue_of(MACHINE, 12.0 * MACHINE.damping, 64)
+    assert not any(attractor.wanders for attractor in catalogue)
+
+
+def impacts_until_settled(oscillator, t, v, most):
+    """Impacts after which a motion is on an orbit of up to 12 impacts, or captured."""
+    kept_t, kept_v = t, v
+    for n in range(1, most):
+        impact = next_impact(oscillator, t, v)
+        if impact.outcome != 0 or impact.v < 1e-3:
+            return n
+        t, v = impact.t, impact.v
+        if n % 12 == 0:
+            if abs(t - kept_t) + abs(v - kept_v) < 1e-9:
+                return n
+            kept_t, kept_v = t, v
+    return most
+
+
+def test_the_mean_life_is_that_of_the_exponential_law():
+    crowd = wander(IMPACTING, *CHAOTIC)
+    assert crowd.impacts == 64 * 256 and np.isnan(crowd.mean_life(0))
+    assert crowd.mean_life(CROWD // 2) == pytest.approx(crowd.impacts / np.log(2.0))
+    assert crowd.mean_life(1) == pytest.approx(CROWD * crowd.impacts, rel=0.01)

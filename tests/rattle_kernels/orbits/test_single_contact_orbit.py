@@ -1,0 +1,53 @@
+"""P(m, 1, 0): the closed form against P itself, against Newton, and the exact bound behind Eq. (41)."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rattle_kernels import Oscillator, eccentricity_bound_single_contact, next_impacts, single_contact_orbits
+from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
+
+
+def test_the_exact_bound_behind_equation_41():
+    assert eccentricity_bound_single_contact(0.6) == pytest.approx(0.059643058193045, abs=1e-15)
+
+
+@pytest.mark.parametrize("x", [1e-6, 0.01, 0.3])
+def test_the_bound_has_the_printed_series(x):
+    assert eccentricity_bound_single_contact(x) == pytest.approx(x**2 / 6 - x**4 / 360, rel=x**4 + 1e-13)
+
+
+@pytest.mark.parametrize(("damping", "eccentricity", "half_backlash", "m"), [(0.6, 0.1, 0.6, 1), (0.1, 0.02, 2.0, 2)])
+def test_the_closed_form_is_an_orbit_and_newton_agrees(damping, eccentricity, half_backlash, m):
+    oscillator = Oscillator(damping, eccentricity, half_backlash)
+    for closed in single_contact_orbits(oscillator, m):
+        assert closed.exists
+        back = next_impacts(oscillator, closed.t, closed.v)
+        assert (float(back.t), float(back.v)) == pytest.approx((closed.t, closed.v), abs=1e-12)
+        orbit = find_periodic_orbit(oscillator, closed.t + 1e-3, closed.v * 1.001, 1, closed.v)
+        assert (orbit.forcing_periods, orbit.upper_contacts, orbit.lower_contacts) == (m, 1, 0)
+        assert (orbit.t[0], orbit.v[0]) == pytest.approx((closed.t, closed.v), abs=1e-11)
+        assert orbit.multipliers.sum().real == pytest.approx(closed.trace, abs=1e-10)
+
+
+def test_one_attracts_and_the_other_is_a_saddle():
+    node, saddle = single_contact_orbits(Oscillator())
+    assert abs(node.trace) < 1 + math.exp(-0.6) < saddle.trace
+    assert node.v == saddle.v == pytest.approx(1.2 * math.pi)
+
+
+def test_they_are_born_at_the_bound_and_not_before():
+    bound = eccentricity_bound_single_contact(0.6)
+    assert single_contact_orbits(Oscillator(eccentricity=bound * (1 - 1e-12))) == ()
+    for orbit in single_contact_orbits(Oscillator(eccentricity=bound * (1 + 1e-12))):
+        assert orbit.t == pytest.approx(0.75, abs=1e-6)
+        assert orbit.trace == pytest.approx(1 + math.exp(-0.6), abs=1e-5)
+
+
+def test_beyond_the_grazing_curve_they_do_not_exist():
+    """With less backlash the flight would meet -beta."""
+    margins = [single_contact_orbits(Oscillator(half_backlash=b))[0] for b in (0.6, 0.4)]
+    assert [orbit.exists for orbit in margins] == [True, False]
+    impact = next_impacts(Oscillator(half_backlash=0.4), margins[1].t, margins[1].v)
+    assert np.all(impact.lower_impacts == 1)

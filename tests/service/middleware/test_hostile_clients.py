@@ -1,0 +1,297 @@
+"""Clients that are slow, huge or malformed cost a bounded part of the service, and others are answered meanwhile."""
+
+import contextlib
+import json
+import socket
+import time
+import tracemalloc
+from pathlib import Path
+
+import pytest
+from fastapi import Response
+
+from service.middleware import bounded_connection
+from service.records.job_record import JobState
+from tests.service.idle_service import idle_service
+from tests.service.records.many_jobs import add_copies
+from worker.jobs.basin_job import BasinJob
+from worker.stores.new_store import create_store
+
+SECONDS = 1.0
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bounded_connection, "_READ_SECONDS", SECONDS)
+        data = tmp_path_factory.mktemp("idle")
+        with idle_service(patch, data, request_seconds=SECONDS, max_connections=40) as service:
+            yield service
+
+
+@contextlib.contextmanager
+def connection(service):
+    with socket.create_connection(("127.0.0.1", service.port), timeout=10) as line:
+        yield line
+
+
+def told(line):
+    """Everything that the service says until it closes."""
+    said = b""
+    with contextlib.suppress(ConnectionResetError):
+        while part := line.recv(65536):
+            said += part
+    return said
+
+
+def assert_problem(said, status, what):
+    head, _, body = said.partition(b"\r\n\r\n")
+    assert head.startswith(b"HTTP/1.1 %d " % status), said[:300]
+    assert b"application/problem+json" in head and b"connection: close" in head.lower()
+    assert what in json.loads(body)["detail"]
+
+
+def answers(service):
+    return service.request("GET", "/healthz").status_code == 200
+
+
+@pytest.mark.parametrize(
+    "beginning", [b"", b"G", b"GET /healthz HTTP/1.1\r\n", b"GET /healthz HTTP/1.1\r\nhost: x\r\nx: " + b"a" * 100,
+    b"POST /v1/basins HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 99\r\n\r\n{",
+    b"POST /v1/basins HTTP/1.1\r\nhost: localhost\r\ntransfer-encoding: chunked\r\n\r\n1\r\n{\r\n"],
+    ids=["nothing", "a byte", "a line", "a head", "a body", "a chunk"],
+)  # fmt: skip
+def test_a_request_that_does_not_end_is_ended(service, beginning):
+    with connection(service) as line:
+        begin = time.monotonic()
+        line.sendall(beginning)
+        assert_problem(told(line), 408, "within 1 s")
+        assert SECONDS * 0.9 < time.monotonic() - begin < 3 * SECONDS
+
+
+@pytest.mark.parametrize("drop", [b"x", b"\r\n"], ids=["in a head", "between requests"])
+def test_a_drop_now_and_then_does_not_keep_a_connection_open(service, drop):
+    with connection(service) as line:
+        line.sendall(b"GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n")
+        assert line.recv(65536).startswith(b"HTTP/1.1 200")
+        begin = time.monotonic()
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+            while time.monotonic() - begin < 4 * SECONDS:
+                line.sendall(drop)
+                time.sleep(0.1)
+        assert time.monotonic() - begin < 3 * SECONDS
+
+
+def test_a_body_that_nobody_reads_does_not_keep_a_connection_open(service):
+    with connection(service) as line:
+        line.sendall(b"GET /healthz HTTP/1.1\r\nhost: localhost\r\ncontent-length: 1000\r\n\r\n")
+        begin = time.monotonic()
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+            while time.monotonic() - begin < 4 * SECONDS:
+                line.sendall(b"x")
+                time.sleep(0.1)
+        assert time.monotonic() - begin < 3 * SECONDS
+
+
+def test_slow_clients_beyond_a_number_are_sent_away_and_the_others_answered_in_the_end(service):
+    with contextlib.ExitStack() as stack:
+        lines = [stack.enter_context(connection(service)) for _ in range(40)]
+        for line in lines:
+            line.sendall(b"GET / HTTP/1.1\r\n")
+        time.sleep(0.2)
+        refused = stack.enter_context(connection(service))
+        assert_problem(told(refused), 503, "as many connections as it can")
+        time.sleep(2 * SECONDS)
+        assert answers(service)
+
+
+def endless(line, beginning, part, most=30_000_000):
+    """Send until the other side has had enough; how much it took."""
+    sent = 0
+    with contextlib.suppress(BrokenPipeError, ConnectionResetError, TimeoutError):
+        line.sendall(beginning)
+        while sent < most:
+            line.sendall(part)
+            sent += len(part)
+    return sent
+
+
+@pytest.mark.parametrize(
+    ("beginning", "part"),
+    [
+        (b"GET /", b"a" * 65536),
+        (b"GET / HTTP/1.1\r\nx: ", b"a" * 65536),
+        (b"GET / HTTP/1.1\r\n", b"x: a\r\n" * 10000),
+        (b"POST /v1/basins HTTP/1.1\r\nhost: localhost\r\ntransfer-encoding: chunked\r\n\r\n", b"1\r\n{\r\n" * 10000),
+        (
+            b"POST /v1/basins HTTP/1.1\r\nhost: localhost\r\ntransfer-encoding: chunked\r\n\r\n0\r\n",
+            b"x: a\r\n" * 10000,
+        ),
+        (b"GET /healthz HTTP/1.1\r\nhost: localhost\r\ntransfer-encoding: chunked\r\n\r\n", b"1\r\n{\r\n" * 10000),
+    ],
+    ids=["address", "header", "headers", "chunks", "trailers", "chunks that nobody reads"],
+)
+def test_what_has_no_end_is_cut_off(service, beginning, part):
+    with connection(service) as line:
+        assert endless(line, beginning, part) < 29_000_000
+    assert answers(service)
+
+
+def test_a_head_that_is_too_large_is_told_so(service):
+    with connection(service) as line:
+        line.sendall(b"GET / HTTP/1.1\r\nx: " + b"a" * 65_600)
+        assert_problem(told(line), 431, "at most 65536 bytes")
+
+
+def test_endless_headers_cost_no_memory(service):
+    tracemalloc.start()
+    try:
+        for _ in range(5):
+            with connection(service) as line:
+                endless(line, b"GET / HTTP/1.1\r\n", b"x: a\r\n" * 10000)
+        assert tracemalloc.get_traced_memory()[1] < 20_000_000
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    "raw",
+    [
+        b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + b"\0" * 40,
+        b"GET\r\n\r\n",
+        b"GET / HTTP/9.9\r\n\r\n",
+        b"GET / HTTP/1.1\r\nhost: localhost\r\nno colon\r\n\r\n",
+        b"GET / HTTP/1.1\r\nhost: localhost\r\nx: a\0b\r\n\r\n",
+        b"GET \xff\xfe HTTP/1.1\r\nhost: localhost\r\n\r\n",
+        b"CONNECT example.org:443 HTTP/1.1\r\nhost: localhost\r\n\r\n",
+        b"POST / HTTP/1.1\r\nhost: localhost\r\ncontent-length: -1\r\n\r\n",
+        b"POST / HTTP/1.1\r\nhost: localhost\r\ncontent-length: 1\r\ncontent-length: 2\r\n\r\nab",
+        b"POST / HTTP/1.1\r\nhost: localhost\r\ncontent-length: 4\r\ntransfer-encoding: chunked\r\n\r\n0\r\n\r\n",
+        b"POST / HTTP/1.1\r\nhost: localhost\r\ntransfer-encoding: chunked\r\n\r\nxyz\r\n",
+        b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n",
+    ],
+    ids=["TLS", "no address", "version", "header", "NUL", "bytes", "CONNECT", "length", "lengths", "smuggling", "chunk",
+    "HTTP/2"],
+)  # fmt: skip
+def test_what_is_no_http_is_refused_and_the_connection_ends(service, raw):
+    with connection(service) as line:
+        line.sendall(raw)
+        assert told(line).startswith(b"HTTP/1.1 400 ")
+    assert answers(service)
+
+
+def test_pipelined_requests_are_answered_in_order(service):
+    with connection(service) as line:
+        paths = [b"/healthz", b"/nothing", b"/healthz"]
+        asks = [b"GET %s HTTP/1.1\r\nhost: localhost\r\n" % path for path in paths]
+        line.sendall(b"\r\n".join(asks) + b"connection: close\r\n\r\n")
+        said = told(line)
+        assert [part[:3] for part in said.split(b"HTTP/1.1 ")[1:]] == [b"200", b"404", b"200"]
+
+
+def test_requests_far_ahead_of_their_answers_end_the_connection(service):
+    with connection(service) as line:
+        begin = time.monotonic()
+        sent = endless(line, b"", b"GET /openapi.json HTTP/1.1\r\nhost: localhost\r\n\r\n" * 100)
+        assert sent < 29_000_000 and time.monotonic() - begin < 3 * SECONDS
+    assert answers(service)
+
+
+def test_an_answer_that_nobody_reads_is_given_up(service):
+    """Some megabytes of it lie in the sockets; the rest does not wait in the service for ever."""
+    size = 30_000_000
+    service.app.add_api_route("/v1/large", lambda: Response(b"x" * size))
+    ask = b"GET /v1/large HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n"
+    with connection(service) as line:
+        line.sendall(ask)
+        time.sleep(3 * SECONDS)
+        assert len(told(line)) < size
+    with connection(service) as line:
+        line.sendall(ask)
+        got = 0
+        for _ in range(10):  # slowly, but all the time
+            time.sleep(SECONDS / 4)
+            got += len(line.recv(1_000_000))
+        assert got + len(told(line)) > size
+
+
+@pytest.mark.parametrize(
+    ("body", "status", "what"),
+    [
+        ('{"iterations": 1, "iterations": 7}', 422, "the key 'iterations' stands twice"),
+        ('{"oscillator": {"damping": 0.6, "damping": 0.6}}', 422, "the key 'damping' stands twice"),
+        ('{"vary": [{"parameter": "a"}, {"start": 0, "start": 1}]}', 422, "the key 'start' stands twice"),
+        ('{"iterations": 1, "\\u0069terations": 7}', 422, "the key 'iterations' stands twice"),
+        ("[" * 50_000 + "]" * 50_000, 400, "nested too deeply"),
+        ('{"a":' * 50_000 + "1" + "}" * 50_000, 400, "nested too deeply"),
+        ("[" * 900 + "]" * 900, 422, "send a JSON object"),
+        ('{"grid":' * 500 + "1" + "}" * 500, 422, "Extra inputs are not permitted"),
+        ('{"iterations": ' + "9" * 5000 + "}", 400, "error parsing the body"),
+        ('{"iterations": 1e99999999}', 422, "iterations"),
+        ('{"iter\ud800": 1}'.encode("utf-8", "surrogatepass"), 422, "body"),
+        ('{"\\ud800": 1}', 422, "body"),
+        ('{"\\ud800": 1, "\\ud800": 1}', 422, "stands twice"),
+        (b"\xff\xfe", 400, "body"),
+    ],
+    ids=["key", "key within", "key in a list", "key escaped", "lists", "objects", "some lists", "some objects",
+    "digits", "exponent", "surrogate", "surrogate escaped", "surrogates", "bytes"],
+)  # fmt: skip
+@pytest.mark.parametrize("path", ["/v1/basins", "/v1/sweeps", "/v1/trajectories"])
+def test_json_that_is_not_plain_is_refused(service, path, body, status, what):
+    answer = service.request("POST", path, content=body, headers={"content-type": "application/json"})
+    assert answer.status_code == status, answer.text
+    assert answer.headers["content-type"] == "application/problem+json" and what in answer.json()["detail"]
+
+
+NO_ID = ["nobody", "0" * 31, "0" * 33, "A" * 32, "0" * 31 + "g", "..%2f..%2fetc", "%00" * 32, "%2e%2e", "0" * 5000]
+
+
+@pytest.mark.parametrize("job_id", NO_ID, ids=lambda text: text[:12])
+def test_what_is_no_id_reaches_neither_database_nor_files(service, monkeypatch, job_id):
+    monkeypatch.setattr(service.jobs, "get", lambda _: pytest.fail("asked for"))
+    for method, path in (
+        ("GET", ""), ("GET", "/result"), ("GET", "/picture.png"), ("GET", "/result.zarr/zarr.json"), ("GET", "/events"),
+        ("POST", "/cancel"), ("DELETE", ""),
+    ):  # fmt: skip
+        answer = service.request(method, f"/v1/jobs/{job_id}{path}")
+        assert answer.status_code == 404 and answer.headers["content-type"] == "application/problem+json"
+
+
+def test_nothing_outside_a_store_is_served(service, tmp_path):
+    job = service.add_job(7)
+    location = f"{service.results}/{job.id}.zarr"
+    create_store(location, BasinJob.from_request(job.request))
+    (tmp_path / "secret").write_text("what is in it")
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "secret").write_text("what is in it")
+    Path(location, "link").symlink_to(tmp_path / "secret")
+    Path(location, "folder").symlink_to(tmp_path / "folder")
+    base = f"/v1/jobs/{job.id}/result.zarr"
+    assert service.request("GET", f"{base}/zarr.json").status_code == 200
+    climbing = ["..", "%2e%2e", "..%2f", "%2e%2e%2f", "..%5c", "....//", "%252e%252e", "group/..", "./", "%2f", "//"]
+    for path in [f"{up}/jobs.sqlite" for up in climbing] + [
+        "link", "folder/secret", "zarr.json%00", "zarr.json%00.png", "zarr%5c.json", "zarr.json/", "", "a" * 600,
+        "C:%5cwindows", "%ff%fe", "zarr.json%0d%0ax: y", "~root", "con",
+    ]:  # fmt: skip
+        with connection(service) as line:
+            line.sendall(f"GET {base}/{path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n".encode())
+            said = told(line)
+        assert said[9:12] in (b"404", b"400"), (path, said[:200])
+        assert b"what is in it" not in said and b"SQLite" not in said
+
+
+def test_a_hundred_thousand_jobs_are_listed_by_pages_as_fast_as_a_few(monkeypatch, tmp_path):
+    with idle_service(monkeypatch, tmp_path) as service:
+        template = service.add_job()
+        service.jobs.move(template.id, JobState.QUEUED, JobState.SUCCEEDED)
+        add_copies(service.app.state.settings.database, template.id, 100_000)
+        service.request("GET", "/v1/jobs?size=200")
+        tracemalloc.start()
+        begin = time.monotonic()
+        for path in ("?size=200", "?size=200&before=50000", "?size=200&before=201&state=succeeded", "?state=queued"):
+            page = service.request("GET", f"/v1/jobs{path}").json()
+            assert len(page["jobs"]) == (0 if "queued" in path else 200)
+        assert time.monotonic() - begin < 3.0
+        assert tracemalloc.get_traced_memory()[1] < 20_000_000
+        tracemalloc.stop()
+        assert 'rattle_jobs{state="succeeded"} 100001.0' in service.request("GET", "/metrics").text

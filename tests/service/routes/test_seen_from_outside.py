@@ -1,0 +1,206 @@
+"""What can be seen of a service without asking its jobs: metrics, logs, readiness."""
+
+import io
+import json
+import logging
+import sys
+import threading
+import time
+from functools import partial
+
+import pytest
+
+from service.logs import LogFormat, about_job, write_logs
+from service.records.job_record import JobState
+from service.runner import metrics as run_metrics
+from tests.service.idle_service import idle_service
+from worker.cluster.reconnecting_cluster import LastingCluster
+from worker.progress import Progress, Stage
+
+
+@pytest.fixture
+def service(monkeypatch, tmp_path):
+    with idle_service(monkeypatch, tmp_path) as service:
+        yield service
+
+
+def sample(service, name):
+    lines = [line for line in service.request("GET", "/metrics").text.splitlines() if line.startswith(name + " ")]
+    return float(lines[0].split()[-1]) if lines else 0.0
+
+
+def progress(stage, tiles, cells):
+    return Progress(stage, tiles, 10, cells, 100, 1.0, None, 0, 1)
+
+
+def test_metrics_count_jobs_by_state_from_the_database(service):
+    first, _ = service.add_job(10), service.add_job(11)
+    service.jobs.move(first.id, JobState.QUEUED, JobState.RUNNING)
+    assert sample(service, 'rattle_jobs{state="queued"}') == 1
+    assert sample(service, 'rattle_jobs{state="running"}') == 1
+    service.jobs.move(first.id, JobState.RUNNING, JobState.FAILED)
+    assert sample(service, 'rattle_jobs{state="running"}') == 0
+    assert sample(service, 'rattle_jobs{state="failed"}') == 1
+
+
+def test_metrics_count_what_a_run_does_and_not_what_was_there_before(service):
+    tiles, cells = 'rattle_tiles_total{stage="mapping"}', "rattle_cells_total"
+    before = sample(service, tiles), sample(service, cells)
+    pace = run_metrics.Pace()
+    for each in (
+        progress(Stage.MAPPING, 4, 40),  # resumed
+        progress(Stage.MAPPING, 7, 70),
+        progress(Stage.LABELLING, 1, 100),
+        progress(Stage.LABELLING, 3, 100),
+        progress(Stage.MAPPING, 1, 10),
+    ):
+        pace(each)
+    assert (sample(service, tiles) - before[0], sample(service, cells) - before[1]) == (3, 30)
+    assert sample(service, 'rattle_tiles_total{stage="labelling"}') >= 2
+
+
+def test_metrics_time_requests_by_route_and_not_by_path(service):
+    for number in range(3):
+        service.request("GET", f"/v1/jobs/{number:032x}")
+        service.request("GET", f"/nothing/{number}")
+    text = service.request("GET", "/metrics").text
+    counted = 'rattle_request_seconds_count{method="GET",route="%s",status="404"} '
+    assert counted % "/v1/jobs/{job_id}" in text and counted % "none" in text
+    assert "/nothing" not in text and "0" * 20 not in text
+
+
+def written(form, what):
+    """Lines that the log has of what a function logs."""
+    root, handlers, level = logging.getLogger(), logging.getLogger().handlers[:], logging.getLogger().level
+    try:
+        write_logs(form, "info")
+        root.handlers[0].stream = stream = io.StringIO()
+        what(logging.getLogger("rattle.test"))
+        root.handlers[0].flush()
+        return stream.getvalue().splitlines()
+    finally:
+        root.handlers[:] = handlers
+        root.setLevel(level)
+
+
+def wait_for(word):
+    """Wait for a line in the log: those of answers come a little later than these."""
+    patience = time.monotonic() + 10.0
+    while word not in logging.getLogger().handlers[0].stream.getvalue() and time.monotonic() < patience:
+        time.sleep(0.01)
+    assert word in logging.getLogger().handlers[0].stream.getvalue()
+
+
+def test_log_lines_are_json_and_say_which_job_they_are_about():
+    def work(log):
+        log.info("before")
+        with about_job("abc"):
+            log.warning("a line\nand another")
+            try:
+                raise ValueError("why")
+            except ValueError:
+                log.exception("failed")
+        other = threading.Thread(target=lambda: log.info("elsewhere"))
+        other.start()
+        other.join()
+
+    lines = [json.loads(line) for line in written(LogFormat.JSON, work)]
+    assert [line.get("job") for line in lines] == [None, "abc", "abc", None]
+    assert lines[1]["message"] == "a line\nand another" and lines[1]["level"] == "warning"
+    assert lines[2]["traceback"].endswith("ValueError: why")
+    assert all(line["time"].endswith("+00:00") and line["logger"] == "rattle.test" for line in lines)
+
+
+def test_plain_lines_say_it_too():
+    def work(log):
+        with about_job("abc"):
+            log.info("runs")
+
+    assert written(LogFormat.PLAIN, work)[0].endswith("INFO rattle.test: runs [job abc]")
+
+
+def test_answers_are_logged_with_who_asked_and_no_client_breaks_a_line(service):
+    def work(_):
+        service.request("GET", "/v1/jobs?size=1")
+        service.request("GET", "/nothing/%0d%0aINFO forged")
+        wait_for("forged")
+
+    lines = [json.loads(line) for line in written(LogFormat.JSON, work)]
+    first, second = (line for line in lines if line["logger"] == "rattle.access")
+    assert (first["method"], first["path"], first["status"], first["key"]) == ("GET", "/v1/jobs", 200, "local")
+    assert first["client"] == "127.0.0.1" and first["milliseconds"] >= 0
+    assert second["path"].startswith("/nothing/%0D%0A") or second["path"].startswith("/nothing/%0d%0a")
+
+
+def test_lines_of_answers_are_written_soon_and_in_order_with_others():
+    def work(log):
+        logging.getLogger("rattle.access").info("one")
+        log.info("two")
+        logging.getLogger("rattle.access").info("three")
+        wait_for("three")
+
+    assert [line[-5:].split()[-1] for line in written(LogFormat.PLAIN, work)] == ["one", "two", "three"]
+
+
+def test_lines_that_come_while_others_are_written_stop_nobody(request):
+    request.addfinalizer(partial(sys.setswitchinterval, sys.getswitchinterval()))
+    sys.setswitchinterval(1e-6)
+
+    def work(log):
+        def flush():
+            for _ in range(2000):
+                logging.getLogger().handlers[0].flush()
+
+        def tell():
+            for _ in range(2000):
+                log.info("a line")
+
+        threads = [threading.Thread(target=each, daemon=True) for each in (flush, tell)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(30.0)
+        assert not any(thread.is_alive() for thread in threads)
+
+    assert len(written(LogFormat.PLAIN, work)) == 2000
+
+
+def test_a_service_is_ready_with_a_database_and_a_worker_alone(service):
+    runner, jobs = service.app.state.runner, service.app.state.jobs
+    assert service.request("GET", "/readyz").json() == {"ready": True, "database": True, "workers": 2}
+    runner.there = 0
+    answer = service.request("GET", "/readyz")
+    assert answer.status_code == 503 and answer.json() == {"ready": False, "database": True, "workers": 0}
+    runner.there = 1
+    service.app.state.probes.database._ask = lambda: False
+    answer = service.request("GET", "/readyz")
+    assert answer.status_code == 503 and answer.json() == {"ready": False, "database": False, "workers": 1}
+    assert jobs.answers()
+
+
+def test_readiness_is_answered_in_time_by_what_hangs_and_waits_in_one_thread(service):
+    asked, release = [], threading.Event()
+    service.app.state.probes.database._ask = lambda: (asked.append(1), release.wait(20))[0] or True
+    begin = time.monotonic()
+    threads = [threading.Thread(target=service.request, args=("GET", "/readyz")) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert time.monotonic() - begin < 15.0 and len(asked) == 1
+    assert service.request("GET", "/readyz").status_code == 503 and len(asked) == 1
+    release.set()
+
+
+def test_a_scheduler_that_hangs_has_no_workers():
+    class Hanging:
+        status = "running"
+        scheduler = type("Scheduler", (), {"ncores": None})()
+
+        def sync(self, *_, callback_timeout, **__):
+            assert callback_timeout <= 3
+            raise TimeoutError
+
+    cluster = LastingCluster(None, 1)
+    cluster._client = Hanging()
+    assert cluster.workers() == 0

@@ -1,0 +1,75 @@
+"""Assembly over tiles against Hsu on the whole map, for random maps written into stores."""
+
+import numpy as np
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from rattle_kernels import CellGrid, CellImages, find_groups, label_cells, members_of, unite
+from tests.rattle_kernels.cell_mapping.test_cell_groups import direct_hsu
+from worker.basins.assembly import assemble_groups
+from worker.basins.tasks import survey_tile
+from worker.jobs.basin_job import BasinJob
+from worker.stores.basin_store import BasinStore
+from worker.stores.layout import MAPPED
+from worker.stores.tiles import Tiling
+
+_GRID = CellGrid(time_cells=12, velocity_cells=10)
+
+
+@st.composite
+def images(draw):
+    highest = draw(st.integers(0, _GRID.cells - 1))
+    cells = draw(st.lists(st.integers(-3, highest), min_size=_GRID.cells, max_size=_GRID.cells))
+    return np.array(cells, np.int64).reshape(_GRID.shape)
+
+
+def _stored(folder, image, tiling):
+    """Store that holds a made-up map, written tile by tile."""
+    store = BasinStore.create_or_resume(str(folder), BasinJob(grid=_GRID, iterations=1))
+    store.tiling = tiling
+    landing = np.where(image >= -1, 0.5, np.nan)
+    for number in range(tiling.tiles):
+        tile = tiling.tile(number)
+        inside = slice(*tile.rows), slice(*tile.columns)
+        store.write_tile(MAPPED, tile, (image[inside], landing[inside], landing[inside]))
+    return store
+
+
+@given(images(), st.integers(1, 12), st.integers(1, 12))
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_assembly_is_hsus_whatever_the_tiling(tmp_path_factory, image, tile_rows, tile_columns):
+    tiling = Tiling(_GRID, tile_rows, tile_columns)
+    store = _stored(tmp_path_factory.mktemp("store") / "map.zarr", image, tiling)
+    receipts = [_receipt_of(store, number) for number in range(tiling.tiles)]
+    words = unite(_GRID.cells, [receipt.image_set for receipt in receipts]).words
+    store.write_image_words(0, words)
+    groups = assemble_groups(store, 0)
+    labels = [np.empty(_GRID.shape, np.int32) for _ in range(3)]
+    for number in range(tiling.tiles):
+        tile = tiling.tile(number)
+        inside = slice(*tile.rows), slice(*tile.columns)
+        own = np.arange(_GRID.cells).reshape(_GRID.shape)[inside]
+        for whole, part in zip(labels, label_cells(groups, own, image[inside]), strict=True):
+            whole[inside] = part
+    for ours, direct in zip(labels, direct_hsu(image.ravel().tolist()), strict=True):
+        np.testing.assert_array_equal(ours.ravel(), direct)
+
+
+def _receipt_of(store, number):
+    from worker.basins.tasks import _receipt
+
+    arrays = store.read_tile(MAPPED, store.tiling.tile(number))
+    return _receipt(store, 0, CellImages(*arrays, 0), 0.0)
+
+
+def test_a_survey_of_a_stored_tile_counts_what_is_there(tmp_path):
+    image = np.full(_GRID.shape, -2)
+    image[0, :5] = [3, 3, 7, -1, -3]
+    store = BasinStore.create_or_resume(str(tmp_path / "b.zarr"), BasinJob(grid=_GRID, iterations=1))
+    landing = np.where(image >= -1, 0.5, np.nan)
+    store.write_tile(MAPPED, store.tiling.tile(0), (image, landing, landing))
+    receipt = survey_tile(store.location, store.job.digest, 0)
+    assert receipt.reserved.tolist() == [1, 115, 1]
+    members = unite(_GRID.cells, [receipt.image_set])
+    assert members_of(members).tolist() == [3, 7]
+    assert find_groups(members, np.array([-1, -2], np.int32)).group.tolist() == [0, -1]

@@ -1,0 +1,102 @@
+"""Numbers of solutions from panel to panel, on catalogues made by hand and by Newton."""
+
+import numpy as np
+import pytest
+
+from rattle_kernels import (
+    Attractor,
+    AttractorKind,
+    Oscillator,
+    attractor_distance,
+    continue_attractor,
+    find_attractors,
+)
+from worker.basins.numbering import Numbered, Numbering
+from worker.jobs.basin_job import BasinJob
+from worker.jobs.swept_parameter import SweptParameter
+from worker.stores.changes import list_changes
+from worker.stores.solution_table import SolutionTable
+
+QUIET = find_attractors(Oscillator(), [], [])[0]
+JOB = BasinJob(vary=(SweptParameter("damping", (0.58, 0.6, 0.62, 0.64)),))
+
+
+def rattle(damping):
+    """P(1,1,0), which strikes with v = 2 pi delta."""
+    return find_attractors(Oscillator(damping=damping), [0.89829], [2.0 * np.pi * damping])[1]
+
+
+def chaos(speed, points=300):
+    rng = np.random.default_rng(0)
+    return Attractor(AttractorKind.CHAOTIC, 0, 0, 0, 0.3, 0.01, rng.random(points), speed + 0.1 * rng.random(points))
+
+
+def numbered(catalogues, job=JOB):
+    table = SolutionTable.empty(job)
+    numbering = Numbering(job, table, lambda panel: pytest.fail(f"panel {panel} was numbered in this run"))
+    return table, [numbering.assign(panel, tuple(catalogue)) for panel, catalogue in enumerate(catalogues)]
+
+
+def test_the_first_panels_catalogue_is_its_own_numbering():
+    _, (first,) = numbered([[QUIET, rattle(0.58), chaos(1.0)]])
+    assert first.numbers == [0, 1, 2]
+
+
+def test_an_orbit_is_continued_by_newton_also_where_no_cell_ends_in_it():
+    _, panels = numbered([[QUIET, rattle(0.58)], [QUIET], [QUIET, rattle(0.62)]])
+    assert [panel.numbers for panel in panels] == [[0, 1], [0, 1], [0, 1]]
+    assert panels[1].attractors[1].velocity.tolist() == pytest.approx([1.2 * np.pi])
+
+
+def test_the_closest_of_one_kind_are_the_same():
+    _, panels = numbered([[QUIET, chaos(1.0), chaos(4.0)], [QUIET, chaos(4.1), chaos(1.1)]])
+    assert panels[1].numbers == [0, 2, 1]
+
+
+def test_what_comes_back_has_its_old_number():
+    _, panels = numbered([[QUIET, chaos(1.0)], [QUIET], [QUIET, chaos(3.0)], [QUIET, chaos(3.0), chaos(1.0)]])
+    assert [panel.numbers for panel in panels] == [[0, 1], [0], [0, 1], [0, 1, 2]]
+
+
+def test_what_dies_and_is_born_is_listed_with_its_interval():
+    table, panels = numbered([[QUIET, chaos(1.0)], [QUIET], [QUIET, chaos(3.0)]])
+    for panel, each in enumerate(panels):
+        table.enter(panel, each.numbers, each.attractors, np.zeros(len(each.numbers)))
+    columns = [column.tolist() for column in list_changes(JOB, table)]
+    assert [row[:5] for row in zip(*columns, strict=True)] == [
+        (2, 1, "damping", 0.58, 0.6), (1, 1, "damping", 0.6, 0.62),
+    ]  # fmt: skip
+
+
+def test_numbering_goes_on_from_what_was_read():
+    catalogues = [[QUIET, rattle(0.58), chaos(1.0)], [QUIET, chaos(1.1)], [QUIET, chaos(1.2), chaos(4.0)]]
+    table, whole = numbered(catalogues)
+    for panel, each in enumerate(whole):
+        table.enter(panel, each.numbers, each.attractors, np.zeros(len(each.numbers)))
+    table.forget_after(2)
+    assert len(table.motions) == 3
+    resumed = Numbering(JOB, table, lambda panel: Numbered(whole[panel].attractors, whole[panel].numbers))
+    assert resumed.assign(2, tuple(catalogues[2])).numbers == whole[2].numbers
+
+
+def test_over_two_parameters_what_the_last_does_not_have_the_first_has():
+    vary = SweptParameter("half_backlash", (0.6, 0.61)), SweptParameter("damping", (0.58, 0.6))
+    job = BasinJob(vary=vary)
+    _, panels = numbered([[QUIET], [QUIET, chaos(1.0)], [QUIET], [QUIET, chaos(1.2), chaos(4.0)]], job)
+    assert [panel.numbers for panel in panels] == [[0], [0, 1], [0], [0, 1, 2]]
+
+
+def test_only_an_attracting_orbit_of_the_same_itinerary_is_a_continuation():
+    orbit = rattle(0.6)
+    assert continue_attractor(Oscillator(damping=0.7), orbit) is None
+    assert continue_attractor(Oscillator(damping=0.61), chaos(1.0)) is None
+    near = continue_attractor(Oscillator(damping=0.601), orbit)
+    assert near is not None and near.name == "P(1,1,0)"
+    assert attractor_distance(Oscillator(), near, rattle(0.601)) < 1e-9
+    assert 1e-4 < attractor_distance(Oscillator(), near, orbit) < 1e-2
+
+
+def test_the_distance_of_orbits_does_not_depend_on_where_a_turn_begins():
+    turn = Attractor(AttractorKind.PERIODIC, 2, 2, 0, -1.0, 0.0, np.array([0.1, 0.6]), np.array([1.0, 2.0]))
+    shifted = turn._replace(time=turn.time[::-1], velocity=turn.velocity[::-1])
+    assert attractor_distance(Oscillator(), turn, shifted) == 0.0

@@ -1,0 +1,73 @@
+"""What a driver does with tasks that fail, and says of a scheduler that is set otherwise."""
+
+import logging
+import threading
+from pathlib import Path
+
+import pytest
+from distributed import CancelledError, Future
+from distributed.scheduler import KilledWorker
+
+from worker.cluster.connection import _tell_of_settings
+from worker.cluster.driver import run_tasks
+from worker.cluster.task import Task
+from worker.errors import StoreConflict, StoreFailed
+
+
+def reach_store(location, digest, number, failures, error):
+    """Fail so often with an error, then succeed."""
+    with Path(location).open("a") as counted:
+        counted.write(".")
+    if len(Path(location).read_text()) <= failures:
+        raise error(f"{location} cannot be reached")
+    return number
+
+
+def run(client, place, failures, error=StoreFailed):
+    tasks = iter([Task(reach_store, 7, 0, (failures, error))])
+    return [
+        receipt
+        for _, receipt in run_tasks(client, (str(place), "digest"), lambda: next(tasks, None), threading.Event())
+    ]
+
+
+def test_a_tile_whose_worker_could_not_reach_the_store_is_tried_once_more(client, tmp_path):
+    assert run(client, tmp_path / "once", 1) == [7]
+    with pytest.raises(StoreFailed, match="twice cannot be reached"):
+        run(client, tmp_path / "twice", 2)
+    with pytest.raises(StoreConflict):
+        run(client, tmp_path / "other", 1, StoreConflict)
+    assert [len((tmp_path / name).read_text()) for name in ("once", "twice", "other")] == [2, 2, 1]
+
+
+@pytest.mark.parametrize("lost", [KilledWorker("reach_store", None, 1), CancelledError("reach_store")], ids=repr)
+def test_a_receipt_that_died_with_its_worker_is_computed_again(client, tmp_path, monkeypatch, lost):
+    result, refused = Future.result, []
+
+    def once_refused(future, *arguments):
+        if not refused:
+            refused.append(future.key)
+            raise lost
+        return result(future, *arguments)
+
+    monkeypatch.setattr(Future, "result", once_refused)
+    assert run(client, tmp_path / "place", 0) == [7]
+    assert refused[0].endswith("-a1") and len((tmp_path / "place").read_text()) == 2
+
+
+@pytest.mark.parametrize(("saturation", "failures", "lines"), [(1.0, 1, 0), (1.1, 1, 1), (float("inf"), 3, 2)])
+def test_a_scheduler_that_is_set_otherwise_is_told_of(saturation, failures, lines, caplog):
+    settings = {
+        "distributed.scheduler.worker-saturation": saturation, "distributed.scheduler.allowed-failures": failures,
+    }  # fmt: skip
+
+    class Far:
+        def run_on_scheduler(self, function, name):
+            return settings[name]
+
+    with caplog.at_level(logging.WARNING, "rattle.cluster"):
+        _tell_of_settings(Far(), "tls://far:8786")
+    # Dask's own lines arrive here, too, whenever an earlier test's client ends.
+    told = [record.getMessage() for record in caplog.records if record.name == "rattle.cluster"]
+    assert len(told) == lines
+    assert all("tls://far:8786" in line and "DASK_DISTRIBUTED__SCHEDULER__" in line for line in told)

@@ -1,0 +1,38 @@
+"""The picture of a time history shows what it should, and the same history gives the same bytes."""
+
+import io
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from rattle_kernels import Oscillator
+from rattle_kernels.impact_map import time_history
+from worker.pictures.history_picture import draw_history
+
+
+def drawn(oscillator, **options):
+    history = time_history(oscillator, 0.3, 0.6, -4.0, **options)
+    buffer = io.BytesIO()
+    draw_history(oscillator, history, buffer)
+    return buffer.getvalue()
+
+
+def reddish(png):
+    pixels = imread(io.BytesIO(png))[..., :3]
+    return ((pixels[..., 0] > 0.7) & (pixels[..., 1] < 0.3)).sum()
+
+
+@pytest.mark.parametrize("stiffness", [100.0, np.inf])
+def test_contacts_are_marked(stiffness):
+    oscillator = Oscillator(stiffness=stiffness)
+    assert reddish(drawn(oscillator, periods=6.0)) > reddish(drawn(oscillator, periods=0.5)) == 0
+
+
+def test_the_same_history_gives_the_same_bytes():
+    assert drawn(Oscillator(), periods=3.0) == drawn(Oscillator(), periods=3.0)
+
+
+def test_a_history_of_one_sample_and_a_truncated_one_are_drawn():
+    assert drawn(Oscillator(), periods=0.0).startswith(b"\x89PNG")
+    assert drawn(Oscillator(), periods=20.0, most_contacts=2).startswith(b"\x89PNG")

@@ -1,0 +1,134 @@
+"""Pictures: right colours in the right places, honest about what is missing."""
+
+import io
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from rattle_kernels import AttractorKind, CellGrid
+from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE, motion, near
+from worker.errors import InvalidJob, StoreConflict
+from worker.jobs.basin_job import BasinJob
+from worker.jobs.swept_parameter import SweptParameter
+from worker.pictures import colours
+from worker.pictures.panel_picture import Layer
+from worker.pictures.picture import draw_basin
+from worker.pictures.share_chart import draw_shares
+from worker.stores import layout
+from worker.stores.basin_store import BasinStore
+from worker.stores.layout import LABELLED, SOLUTION, TileState
+from worker.stores.solution_table import SolutionTable, motion_of
+
+
+def drawn(store, layer=Layer.SOLUTION):
+    buffer = io.BytesIO()
+    draw_basin(store.location, buffer, layer=layer)
+    buffer.seek(0)
+    return imread(buffer)[..., :3]
+
+
+def test_each_motion_has_its_colour(store):
+    picture = drawn(store)
+    assert near(picture, colours.PERMANENT_CONTACT) > 0.2
+    assert near(picture, colours.colours_of((RATTLE,))[0]) > 0.1
+    reddish = (picture[..., 0] > 0.3) & (picture[..., 1] < 0.1) & (picture[..., 2] < 0.1)
+    assert reddish.mean() > 0.1
+    assert near(picture, colours.MISSING) < 0.02
+
+
+def test_chaos_is_speckled_by_group(store):
+    picture = drawn(store)
+    reddish = (picture[..., 0] > 0.3) & (picture[..., 1] < 0.1) & (picture[..., 2] < 0.1)
+    assert len(np.unique(picture[reddish][:, 0].round(2))) >= 3
+
+
+def test_missing_tiles_are_hatched_and_said(store):
+    whole = near(drawn(store), colours.MISSING)
+    states = np.full(store.tiling.tiles, TileState.ASSEMBLED)
+    states[0] = TileState.PENDING
+    store.write_ledger(states)
+    assert near(drawn(store), colours.MISSING) > whole + 0.05
+
+
+def test_a_store_without_any_label_is_drawn(tmp_path):
+    store = BasinStore.create_or_resume(
+        str(tmp_path / "new.zarr"), BasinJob(grid=CellGrid(time_cells=64, velocity_cells=64))
+    )
+    for layer in Layer:
+        assert near(drawn(store, layer), colours.MISSING) > 0.2
+
+
+@pytest.mark.parametrize("layer", [Layer.GROUP, Layer.PERIOD, Layer.STEP])
+def test_the_same_store_gives_the_same_bytes(store, layer):
+    one, other = io.BytesIO(), io.BytesIO()
+    draw_basin(store.location, one, layer=layer)
+    draw_basin(store.location, other, layer=layer)
+    assert one.getvalue() == other.getvalue()
+
+
+def test_a_place_that_is_no_store_is_refused(tmp_path):
+    with pytest.raises(StoreConflict, match="is no basin store"):
+        draw_basin(str(tmp_path), io.BytesIO())
+
+
+def test_motions_of_one_name_are_told_apart_and_kinds_keep_their_colours():
+    twin = motion(AttractorKind.PERIODIC, (1, 1, 0), [0.6], [3.5])
+    first, second = colours.colours_of((RATTLE, twin))
+    assert first != second
+    assert colours.colours_of((CHAOS, QUIET)) == [colours.CHAOTIC, colours.PERMANENT_CONTACT]
+
+
+def test_every_variable_has_dimensions_and_a_fill_that_is_no_value():
+    tables = *layout.MOTIONS, *layout.MEASURED, layout.SHARE_ERROR, *layout.CHANGES, *layout.IMAGE_SET
+    for places in (layout.CELLS, layout.SAMPLE):
+        arrays = *places.coordinates, *places.mapped, *places.labelled, places.solution, places.own_solution
+        for variable in (*arrays, places.ledger, layout.GRAZING, *tables):
+            assert variable.dims and variable.meaning
+            assert variable.fill in (layout.MISSING, np.inf, 0, "")
+    assert all(np.isnan(variable.fill) for variable in layout.POINTS)
+
+
+@pytest.fixture
+def sweep(tmp_path):
+    """Made-up sweep of two parameters: every basin has the colour of one motion or the other; the last is missing."""
+    vary = SweptParameter("damping", (0.5, 0.6)), SweptParameter("half_backlash", (0.6, 0.7))
+    job = BasinJob(grid=CellGrid(time_cells=64, velocity_cells=64), iterations=1, vary=vary)
+    store = BasinStore.create_or_resume(str(tmp_path / "sweep.zarr"), job)
+    table = SolutionTable.empty(job)
+    numbers = [table.append(motion_of(attractor)) for attractor in (QUIET, RATTLE)]
+    store.make_room(table, 1)
+    for panel in range(3):
+        solution = np.full(job.grid.shape, panel % 2, np.int16)
+        store.write_tile((*LABELLED, SOLUTION), store.tiling.tile(panel), (solution, solution, solution, solution))
+        table.enter(panel, numbers, (QUIET, RATTLE), np.array([1.0 - panel % 2, panel % 2]))
+        store.write_points(panel, numbers, (QUIET, RATTLE))
+    store.write_solutions(table)
+    states = np.full(store.tiling.tiles, TileState.ASSEMBLED)
+    states[3] = TileState.PENDING
+    store.write_ledger(states)
+    return store
+
+
+def test_basins_of_a_sweep_are_drawn_side_by_side_in_shared_colours(sweep):
+    picture = drawn(sweep)
+    for colour in (colours.PERMANENT_CONTACT, colours.colours_of((RATTLE,))[0], colours.MISSING):
+        assert near(picture, colour) > 0.05
+    assert near(picture, colours.PERMANENT_CONTACT) > 1.5 * near(picture, colours.colours_of((RATTLE,))[0])
+    for layer in Layer:
+        drawn(sweep, layer)
+
+
+def test_of_many_basins_some_are_drawn(tmp_path):
+    vary = (SweptParameter("damping", tuple(np.linspace(0.6, 0.7, 100).tolist())),)
+    job = BasinJob(grid=CellGrid(time_cells=4, velocity_cells=4), vary=vary)
+    store = BasinStore.create_or_resume(str(tmp_path / "new.zarr"), job)
+    assert near(drawn(store), colours.MISSING) > 0.2
+
+
+def test_shares_are_drawn_over_two_parameters_and_refused_over_none(sweep, store):
+    buffer = io.BytesIO()
+    draw_shares(sweep.location, buffer)
+    assert buffer.getvalue().startswith(b"\x89PNG")
+    with pytest.raises(InvalidJob, match="single basin"):
+        draw_shares(store.location, io.BytesIO())

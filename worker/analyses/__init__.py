@@ -1,0 +1,1 @@
+"""The analyses: bifurcation diagrams, orbits, manifolds and grazing curves."""

@@ -1,0 +1,221 @@
+"""Bifurcation diagrams as an analysis: a chain of stretches for each seed, all chains side by side.
+
+A stretch begins where the one before it has ended, so chains cannot be cut in parallel; seeds can. Where none is given,
+the attractors at the first value are found, and each becomes one.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from rattle_kernels import (
+    AttractorKind,
+    Motions,
+    Oscillator,
+    Outcome,
+    find_attractors,
+    follow_values,
+    next_impacts,
+)
+from rattle_kernels.attractors.seeds import choose_scouts
+from rattle_kernels.numerics.pausing import Pause
+from worker.analyses.analysis import Analysis, Parts, Piece, Plan
+from worker.analyses.bifurcation_picture import draw_diagram
+from worker.errors import NotFound
+from worker.jobs.analysis_job import Region
+from worker.jobs.bifurcation_job import BifurcationJob
+from worker.progress import Stage
+from worker.stores.layout import MISSING, PERIODS, SPEED, Columns, Variable, flags
+
+# Applications of P in a stretch, some two seconds; between bands of them a cancelled one stops.
+_APPLICATIONS = 1_000_000
+_BANDS = 8
+# Departures each way from which attractors are looked for, and impacts until their motions have settled.
+_STARTS = 48
+_SETTLING = 1499
+# Of every seed; a diagram through chaos has thousands.
+_MOST_STRETCHES = 200
+
+
+def find_seeds(oscillator: Oscillator, region: Region, *, pause: Pause) -> Columns:
+    """One departure of each attractor that motions from a region end in, permanent contact aside.
+
+    Raises
+    ------
+    NotFound
+        Where all motions become quiet.
+    """
+    middles = (np.arange(_STARTS) + 0.5) / _STARTS
+    t, v = np.meshgrid(
+        region.time_start + (region.time_stop - region.time_start) * middles,
+        region.velocity_start + (region.velocity_stop - region.velocity_start) * middles,
+    )
+    landed = next_impacts(oscillator, t.ravel(), v.ravel(), _SETTLING)
+    pause()
+    scouts = choose_scouts(oscillator, landed.t, landed.v)
+    found = find_attractors(oscillator, scouts.time, scouts.velocity)
+    moving = [each for each in found if each.kind == AttractorKind.PERIODIC or each.wanders]
+    if not moving:
+        raise NotFound(
+            f"all motions from v = {region.velocity_start:g} to {region.velocity_stop:g} end in permanent contact at "
+            f"the first value visited: give seeds, another region, or another direction ({oscillator})"
+        )
+    return {
+        "seed_time": np.array([each.time[0] for each in moving]),
+        "seed_velocity": np.array([each.velocity[0] for each in moving]),
+        "seed_name": np.array([each.name for each in moving]),
+    }
+
+
+def follow_stretch(
+    oscillator: Oscillator, parameter: str, values: np.ndarray, motions: Motions, transient: int, kept: int,
+    *, pause: Pause,
+) -> Columns:  # fmt: skip
+    """One stretch of one chain, and where its motion is left."""
+    rows = []
+    for band in np.array_split(values, min(_BANDS, values.size)):
+        pause()
+        run, motions = follow_values(oscillator, parameter, band, motions, transient, kept)
+        rows.append(run)
+    columns = {
+        name: np.concatenate([getattr(run, field) for run in rows])[:, 0]
+        for name, field in (("time", "t"), ("velocity", "v"), ("outcome", "outcome"), ("impact_period", "period"))
+    }
+    return columns | {f"left_{name}": values for name, values in motions._asdict().items()}
+
+
+def _seeds(job: BifurcationJob, parts: Parts) -> Columns:
+    if not job.seeds:
+        return parts["seeds"] if "seeds" in parts else {name: np.empty(0) for name in _SEED_COLUMNS}
+    t, v = np.array(job.seeds).T
+    return {"seed_time": t, "seed_velocity": v, "seed_name": np.full(t.size, "given")}
+
+
+def _starts(job: BifurcationJob) -> list[int]:
+    """Number of the visit with which each stretch begins."""
+    return list(range(0, job.visits.size, max(1, _APPLICATIONS // (job.transient + job.kept))))
+
+
+def _name(seed: int, stretch: int) -> str:
+    return f"seed-{seed:03d}-stretch-{stretch:05d}"
+
+
+def plan(job: BifurcationJob, parts: Parts) -> Plan:
+    """Find seeds where none are given; then the next stretch of every chain."""
+    seeds = _seeds(job, parts)
+    if not seeds["seed_time"].size:
+        return Plan(
+            Stage.SEARCHING, (Piece("seeds", find_seeds, (job.oscillator_at(job.visits[0]), job.region)),), 0, 1
+        )
+    starts, ready, done = _starts(job), [], 0
+    for seed in range(seeds["seed_time"].size):
+        reached = next((n for n in range(len(starts)) if _name(seed, n) not in parts), len(starts))
+        done += reached
+        if reached < len(starts):
+            ready.append(_stretch(job, parts, seeds, seed, reached, starts))
+    return Plan(Stage.SETTLING, tuple(ready), done, len(starts) * seeds["seed_time"].size)
+
+
+def _stretch(job: BifurcationJob, parts: Parts, seeds: Columns, seed: int, number: int, starts: list[int]) -> Piece:
+    motions = Motions.from_seeds(seeds["seed_time"][seed], seeds["seed_velocity"][seed])
+    if number:
+        before = parts[_name(seed, number - 1)]
+        motions = Motions(*(before[f"left_{name}"] for name in Motions._fields))
+    values = job.visits[starts[number] : (starts + [job.visits.size])[number + 1]]
+    arguments = job.oscillator, job.vary.parameter, values, motions, job.transient, job.kept
+    return Piece(_name(seed, number), follow_stretch, arguments)
+
+
+_SEED_COLUMNS = ("seed_time", "seed_velocity", "seed_name")
+
+
+def assemble(job: BifurcationJob, parts: Parts) -> Columns:
+    """The diagram: what is not computed yet has the outcome MISSING."""
+    seeds = _seeds(job, parts)
+    visits, starts, count = job.visits, _starts(job), seeds["seed_time"].size
+    columns = {
+        "time": np.full((visits.size, count, job.kept), np.nan),
+        "velocity": np.full((visits.size, count, job.kept), np.nan),
+        "outcome": np.full((visits.size, count), MISSING, np.int8),
+        "impact_period": np.full((visits.size, count), MISSING, np.int16),
+    }
+    for seed in range(count):
+        for number, start in enumerate(starts):
+            if _name(seed, number) in parts:
+                part = parts[_name(seed, number)]
+                for name, column in columns.items():
+                    column[start : start + part[name].shape[0], seed] = part[name]
+    up = visits.size if job.direction == "up" else 0 if job.direction == "down" else visits.size // 2
+    ways = np.where(np.arange(visits.size) < up, 1, -1)
+    return columns | seeds | {job.vary.parameter: visits, "way": ways}
+
+
+def layout(job: BifurcationJob) -> tuple[Variable, ...]:
+    """Variables of the store: departures by visit and seed."""
+    kept, each, seed = ("visit", "seed", "kept"), ("visit", "seed"), ("seed",)
+    return (
+        Variable(job.vary.parameter, ("visit",), np.float64, np.inf, "value of the parameter at each visit"),
+        Variable(
+            "way", ("visit",), np.int8, 0, "which way the parameter changes",
+            {"flag_values": [1, -1], "flag_meanings": "up down"},
+        ),
+        Variable("time", kept, np.float64, np.nan, "phases of the last departures, NaN where none", PERIODS),
+        Variable("velocity", kept, np.float64, np.nan, "speeds of the last departures, NaN where none", SPEED),
+        Variable("outcome", each, np.int8, MISSING, f"how the motion goes on; {MISSING}: not computed", flags(Outcome)),
+        Variable(
+            "impact_period", each, np.int16, MISSING,
+            f"impacts after which the motion repeats itself, 0 where that is not seen; {MISSING}: not computed",
+        ),
+        Variable("seed_time", seed, np.float64, np.inf, "phase of the departure that each motion began with", PERIODS),
+        Variable("seed_velocity", seed, np.float64, np.inf, "its speed", SPEED),
+        Variable("seed_name", seed, str, "", "attractor found there, or given"),
+    )  # fmt: skip
+
+
+def _what(outcome: int, period: int) -> str:
+    if outcome == MISSING:
+        return "not computed"
+    if outcome != Outcome.RETURNED:
+        return Outcome(outcome).name.lower().replace("_", " ")
+    return f"impact period {period}" if period else "no period seen"
+
+
+def _stretches(values: np.ndarray, ways: np.ndarray, outcome: np.ndarray, period: np.ndarray) -> list[dict[str, Any]]:
+    """Runs of values at which a motion stays of one kind."""
+    changes = np.flatnonzero((np.diff(outcome) != 0) | (np.diff(period) != 0) | (np.diff(ways) != 0)) + 1
+    bounds = [0, *changes.tolist(), values.size]
+    return [
+        {
+            "what": _what(int(outcome[a]), int(period[a])), "way": "up" if ways[a] > 0 else "down",
+            "start": float(values[a]), "stop": float(values[b - 1]), "values": b - a,
+        }
+        for a, b in zip(bounds[:-1], bounds[1:], strict=True)
+    ]  # fmt: skip
+
+
+def tell(job: BifurcationJob, columns: Columns) -> dict[str, Any]:
+    """How each motion fares along the parameter."""
+    motions = []
+    for seed in range(columns["seed_time"].size):
+        runs = _stretches(
+            columns[job.vary.parameter], columns["way"], columns["outcome"][:, seed], columns["impact_period"][:, seed]
+        )
+        motions.append(
+            {
+                "name": str(columns["seed_name"][seed]), "time": float(columns["seed_time"][seed]),
+                "velocity": float(columns["seed_velocity"][seed]), "stretches": runs[:_MOST_STRETCHES],
+                "stretches_total": len(runs),
+            }
+        )  # fmt: skip
+    return {"parameter": job.vary.parameter, "values_visited": int(job.visits.size), "motions": motions}
+
+
+BIFURCATION = Analysis(
+    "Bifurcation diagram of a rattling gear pair",
+    BifurcationJob.from_request,
+    plan,
+    assemble,
+    layout,
+    tell,
+    draw_diagram,
+)

@@ -1,0 +1,125 @@
+"""Pre-images of the grazing curve as an analysis: stretches of the curve side by side, each through all orders."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from rattle_kernels import (
+    STRETCHES,
+    CurveResolution,
+    Oscillator,
+    Piece,
+    arclength,
+    join_stretches,
+    preimages_of_stretch,
+)
+from rattle_kernels.model.grazing_curve import largest_grazing_speed
+from rattle_kernels.numerics.pausing import Pause
+from worker.analyses import analysis
+from worker.analyses.analysis import Analysis, Parts, Plan, ready_of
+from worker.analyses.curve_picture import draw_grazing_curves
+from worker.analyses.curve_table import PIECES, join_pieces, piece_columns, pieces_of
+from worker.jobs.grazing_curve_job import GrazingCurveJob
+from worker.progress import Stage
+from worker.stores.layout import MISSING, Columns, Variable
+
+_ORDER = ("order",)
+ORDERS = (
+    Variable("order_complete", _ORDER, np.int8, MISSING, "1 where all of the pre-image of this order is there, else 0"),
+    Variable("order_arclength", _ORDER, np.float64, np.inf, "its length in the plane (t, v/velocity scale)"),
+    Variable(
+        "order_size", _ORDER, np.int64, MISSING, "pieces of an order, which follow those of the one before",
+        {"sample_dimension": "piece"},
+    ),
+)  # fmt: skip
+
+
+def map_stretch(
+    oscillator: Oscillator, order: int, stretch: int, velocity: tuple[float, float], resolution: CurveResolution,
+    most_points: int, *, pause: Pause,
+) -> Columns:  # fmt: skip
+    """A stretch of the grazing curve and its pre-images."""
+    orders = preimages_of_stretch(oscillator, order, stretch, resolution, velocity, most_points, pause)
+    columns = join_pieces([piece_columns(pieces, velocity) for pieces in orders])
+    return columns | {"order_size": np.array([len(pieces) for pieces in orders], np.int64)}
+
+
+def _name(stretch: int) -> str:
+    return f"stretch-{stretch}"
+
+
+def plan(job: GrazingCurveJob, parts: Parts) -> Plan:
+    """Every stretch."""
+    most = -(-job.most_points // STRETCHES)
+    pieces = [
+        analysis.Piece(
+            _name(stretch), map_stretch, (job.oscillator, job.order, stretch, job.velocity, job.resolution, most)
+        )
+        for stretch in range(STRETCHES)
+    ]
+    return ready_of(Stage.TRACING, pieces, parts)
+
+
+def _pieces_of_order(parts: Parts, order: int) -> tuple[list[list[Piece]], bool]:
+    """Pieces of an order, stretch by stretch, and whether none is missing."""
+    stretches: list[list[Piece]] = []
+    whole = True
+    for stretch in range(STRETCHES):
+        part = parts[_name(stretch)] if _name(stretch) in parts else None
+        if part is None or part["order_size"].size <= order:
+            stretches.append([])
+            whole = False
+            continue
+        stop = int(part["order_size"][: order + 1].sum())
+        stretches.append(pieces_of(part)[stop - int(part["order_size"][order]) : stop])
+    return stretches, whole
+
+
+def assemble(job: GrazingCurveJob, parts: Parts) -> Columns:
+    """Pieces of all orders, one order after another."""
+    scale = largest_grazing_speed(job.oscillator)
+    orders, complete = [], []
+    for order in range(job.order + 1):
+        stretches, whole = _pieces_of_order(parts, order)
+        orders.append(join_stretches(stretches))
+        complete.append(whole)
+    return join_pieces([piece_columns(pieces, job.velocity) for pieces in orders]) | {
+        "order_complete": np.array(complete, np.int8),
+        "order_arclength": np.array([arclength(pieces, scale) for pieces in orders]),
+        "order_size": np.array([len(pieces) for pieces in orders], np.int64),
+    }
+
+
+def layout(job: GrazingCurveJob) -> tuple[Variable, ...]:
+    """Variables of the store: orders, pieces, vertices."""
+    return (*ORDERS, *PIECES)
+
+
+def orders_of(columns: Mapping[str, Any]) -> list[list[Piece]]:
+    """Pieces of each order, the grazing curve first: of a store's columns, or of an xarray dataset."""
+    pieces = pieces_of(columns)
+    stops = np.cumsum([0, *np.asarray(columns["order_size"]).tolist()]).tolist()
+    return [pieces[a:b] for a, b in pairwise(stops)]
+
+
+def tell(job: GrazingCurveJob, columns: Columns) -> dict[str, Any]:
+    """Orders with their lengths; one that is not complete needs more points than were allowed, or is not there yet."""
+    orders = [
+        {
+            "order": order,
+            "complete": bool(columns["order_complete"][order]),
+            "pieces": len(pieces),
+            "vertices": int(sum(piece.t.size for piece in pieces)),
+            "arclength": float(columns["order_arclength"][order]),
+        }
+        for order, pieces in enumerate(orders_of(columns))
+    ]
+    return {"orders": orders}
+
+
+GRAZING_CURVE = Analysis(
+    "Grazing curve of a rattling gear pair and its pre-images", GrazingCurveJob.from_request, plan, assemble, layout,
+    tell, draw_grazing_curves,
+)  # fmt: skip

@@ -1,0 +1,81 @@
+"""Picture of periodic orbits: in the (t, v) plane, or over the parameter that they are followed in."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rattle_kernels import SpecialKind, grazing_velocity
+from worker.analyses.branch_table import slices
+from worker.jobs.orbits_job import OrbitsJob
+from worker.pictures.symbols import SYMBOLS, oscillator_told
+from worker.stores.layout import Columns
+
+_MARKERS = {
+    SpecialKind.SADDLE_NODE: "o", SpecialKind.PERIOD_DOUBLING: "s", SpecialKind.GRAZING: "^",
+    SpecialKind.CONTACT_LOSS: "v",
+}  # fmt: skip
+
+
+def plot_orbits(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
+    """Mark the departures of orbits: those that attract by crosses, others by upright crosses; v*(t) beside them."""
+    t = np.linspace(0.0, 1.0, 512)
+    axes.plot(t, grazing_velocity(job.oscillator, t), color="gray", linewidth=1.0, label="grazing curve")
+    for i, name in enumerate(columns["name"]):
+        marker, told = ("x", "attracts") if columns["attracts"][i] else ("+", "unstable")
+        axes.plot(columns["orbit_time"][i], columns["orbit_velocity"][i], marker, label=f"{name} {told}", markersize=8)
+    axes.set_xlabel("time t of departure (forcing periods)")
+    axes.set_ylabel("velocity v of departure")
+
+
+def plot_branches(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
+    """Draw the speeds of departure along branches: full where they attract, thin where not; special points marked."""
+    assert job.continuation is not None
+    parameter = job.continuation.parameter
+    for number, points in enumerate(slices(columns["branch_size"])):
+        values, speeds = columns[parameter][points], columns["branch_velocity"][points]
+        attracts = columns["branch_attracts"][points, None] == 1
+        name, colour = columns["name"][columns["branch_orbit"][number]], f"C{number % 10}"
+        axes.plot(values, speeds, color=colour, linewidth=0.6)
+        axes.plot(values, np.where(attracts, speeds, np.nan), color=colour, linewidth=2.0)
+        axes.plot([], [], color=colour, label=f"branch of {name}")
+    for code, (kind, marker) in enumerate(_MARKERS.items(), 1):
+        there = columns["special_kind"] == code
+        speeds = columns["special_velocity"][there]
+        if speeds.size:
+            at = np.repeat(columns["special_value"][there], speeds.shape[1])
+            axes.plot(at, speeds.ravel(), marker, color="black", markersize=4, fillstyle="none", label=kind.value)
+    axes.set_xlabel(f"{parameter.replace('_', ' ')} {SYMBOLS[parameter]}")
+    axes.set_ylabel("velocity v of departure")
+
+
+def plot_curves(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
+    """Draw curves of special points in the plane of their two parameters."""
+    assert job.continuation is not None and job.curves is not None
+    for special, points in zip(columns["curve_special"].tolist(), slices(columns["curve_size"]), strict=True):
+        kind = tuple(_MARKERS)[int(columns["special_kind"][special]) - 1]
+        value = columns["special_value"][special]
+        axes.plot(columns["curve_first"][points], columns["curve_second"][points], label=f"{kind.value} at {value:.5g}")
+    for set_label, parameter in (
+        (axes.set_xlabel, job.continuation.parameter),
+        (axes.set_ylabel, job.curves.parameter),
+    ):
+        set_label(f"{parameter.replace('_', ' ')} {SYMBOLS[parameter]}")
+
+
+def draw_orbits(job: OrbitsJob, columns: Columns, figure: Figure) -> None:
+    """Draw what there is: curves below branches, or orbits alone."""
+    if job.continuation is None:
+        drawn = [(figure.subplots(), plot_orbits)]
+    elif job.curves is None:
+        drawn = [(figure.subplots(), plot_branches)]
+    else:
+        figure.set_size_inches(10.0, 10.0)
+        drawn = list(zip(figure.subplots(2), (plot_branches, plot_curves), strict=True))
+    without = () if job.continuation is None else (job.continuation.parameter,)
+    drawn[0][0].set_title(oscillator_told(job.oscillator, without))
+    for axes, plot in drawn:
+        plot(axes, job, columns)
+        if axes.get_legend_handles_labels()[1]:
+            axes.legend(
+                loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0, fontsize="small"
+            )

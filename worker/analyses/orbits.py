@@ -1,0 +1,227 @@
+"""Periodic orbits as an analysis: bands of a search side by side, then every orbit's branch, then every curve.
+
+Orbits that a fold or a closed loop joins lie on one branch; it is computed from each of them and kept from the first.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from rattle_kernels import (
+    Branch,
+    FoundOrbit,
+    Oscillator,
+    PeriodicOrbit,
+    SpecialPoint,
+    continue_orbit,
+    continue_special_point,
+    find_orbit,
+    find_orbits,
+    merge_orbits,
+)
+from rattle_kernels.numerics.pausing import Pause
+from worker.analyses.analysis import Analysis, Parts, Piece, Plan, in_order, ready_of
+from worker.analyses.branch_table import (
+    BRANCHES,
+    branch_columns,
+    branch_variables,
+    join_branches,
+    tell_branches,
+)
+from worker.analyses.orbit_picture import draw_orbits
+from worker.analyses.orbit_table import ORBITS, orbit_columns, orbits_of, tell_orbits
+from worker.analyses.special_table import (
+    CURVES,
+    SPECIALS,
+    curve_columns,
+    distinct,
+    join_curves,
+    special_columns,
+    specials_of,
+    tell_curves,
+    tell_specials,
+)
+from worker.errors import NotFound
+from worker.jobs.orbits_job import Continuation, OrbitSeed, OrbitsJob
+from worker.progress import Stage
+from worker.stores.layout import Columns
+
+_BANDS = 8
+# Cells of a band of a search at the most: some seconds.
+_MOST_CELLS = 400
+# Two orbits closer than this are one, as in the search.
+_SAME = 1e-6
+
+
+def search_band(oscillator: Oscillator, job: OrbitsJob, rows: tuple[int, int], *, pause: Pause) -> Columns:
+    """Orbits that the search finds from some rows of cells."""
+    pause()
+    region = job.region
+    found = find_orbits(oscillator, job.longest, region[:2], region[2:], job.cells, rows)
+    return orbit_columns(found)
+
+
+def search_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: Pause) -> Columns:
+    """Orbit near a seed.
+
+    Raises
+    ------
+    NotFound
+        Where there is none.
+    """
+    pause()
+    found = find_orbit(oscillator, *seed)
+    if found is None:
+        raise NotFound(
+            f"Newton's method on P^{seed.period} found no periodic orbit from seed {number}, t = {seed.time:g}, "
+            f"v = {seed.velocity:g}: start closer to one, with the impact period that it has, or search a region"
+        )
+    return orbit_columns([found])
+
+
+def follow_branch(oscillator: Oscillator, orbit: PeriodicOrbit, along: Continuation, *, pause: Pause) -> Columns:
+    """Branch of an orbit, its special points, and the orbits of the same oscillator that it passes."""
+    bounds = along.start, along.stop
+    branch = continue_orbit(oscillator, orbit, along.parameter, bounds, "both", along.most_points, pause=pause)
+    passed = _passed(oscillator, branch)
+    columns = branch_columns(branch) | special_columns(branch.special_points)
+    return columns | {"passed_time": passed[:, 0], "passed_velocity": passed[:, 1]}
+
+
+def _passed(oscillator: Oscillator, branch: Branch) -> np.ndarray:
+    """Slowest departures of the orbits at which a branch passes the oscillator's own value, shape (orbits, 2)."""
+    beyond = branch.values - getattr(oscillator, branch.parameter)
+    passed = []
+    for i in np.flatnonzero(beyond[:-1] * beyond[1:] < 0.0).tolist():
+        part = beyond[i] / (beyond[i] - beyond[i + 1])
+        apart = branch.t[i + 1, 0] - branch.t[i, 0]
+        t = branch.t[i, 0] + part * (apart - np.rint(apart))
+        v = branch.v[i, 0] + part * (branch.v[i + 1, 0] - branch.v[i, 0])
+        found = find_orbit(oscillator, t, v, branch.upper_contacts)
+        if found is not None:
+            passed.append((found.orbit.t[0], found.orbit.v[0]))
+    return np.array(passed).reshape(-1, 2)
+
+
+def trace_curve(point: SpecialPoint, along: Continuation, second: Continuation, *, pause: Pause) -> Columns:
+    """Curve of a special point in the plane of two parameters."""
+    bounds, others = (along.start, along.stop), (second.start, second.stop)
+    return curve_columns(
+        continue_special_point(point, second.parameter, bounds, others, second.most_points, pause=pause)
+    )
+
+
+def _search(job: OrbitsJob) -> list[Piece]:
+    if job.seeds:
+        return [Piece(f"search-{n:05d}", search_seed, (job.oscillator, n, seed)) for n, seed in enumerate(job.seeds)]
+    rows = max(1, min(-(-job.cells // _BANDS), _MOST_CELLS // job.cells))
+    bands = [(start, min(start + rows, job.cells)) for start in range(0, job.cells, rows)]
+    return [Piece(f"search-{n:05d}", search_band, (job.oscillator, job, band)) for n, band in enumerate(bands)]
+
+
+def _found(job: OrbitsJob, parts: Parts) -> tuple[FoundOrbit, ...]:
+    found = [each for part in in_order(parts, "search-") for each in orbits_of(part)]
+    return merge_orbits(job.oscillator, found)
+
+
+def _branch_name(number: int) -> str:
+    return f"branch-{number:05d}"
+
+
+def _lines_of(found: Sequence[FoundOrbit], parts: Parts) -> tuple[list[int], list[int]]:
+    """Orbits whose branches are kept, and for each orbit which of those it lies on, -1 where that is not known yet."""
+    kept: list[int] = []
+    line = []
+    for number, each in enumerate(found):
+        here = next((i for i, other in enumerate(kept) if _passes(parts[_branch_name(other)], each.orbit)), -1)
+        if here < 0 and _branch_name(number) in parts:
+            kept.append(number)
+            here = len(kept) - 1
+        line.append(here)
+    return kept, line
+
+
+def _passes(branch: Columns, orbit: PeriodicOrbit) -> bool:
+    apart = branch["passed_time"] - orbit.t[0]
+    distance = np.hypot(apart - np.rint(apart), (branch["passed_velocity"] - orbit.v[0]) / orbit.v[0])
+    return bool((distance < _SAME).any())
+
+
+def _specials(job: OrbitsJob, parts: Parts, kept: list[int]) -> tuple[list[SpecialPoint], list[int]]:
+    """Special points of the branches that are kept, each once, and the branch of each."""
+    assert job.continuation is not None
+    points = [
+        (point, number)
+        for number, orbit in enumerate(kept)
+        for point in specials_of(parts[_branch_name(orbit)], job.oscillator, job.continuation.parameter)
+    ]
+    return distinct(points)
+
+
+def plan(job: OrbitsJob, parts: Parts) -> Plan:
+    """Search; then every orbit's branch; then every special point's curve."""
+    search = ready_of(Stage.SEARCHING, _search(job), parts)
+    if search.done < search.total or job.continuation is None:
+        return search
+    found = _found(job, parts)
+    branches = [
+        Piece(_branch_name(n), follow_branch, (job.oscillator, each.orbit, job.continuation))
+        for n, each in enumerate(found)
+    ]
+    following = ready_of(Stage.CONTINUING, branches, parts)
+    if following.done < following.total or job.curves is None:
+        return following
+    points, _ = _specials(job, parts, _lines_of(found, parts)[0])
+    curves = [
+        Piece(f"curve-{n:05d}", trace_curve, (point, job.continuation, job.curves)) for n, point in enumerate(points)
+    ]
+    return ready_of(Stage.TRACING, curves, parts)
+
+
+def assemble(job: OrbitsJob, parts: Parts) -> Columns:
+    """Orbits by (n+, m, n-) and lowest speed, their branches, special points and curves."""
+    found = _found(job, parts)
+    columns = orbit_columns(found)
+    if job.continuation is None:
+        return columns
+    kept, line = _lines_of(found, parts)
+    columns |= join_branches([parts[_branch_name(n)] for n in kept], job.continuation.parameter)
+    points, branch = _specials(job, parts, kept)
+    columns |= special_columns(points)
+    columns |= {
+        "orbit_branch": np.array(line, np.int32),
+        "branch_orbit": np.array(kept, np.int32),
+        "special_branch": np.array(branch, np.int32),
+    }
+    if job.curves is not None:
+        began = sorted(int(name.removeprefix("curve-")) for name in parts if name.startswith("curve-"))
+        columns |= join_curves(in_order(parts, "curve-")) | {"curve_special": np.array(began, np.int32)}
+    return columns
+
+
+def layout(job: OrbitsJob) -> tuple[Any, ...]:
+    """Variables of the store."""
+    if job.continuation is None:
+        return ORBITS
+    tables = (*ORBITS, *branch_variables(job.continuation.parameter), *BRANCHES, *SPECIALS)
+    return tables if job.curves is None else (*tables, *CURVES)
+
+
+def tell(job: OrbitsJob, columns: Columns) -> dict[str, Any]:
+    """Orbits, branches with why they end, special points and curves."""
+    told: dict[str, Any] = {"orbits": tell_orbits(columns), "branches": [], "special_points": [], "curves": []}
+    if job.continuation is not None:
+        parameter = job.continuation.parameter
+        for orbit, branch in zip(told["orbits"], columns["orbit_branch"].tolist(), strict=True):
+            orbit["branch"] = branch if branch >= 0 else None
+        told["branches"] = tell_branches(columns, parameter)
+        told["special_points"] = tell_specials(columns, parameter)
+        if job.curves is not None:
+            told["curves"] = tell_curves(columns, (parameter, job.curves.parameter))
+    return told
+
+
+ORBITS_ANALYSIS = Analysis(
+    "Periodic orbits of a rattling gear pair", OrbitsJob.from_request, plan, assemble, layout, tell, draw_orbits
+)

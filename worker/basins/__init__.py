@@ -1,0 +1,1 @@
+"""From the job of a basin or a sweep to its finished store."""

@@ -1,0 +1,40 @@
+"""Assembly scales with the image set, not with the grid.
+
+Under ``P^k`` with a large k all cells are sent into few. Let R be the set of distinct image cells: it is closed under
+the map and holds every cycle. So the tiles report their images, the map is read on R alone, Hsu's algorithm runs on R
+in memory, and then every tile labels its own cells by look-up. No array is ever whole in one memory.
+"""
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from rattle_kernels import CellGroups, ImageSet, find_groups, has_members, place_images
+from worker.stores.basin_store import BasinStore
+from worker.stores.layout import MAPPED
+
+_IMAGE_CELL = MAPPED[:1]
+
+
+def places_of_images(store: BasinStore, members: ImageSet, tiles: Iterable[int]) -> np.ndarray:
+    """Where each member's image stands, read tile by tile: only tiles that hold members are opened."""
+    place = np.empty(members.size, np.int32)
+    time_cells = store.job.grid.time_cells
+    for number in tiles:
+        tile = store.tiling.tile(number)
+        if has_members(members, tile.rows, tile.columns, time_cells):
+            (tile_images,) = store.read_tile(_IMAGE_CELL, tile)
+            place_images(members, (tile.rows[0], tile.columns[0]), time_cells, tile_images, place)
+    return place
+
+
+def assemble_groups(store: BasinStore, panel: int, pause: Callable[[], None] = lambda: None) -> CellGroups:
+    """Hsu's group, period and step on a panel's image set; `pause` is called between tiles, to leave by raising."""
+    members = store.read_image_words(panel)
+
+    def tiles() -> Iterable[int]:
+        for number in store.tiling.numbers_of(panel):
+            pause()
+            yield number
+
+    return find_groups(members, places_of_images(store, members, tiles()))

@@ -1,0 +1,1 @@
+"""The Dask cluster and the driver of its tasks; nothing of basins."""

@@ -1,0 +1,1 @@
+"""Jobs: what may be asked, checked once."""

@@ -1,0 +1,165 @@
+"""Pictures of a store: one basin, or those of a sweep side by side in shared colours."""
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from rattle_kernels import Attractor
+from worker.errors import InvalidJob
+from worker.pictures import colours
+from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind
+from worker.pictures.panel_picture import Layer, PanelPicture
+from worker.pictures.symbols import SYMBOLS, oscillator_told
+from worker.stores.basin_store import BasinStore
+from worker.stores.layout import TileState
+from worker.stores.solution_table import SolutionTable
+from worker.stores.summary import representatives
+
+_MOST_CELLS = 2000
+# Panels each way: of more, some that lie evenly apart are shown.
+_MOST_PANELS = 6
+_LEGEND_ROWS = 18
+
+
+def _legend(
+    figure: Figure, axes: Axes, store: BasinStore, table: SolutionTable, solutions: tuple[Attractor, ...]
+) -> None:
+    shares = np.nanmean(table.share, axis=0) if store.complete else np.full(len(solutions), np.nan)
+    if store.job.vary:
+        labels = [f"{i}: {solution.name}" for i, solution in enumerate(solutions)]
+        figure.legend(handles=_patches(solutions, shares, labels), loc="outside right upper", frameon=False)
+    else:
+        draw_legend(axes, solutions, shares)
+
+
+def _patches(solutions: tuple[Attractor, ...], shares: np.ndarray, labels: list[str]) -> list[Patch]:
+    """Entries of a legend: permanent contact first, others by share; once shares are known, those that have one."""
+    palette = colours.colours_of(solutions)
+    there = np.isfinite(shares) if np.isfinite(shares).any() else np.full(len(solutions), True)
+    order = sorted(np.flatnonzero(there).tolist(), key=lambda i: (i > 0, -np.nan_to_num(shares[i])))
+    patches = [Patch(facecolor=palette[i], edgecolor="black", label=labels[i]) for i in order[:_LEGEND_ROWS]]
+    if len(order) > _LEGEND_ROWS:
+        patches.append(Patch(alpha=0.0, label=f"and {len(order) - _LEGEND_ROWS} more"))
+    return patches
+
+
+def draw_legend(axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray) -> None:
+    """List solutions with colour and share beside the axes; a share of NaN is not known yet."""
+    told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
+    labels = [f"{solution.label}   {share}" for solution, share in zip(solutions, told, strict=True)]
+    handles = _patches(solutions, shares, labels)
+    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0)
+
+
+def _title(store: BasinStore, shown: int) -> str:
+    swept = tuple(each.parameter for each in store.job.vary)
+    title = f"{oscillator_told(store.job.oscillator, without=swept)}, k = {store.job.iterations}"
+    if shown < store.job.panels:
+        title += f"; {shown} of {store.job.panels} basins"
+    if not store.complete:
+        states = store.read_ledger()
+        title += f"\nincomplete: {int((states == TileState.ASSEMBLED).sum())} of {states.size} tiles"
+    return title
+
+
+def _evenly(count: int, most: int) -> list[int]:
+    """Up to `most` of `count` numbers, evenly apart, the first and the last among them."""
+    return sorted(set(np.linspace(0, count - 1, min(count, most)).round().astype(int).tolist()))
+
+
+def _arrangement(store: BasinStore) -> list[list[int]]:
+    """Panels in rows: of two swept parameters the first runs upwards, the last to the right."""
+    shape = store.job.panel_shape
+    if len(shape) == 2:
+        columns = _evenly(shape[1], _MOST_PANELS)
+        return [[row * shape[1] + column for column in columns] for row in reversed(_evenly(shape[0], _MOST_PANELS))]
+    panels = _evenly(store.job.panels, _MOST_PANELS**2)
+    across = int(np.ceil(np.sqrt(len(panels))))
+    return [panels[start : start + across] for start in range(0, len(panels), across)]
+
+
+def draw_basin(
+    location: str, target: str | Path | IO[bytes], *, layer: Layer = Layer.SOLUTION,
+    overlays: Collection[OverlayKind] = USUAL_OVERLAYS,
+) -> None:  # fmt: skip
+    """Draw the basins in a store as a PNG.
+
+    Parameters
+    ----------
+    location : str
+        The store, complete or not.
+    target : path or binary file
+        Where the PNG goes.
+    layer : Layer
+        Solutions in the paper's colours, or Hsu's group, period or step.
+    overlays : collection of OverlayKind
+        What is laid over each basin.
+
+    Raises
+    ------
+    InvalidJob
+        Where the store is of a sample, which has no cells and so none of Hsu's numbers; where an overlay is not known
+        for the model.
+    StoreConflict, StoreFailed
+        Where there is no basin's store, or it cannot be read.
+    """
+    store = BasinStore(location)
+    if store.job.sample is not None and layer != Layer.SOLUTION:
+        raise InvalidJob(f"a sample has no cells, and so no {layer}: its solutions can be drawn")
+    rows = _arrangement(store)
+    across, down = len(rows[0]), len(rows)
+    size = (10.0, 6.5) if across == down == 1 else (3.0 + 2.6 * across, 1.2 + 2.1 * down)
+    figure = Figure(figsize=size, dpi=110, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
+    _draw_panels(figure, axes, store, rows, layer, overlays)
+    shown = sum(len(row) for row in rows)
+    if store.job.vary:
+        figure.suptitle(_title(store, shown))
+        figure.supxlabel("time t of departure (forcing periods)")
+        figure.supylabel("velocity v of departure")
+    else:
+        axes[0, 0].set(xlabel="time t of departure (forcing periods)", ylabel="velocity v of departure")
+        axes[0, 0].set_title(_title(store, shown))
+    # No date in the file: the same store gives the same bytes.
+    figure.savefig(target, format="png", metadata={"Software": None})
+
+
+def _draw_panels(
+    figure: Figure,
+    axes: np.ndarray,
+    store: BasinStore,
+    rows: list[list[int]],
+    layer: Layer,
+    overlays: Collection[OverlayKind],
+) -> None:
+    table = store.read_solutions()
+    solutions = representatives(store, table)
+    most_cells = max(_MOST_CELLS // axes.shape[1], 1)
+    images = []
+    for at, place in zip(np.ndindex(axes.shape), axes.flat, strict=True):
+        if at[1] >= len(rows[at[0]]):
+            place.set_axis_off()
+            continue
+        panel = PanelPicture(store, table, solutions, rows[at[0]][at[1]], most_cells)
+        if layer == Layer.SOLUTION:
+            panel.draw_solutions(place)
+        else:
+            images.append(panel.draw_numbers(place, layer))
+        panel.hatch_missing(place)
+        panel.draw_overlays(place, overlays)
+        values = store.job.values_of(panel.panel).items()
+        place.set_title(", ".join(f"{SYMBOLS[name]} = {value:g}" for name, value in values), fontsize="small")
+    if images:
+        lowest, highest = min(image.get_clim()[0] for image in images), max(image.get_clim()[1] for image in images)
+        for image in images:
+            image.set_clim(lowest, highest)
+        figure.colorbar(images[0], ax=axes, label=f"Hsu's {layer}")
+    elif solutions:
+        _legend(figure, axes[0, -1], store, table, solutions)

@@ -1,0 +1,97 @@
+"""Chart of a sweep: the share of each solution over the swept parameter."""
+
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from rattle_kernels import Attractor
+from worker.errors import InvalidJob
+from worker.jobs.basin_job import BasinJob
+from worker.pictures.colours import colours_of
+from worker.pictures.symbols import SYMBOLS
+from worker.stores.basin_store import BasinStore
+from worker.stores.summary import representatives
+
+# Maps of shares over two parameters: of the solutions with the largest shares.
+_MOST_MAPS = 9
+_LEGEND_ROWS = 24
+
+
+def _largest(share: np.ndarray, most: int) -> list[int]:
+    total = np.nansum(share.reshape(-1, share.shape[-1]), axis=0)
+    return sorted(np.argsort(-total, kind="stable")[:most].tolist())
+
+
+def draw_lines(axes: Axes, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...]) -> None:
+    """One line a solution, broken where it does not exist; with standard errors where points were sampled."""
+    palette = colours_of(solutions)
+    named = _largest(share, _LEGEND_ROWS)
+    for number, solution in enumerate(solutions):
+        p = share[:, number]
+        error = np.sqrt(p * (1.0 - p) / job.sample.points) if job.sample else None
+        axes.errorbar(
+            job.vary[0].values, p, error, marker=".", color=palette[number],
+            label=f"{number}: {solution.name}" if number in named else None,
+        )  # fmt: skip
+    axes.set_xlabel(f"{job.vary[0].parameter} {SYMBOLS[job.vary[0].parameter]}")
+    axes.set_ylabel("share")
+    axes.set_ylim(0.0, 1.0)
+    axes.grid(alpha=0.3)
+
+
+def _draw_maps(figure: Figure, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...]) -> None:
+    """One map a solution over both parameters."""
+    numbers = _largest(share, _MOST_MAPS)
+    across = int(np.ceil(np.sqrt(len(numbers))))
+    down = -(-len(numbers) // across)
+    axes = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
+    first, last = job.vary
+    for place, number in zip(axes.flat, numbers, strict=False):
+        image = place.pcolormesh(last.values, first.values, share[..., number], vmin=0.0, vmax=1.0, shading="nearest")
+        place.set_title(f"{number}: {solutions[number].name}", fontsize="small")
+        place.set_facecolor("lightgray")
+    for place in axes.flat[len(numbers) :]:
+        place.set_axis_off()
+    figure.colorbar(image, ax=axes, label="share")
+    figure.supxlabel(f"{last.parameter} {SYMBOLS[last.parameter]}")
+    figure.supylabel(f"{first.parameter} {SYMBOLS[first.parameter]}")
+
+
+def draw_shares(location: str, target: str | Path | IO[bytes]) -> None:
+    """Draw the shares of a sweep's solutions as a PNG: lines over one parameter, maps over two.
+
+    Parameters
+    ----------
+    location : str
+        The store, complete or not: basins that are not complete are gaps.
+    target : path or binary file
+        Where the PNG goes.
+
+    Raises
+    ------
+    InvalidJob
+        Where nothing is swept, or no basin is complete yet.
+    StoreConflict, StoreFailed
+        Where there is no basin's store, or it cannot be read.
+    """
+    store = BasinStore(location)
+    table = store.read_solutions()
+    if not store.job.vary:
+        raise InvalidJob(f"{location} holds a single basin: there is no parameter to draw shares over")
+    if not table.complete.any():
+        raise InvalidJob(f"{location} holds no complete basin yet")
+    solutions = representatives(store, table)
+    share = table.share.reshape(*store.job.panel_shape, len(solutions))
+    figure = Figure(figsize=(10.0, 6.5), dpi=110, layout="constrained")
+    FigureCanvasAgg(figure)
+    if len(store.job.vary) == 1:
+        axes = figure.subplots()
+        draw_lines(axes, store.job, share, solutions)
+        figure.legend(loc="outside right upper", frameon=False)
+    else:
+        _draw_maps(figure, store.job, share, solutions)
+    figure.savefig(target, format="png", metadata={"Software": None})

@@ -1,0 +1,236 @@
+"""The Zarr store of an analysis: parts as they come, and the tables that they are put together in.
+
+Guarantees. Each part is written by one task, which marks it whole when all its columns are there; a part that is not
+marked counts for nothing and is computed again. Tables are written by the driver alone, whole, when the work ends or is
+stopped. When the store is complete its parts are removed: what is left is the same to the byte whatever happened.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import zarr
+
+from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
+from worker.fence import Fence, unfenced
+from worker.jobs.analysis_job import AnalysisJob
+from worker.stores.layout import Columns, Variable
+from worker.stores.new_store import CONFIG, birth_certificate, consolidate, now
+from worker.stores.object_storage import place_at
+from worker.stores.opening import (
+    create_unless_there,
+    demand_same_request,
+    holds_store,
+    open_group,
+    open_store_at,
+)
+
+ANALYSIS_LAYOUT_VERSION = 1
+_PARTS = "parts"
+_WHOLE = "whole"
+_LONGEST_CHUNK = 1 << 20
+
+
+class AnalysisStore:
+    """Store of one analysis, open for reading and writing.
+
+    Parameters
+    ----------
+    location : str
+        As in `worker.stores.object_storage`.
+    fence : Fence
+        Of the driver.
+
+    Raises
+    ------
+    StoreConflict
+        Where the location holds no analysis.
+    StoreFailed
+        Where it cannot be read.
+    """
+
+    def __init__(self, location: str, fence: Fence = unfenced) -> None:
+        self.location, self._fence = location, fence
+        self._group = open_store_at(location, "store", fence)
+        if "kind" not in self._group.attrs:
+            raise StoreConflict(f"{location} holds no analysis")
+        if self._group.attrs["layout_version"] != ANALYSIS_LAYOUT_VERSION:
+            raise StoreConflict(f"{location} is no analysis of layout {ANALYSIS_LAYOUT_VERSION}")
+
+    @classmethod
+    def create_or_resume(cls, location: str, title: str, job: AnalysisJob, fence: Fence = unfenced) -> "AnalysisStore":
+        """Store of `job` at `location`: the one that is there, or a new one.
+
+        Raises
+        ------
+        StoreConflict
+            Where the location holds another job's store, or something else.
+        StoreFailed
+            Where it cannot be written.
+        """
+        create_unless_there(location, "store", lambda: _create(location, title, job, fence), fence)
+        store = cls(location, fence)
+        demand_same_request(location, job.digest, store.digest, store.request)
+        return store
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Attributes of the store."""
+        return dict(self._group.attrs)
+
+    @property
+    def digest(self) -> str:
+        """Hash of what was asked for."""
+        return str(self._group.attrs["request_sha256"])
+
+    @property
+    def request(self) -> dict[str, Any]:
+        """What was asked for."""
+        request: dict[str, Any] = json.loads(str(self._group.attrs["request"]))
+        return request
+
+    @property
+    def complete(self) -> bool:
+        """Whether the job has finished and every table is whole."""
+        return bool(self._group.attrs["complete"])
+
+    def write_part(self, name: str, columns: Columns) -> None:
+        """Write the columns of a piece, and mark them whole."""
+        with told_as_store_failure(self.location):
+            part = self._group.create_group(f"{_PARTS}/{name}", overwrite=True)
+            for column, values in columns.items():
+                _write(part, column, np.asarray(values), (), {})
+            part.attrs[_WHOLE] = True
+
+    def read_part(self, name: str) -> Columns:
+        """Columns of a piece that is done.
+
+        Raises
+        ------
+        StoreFailed
+            Where it is there no longer, as where the driver has finished meanwhile.
+        """
+        part = self._part(name)
+        if part is None:
+            raise StoreFailed(f"the store {self.location} has no part {name} any more")
+        with told_as_store_failure(self.location):
+            return {column: np.asarray(array[...]) for column, array in part.arrays()}
+
+    def _part(self, name: str) -> Any | None:
+        """Group of a piece, where it is there."""
+        with told_as_store_failure(self.location):
+            try:
+                return self._group[f"{_PARTS}/{name}"]
+            except KeyError:
+                return None
+
+    def parts(self) -> "StoredParts":
+        """Pieces that are done."""
+        # Zarr's own list of groups would warn of the files that writers of other parts have under way.
+        with told_as_store_failure(self.location):
+            names = place_at(self.location).folders(_PARTS)
+        found = {name: self._part(name) for name in names}
+        return StoredParts(self, [name for name, part in found.items() if part is not None and part.attrs.get(_WHOLE)])
+
+    def publish(self, variables: tuple[Variable, ...], columns: Columns) -> None:
+        """Write the tables, in place of those that are there (driver only)."""
+        self._fence()
+        with told_as_store_failure(self.location):
+            for variable in variables:
+                if variable.name in self._group:
+                    del self._group[variable.name]
+                values = np.asarray(columns[variable.name])
+                _write(self._group, variable.name, values, variable.dims, variable.attrs(), variable)
+            consolidate(self.location, self._fence)
+
+    def read_tables(self) -> Columns:
+        """Columns of the tables."""
+        with told_as_store_failure(self.location):
+            return {name: np.asarray(array[...]) for name, array in self._group.arrays()}
+
+    def finish(self, seconds: dict[str, float]) -> None:
+        """Mark the store complete, and remove the parts (driver only)."""
+        self._fence()
+        with told_as_store_failure(self.location):
+            self._group.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
+        self.remove_parts()
+
+    def remove_parts(self) -> None:
+        """Remove the parts of a store whose tables are complete (driver only)."""
+        self._fence()
+        with told_as_store_failure(self.location):
+            if _PARTS in self._group:
+                del self._group[_PARTS]
+            consolidate(self.location, self._fence)
+
+
+class StoredParts(Mapping[str, Columns]):
+    """Columns of pieces by name, read when they are asked for and then kept."""
+
+    def __init__(self, store: AnalysisStore, names: list[str]) -> None:
+        self._store = store
+        self._columns: dict[str, Columns | None] = dict.fromkeys(names)
+
+    def add(self, name: str) -> None:
+        """Note that a piece is done."""
+        self._columns[name] = None
+
+    def __getitem__(self, name: str) -> Columns:
+        columns = self._columns[name]
+        if columns is None:
+            columns = self._columns[name] = self._store.read_part(name)
+        return columns
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._columns
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+
+def kind_of_store(location: str) -> str:
+    """Kind of the store at a location: that of an analysis, or ``basin`` for basins and sweeps.
+
+    Raises
+    ------
+    StoreConflict
+        Where there is no store.
+    """
+    if not holds_store(location):
+        raise StoreConflict(f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open")
+    with told_as_store_failure(location):
+        return str(open_group(location, "r").attrs.get("kind", "basin"))
+
+
+def _create(location: str, title: str, job: AnalysisJob, fence: Fence) -> None:
+    """Lay out a new store: attributes alone, as nobody knows yet how long its tables will be."""
+    group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
+    born = birth_certificate(title, job.request(), job.digest)
+    group.update_attributes(born | {"kind": job.kind, "layout_version": ANALYSIS_LAYOUT_VERSION})
+    consolidate(location, fence)
+
+
+def _write(
+    group: Any, name: str, values: np.ndarray, dims: tuple[str, ...], attributes: dict[str, Any],
+    variable: Variable | None = None,
+) -> None:  # fmt: skip
+    """Create one array with its values."""
+    text = values.dtype.kind in "UOT"
+    kind = str if text else values.dtype if variable is None else variable.dtype
+    array = group.create_array(
+        name, shape=values.shape, chunks=_chunks(values.shape), dtype=kind, config=CONFIG, attributes=attributes,
+        dimension_names=dims or None, fill_value=variable.fill if variable else None,
+    )  # fmt: skip
+    if values.size:
+        array[...] = np.array(values.tolist(), np.dtypes.StringDType()) if text else values.astype(kind)
+
+
+def _chunks(shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Chunks as long as the array, up to a bound along its first dimension."""
+    rest = max(1, int(np.prod(shape[1:], dtype=np.int64)))
+    first = max(1, min(shape[0], _LONGEST_CHUNK // rest)) if shape else 1
+    return (first, *(max(1, length) for length in shape[1:])) if shape else ()

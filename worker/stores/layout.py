@@ -1,0 +1,217 @@
+"""The Zarr layout, every array once: name, dimensions, type, fill value, meaning.
+
+Fill values are no legal values, so that what is missing never looks like data; but what is missing is told by
+``tile_state``, never guessed from values. Where a variable is `per_panel`, a dimension for each swept parameter, named
+like it, goes before those named here.
+"""
+
+from dataclasses import dataclass, field, replace
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+
+from rattle_kernels import AttractorKind
+
+Columns = dict[str, np.ndarray]
+"""Arrays by name."""
+
+LAYOUT_VERSION = 3
+MISSING = -9
+"""Fill value of all integer arrays: no cell number, group, period, step or index."""
+
+
+class TileState(IntEnum):
+    """Ledger of the tiles; 0 is the fill value and means nothing."""
+
+    PENDING = 1
+    """Not computed, or not known to be."""
+    COMPUTED = 2
+    """Images and landing points are in the store."""
+    ASSEMBLED = 3
+    """Groups, periods, steps and solutions are, too."""
+
+
+class ChangeKind(IntEnum):
+    """What can happen to a solution between two neighbouring values of a parameter."""
+
+    BIRTH = 1
+    """It is there after, and not before."""
+    DEATH = 2
+    """It was there before, and is not after."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One array of the store."""
+
+    name: str
+    dims: tuple[str, ...]
+    dtype: Any
+    fill: Any
+    meaning: str
+    attributes: dict[str, Any] = field(default_factory=dict)
+    per_panel: bool = True
+    group: str = ""
+
+    @property
+    def path(self) -> str:
+        """Name within the store."""
+        return f"{self.group}/{self.name}" if self.group else self.name
+
+    def attrs(self) -> dict[str, Any]:
+        """Attributes as stored: CF ``long_name`` and what else belongs to the variable."""
+        return {"long_name": self.meaning} | self.attributes
+
+
+def flags(codes: type[IntEnum]) -> dict[str, Any]:
+    """CF attributes of an array of codes."""
+    return {
+        "flag_values": [int(code) for code in codes],
+        "flag_meanings": " ".join(code.name.lower() for code in codes),
+    }
+
+
+_CELLS = ("velocity", "time")
+PERIODS = {"units": "1", "comment": "forcing periods"}
+SPEED = {"units": "1", "comment": "nondimensional speed"}
+
+COORDINATES = (
+    Variable("time", ("time",), np.float64, np.inf, "phase of the cell centres", PERIODS | {"axis": "X"}, False),
+    Variable("velocity", ("velocity",), np.float64, np.inf, "speed of the cell centres", SPEED | {"axis": "Y"}, False),
+)
+
+_LANDINGS = (
+    ("landing_time", "phase of P^k(start), NaN where captured", PERIODS),
+    ("landing_velocity", "speed of P^k(start), NaN where captured", SPEED),
+)
+
+MAPPED = (
+    Variable(
+        "image_cell", _CELLS, np.int64, MISSING, "cell of P^k(centre); -1 sink, -2 permanent contact, -3 undecided",
+        {"reserved_values": [-1, -2, -3], "reserved_meanings": "sink permanent_contact undecided"},
+    ),
+    *(Variable(name, _CELLS, np.float64, np.inf, told, attributes) for name, told, attributes in _LANDINGS),
+)  # fmt: skip
+"""Written tile by tile while tiles are mapped."""
+
+LABELLED = (
+    Variable(
+        "group", _CELLS, np.int32, MISSING,
+        "Hsu's group: 1, 2, ... by lowest cell, 0 sink, -1 permanent contact, -2 undecided",
+    ),
+    Variable("period", _CELLS, np.int32, MISSING, "Hsu's period: cells in the group's cycle, 0 where there is none"),
+    Variable("step", _CELLS, np.int32, MISSING, "Hsu's step: applications to reach the group, 0 on its cycle"),
+)  # fmt: skip
+"""Written tile by tile after assembly."""
+
+_ENDS_IN = "motion that it ends in: index into the dimension attractor"
+SOLUTION = Variable("solution", _CELLS, np.int16, MISSING, _ENDS_IN)
+"""Written tile by tile once the solutions of the panel have their numbers."""
+
+LEDGER = Variable(
+    "tile_state", ("tile_velocity", "tile_time"), np.uint8, 0, "what is in the store, tile by tile", flags(TileState)
+)
+
+GRAZING = Variable(
+    "grazing_velocity", ("time",), np.float64, np.inf, "grazing curve v*(t) at the cell centres' phases", SPEED
+)
+
+_SAMPLE = ("sample",)
+SAMPLE_COORDINATES = (
+    Variable("time", _SAMPLE, np.float64, np.inf, "phase of the sample's points", PERIODS, False),
+    Variable("velocity", _SAMPLE, np.float64, np.inf, "speed of the sample's points", SPEED, False),
+)
+SAMPLE_MAPPED = (
+    Variable(
+        "landing", _SAMPLE, np.int8, MISSING, "what became of a point under P^k",
+        {"flag_values": [-1, -2, -3], "flag_meanings": "landed permanent_contact undecided"},
+    ),
+    *(Variable(name, _SAMPLE, np.float64, np.inf, told, attributes) for name, told, attributes in _LANDINGS),
+)  # fmt: skip
+SAMPLE_SOLUTION = Variable("solution", _SAMPLE, np.int16, MISSING, _ENDS_IN)
+SAMPLE_LEDGER = Variable("tile_state", ("tile",), np.uint8, 0, "what is in the store, tile by tile", flags(TileState))
+
+
+_ATTRACTOR = ("attractor",)
+MOTIONS = (
+    Variable("kind", _ATTRACTOR, np.int8, 0, "kind of motion", flags(AttractorKind), False),
+    Variable("forcing_periods", _ATTRACTOR, np.int32, MISSING, "m of P(m, n+, n-), 0 where not periodic", {}, False),
+    Variable("upper_contacts", _ATTRACTOR, np.int32, MISSING, "n+ of P(m, n+, n-): contacts with +beta", {}, False),
+    Variable("lower_contacts", _ATTRACTOR, np.int32, MISSING, "n- of P(m, n+, n-): contacts with -beta", {}, False),
+    Variable("name", _ATTRACTOR, str, "", "P(m, n+, n-), or in words what is not periodic", {}, False),
+)
+"""What a solution is by its number, the same in all panels."""
+
+_NOT_THERE = "NaN where the panel has no such solution, or is not complete"
+MEASURED = (
+    Variable("share", _ATTRACTOR, np.float64, np.inf, f"share of the cells that end in it; {_NOT_THERE}"),
+    Variable("lyapunov_exponent", _ATTRACTOR, np.float64, np.inf, "largest Lyapunov exponent per forcing period"),
+    Variable("lyapunov_error", _ATTRACTOR, np.float64, np.inf, "standard error of lyapunov_exponent"),
+    Variable(
+        "mean_life", _ATTRACTOR, np.float64, np.inf,
+        "of chaos that motions leave again: impacts until one does, on average; NaN where none was seen to leave",
+    ),
+)  # fmt: skip
+"""What it is like in each panel."""
+
+SHARE_ERROR = Variable(
+    "share_error", _ATTRACTOR, np.float64, np.inf, "standard error of share: binomial, of as many independent points"
+)
+"""Of samples only."""
+
+POINTS = (
+    Variable(
+        "attractor_time", ("attractor", "point"), np.float64, np.nan, "phases of its departures, NaN-padded", PERIODS
+    ),
+    Variable(
+        "attractor_velocity", ("attractor", "point"), np.float64, np.nan, "speeds of its departures, NaN-padded", SPEED
+    ),
+)
+"""Nothing there is no point: the one fill value that is what it says."""
+
+CHANGES = (
+    Variable("change_kind", ("change",), np.int8, 0, "what happens to a solution", flags(ChangeKind), False),
+    Variable("change_solution", ("change",), np.int16, MISSING, "which: index into attractor", {}, False),
+    Variable("change_parameter", ("change",), str, "", "parameter that changes", {}, False),
+    Variable("change_from", ("change",), np.float64, np.inf, "its value before", {}, False),
+    Variable("change_to", ("change",), np.float64, np.inf, "its value after", {}, False),
+    Variable("change_beside", ("change",), np.float64, np.inf, "value of the other swept parameter or NaN", {}, False),
+)
+"""Births and deaths of solutions from one panel to the next; in sweeps only, when all panels are complete."""
+
+_ASSEMBLY = "assembly"
+IMAGE_WORDS = Variable(
+    "words", ("word",), np.uint64, 0, "distinct image cells: bit cell % 64 of word cell // 64 marks a member",
+    group=_ASSEMBLY,
+)  # fmt: skip
+IMAGE_SET = (
+    Variable("group", ("member",), np.int32, MISSING, "groups of the members, by their cells", group=_ASSEMBLY),
+    Variable("step", ("member",), np.int32, MISSING, "their steps", group=_ASSEMBLY),
+    Variable("period", ("group_number",), np.int32, MISSING, "period of each group, 0 for group 0", group=_ASSEMBLY),
+)
+"""In a subgroup of its own: what tiles look their labels up in."""
+IMAGE_COUNTS = Variable(
+    "image_counts", ("reserved",), np.int64, MISSING, "places with the images -1, -2, -3", group=_ASSEMBLY
+)
+_OWN = "index into the panel's own catalogue, before solutions have the numbers that all panels share"
+
+
+@dataclass(frozen=True)
+class Places:
+    """The arrays of what is computed place by place: cells of a grid, or points of a sample."""
+
+    coordinates: tuple[Variable, ...]
+    mapped: tuple[Variable, ...]
+    labelled: tuple[Variable, ...]
+    solution: Variable
+    own_solution: Variable
+    ledger: Variable
+
+
+def _own(solution: Variable) -> Variable:
+    return replace(solution, meaning=_OWN, group=_ASSEMBLY)
+
+
+CELLS = Places(COORDINATES, MAPPED, LABELLED, SOLUTION, _own(SOLUTION), LEDGER)
+SAMPLE = Places(SAMPLE_COORDINATES, SAMPLE_MAPPED, (), SAMPLE_SOLUTION, _own(SAMPLE_SOLUTION), SAMPLE_LEDGER)

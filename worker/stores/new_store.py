@@ -1,0 +1,170 @@
+"""Layout of a new store: every array at full length, but for the solutions, whose number nobody knows yet."""
+
+import json
+import subprocess
+import warnings
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+from zarr.errors import ZarrUserWarning
+
+from worker.fence import Fence, unfenced
+from worker.jobs.basin_job import BasinJob
+from worker.stores import layout
+from worker.stores.layout import Places, TileState, Variable
+from worker.stores.object_storage import place_at
+from worker.stores.tiles import Tiling, cut, cut_row
+
+# Not kept by Zarr: a handle opened without it would delete chunks that equal the fill value.
+CONFIG = {"write_empty_chunks": True}
+# Arrays that are written whole are small, but for the image set of a map of 1e8 cells.
+_LONGEST_CHUNK = 1 << 22
+# A chunk of a panel's attractors: so many of them, so many points each.
+_ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK = 32, 4096
+_PACKAGES = ("gear-rattle", "numpy", "numba", "scipy", "zarr", "dask", "distributed")
+
+
+def now() -> str:
+    """Time of day, as stores note it."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def places_of(job: BasinJob) -> Places:
+    """Arrays of a job's cells, or of its sample's points."""
+    return layout.CELLS if job.sample is None else layout.SAMPLE
+
+
+def tiling_of(job: BasinJob) -> Tiling:
+    """How a job's panels are cut: by the request alone."""
+    return (cut if job.sample is None else cut_row)(job.grid, job.applications, job.panels)
+
+
+def consolidate(location: str, fence: Fence = unfenced) -> None:
+    """Gather all metadata at the root, where readers find them in one piece; done after every change of them."""
+    with warnings.catch_warnings():
+        # Consolidated metadata are Zarr-Python's own, not yet part of the specification: other readers ignore them.
+        warnings.simplefilter("ignore", ZarrUserWarning)
+        zarr.consolidate_metadata(place_at(location, fence).zarr, zarr_format=3)
+
+
+def create_array(
+    group: Any, job: BasinJob, variable: Variable, shape: tuple[int, ...], chunks: tuple[int, ...] | None = None
+) -> Any:
+    """Create one array; its chunks hold one panel each where they are given, else all panels.
+
+    Parameters
+    ----------
+    group : zarr.Group
+    job : BasinJob
+    variable : Variable
+    shape, chunks : tuple of int
+        Along the variable's own dimensions; those of swept parameters are put before them.
+    """
+    panels = job.panel_shape if variable.per_panel else ()
+    of_panels = tuple(1 for _ in panels) if chunks else panels
+    own = chunks or tuple(min(max(1, length), _LONGEST_CHUNK) for length in shape)
+    return group.create_array(
+        variable.path, shape=panels + shape, chunks=of_panels + own, dtype=variable.dtype, fill_value=variable.fill,
+        dimension_names=tuple(swept.parameter for swept in job.vary if variable.per_panel) + variable.dims,
+        attributes=variable.attrs(), config=CONFIG,
+    )  # fmt: skip
+
+
+def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
+    """Lay out a new store; the attributes that make it one are written last."""
+    group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
+    tiling, places = tiling_of(job), places_of(job)
+    sampled = job.sample is not None
+    shape: tuple[int, ...] = (job.grid.time_cells,) if sampled else job.grid.shape
+    tile = (tiling.tile_columns,) if sampled else (tiling.tile_rows, tiling.tile_columns)
+    for variable in (*places.mapped, *places.labelled, places.solution, places.own_solution):
+        create_array(group, job, variable, shape, tile)
+    ledger = create_array(group, job, places.ledger, tiling.shape[1:] if sampled else tiling.shape)
+    ledger[...] = np.full(ledger.shape, TileState.PENDING, np.uint8)
+    _create_coordinates(group, job, tiling)
+    _create_assembly(group, job)
+    _create_solutions(group, job)
+    title = "Basins of attraction of a rattling gear pair"
+    born = birth_certificate(title, job.request(), job.digest)
+    # In one piece: `attrs.update` writes as often as there are attributes.
+    group.update_attributes(born | {"tile_cells": list(tile)})
+    consolidate(location, fence)
+
+
+def _create_coordinates(group: Any, job: BasinJob, tiling: Tiling) -> None:
+    for swept in job.vary:
+        named = Variable(swept.parameter, (swept.parameter,), np.float64, np.inf, "swept parameter", {}, False)
+        create_array(group, job, named, (len(swept.values),))[...] = np.array(swept.values)
+    if job.sample is not None:
+        arrays = [
+            create_array(group, job, variable, (job.sample.points,), (tiling.tile_columns,))
+            for variable in layout.SAMPLE_COORDINATES
+        ]
+        for number in tiling.numbers_of(0):
+            columns = tiling.tile(number).columns
+            for array, values in zip(arrays, job.sample.departures(job.grid, *columns), strict=True):
+                array[slice(*columns)] = values
+        return
+    centres = job.grid.time_centres(), job.grid.velocity_centres()
+    for variable, values in zip(layout.COORDINATES, centres, strict=True):
+        create_array(group, job, variable, values.shape)[...] = values
+    create_array(group, job, layout.GRAZING, (job.grid.time_cells,), (job.grid.time_cells,))
+
+
+def _create_assembly(group: Any, job: BasinJob) -> None:
+    if job.sample is None:
+        words = -(-job.grid.cells // 64)
+        create_array(group, job, layout.IMAGE_WORDS, (words,), (min(words, _LONGEST_CHUNK),))
+        for variable in layout.IMAGE_SET:
+            length = job.grid.cells + 1
+            create_array(group, job, variable, (length,), (min(length, _LONGEST_CHUNK),))
+    create_array(group, job, layout.IMAGE_COUNTS, (3,))
+
+
+def _create_solutions(group: Any, job: BasinJob) -> None:
+    measured = layout.MEASURED + (layout.SHARE_ERROR,) * (job.sample is not None)
+    for variable in layout.MOTIONS + measured:
+        panels = job.panel_shape if variable.per_panel else ()
+        group.create_array(
+            variable.path, shape=(*panels, 0), chunks=(*panels, _ATTRACTORS_A_CHUNK), dtype=variable.dtype,
+            fill_value=variable.fill, attributes=variable.attrs(), config=CONFIG,
+            dimension_names=tuple(swept.parameter for swept in job.vary if variable.per_panel) + variable.dims,
+        )  # fmt: skip
+    for variable in layout.POINTS:
+        create_array(group, job, variable, (0, 0), (_ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK))
+
+
+def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[str, Any]:
+    """Attributes that every store is born with: what it is, what was asked for, by which versions, since when."""
+    return {
+        "Conventions": "CF-1.11",
+        "title": title,
+        "request": json.dumps(request),
+        "request_sha256": digest,
+        "layout_version": layout.LAYOUT_VERSION,
+        "versions": _versions(),
+        "git_revision": _git_revision(),
+        "started": now(),
+        "finished": None,
+        "complete": False,
+    }
+
+
+@cache
+def _versions() -> dict[str, str]:
+    return {package: version(package) for package in _PACKAGES}
+
+
+@cache
+def _git_revision() -> str | None:
+    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=5)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout.strip()

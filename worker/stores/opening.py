@@ -1,0 +1,79 @@
+"""Stores of any kind at a location: whether there is one, opening it, and creating one where the place is free."""
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import zarr
+
+from worker.errors import StoreConflict, told_as_store_failure
+from worker.fence import Fence, unfenced
+from worker.stores.object_storage import place_at
+
+_NOTHING_THERE = (FileNotFoundError, NotADirectoryError, ValueError)
+
+
+def open_group(location: str, mode: str, *, consolidated: bool = False, fence: Fence = unfenced) -> Any:
+    """Root of what Zarr has at a location; raises what Zarr does."""
+    return zarr.open_group(place_at(location, fence).zarr, mode=mode, zarr_format=3, use_consolidated=consolidated)
+
+
+def open_store_at(location: str, what: str, fence: Fence) -> Any:
+    """Root of a store, for reading and writing; `what` is the kind of store that is expected, `fence` the driver's.
+
+    Raises
+    ------
+    StoreConflict
+        Where the location holds nothing that Zarr can open.
+    StoreFailed
+        Where it cannot be read.
+    """
+    with told_as_store_failure(location):
+        try:
+            return open_group(location, "r+", fence=fence)
+        except _NOTHING_THERE as error:
+            raise StoreConflict(f"{location} is no {what}: nothing there that Zarr can open") from error
+
+
+def holds_store(location: str) -> bool:
+    """Whether a store of any kind lies at a location: its attributes are the last thing that is created."""
+    with told_as_store_failure(location):
+        try:
+            group = open_group(location, "r")
+        except _NOTHING_THERE:
+            place_at(location).check()
+            return False
+        return "layout_version" in group.attrs
+
+
+def create_unless_there(location: str, what: str, create: Callable[[], None], fence: Fence) -> None:
+    """Create a store where none is.
+
+    Raises
+    ------
+    StoreConflict
+        Where the location holds something that is no store.
+    StoreFailed
+        Where it cannot be written.
+    """
+    if holds_store(location):
+        return
+    fence()
+    with told_as_store_failure(location):
+        if place_at(location).taken():
+            raise StoreConflict(f"{location} exists and is no {what}: choose another place, or remove it")
+        create()
+
+
+def demand_same_request(location: str, digest: str, there: str, request: dict[str, Any]) -> None:
+    """Refuse a store that is there for another request; `there` and `request` are its own.
+
+    Raises
+    ------
+    StoreConflict
+    """
+    if there != digest:
+        raise StoreConflict(
+            f"{location} holds the store of another request: choose another place, or remove it\n"
+            f"it holds {json.dumps(request)}"
+        )

@@ -1,0 +1,147 @@
+"""What basins say, read from their store."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rattle_kernels import Attractor
+from worker.stores.basin_store import BasinStore
+from worker.stores.changes import list_changes
+from worker.stores.layout import ChangeKind, TileState
+from worker.stores.solution_table import SolutionTable
+
+
+@dataclass(frozen=True)
+class PanelSummary:
+    """One basin of a sweep: values of the swept parameters, and the share of each solution that it has, by number.
+
+    ``shares`` is empty until the basin is complete; ``errors`` are standard errors, of samples alone.
+    """
+
+    values: dict[str, float]
+    complete: bool
+    shares: dict[int, float]
+    errors: dict[int, float]
+
+
+@dataclass(frozen=True)
+class Change:
+    """Birth or death of a solution, between two neighbouring values of a swept parameter.
+
+    ``beside`` is the value of the other swept parameter, None where there is none.
+    """
+
+    kind: ChangeKind
+    solution: int
+    parameter: str
+    before: float
+    after: float
+    beside: float | None
+
+
+@dataclass(frozen=True)
+class BasinSummary:
+    """Answer of one job: its motions with their shares, and how complete it is.
+
+    ``attractors`` are by number, each as the first panel has it; ``shares`` those of all panels' places, NaN until
+    every panel is complete; ``image_counts`` says how many places have each reserved image, once all are mapped;
+    ``seconds`` has the wall time of each stage and the kernels' own time. ``panels`` are in order; ``changes`` lists
+    births and deaths so far.
+    """
+
+    request: dict[str, Any]
+    complete: bool
+    tiles: int
+    tiles_computed: int
+    tiles_assembled: int
+    attractors: tuple[Attractor, ...]
+    shares: tuple[float, ...]
+    image_counts: dict[str, int]
+    seconds: dict[str, float]
+    panels: tuple[PanelSummary, ...]
+    changes: tuple[Change, ...]
+
+
+def summarise(location: str) -> BasinSummary:
+    """Summary of the store at a location, finished or not.
+
+    Raises
+    ------
+    StoreConflict, StoreFailed
+        Where there is no basin's store, or it cannot be read.
+    """
+    store = BasinStore(location)
+    states = store.read_ledger()
+    table = store.read_solutions()
+    whole = bool(table.complete.all())
+    overall = np.nansum(table.share, axis=0) / store.job.panels if whole else np.full(len(table.motions), np.nan)
+    return BasinSummary(
+        request=store.job.request(),
+        complete=store.complete,
+        tiles=states.size,
+        tiles_computed=int((states >= TileState.COMPUTED).sum()),
+        tiles_assembled=int((states == TileState.ASSEMBLED).sum()),
+        attractors=representatives(store, table),
+        shares=tuple(overall.tolist()),
+        image_counts=count_images(store),
+        seconds=store.attributes.get("seconds", {}),
+        panels=_panels(store, table),
+        changes=_changes(store, table),
+    )
+
+
+def fingerprint(location: str) -> bytes:
+    """What changes whenever a picture of the store does: its ledger, and what is known of its solutions.
+
+    Raises
+    ------
+    StoreConflict, StoreFailed
+        Where there is no basin's store, or it cannot be read.
+    """
+    store = BasinStore(location)
+    table = store.read_solutions()
+    return b"".join(
+        (bytes([store.complete]), store.read_ledger().tobytes(), repr(table.motions).encode(), table.share.tobytes())
+    )
+
+
+def representatives(store: BasinStore, table: SolutionTable) -> tuple[Attractor, ...]:
+    """Each solution as the first panel that has it does; while none is complete, as the first panel's catalogue."""
+    there = np.isfinite(table.share)
+    first = np.where(there.any(axis=0), there.argmax(axis=0), 0)
+    found: dict[int, Attractor] = {}
+    for panel in np.unique(first).tolist():
+        numbers = np.flatnonzero(first == panel).tolist()
+        found |= dict(zip(numbers, store.read_catalogue(panel, table, numbers), strict=True))
+    return tuple(found[number] for number in range(len(table.motions)))
+
+
+def count_images(store: BasinStore, panel: int | None = None) -> dict[str, int]:
+    """How many places of a panel, or of all, have each reserved image; empty until all of them are mapped."""
+    counts = store.read_image_counts()[slice(None) if panel is None else slice(panel, panel + 1)]
+    if (counts < 0).any():
+        return {}
+    named = dict(zip(("sink", "permanent_contact", "undecided"), counts.sum(axis=0).tolist(), strict=True))
+    if store.job.sample is not None:
+        del named["sink"]  # a sample has no cells, and no outside
+    return named
+
+
+def _panels(store: BasinStore, table: SolutionTable) -> tuple[PanelSummary, ...]:
+    job = store.job
+    panels = []
+    for panel, complete in enumerate(table.complete.tolist()):
+        shares = {number: float(table.share[panel, number]) for number in table.numbers_in(panel)}
+        points = job.sample.points if job.sample is not None else None
+        errors = {number: (p * (1.0 - p) / points) ** 0.5 for number, p in shares.items()} if points else {}
+        panels.append(PanelSummary(job.values_of(panel), complete, shares, errors))
+    return tuple(panels)
+
+
+def _changes(store: BasinStore, table: SolutionTable) -> tuple[Change, ...]:
+    rows = zip(*(column.tolist() for column in list_changes(store.job, table)), strict=True)
+    return tuple(
+        Change(ChangeKind(kind), solution, str(parameter), before, after, beside if beside == beside else None)
+        for kind, solution, parameter, before, after, beside in rows
+    )

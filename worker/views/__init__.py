@@ -1,0 +1,1 @@
+"""A store as xarray, its measures, and what a viewer draws."""

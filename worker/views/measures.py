@@ -1,0 +1,96 @@
+"""The measures of every basin of a sweep at once: `docs/measures.md` says what they are.
+
+sweep = open_basin("sweep.zarr")
+measures = measure_panels(sweep)
+measures.integrity_factor.sel(attractor=0).plot()       # of permanent contact, over the swept parameter
+"""
+
+import itertools
+
+import numpy as np
+import xarray as xr
+
+from rattle_kernels import grazing_velocity, integrity_factor, local_integrity_measure
+from rattle_kernels.basin_measures import entropy as basin_entropy
+from rattle_kernels.basin_measures import least_disturbance, uncertainty_exponent
+from worker.errors import InvalidJob
+from worker.stores.layout import TileState
+from worker.views.reading import attractors_of, job_of, panel_of
+
+# Cells either way that the longest distance of `uncertainty_exponent`, 16 on both sides, needs.
+_LEAST_SIDE = 33
+
+
+def measure_panels(dataset: xr.Dataset, tolerance: float = 1e-6) -> xr.Dataset:
+    """Measures of each basin of a sweep, or of a single one.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of `worker.views.reading.open_basin`, complete or not.
+    tolerance : float
+        Width of the bracket to which each least disturbance is narrowed.
+
+    Returns
+    -------
+    xarray.Dataset
+        Swept parameters are its leading dimensions; NaN where a basin is not complete or has no such solution.
+
+        - ``global_integrity``, ``local_integrity``, ``integrity_factor`` (attractor): share, largest disc about the
+          states, largest disc anywhere, radii in the plane (t, v/velocity_scale);
+        - ``velocity_scale``: the greatest v* of the basin's grazing curve;
+        - ``basin_entropy``, ``boundary_entropy``, ``uncertainty_exponent``, ``uncertainty_error``;
+        - ``least_disturbance`` (time): the smallest speed at each phase that leads from quiet to rattle; NaN in all
+          basins where the window does not begin at speed 0.
+
+    Raises
+    ------
+    InvalidJob
+        Where the store holds a sample (it has no neighbouring cells), or cells too few for the measures.
+    """
+    job = job_of(dataset)
+    if job.sample is not None:
+        raise InvalidJob("a sample has no neighbouring cells: its measures are its shares and their errors")
+    if min(job.grid.shape) < _LEAST_SIDE:
+        raise InvalidJob(f"the measures need {_LEAST_SIDE} x {_LEAST_SIDE} cells at least, not {job.grid.shape}")
+    names = [swept.parameter for swept in job.vary]
+    measured = [
+        _measures(panel_of(dataset, **dict(zip(names, values, strict=True))), tolerance)
+        for values in itertools.product(*(swept.values for swept in job.vary))
+    ]
+    shape = job.panel_shape
+    variables = {
+        name: ((*names, *dims), np.reshape([panel[name][1] for panel in measured], (*shape, *np.shape(first))))
+        for name, (dims, first) in measured[0].items()
+    }
+    coordinates = {name: dataset[name] for name in (*names, "time", "name") if name in dataset}
+    return xr.Dataset(variables, coordinates)
+
+
+def _measures(panel: xr.Dataset, tolerance: float) -> dict[str, tuple[tuple[str, ...], np.ndarray | float]]:
+    """Dimensions and values of the measures of one basin."""
+    job, attractors = job_of(panel), attractors_of(panel)
+    scale = float(grazing_velocity(job.oscillator, job.grid.time_centres()).max())
+    of_solutions = {name: np.full(len(attractors), np.nan) for name in _OF_SOLUTIONS}
+    of_panel, quiet = dict.fromkeys(_OF_PANEL, np.nan), np.full(job.grid.time_cells, np.nan)
+    if bool((panel.tile_state == TileState.ASSEMBLED).all()):
+        solution = panel.solution.values
+        for index in np.flatnonzero(panel.share.notnull().values).tolist():
+            disc = integrity_factor(solution, job.grid, index, velocity_scale=scale)
+            local = local_integrity_measure(solution, job.grid, attractors, index, velocity_scale=scale)
+            for name, value in zip(_OF_SOLUTIONS, (float(panel.share[index]), local, disc.radius), strict=True):
+                of_solutions[name][index] = value
+        entropy, fit = basin_entropy(solution), uncertainty_exponent(solution, wraps=job.grid.wraps)
+        values = entropy.basin_entropy, entropy.boundary_entropy, fit.exponent, fit.error
+        of_panel = dict(zip(_OF_PANEL, values, strict=True))
+        if job.grid.velocity_start == 0.0:
+            quiet = least_disturbance(job.oscillator, attractors, solution, job.grid, tolerance).velocity
+    return (
+        {name: (("attractor",), values) for name, values in of_solutions.items()}
+        | {name: ((), value) for name, value in of_panel.items()}
+        | {"velocity_scale": ((), scale), "least_disturbance": (("time",), quiet)}
+    )
+
+
+_OF_SOLUTIONS = ("global_integrity", "local_integrity", "integrity_factor")
+_OF_PANEL = ("basin_entropy", "boundary_entropy", "uncertainty_exponent", "uncertainty_error")

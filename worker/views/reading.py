@@ -1,0 +1,190 @@
+"""A basin in a notebook: opened as an xarray dataset, by path or over HTTP, and drawn on axes.
+
+    basin = open_basin("basin.zarr")            # or "http://127.0.0.1:8000/v1/jobs/ID/result.zarr"
+    plot_basin(basin)
+    basin_entropy(basin.solution)               # the measures of `rattle_kernels` take its arrays as they are
+    integrity_factor(basin.solution, job_of(basin).grid, velocity_scale=1.0)
+    least_disturbance(job_of(basin).oscillator, attractors_of(basin), basin.solution, job_of(basin).grid)
+    panel_of(sweep, damping=0.6)                # one basin of a sweep, for all of the above
+
+`worker.pictures.picture` draws the same as a PNG without a notebook.
+"""
+
+import json
+from collections.abc import Collection
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rattle_kernels import Attractor, AttractorKind
+from worker.errors import InvalidJob, StoreConflict
+from worker.jobs.basin_job import BasinJob
+from worker.jobs.swept_parameter import SweptParameter
+from worker.pictures import colours
+from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
+from worker.pictures.panel_picture import frame
+from worker.pictures.picture import draw_legend
+from worker.stores.layout import LAYOUT_VERSION, MEASURED, MOTIONS
+from worker.stores.object_storage import place_at
+
+# Cells drawn each way at the most: a notebook's picture is smaller than a PNG that is asked for.
+_MOST_CELLS = 1000
+
+
+def open_basin(location: str | Path) -> xr.Dataset:
+    """Open a basin's store, finished or not.
+
+    Parameters
+    ----------
+    location : str or path
+        A folder, ``s3://bucket/prefix``, or the address of a service's ``result.zarr``. Its metadata may be
+        consolidated (as this project's stores are, and as HTTP needs) or plain.
+
+    Returns
+    -------
+    xarray.Dataset
+        Read lazily, tile by tile; ``worker.stores.layout`` says what each variable means.
+
+    Raises
+    ------
+    StoreConflict
+        Where there is no basin's store of this layout.
+    OSError
+        Where an address does not answer.
+    """
+    try:
+        dataset = _open(str(location))
+    except (FileNotFoundError, KeyError, ValueError) as error:
+        raise StoreConflict(f"{location} is no basin store: nothing there that Zarr can open") from error
+    if dataset.attrs.get("layout_version") != LAYOUT_VERSION:
+        raise StoreConflict(f"{location} is no basin store of layout {LAYOUT_VERSION}")
+    return dataset
+
+
+def _open(location: str) -> xr.Dataset:
+    store = location if location.startswith(("http://", "https://")) else place_at(location).zarr
+    try:
+        return xr.open_zarr(store, consolidated=True)
+    except ValueError:  # plain metadata: slower, one request an array
+        return xr.open_zarr(store, consolidated=False)
+
+
+def job_of(dataset: xr.Dataset) -> BasinJob:
+    """Job that a dataset of `open_basin` answers: its oscillator, grid and iterations."""
+    return BasinJob.from_request(json.loads(dataset.attrs["request"]))
+
+
+def panel_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
+    """One basin of a sweep, as if it had been opened alone; solutions keep the numbers that they have in the sweep.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of `open_basin`.
+    **values : float
+        Of every swept parameter: ``panel_of(sweep, damping=0.6)``. Of a single basin none, and it is returned.
+
+    Returns
+    -------
+    xarray.Dataset
+        Its ``share`` is NaN for solutions that other basins have and this one lacks; ``share.notnull()`` tells.
+
+    Raises
+    ------
+    InvalidJob
+        Where a parameter is missing or not swept, or a value is not among those swept.
+    """
+    job = job_of(dataset)
+    names = [swept.parameter for swept in job.vary]
+    if sorted(values) != sorted(names):
+        raise InvalidJob(f"swept is {', '.join(names) or 'nothing'}: give one value of each, and of nothing else")
+    place = {swept.parameter: _index_of(swept, values[swept.parameter]) for swept in job.vary}
+    at = {swept.parameter: swept.values[place[swept.parameter]] for swept in job.vary}
+    alone = BasinJob(job.oscillator._replace(**at), job.grid, job.iterations, sample=job.sample)
+    request = {"request": json.dumps(alone.request()), "request_sha256": alone.digest}
+    return dataset.isel(place).assign_attrs(request)
+
+
+def _index_of(swept: SweptParameter, value: float) -> int:
+    near = np.flatnonzero(np.isclose(swept.values, value, rtol=1e-9, atol=0.0))
+    if not near.size:
+        raise InvalidJob(f"{swept.parameter} takes the values {', '.join(f'{at:g}' for at in swept.values)}")
+    return int(near[0])
+
+
+def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
+    """Catalogue of attractors that ``solution`` points into; empty before assembly.
+
+    Solutions that a panel of a sweep lacks are there without points: numbers and colours are those of the sweep.
+    """
+    if "kind" not in dataset:
+        return ()
+    names = [variable.name for variable in (*MOTIONS[:4], *MEASURED[1:])]
+    numbers = zip(*(dataset[name].values.tolist() for name in names), strict=True)
+    points = zip(dataset.attractor_time.values, dataset.attractor_velocity.values, strict=True)
+    return tuple(
+        Attractor(AttractorKind(kind), m, upper, lower, exponent, error, t[np.isfinite(t)], v[np.isfinite(v)], life)
+        for (kind, m, upper, lower, exponent, error, life), (t, v) in zip(numbers, points, strict=True)
+    )
+
+
+def _edges(centres: np.ndarray, width: float) -> tuple[float, float]:
+    """Outer edges of cells, by the distance of their centres; `width` is that of a cell that stands alone."""
+    half = 0.5 * (float(centres[1] - centres[0]) if centres.size > 1 else width)
+    return float(centres[0]) - half, float(centres[-1]) + half
+
+
+def _extent(dataset: xr.Dataset) -> tuple[float, float, float, float]:
+    grid = job_of(dataset).grid
+    width = (grid.time_stop - grid.time_start) / grid.time_cells
+    height = (grid.velocity_stop - grid.velocity_start) / grid.velocity_cells
+    return *_edges(dataset.time.values, width), *_edges(dataset.velocity.values, height)
+
+
+def plot_basin(
+    dataset: xr.Dataset, ax: Axes | None = None, *, legend: bool = True,
+    overlays: Collection[OverlayKind] = USUAL_OVERLAYS,
+) -> Axes:  # fmt: skip
+    """Draw the solutions of a basin in the project's colours, with curves and marks over them.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of `open_basin`, whole or a part of it (``basin.sel(time=slice(0.5, 0.7))``). Cells that are not computed yet
+        are grey.
+    ax : matplotlib.axes.Axes
+        Where to draw; the current axes by default.
+    legend : bool
+        Whether the motions are listed beside the axes, with their shares of all cells.
+    overlays : collection of OverlayKind
+        What is laid over them: ``("grazing", "preimages", "manifolds", "attractors", "saddles")`` or some of these;
+        what else there is, as an `Overlay` of `worker.pictures.overlay`, draws itself on the axes.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InvalidJob
+        Where an overlay is not known for the model.
+
+    Notes
+    -----
+    Beyond 1000 cells either way every n-th stands for its neighbours: labels cannot be averaged.
+    """
+    axes = plt.gca() if ax is None else ax
+    attractors, extent = attractors_of(dataset), _extent(dataset)
+    every = slice(None, None, max(1, -(-max(dataset.solution.shape) // _MOST_CELLS)))
+    thinned = dataset[["solution", "group"]].isel(time=every, velocity=every)
+    image = colours.paint_cells(thinned.solution.values, thinned.group.values, attractors)
+    axes.imshow(image, origin="lower", extent=extent, aspect="auto", interpolation="nearest")
+    for overlay in overlays_for(overlays, job_of(dataset).oscillator, attractors, extent[2:]):
+        overlay.draw(axes, extent[0])
+    if legend and attractors:
+        draw_legend(axes, attractors, dataset.share.values)
+    frame(axes, extent)
+    return axes
