@@ -6,8 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory, check_domain, check_quiet
-from rattle_kernels.impact_map import time_history
+from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory, check_domain, check_quiet, time_history
 from service.cli.console import announce_compiling, give_up, out
 from service.cli.oscillator import (
     AllowNoQuietSolution,

@@ -13,8 +13,8 @@ from rattle_kernels import (
     TimeHistory,
     check_domain,
     check_quiet,
+    time_history,
 )
-from rattle_kernels.impact_map import time_history
 from service.models.oscillator import ImpactingOscillator, OscillatorRequest, demand_quiet
 from service.strict import Count, Real, Request
 from worker.errors import InvalidJob

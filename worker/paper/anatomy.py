@@ -12,10 +12,10 @@ from rattle_kernels import (
     Piece,
     boundary_share,
     find_saddle,
+    grazing_preimages,
     single_contact_orbits,
     stable_manifold,
 )
-from rattle_kernels.manifolds import grazing_preimages
 from worker.jobs.basin_job import BasinJob
 from worker.paper.basin_view import BasinView
 from worker.paper.orbits_told import orbits_named, told_orbit

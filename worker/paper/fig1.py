@@ -21,8 +21,8 @@ from rattle_kernels import (
     TimeHistory,
     find_attractors,
     name_solutions,
+    time_history,
 )
-from rattle_kernels.impact_map import time_history
 from rattle_kernels.lanes.run import run_lanes
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.history_panel import draw_history_panel

@@ -7,8 +7,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle_kernels import BifurcationDiagram, Branch, CellGrid, PeriodicOrbit, SpecialKind, continue_orbit
-from rattle_kernels.orbits import bifurcation_diagram
+from rattle_kernels import (
+    BifurcationDiagram,
+    Branch,
+    CellGrid,
+    PeriodicOrbit,
+    SpecialKind,
+    bifurcation_diagram,
+    continue_orbit,
+)
 from worker.jobs.basin_job import BasinJob
 from worker.paper.basin_panel import draw_panel, legend_of
 from worker.paper.basin_view import BasinView, view_basin

@@ -8,8 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle_kernels import BifurcationDiagram, SpecialKind, SpecialPoint, continue_orbit
-from rattle_kernels.orbits import bifurcation_diagram
+from rattle_kernels import BifurcationDiagram, SpecialKind, SpecialPoint, bifurcation_diagram, continue_orbit
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.orbits_told import the_orbit, the_point, told_orbit, told_point
 from worker.paper.papers_oscillator import papers_oscillator

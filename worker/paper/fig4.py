@@ -12,8 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle_kernels import Direction, Oscillator, TimeHistory
-from rattle_kernels.impact_map import time_history
+from rattle_kernels import Direction, Oscillator, TimeHistory, time_history
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.solutions_told import told_oscillator
 

@@ -12,8 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle_kernels import Attractor, CellGrid, Oscillator, TimeHistory
-from rattle_kernels.impact_map import time_history
+from rattle_kernels import Attractor, CellGrid, Oscillator, TimeHistory, time_history
 from worker.jobs.basin_job import BasinJob
 from worker.paper.basin_panel import attractor_overlays, draw_panel, landings_on_transient, legend_of, model_of
 from worker.paper.basin_view import BasinView, view_basin

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from rattle_kernels import Attractor, Oscillator, PeriodicOrbit, TimeHistory
-from rattle_kernels.impact_map import time_history
+from rattle_kernels import Attractor, Oscillator, PeriodicOrbit, TimeHistory, time_history
 from worker.paper.basin_panel import draw_panel, legend_of
 from worker.paper.basin_view import BasinView
 from worker.pictures.overlay import Marks

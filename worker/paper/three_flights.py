@@ -2,8 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from rattle_kernels import Oscillator, TimeHistory, grazing_velocity
-from rattle_kernels.impact_map import time_history
+from rattle_kernels import Oscillator, TimeHistory, grazing_velocity, time_history
 
 # Speeds of (a) and (b) in those of the graze.
 _SPEEDS = {"a": 0.85, "b": 1.15, "c": 1.0}

@@ -4,8 +4,7 @@ import math
 from collections.abc import Collection
 from enum import StrEnum
 
-from rattle_kernels import Attractor, ManifoldLimits, Oscillator, PeriodicOrbit, stable_manifold
-from rattle_kernels.manifolds import grazing_preimages
+from rattle_kernels import Attractor, ManifoldLimits, Oscillator, PeriodicOrbit, grazing_preimages, stable_manifold
 from rattle_kernels.manifolds.boundary_saddles import boundary_saddles
 from worker.errors import InvalidJob
 from worker.pictures.overlay import (

@@ -10,9 +10,14 @@ import itertools
 import numpy as np
 import xarray as xr
 
-from rattle_kernels import grazing_velocity, integrity_factor, local_integrity_measure
-from rattle_kernels.basin_measures import entropy as basin_entropy
-from rattle_kernels.basin_measures import least_disturbance, uncertainty_exponent
+from rattle_kernels import (
+    basin_entropy,
+    grazing_velocity,
+    integrity_factor,
+    least_disturbance,
+    local_integrity_measure,
+    uncertainty_exponent,
+)
 from worker.errors import InvalidJob
 from worker.stores.layout import TileState
 from worker.views.reading import attractors_of, job_of, panel_of

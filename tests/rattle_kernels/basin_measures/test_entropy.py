@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from rattle_kernels.basin_measures import entropy as basin_entropy
+from rattle_kernels import basin_entropy
 from tests.rattle_kernels.basin_measures.basin_pictures import cantor, disc, half_plane, noise
 
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from rattle_kernels import CellGrid, Oscillator, local_integrity_measure, name_solutions
-from rattle_kernels.basin_measures import least_disturbance
+from rattle_kernels import CellGrid, Oscillator, least_disturbance, local_integrity_measure, name_solutions
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 from tests.rattle_kernels.attractors.test_classify import catalogue_of
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rattle_kernels.basin_measures import uncertainty_exponent
+from rattle_kernels import uncertainty_exponent
 from tests.rattle_kernels.basin_measures.basin_pictures import cantor, disc, half_plane, noise
 
 CANTOR = 1.0 - np.log(2.0) / np.log(3.0)

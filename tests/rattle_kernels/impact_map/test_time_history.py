@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import simpson, solve_ivp
 
-from rattle_kernels import Direction, Oscillator, Outcome, OutsideDomain, eccentricity_bound_quiet
-from rattle_kernels.impact_map import time_history
+from rattle_kernels import Direction, Oscillator, Outcome, OutsideDomain, eccentricity_bound_quiet, time_history
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.motion_pieces import FREEPLAY, end_of_piece, fly_along, piece_from, stay_along
 from rattle_kernels.numerics.jit import step

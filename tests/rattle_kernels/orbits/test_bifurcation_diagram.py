@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rattle_kernels import Oscillator, Outcome, OutsideDomain, next_impacts
-from rattle_kernels.orbits import bifurcation_diagram
+from rattle_kernels import Oscillator, Outcome, OutsideDomain, bifurcation_diagram, next_impacts
 
 # A departure of P(3,3,2) at damping 0.5 (Fig. 9(a)), where the paper's Fig. 11 begins.
 P332 = (0.7641229, 4.00020845)

@@ -12,8 +12,7 @@ import math
 import numpy as np
 import pytest
 
-from rattle_kernels import Oscillator, SpecialKind, continue_orbit, find_orbits
-from rattle_kernels.impact_map import time_history
+from rattle_kernels import Oscillator, SpecialKind, continue_orbit, find_orbits, time_history
 
 EPSILON, BETA, TINY = 0.1, 0.6, 1e-30
 

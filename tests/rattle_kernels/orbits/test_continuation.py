@@ -15,10 +15,10 @@ from rattle_kernels import (
     find_orbits,
     grazing_velocity,
     next_impacts,
+    orbit_beyond_graze,
     single_contact_orbits,
 )
 from rattle_kernels.numerics.pseudo_arclength import Steps
-from rattle_kernels.orbits import orbit_beyond_graze
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
 SCALE = 4.0

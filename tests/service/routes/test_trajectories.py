@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from rattle_kernels import Oscillator, Outcome
-from rattle_kernels.impact_map import time_history
+from rattle_kernels import Oscillator, Outcome, time_history
 from tests.rattle_kernels.reference import entries
 from tests.service.routes.test_bad_input import assert_problem
 

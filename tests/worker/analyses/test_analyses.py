@@ -9,9 +9,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rattle_kernels import ManifoldLimits, Oscillator, find_orbits, find_saddle, stable_manifold
-from rattle_kernels.manifolds import grazing_preimages
-from rattle_kernels.orbits import bifurcation_diagram
+from rattle_kernels import (
+    ManifoldLimits,
+    Oscillator,
+    bifurcation_diagram,
+    find_orbits,
+    find_saddle,
+    grazing_preimages,
+    stable_manifold,
+)
 from tests.worker.basins.test_pipeline import content
 from worker.analyses.grazing_curves import orders_of
 from worker.analyses.kinds import ANALYSES, draw_analysis

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from rattle_kernels import Oscillator
-from rattle_kernels.impact_map import time_history
+from rattle_kernels import Oscillator, time_history
 from worker.pictures.history_picture import draw_history
 
 

@@ -5,9 +5,15 @@ import json
 import numpy as np
 import pytest
 
-from rattle_kernels import CellGrid, grazing_velocity, integrity_factor, local_integrity_measure
-from rattle_kernels.basin_measures import entropy as basin_entropy
-from rattle_kernels.basin_measures import least_disturbance, uncertainty_exponent
+from rattle_kernels import (
+    CellGrid,
+    basin_entropy,
+    grazing_velocity,
+    integrity_factor,
+    least_disturbance,
+    local_integrity_measure,
+    uncertainty_exponent,
+)
 from tests.worker.basins.test_pipeline import run
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from rattle_kernels import CellGrid, Oscillator, global_integrity_measure, integrity_factor
-from rattle_kernels.basin_measures import entropy as basin_entropy
+from rattle_kernels import CellGrid, Oscillator, basin_entropy, global_integrity_measure, integrity_factor
 from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE, near
 from tests.worker.basins.test_pipeline import run
 from worker.errors import InvalidJob, StoreConflict
