@@ -126,10 +126,10 @@ def _store_and_groups(location: str):
     return store, store.read_groups(0)
 
 
-def find_groups_in_store(location: str, digest: str, panel: int) -> None:
+def find_groups_in_store(location: str, digest: str, basin: int) -> None:
     """Run Hsu's algorithm on the image set in a store."""
     store = BasinStore(location)
-    store.write_groups(panel, assemble_groups(store, panel))
+    store.write_groups(basin, assemble_groups(store, basin))
 
 
 def label_groups(location: str, digest: str, number: int) -> None:

@@ -2,9 +2,9 @@
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.attractors.attractor_search import find_attractors
-from rattle_kernels.attractors.classify import STRANGER, coarser_boxes, landing_boxes, name_solutions
+from rattle_kernels.attractors.classify import UNASSIGNED, coarser_boxes, landing_boxes, name_solutions
 from rattle_kernels.attractors.matching import attractor_distance, continue_attractor
-from rattle_kernels.attractors.trapping_region import set_traps
+from rattle_kernels.attractors.trapping_region import build_trap_table
 from rattle_kernels.basin_measures.boundary import boundary_cells, boundary_share
 from rattle_kernels.basin_measures.entropy import BasinEntropy, basin_entropy
 from rattle_kernels.basin_measures.integrity import (
@@ -102,7 +102,7 @@ from rattle_kernels.warm_up import warm_up, warm_up_analyses, warm_up_curves
 __all__ = [
     "PERMANENT_CONTACT",
     "SINK",
-    "STRANGER",
+    "UNASSIGNED",
     "STRETCHES",
     "UNDECIDED",
     "Attractor",
@@ -199,7 +199,7 @@ __all__ = [
     "stable_manifold",
     "stiffness_bound",
     "time_history",
-    "set_traps",
+    "build_trap_table",
     "settled_iterations",
     "single_contact_orbits",
     "uncertainty_exponent",

@@ -4,7 +4,7 @@ import numpy as np
 
 from rattle_kernels.attractors.attractor_search import find_attractors
 from rattle_kernels.attractors.classify import name_solutions
-from rattle_kernels.attractors.trapping_region import set_traps
+from rattle_kernels.attractors.trapping_region import build_trap_table
 from rattle_kernels.cell_mapping.cell_grid import CellGrid
 from rattle_kernels.cell_mapping.cell_groups import find_groups, label_cells
 from rattle_kernels.cell_mapping.cell_map import map_cells
@@ -52,7 +52,7 @@ def warm_up() -> None:
         place_images(members, (0, 0), grid.time_cells, images.image_cell, place)
     members_of(members)
     label_cells(find_groups(members, place), np.arange(grid.cells), images.image_cell.ravel())
-    set_traps(oscillator, attractors)
+    build_trap_table(oscillator, attractors)
     for other in (_STIFF, _WEAK):
         lane_tables(other)
     warm_up_curves()

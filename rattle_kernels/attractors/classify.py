@@ -10,7 +10,7 @@ from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator, check_domain
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
-STRANGER = -1
+UNASSIGNED = -1
 """No attractor of a catalogue."""
 
 # Transients of chaotic saddles: 32 more legs of 4093 impacts before a point is called a stranger.
@@ -43,7 +43,7 @@ def name_solutions(
     Returns
     -------
     ndarray of int16, shape (n,)
-        STRANGER (-1) where a point arrived at no attractor of the catalogue within some 130,000 impacts.
+        UNASSIGNED (-1) where a point arrived at no attractor of the catalogue within some 130,000 impacts.
 
     Raises
     ------

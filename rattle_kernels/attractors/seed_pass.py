@@ -1,4 +1,4 @@
-"""The scout pass: attractors found before a basin is mapped, so that its trajectories can be trapped by them.
+"""The seed pass: attractors found before a basin is mapped, so that its trajectories can be trapped by them.
 
 Where damping is weak a trajectory is found out long before it has settled, if only it is known what there is to settle
 on. Points of the window, followed to the end, tell: a few without any traps, then more with the traps of what those
@@ -12,23 +12,23 @@ import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor
 from rattle_kernels.attractors.attractor_search import find_attractors
-from rattle_kernels.attractors.trapping_region import set_traps
+from rattle_kernels.attractors.trapping_region import build_trap_table
 from rattle_kernels.cell_mapping.cell_grid import CellGrid
 from rattle_kernels.cell_mapping.cell_map import map_points
 from rattle_kernels.lanes.traps import NO_TRAPS, LaneTraps
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
-# Rounds of scouts. At 6e-4 the first finds the orbits of 93 % of the window, the second those of 98 %.
+# Rounds of seeds. At 6e-4 the first finds the orbits of 93 % of the window, the second those of 98 %.
 _ROUNDS = (128, 2048)
 # At 0.06 a second of scouting saves three quarters of the applications; at 0.6, half a per cent.
 _LARGEST_DAMPING = 0.1
 # With fewer the pass would cost more than it saves.
-_PLACES_PER_SCOUT = 8
+_CELLS_PER_SEED = 8
 
 
 @lru_cache(maxsize=4)
-def scouted_traps(
+def traps_of_seeds(
     oscillator: Oscillator, grid: CellGrid, iterations: int, places: int, pause: Pause = never_stopped
 ) -> LaneTraps:
     """Traps of the attractors that a sample of the window ends in; none where they would not pay.
@@ -39,7 +39,7 @@ def scouted_traps(
         Checked by the caller.
     grid : CellGrid
     iterations : int
-        k, after which the scouts have settled or are left out.
+        k, after which the seeds have settled or are left out.
     places : int
         Cells or points that the traps are for.
     pause : callable
@@ -53,7 +53,7 @@ def scouted_traps(
         return NO_TRAPS
     attractors: tuple[Attractor, ...] = ()
     traps = NO_TRAPS
-    for number in (number for number in _ROUNDS if number * _PLACES_PER_SCOUT <= places):
+    for number in (number for number in _ROUNDS if number * _CELLS_PER_SEED <= places):
         unit = np.random.default_rng(number).random((2, number))
         t = grid.time_start + unit[0] * (grid.time_stop - grid.time_start)
         v = grid.velocity_start + (1.0 - unit[1]) * (grid.velocity_stop - grid.velocity_start)
@@ -62,5 +62,5 @@ def scouted_traps(
         attractors = find_attractors(
             oscillator, landed.landing_time[there], landed.landing_velocity[there], known=attractors, pause=pause
         )
-        traps = set_traps(oscillator, attractors)
+        traps = build_trap_table(oscillator, attractors)
     return traps

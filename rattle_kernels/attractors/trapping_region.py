@@ -281,7 +281,7 @@ def _lane_traps(oscillator: Oscillator, orbits: tuple[tuple[float, float, int], 
     return _gather(oscillator, traps, largest_grazing_speed(oscillator)) if traps else NO_TRAPS
 
 
-def set_traps(oscillator: Oscillator, attractors: Sequence[Attractor]) -> LaneTraps:
+def build_trap_table(oscillator: Oscillator, attractors: Sequence[Attractor]) -> LaneTraps:
     """Traps of a catalogue's periodic orbits, built once per process.
 
     Parameters

@@ -32,7 +32,7 @@ class LeastDisturbance(NamedTuple):
     """Least disturbance of permanent contact at each phase, arrays of shape (time cells,).
 
     ``time`` are the phases, in [0, 1); ``velocity`` (float64) the least speed found that leads to another motion, at
-    most the tolerance above one that does not; ``solution`` (int16) is that motion, STRANGER where bisection met one
+    most the tolerance above one that does not; ``solution`` (int16) is that motion, UNASSIGNED where bisection met one
     that the catalogue lacks. NaN and 0 where every cell of the column is quiet.
     """
 

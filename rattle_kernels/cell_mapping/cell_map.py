@@ -79,7 +79,7 @@ def map_cells(
         Lock and capture (see `impact_lanes`); without them every cell takes all k applications. No image of a
         trajectory that is not chaotic depends on them.
     traps : LaneTraps
-        Of attractors known before (`set_traps`): a shortcut, too.
+        Of attractors known before (`build_trap_table`): a shortcut, too.
     pause : callable
         Called several times a second; an exception raised there ends the work.
 

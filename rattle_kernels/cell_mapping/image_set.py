@@ -198,9 +198,9 @@ def place_images(
     ValueError
         Where an image is no member: the set is not closed under the map.
     """
-    stranger = _place_images(image_set, *first, time_cells, image_cell, place)
-    if stranger >= 0:
-        raise ValueError(f"the image set is not closed: image {stranger} is no member of it")
+    missing = _place_images(image_set, *first, time_cells, image_cell, place)
+    if missing >= 0:
+        raise ValueError(f"the image set is not closed: image {missing} is no member of it")
 
 
 def members_of(image_set: ImageSet) -> np.ndarray:

@@ -46,7 +46,7 @@ def check_request(body: dict[str, Any], settings: Settings) -> CheckView:
         request = model.model_validate(body)
         check_size(request, settings)
         job = request.to_job()
-        applications = request.places * job.panels * job.iterations
+        applications = request.places * job.basins * job.iterations
     except (ValidationError, LimitExceeded, OutsideDomain, InvalidJob) as error:
         errors = [FieldError(**fault) for fault in faults_of(error)]
     return CheckView(

@@ -20,7 +20,7 @@ from worker.jobs.oscillator_request import PIECEWISE_LINEAR
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter
 from worker.progress import Stage
-from worker.stores.summary import BasinSummary, Change, PanelSummary
+from worker.stores.summary import BasinSummary, Change, SweptBasinSummary
 
 # SQLite keeps no time zone: what comes from there without one is in UTC, as all moments are.
 Moment = Annotated[datetime, AfterValidator(lambda moment: moment if moment.tzinfo else moment.replace(tzinfo=UTC))]
@@ -337,13 +337,13 @@ class BasinView(BaseModel):
     shares: list[ShareView] = Field(description="Of the solutions that it has; empty until it is complete")
 
     @classmethod
-    def from_panel(cls, panel: PanelSummary) -> "BasinView":
+    def from_swept(cls, swept: SweptBasinSummary) -> "BasinView":
         """View of a panel."""
         shares = [
-            ShareView(solution=number, share=share, standard_error=panel.errors.get(number))
-            for number, share in panel.shares.items()
+            ShareView(solution=number, share=share, standard_error=swept.errors.get(number))
+            for number, share in swept.shares.items()
         ]
-        return cls(parameters=panel.values, complete=panel.complete, shares=shares)
+        return cls(parameters=swept.values, complete=swept.complete, shares=shares)
 
 
 class ChangeView(BaseModel):
@@ -390,7 +390,7 @@ class ResultView(BaseModel):
             complete=summary.complete, request=summary.request, tiles=summary.tiles,
             tiles_computed=summary.tiles_computed, tiles_assembled=summary.tiles_assembled, solutions=solutions,
             image_counts=summary.image_counts, seconds=summary.seconds, zarr=zarr,
-            basins=[BasinView.from_panel(panel) for panel in summary.panels],
+            basins=[BasinView.from_swept(swept) for swept in summary.basins],
             changes=[ChangeView.from_change(change) for change in summary.changes],
         )  # fmt: skip
 

@@ -19,8 +19,8 @@ from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems
 from service.routes.results import location_of
 from worker.pictures.overlay_kind import OverlayKind
 from worker.stores.summary import fingerprint
-from worker.views.outline import outline_panel
-from worker.views.overlays import overlay_panel
+from worker.views.outline import outline_basin
+from worker.views.overlays import overlay_basin
 from worker.views.tile_labels import read_tile_labels
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["viewer"])
@@ -46,7 +46,7 @@ def get_outline(
     if_none_match: IfNoneMatch = None,
 ) -> Response:
     """Window, tiles and what is in them, solutions with their colours and points, the grazing curve."""
-    view = OutlineView.from_outline(outline_panel(location_of(job_id, jobs, settings), panel))
+    view = OutlineView.from_outline(outline_basin(location_of(job_id, jobs, settings), panel))
     return view_or_not_modified(view, if_none_match)
 
 
@@ -73,7 +73,7 @@ def get_overlays(
     if (known := not_modified(etag, if_none_match)) is not None:
         return known
     with _COMPUTING:
-        overlays = [OverlayView.from_overlay(each) for each in overlay_panel(location, panel, kind)]
+        overlays = [OverlayView.from_overlay(each) for each in overlay_basin(location, panel, kind)]
     body = OverlaysView(overlays=overlays).model_dump_json()
     return Response(body, media_type="application/json", headers={"etag": etag})
 

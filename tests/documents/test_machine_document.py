@@ -33,17 +33,17 @@ def table_under(heading):
     [("machine", "What motions end in: impacting"), ("machine-soft", "What motions end in: kappa = 1000")],
 )
 def test_shares_are_as_printed_and_nothing_is_left_open(name, heading):
-    panels = list(numbers_of(name)["panels"].values())
+    basins = list(numbers_of(name)["panels"].values())
     assert f"](figures/{name}.png)" in DOCUMENT and (FIGURES / f"{name}.png").stat().st_size < 700_000
     printed = {row[0]: row[1:] for row in table_under(heading)}
-    for place, panel in enumerate(panels):
+    for place, basin in enumerate(basins):
         shares = {}
-        for motion in panel["solutions"]:
+        for motion in basin["solutions"]:
             shares[motion["name"]] = shares.get(motion["name"], 0.0) + motion["share"]
         assert sum(shares.values()) == pytest.approx(1.0)
-        assert shares.get("undecided", 0.0) <= 1e-4 and panel["image_counts"]["undecided"] == 0
+        assert shares.get("undecided", 0.0) <= 1e-4 and basin["image_counts"]["undecided"] == 0
         assert not any("chaotic" in motion for motion in shares)
-        assert printed["motions in all"][place] == str(len(panel["solutions"]))
+        assert printed["motions in all"][place] == str(len(basin["solutions"]))
         for motion, share in shares.items():
             if share >= 0.01:
                 assert printed[motion][place] == f"{100.0 * share:.2f}", motion
@@ -59,9 +59,9 @@ def test_shares_are_as_printed_and_nothing_is_left_open(name, heading):
 def test_the_sweep_is_as_printed(heading, key, scale, digits):
     numbers = numbers_of("machine-sweep")
     rows = iter(table_under(heading))
-    panels = numbers["panels"]
-    for _, group in itertools.groupby(panels, lambda panel: panel["damping"]):
-        for cell, panel in zip(next(rows)[1:], group, strict=True):
-            value = panel[key]
+    basins = numbers["panels"]
+    for _, group in itertools.groupby(basins, lambda basin: basin["damping"]):
+        for cell, basin in zip(next(rows)[1:], group, strict=True):
+            value = basin[key]
             assert cell == ("> 9" if value is None else f"{scale * value:.{digits}f}")
-            assert panel["least_rattle"] is None or panel["proven_quiet_below"] < panel["least_rattle"]
+            assert basin["least_rattle"] is None or basin["proven_quiet_below"] < basin["least_rattle"]

@@ -31,15 +31,15 @@ def test_shares_are_as_printed():
     rows = {line.split("|")[1].strip(): line for line in section("fig6").splitlines() if line.startswith("| ")}
     printed = {"1e6": numbers_of("fig7")["panels"]["piecewise linear"]}
     printed["impacting"] = numbers_of("fig7")["panels"]["impacting"]
-    printed |= {name.removeprefix("kappa "): panel for name, panel in numbers_of("fig6")["panels"].items()}
-    for kappa, panel in printed.items():
+    printed |= {name.removeprefix("kappa "): basin for name, basin in numbers_of("fig6")["panels"].items()}
+    for kappa, basin in printed.items():
         cells = [cell.strip() for cell in rows[kappa].split("|")]
-        for solution in panel["solutions"]:
+        for solution in basin["solutions"]:
             assert any(cell.endswith(f"{100 * solution['share']:.2f}") for cell in cells), (kappa, solution["name"])
 
 
 def test_differences_between_the_models_are_as_printed():
-    told = [panel["differs_from_impacting"] for panel in numbers_of("fig6")["panels"].values()]
+    told = [basin["differs_from_impacting"] for basin in numbers_of("fig6")["panels"].values()]
     told.append(numbers_of("fig7")["differs_from_impacting"])
     for measure, row in (
         ("by_name", "| by name |"),
@@ -83,8 +83,8 @@ def test_every_number_of_ten_digits_is_one_of_the_json(name):
 @pytest.mark.parametrize("name", ["fig10", "fig12", "fig13"])
 def test_shares_of_basins_over_damping_are_as_printed(name):
     numbers = numbers_of(name)
-    for panel in numbers.get("panels", {"": numbers}).values():
-        for solution in panel["solutions"]:
+    for basin in numbers.get("panels", {"": numbers}).values():
+        for solution in basin["solutions"]:
             share = f"{100 * solution['share']:.2f}"
             assert share == "0.00" or re.search(rf"\b{share}\b", section(name)), (solution["name"], share)
 

@@ -17,7 +17,7 @@ from rattle_kernels import (
     follow_values,
     next_impacts,
 )
-from rattle_kernels.attractors.seeds import choose_scouts
+from rattle_kernels.attractors.seeds import choose_seeds
 from rattle_kernels.numerics.pausing import Pause
 from worker.analyses.analysis import Analysis, Parts, Piece, Plan
 from worker.analyses.bifurcation_picture import draw_diagram
@@ -52,8 +52,8 @@ def find_seeds(oscillator: Oscillator, region: Region, *, pause: Pause) -> Colum
     )
     landed = next_impacts(oscillator, t.ravel(), v.ravel(), _SETTLING)
     pause()
-    scouts = choose_scouts(oscillator, landed.t, landed.v)
-    found = find_attractors(oscillator, scouts.time, scouts.velocity)
+    seeds = choose_seeds(oscillator, landed.t, landed.v)
+    found = find_attractors(oscillator, seeds.time, seeds.velocity)
     moving = [each for each in found if each.kind == AttractorKind.PERIODIC or each.wanders]
     if not moving:
         raise NotFound(

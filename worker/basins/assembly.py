@@ -28,12 +28,12 @@ def places_of_images(store: BasinStore, members: ImageSet, tiles: Iterable[int])
     return place
 
 
-def assemble_groups(store: BasinStore, panel: int, pause: Callable[[], None] = lambda: None) -> CellGroups:
+def assemble_groups(store: BasinStore, basin: int, pause: Callable[[], None] = lambda: None) -> CellGroups:
     """Hsu's group, period and step on a panel's image set; `pause` is called between tiles, to leave by raising."""
-    members = store.read_image_words(panel)
+    members = store.read_image_words(basin)
 
     def tiles() -> Iterable[int]:
-        for number in store.tiling.numbers_of(panel):
+        for number in store.tiling.numbers_of(basin):
             pause()
             yield number
 

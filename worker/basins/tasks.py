@@ -1,4 +1,4 @@
-"""What runs on workers: plain functions of a store and a tile or a panel. Running one again is harmless.
+"""What runs on workers: plain functions of a store and a tile or a basin. Running one again is harmless.
 
 Each returns a receipt, never the arrays: those go straight from the worker into the store.
 """
@@ -13,7 +13,7 @@ import numpy as np
 from rattle_kernels import (
     PERMANENT_CONTACT,
     SINK,
-    STRANGER,
+    UNASSIGNED,
     UNDECIDED,
     Attractor,
     AttractorKind,
@@ -28,8 +28,8 @@ from rattle_kernels import (
     mark_images,
     name_solutions,
 )
-from rattle_kernels.attractors.seed_pass import scouted_traps
-from rattle_kernels.attractors.seeds import Scouts, choose_scouts
+from rattle_kernels.attractors.seed_pass import traps_of_seeds
+from rattle_kernels.attractors.seeds import Seeds, choose_seeds
 from worker.basins.assembly import assemble_groups
 from worker.cluster.task import stop_if_cancelled
 from worker.errors import StoreConflict
@@ -41,19 +41,19 @@ from worker.stores.tiles import Tile, bands, runs_of_points
 class MapReceipt:
     """What one tile's images were.
 
-    ``reserved`` counts the images -1, -2 and -3; ``image_set`` are the distinct image cells; ``scouts`` the seeds of
+    ``reserved`` counts the images -1, -2 and -3; ``image_set`` are the distinct image cells; ``seeds`` the seeds of
     the catalogue. ``seconds`` is the kernels' time, 0 where the tile was read from the store.
     """
 
     reserved: np.ndarray
     seconds: float
     image_set: MarkedWords
-    scouts: Scouts
+    seeds: Seeds
 
 
 @dataclass(frozen=True)
 class CatalogueReceipt:
-    """Attractors that a panel has by itself."""
+    """Attractors that a basin has by itself."""
 
     attractors: tuple[Attractor, ...]
     seconds: float
@@ -65,25 +65,25 @@ class LabelReceipt:
 
     counts: np.ndarray
     seconds: float
-    strangers: Scouts
+    unassigned: Seeds
 
 
-def _receipt(store: BasinStore, panel: int, images: CellImages, seconds: float) -> MapReceipt:
+def _receipt(store: BasinStore, basin: int, images: CellImages, seconds: float) -> MapReceipt:
     cells = images.image_cell
     return MapReceipt(
         reserved=np.array([(cells == code).sum() for code in (SINK, PERMANENT_CONTACT, UNDECIDED)]),
         seconds=seconds,
         image_set=mark_images(store.job.grid.cells, cells),
-        scouts=choose_scouts(store.job.oscillator_of(panel), images.landing_time, images.landing_velocity),
+        seeds=choose_seeds(store.job.oscillator_of(basin), images.landing_time, images.landing_velocity),
     )
 
 
 def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
     job = store.job
     assert job.sample is not None
-    oscillator = job.oscillator_of(tile.panel)
+    oscillator = job.oscillator_of(tile.basin)
     t, v = job.sample.departures(job.grid, *tile.columns)
-    traps = scouted_traps(oscillator, job.grid, job.iterations, job.sample.points, stop_if_cancelled)
+    traps = traps_of_seeds(oscillator, job.grid, job.iterations, job.sample.points, stop_if_cancelled)
     parts = []
     for points in runs_of_points(t.size, job.applications):
         here = slice(*points)
@@ -98,8 +98,8 @@ def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
 
 
 def _map_in_bands(store: BasinStore, tile: Tile) -> CellImages:
-    job, oscillator = store.job, store.job.oscillator_of(tile.panel)
-    traps = scouted_traps(oscillator, job.grid, job.iterations, job.grid.cells, stop_if_cancelled)
+    job, oscillator = store.job, store.job.oscillator_of(tile.basin)
+    traps = traps_of_seeds(oscillator, job.grid, job.iterations, job.grid.cells, stop_if_cancelled)
     parts = []
     for rows in bands(tile, job.applications):
         part = map_cells(
@@ -126,7 +126,7 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     images = (_map_in_bands if store.job.sample is None else _map_sample)(store, tile)
     seconds = time.perf_counter() - begin
     store.write_tile(store.places.mapped, tile, images[:3])
-    return _receipt(store, tile.panel, images, seconds)
+    return _receipt(store, tile.basin, images, seconds)
 
 
 def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
@@ -134,7 +134,7 @@ def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
     image, t, v = store.read_tile(store.places.mapped, tile)
-    return _receipt(store, tile.panel, CellImages(image, t, v, 0), 0.0)
+    return _receipt(store, tile.basin, CellImages(image, t, v, 0), 0.0)
 
 
 @lru_cache(maxsize=4)
@@ -146,35 +146,35 @@ def open_store(location: str, digest: str) -> BasinStore:
     return store
 
 
-def assemble_panel(location: str, digest: str, panel: int, scouts: Scouts) -> CatalogueReceipt:
-    """Run Hsu's algorithm on a panel's image set, and find the attractors that its scouts end in."""
+def assemble_basin(location: str, digest: str, basin: int, seeds: Seeds) -> CatalogueReceipt:
+    """Run Hsu's algorithm on a panel's image set, and find the attractors that its seeds end in."""
     store = open_store(location, digest)
     begin = time.perf_counter()
     if store.job.sample is None:
-        store.write_groups(panel, assemble_groups(store, panel, stop_if_cancelled))
+        store.write_groups(basin, assemble_groups(store, basin, stop_if_cancelled))
         store.write_grazing_velocity(
-            panel, grazing_velocity(store.job.oscillator_of(panel), store.job.grid.time_centres())
+            basin, grazing_velocity(store.job.oscillator_of(basin), store.job.grid.time_centres())
         )
-    oscillator = store.job.oscillator_of(panel)
-    attractors = find_attractors(oscillator, scouts.time, scouts.velocity, pause=stop_if_cancelled)
+    oscillator = store.job.oscillator_of(basin)
+    attractors = find_attractors(oscillator, seeds.time, seeds.velocity, pause=stop_if_cancelled)
     return CatalogueReceipt(attractors, time.perf_counter() - begin)
 
 
 def extend_catalogue(
-    location: str, digest: str, panel: int, known: tuple[Attractor, ...], strangers: Scouts
+    location: str, digest: str, basin: int, known: tuple[Attractor, ...], unassigned: Seeds
 ) -> CatalogueReceipt:
     """A panel's catalogue with what strangers end in."""
     store = open_store(location, digest)
     begin = time.perf_counter()
-    oscillator = store.job.oscillator_of(panel)
-    attractors = find_attractors(oscillator, strangers.time, strangers.velocity, known=known, pause=stop_if_cancelled)
+    oscillator = store.job.oscillator_of(basin)
+    attractors = find_attractors(oscillator, unassigned.time, unassigned.velocity, known=known, pause=stop_if_cancelled)
     return CatalogueReceipt(attractors, time.perf_counter() - begin)
 
 
 @lru_cache(maxsize=4)
-def _groups(location: str, digest: str, panel: int) -> CellGroups:
+def _groups(location: str, digest: str, basin: int) -> CellGroups:
     """What labels are looked up in, read once per process: it costs more than labelling a tile."""
-    return open_store(location, digest).read_groups(panel)
+    return open_store(location, digest).read_groups(basin)
 
 
 def label_tile(
@@ -189,24 +189,26 @@ def label_tile(
     tile = store.tiling.tile(number)
     stop_if_cancelled()
     image, t, v = store.read_tile(store.places.mapped, tile)
-    groups = _groups(location, digest, tile.panel) if store.places.labelled else None
+    groups = _groups(location, digest, tile.basin) if store.places.labelled else None
     begin = time.perf_counter()
     labels = label_cells(groups, _own_cells(store, tile), image) if groups is not None else ()
-    solution = np.full(image.shape, STRANGER, np.int16)
+    solution = np.full(image.shape, UNASSIGNED, np.int16)
     solution[image == PERMANENT_CONTACT] = 0
     landed = image >= SINK
     solution[landed] = name_solutions(
-        store.job.oscillator_of(tile.panel), attractors, t[landed], v[landed], pause=stop_if_cancelled
+        store.job.oscillator_of(tile.basin), attractors, t[landed], v[landed], pause=stop_if_cancelled
     )
-    strangers = (solution == STRANGER) & landed
+    unassigned = (solution == UNASSIGNED) & landed
     kinds = [attractor.kind for attractor in attractors]
     if AttractorKind.UNDECIDED in kinds:
-        solution[solution == STRANGER] = kinds.index(AttractorKind.UNDECIDED)
+        solution[solution == UNASSIGNED] = kinds.index(AttractorKind.UNDECIDED)
     seconds = time.perf_counter() - begin
     named = store.places.solution if numbered else store.places.own_solution
     store.write_tile((*store.places.labelled, named), tile, (*labels, solution))
     counts = np.bincount(solution[solution >= 0], minlength=len(kinds))
-    return LabelReceipt(counts, seconds, choose_scouts(store.job.oscillator_of(tile.panel), t[strangers], v[strangers]))
+    return LabelReceipt(
+        counts, seconds, choose_seeds(store.job.oscillator_of(tile.basin), t[unassigned], v[unassigned])
+    )
 
 
 def _own_cells(store: BasinStore, tile: Tile) -> np.ndarray:
@@ -215,7 +217,7 @@ def _own_cells(store: BasinStore, tile: Tile) -> np.ndarray:
 
 
 def number_tile(location: str, digest: str, number: int, numbers: tuple[int, ...]) -> None:
-    """Write one tile's solutions by the numbers that all panels share."""
+    """Write one tile's solutions by the numbers that all basins share."""
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
     (own,) = store.read_tile((store.places.own_solution,), tile)
@@ -223,16 +225,16 @@ def number_tile(location: str, digest: str, number: int, numbers: tuple[int, ...
 
 
 def write_points(
-    location: str, digest: str, panel: int, numbers: tuple[int, ...], attractors: tuple[Attractor, ...]
+    location: str, digest: str, basin: int, numbers: tuple[int, ...], attractors: tuple[Attractor, ...]
 ) -> None:
     """Write the points of a panel's attractors under their numbers."""
-    open_store(location, digest).write_points(panel, numbers, attractors)
+    open_store(location, digest).write_points(basin, numbers, attractors)
 
 
-def number_panel(
-    location: str, digest: str, panel: int, numbers: tuple[int, ...], attractors: tuple[Attractor, ...], own: int
+def number_basin(
+    location: str, digest: str, basin: int, numbers: tuple[int, ...], attractors: tuple[Attractor, ...], own: int
 ) -> None:
-    """Write all of a small panel that needs its numbers; the first `own` of them are of its own catalogue."""
-    write_points(location, digest, panel, numbers, attractors)
-    for tile in open_store(location, digest).tiling.numbers_of(panel):
+    """Write all of a small basin that needs its numbers; the first `own` of them are of its own catalogue."""
+    write_points(location, digest, basin, numbers, attractors)
+    for tile in open_store(location, digest).tiling.numbers_of(basin):
         number_tile(location, digest, tile, numbers[:own])

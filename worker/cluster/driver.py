@@ -127,9 +127,9 @@ class _Window:
             raise error
         if attempt >= _TRIES:
             reason = f"{type(error).__name__}: {error}" if error else "its worker was lost"
-            what = task.name or f"{task.function.__name__} {task.number} of basin {task.panel}"
+            what = task.name or f"{task.function.__name__} {task.number} of basin {task.basin}"
             raise TileFailed(f"{what} failed {_TRIES} times; the last time: {reason}") from error
-        _log.warning("%s %d of basin %d is tried again", task.function.__name__, task.number, task.panel)
+        _log.warning("%s %d of basin %d is tried again", task.function.__name__, task.number, task.basin)
         _retries.add()
         self.submit(task, attempt + 1)
         return None

@@ -13,12 +13,12 @@ from worker.errors import JobCancelled
 class Task:
     """One call: ``function(location, digest, number, *arguments)``, of a function of this module or of `analysis_run`.
 
-    ``number`` is that of a tile, a panel or a piece; ``panel`` the panel that it is for; ``name`` what it is called.
+    ``number`` is that of a tile, a basin or a piece; ``basin`` the basin that it is for; ``name`` what it is called.
     """
 
     function: Callable[..., Any]
     number: int
-    panel: int
+    basin: int
     arguments: tuple[Any, ...] = ()
     name: str = ""
 

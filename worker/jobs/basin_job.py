@@ -35,8 +35,8 @@ SETTLED = -1
 class BasinJob:
     """Basins of attraction: oscillator, grid of cells, and k of ``P_corr o P^k``.
 
-    Each combination of the swept parameters' values is a *panel*, numbered with the last parameter running fastest; one
-    basin is the sweep of no parameter, of one panel.
+    Each combination of the swept parameters' values is a *basin*, numbered with the last parameter running fastest; one
+    basin is the sweep of no parameter, of one basin.
 
     Parameters
     ----------
@@ -76,37 +76,37 @@ class BasinJob:
                 check_iterations(self.iterations)
         except ValueError as error:
             raise InvalidJob(str(error)) from error
-        self._check_panels(check_domain)
+        self._check_basins(check_domain)
         object.__setattr__(self, "oscillator", check_domain(self.oscillator))
         if self.iterations == SETTLED:
             object.__setattr__(self, "iterations", settled_iterations(self._least_damping))
 
     def demand_quiet(self) -> None:
-        """Refuse a job in which some panel has no quiet solution (Eq. 3).
+        """Refuse a job in which some basin has no quiet solution (Eq. 3).
 
         Raises
         ------
         OutsideDomain
         """
-        self._check_panels(check_quiet)
+        self._check_basins(check_quiet)
 
-    def _check_panels(self, check: Callable[[Oscillator], Oscillator]) -> None:
-        for panel in range(self.panels):
+    def _check_basins(self, check: Callable[[Oscillator], Oscillator]) -> None:
+        for basin in range(self.basins):
             try:
-                check(self.oscillator._replace(**self.values_of(panel)))
+                check(self.oscillator._replace(**self.values_of(basin)))
             except OutsideDomain as error:
                 if not self.vary:
                     raise
-                axis, place = self._at_fault(panel, error.parameter)
-                where = ", ".join(f"{name} = {value:g}" for name, value in self.values_of(panel).items())
+                axis, place = self._at_fault(basin, error.parameter)
+                where = ", ".join(f"{name} = {value:g}" for name, value in self.values_of(basin).items())
                 where = f"value {place} of {self.vary[axis].parameter} (at {where})"
                 raise SweptOutsideDomain(error, ("vary", axis, "values", place), where) from error
 
-    def _at_fault(self, panel: int, parameter: str) -> tuple[int, int]:
-        """Which swept parameter, and which of its values, is to blame for a panel outside the domain."""
+    def _at_fault(self, basin: int, parameter: str) -> tuple[int, int]:
+        """Which swept parameter, and which of its values, is to blame for a basin outside the domain."""
         names = [swept.parameter for swept in self.vary]
         axis = names.index(parameter) if parameter in names else len(names) - 1
-        return axis, self.place_of(panel)[axis]
+        return axis, self.place_of(basin)[axis]
 
     @property
     def _least_damping(self) -> float:
@@ -119,44 +119,44 @@ class BasinJob:
         return round(expected_applications(self._least_damping, self.iterations))
 
     @property
-    def panel_shape(self) -> tuple[int, ...]:
+    def sweep_shape(self) -> tuple[int, ...]:
         """Values of each swept parameter; empty for one basin."""
         return tuple(len(swept.values) for swept in self.vary)
 
     @property
-    def panels(self) -> int:
+    def basins(self) -> int:
         """Number of basins."""
-        return math.prod(self.panel_shape)
+        return math.prod(self.sweep_shape)
 
     @property
     def places(self) -> int:
-        """Cells, or points of samples, of all panels."""
-        return self.grid.cells * self.panels
+        """Cells, or points of samples, of all basins."""
+        return self.grid.cells * self.basins
 
     @property
     def kind(self) -> str:
         """``basin``, or ``sweep`` where something is swept."""
         return "sweep" if self.vary else "basin"
 
-    def place_of(self, panel: int) -> tuple[int, ...]:
+    def place_of(self, basin: int) -> tuple[int, ...]:
         """Index of a panel's value in each swept parameter."""
         place = []
-        for count in reversed(self.panel_shape):
-            panel, at = divmod(panel, count)
+        for count in reversed(self.sweep_shape):
+            basin, at = divmod(basin, count)
             place.append(at)
         return tuple(reversed(place))
 
-    def values_of(self, panel: int) -> dict[str, float]:
-        """Values of the swept parameters in a panel."""
-        return {swept.parameter: swept.values[at] for swept, at in zip(self.vary, self.place_of(panel), strict=True)}
+    def values_of(self, basin: int) -> dict[str, float]:
+        """Values of the swept parameters in a basin."""
+        return {swept.parameter: swept.values[at] for swept, at in zip(self.vary, self.place_of(basin), strict=True)}
 
-    def oscillator_of(self, panel: int) -> Oscillator:
-        """Oscillator of a panel, checked."""
-        return check_domain(self.oscillator._replace(**self.values_of(panel)))
+    def oscillator_of(self, basin: int) -> Oscillator:
+        """Oscillator of a basin, checked."""
+        return check_domain(self.oscillator._replace(**self.values_of(basin)))
 
     @property
     def quiet_everywhere(self) -> bool:
-        """Whether every panel has a quiet solution (Eq. 3)."""
+        """Whether every basin has a quiet solution (Eq. 3)."""
         try:
             self.demand_quiet()
         except OutsideDomain:

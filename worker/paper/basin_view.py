@@ -8,7 +8,7 @@ from rattle_kernels import Attractor, Oscillator
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.summary import count_images
-from worker.views.reading import attractors_of, job_of, open_basin, panel_of
+from worker.views.reading import attractors_of, basin_of, job_of, open_basin
 
 # Cells each way at the most: beyond, every n-th cell stands for its neighbours (labels cannot be averaged).
 _MOST_CELLS = 1000
@@ -58,7 +58,7 @@ def view_basin(location: str, panel: int = 0) -> BasinView:
         Where there is none.
     """
     whole = open_basin(location)
-    dataset = panel_of(whole, **job_of(whole).values_of(panel))
+    dataset = basin_of(whole, **job_of(whole).values_of(panel))
     every = slice(None, None, max(1, -(-max(dataset.solution.shape) // _MOST_CELLS)))
     cells = dataset[["solution", "group", "landing_time", "landing_velocity"]].isel(time=every, velocity=every)
     return BasinView(

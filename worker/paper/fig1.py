@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rattle_kernels import (
-    STRANGER,
+    UNASSIGNED,
     Attractor,
     AttractorKind,
     Direction,
@@ -72,7 +72,7 @@ def rattling_solutions(departures: int, tell: Tell) -> tuple[tuple[Attractor, ..
         batch = slice(begin, begin + _BATCH)
         found = find_attractors(MACHINE, t[batch], v[batch], known=found)
     ends = name_solutions(MACHINE, found, t, v)
-    counts = np.bincount(np.where(ends == STRANGER, len(found), ends), minlength=len(found) + 1)
+    counts = np.bincount(np.where(ends == UNASSIGNED, len(found), ends), minlength=len(found) + 1)
     counts[0] += departures - t.size
     return found, counts
 

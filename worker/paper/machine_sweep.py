@@ -55,7 +55,7 @@ def _told(whole: xr.Dataset, low: xr.Dataset) -> list[dict[str, Any]]:
     quiet_low = low.kind.values == AttractorKind.PERMANENT_CONTACT
     speeds = low.velocity.values
     told: list[dict[str, Any]] = []
-    for panel in range(job.panels):
+    for panel in range(job.basins):
         at = job.place_of(panel)
         share, solution = whole.share.values[at], low.solution.values[at]
         rattles = ~quiet_low[solution]

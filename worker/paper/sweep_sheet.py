@@ -42,7 +42,7 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     parts: Any = drawing.subfigures(2, 1, height_ratios=(3.0, 1.0))
     places = parts[0].subplots(_PANELS // _COLUMNS, _COLUMNS, sharex=True, sharey=True).flat
     (swept,) = sweep.job.vary
-    for number, (axes, view) in enumerate(zip(places, sweep.panels, strict=True)):
+    for number, (axes, view) in enumerate(zip(places, sweep.basins, strict=True)):
         tell("drawing", number, _PANELS)
         draw_panel(axes, view, attractor_overlays(view))
         axes.label_outer()
@@ -54,9 +54,9 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
 
 def _draw_chart(axes: Axes, sweep: SweepView) -> None:
     """Shares over the parameter; dashed, that of the cells whose motions are still on a transient after k."""
-    solutions, values = sweep.panels[0].attractors, sweep.job.vary[0].values
-    draw_lines(axes, sweep.job, np.array([view.shares for view in sweep.panels]), solutions)
-    late = np.array([on_transient(view).mean() for view in sweep.panels])
+    solutions, values = sweep.basins[0].attractors, sweep.job.vary[0].values
+    draw_lines(axes, sweep.job, np.array([view.shares for view in sweep.basins]), solutions)
+    late = np.array([on_transient(view).mean() for view in sweep.basins])
     handles: list[Any] = [
         Patch(facecolor=colour, edgecolor="black", label=f"{number}: {name}")
         for number, (colour, name) in enumerate(zip(colours_of(solutions), sweep.names, strict=True))
@@ -75,7 +75,7 @@ def _told(sweep: SweepView) -> dict[str, Any]:
         "changes": [_told_change(change, sweep.names) for change in sweep.changes],
         "panels": {
             f"{swept.parameter} {value:g}": told_basin(view)
-            for value, view in zip(swept.values, sweep.panels, strict=True)
+            for value, view in zip(swept.values, sweep.basins, strict=True)
         },
     }
 

@@ -9,16 +9,16 @@ from worker.stores.summary import Change, summarise
 
 @dataclass(frozen=True)
 class SweepView:
-    """What a complete store of a sweep says; ``panels`` are in the order of the values, under one numbering."""
+    """What a complete store of a sweep says; ``basins`` are in the order of the values, under one numbering."""
 
     job: BasinJob
-    panels: tuple[BasinView, ...]
+    basins: tuple[BasinView, ...]
     changes: tuple[Change, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
         """Name of each solution, by number."""
-        return tuple(attractor.name for attractor in self.panels[0].attractors)
+        return tuple(attractor.name for attractor in self.basins[0].attractors)
 
 
 def view_sweep(location: str) -> SweepView:
@@ -30,5 +30,5 @@ def view_sweep(location: str) -> SweepView:
         Where there is none.
     """
     summary = summarise(location)
-    panels = tuple(view_basin(location, panel) for panel in range(len(summary.panels)))
-    return SweepView(BasinJob.from_request(summary.request), panels, summary.changes)
+    basins = tuple(view_basin(location, panel) for panel in range(len(summary.basins)))
+    return SweepView(BasinJob.from_request(summary.request), basins, summary.changes)

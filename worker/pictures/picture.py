@@ -60,8 +60,8 @@ def draw_legend(axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray
 def _title(store: BasinStore, shown: int) -> str:
     swept = tuple(each.parameter for each in store.job.vary)
     title = f"{oscillator_told(store.job.oscillator, without=swept)}, k = {store.job.iterations}"
-    if shown < store.job.panels:
-        title += f"; {shown} of {store.job.panels} basins"
+    if shown < store.job.basins:
+        title += f"; {shown} of {store.job.basins} basins"
     if not store.complete:
         states = store.read_ledger()
         title += f"\nincomplete: {int((states == TileState.ASSEMBLED).sum())} of {states.size} tiles"
@@ -75,11 +75,11 @@ def _evenly(count: int, most: int) -> list[int]:
 
 def _arrangement(store: BasinStore) -> list[list[int]]:
     """Panels in rows: of two swept parameters the first runs upwards, the last to the right."""
-    shape = store.job.panel_shape
+    shape = store.job.sweep_shape
     if len(shape) == 2:
         columns = _evenly(shape[1], _MOST_PANELS)
         return [[row * shape[1] + column for column in columns] for row in reversed(_evenly(shape[0], _MOST_PANELS))]
-    panels = _evenly(store.job.panels, _MOST_PANELS**2)
+    panels = _evenly(store.job.basins, _MOST_PANELS**2)
     across = int(np.ceil(np.sqrt(len(panels))))
     return [panels[start : start + across] for start in range(0, len(panels), across)]
 

@@ -85,7 +85,7 @@ def draw_shares(location: str, target: str | Path | IO[bytes]) -> None:
     if not table.complete.any():
         raise InvalidJob(f"{location} holds no complete basin yet")
     solutions = representatives(store, table)
-    share = table.share.reshape(*store.job.panel_shape, len(solutions))
+    share = table.share.reshape(*store.job.sweep_shape, len(solutions))
     figure = Figure(figsize=(10.0, 6.5), dpi=110, layout="constrained")
     FigureCanvasAgg(figure)
     if len(store.job.vary) == 1:

@@ -104,7 +104,7 @@ class BasinStore:
     def _region(self, tile: Tile) -> tuple[int | slice, ...]:
         """Where a tile lies in an array; the one row of a sample has no dimension of its own."""
         within = (slice(*tile.rows), slice(*tile.columns)) if self.job.sample is None else (slice(*tile.columns),)
-        return (*self.job.place_of(tile.panel), *within)
+        return (*self.job.place_of(tile.basin), *within)
 
     def write_tile(self, variables: Sequence[Variable], tile: Tile, values: Sequence[np.ndarray]) -> None:
         """Write one tile, of shape (rows, columns), of some variables."""
@@ -136,7 +136,7 @@ class BasinStore:
             return tuple(np.asarray(self._array(variable)[...]) for variable in variables)
 
     def read_ledger(self) -> np.ndarray:
-        """State of each tile, flat, panel by panel, as `TileState` codes."""
+        """State of each tile, flat, basin by basin, as `TileState` codes."""
         with told_as_store_failure(self.location):
             return np.asarray(self._array(self.places.ledger)[...]).ravel()
 
@@ -147,46 +147,46 @@ class BasinStore:
             array = self._kept(self.places.ledger)
             array[...] = states.reshape(array.shape)
 
-    def write_image_words(self, panel: int, words: np.ndarray) -> None:
-        """Write the distinct images of a panel (driver only)."""
+    def write_image_words(self, basin: int, words: np.ndarray) -> None:
+        """Write the distinct images of a basin (driver only)."""
         self._fence()
         with told_as_store_failure(self.location):
-            self._kept(layout.IMAGE_WORDS)[*self.job.place_of(panel), :] = words
+            self._kept(layout.IMAGE_WORDS)[*self.job.place_of(basin), :] = words
 
-    def read_image_words(self, panel: int) -> ImageSet:
-        """Read the distinct images of a panel."""
+    def read_image_words(self, basin: int) -> ImageSet:
+        """Read the distinct images of a basin."""
         with told_as_store_failure(self.location):
-            return with_counts(np.asarray(self._kept(layout.IMAGE_WORDS)[*self.job.place_of(panel), :]))
+            return with_counts(np.asarray(self._kept(layout.IMAGE_WORDS)[*self.job.place_of(basin), :]))
 
-    def write_groups(self, panel: int, groups: CellGroups) -> None:
+    def write_groups(self, basin: int, groups: CellGroups) -> None:
         """Write Hsu's numbers on a panel's image set, for tiles to look up."""
         with told_as_store_failure(self.location):
             for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True):
-                self._kept(variable)[*self.job.place_of(panel), : values.size] = values
+                self._kept(variable)[*self.job.place_of(basin), : values.size] = values
 
-    def read_groups(self, panel: int) -> CellGroups:
+    def read_groups(self, basin: int) -> CellGroups:
         """Read Hsu's numbers on a panel's image set."""
-        members = self.read_image_words(panel)
-        place = self.job.place_of(panel)
+        members = self.read_image_words(basin)
+        place = self.job.place_of(basin)
         with told_as_store_failure(self.location):
             group, step = (np.asarray(self._kept(each)[*place, : members.size]) for each in layout.IMAGE_SET[:2])
             cycles = int(group.max(initial=0)) + 1
             period = np.asarray(self._kept(layout.IMAGE_SET[2])[*place, :cycles])
         return CellGroups(members, group, step, period)
 
-    def write_grazing_velocity(self, panel: int, velocity: np.ndarray) -> None:
-        """Write the grazing curve of a panel."""
+    def write_grazing_velocity(self, basin: int, velocity: np.ndarray) -> None:
+        """Write the grazing curve of a basin."""
         with told_as_store_failure(self.location):
-            self._kept(layout.GRAZING)[*self.job.place_of(panel), :] = velocity
+            self._kept(layout.GRAZING)[*self.job.place_of(basin), :] = velocity
 
     def write_image_counts(self, counts: np.ndarray) -> None:
-        """Note how many places of each panel have each reserved image, shape (panels, 3) (driver only)."""
+        """Note how many places of each basin have each reserved image, shape (basins, 3) (driver only)."""
         self._fence()
         with told_as_store_failure(self.location):
-            self._array(layout.IMAGE_COUNTS)[...] = counts.reshape(*self.job.panel_shape, 3)
+            self._array(layout.IMAGE_COUNTS)[...] = counts.reshape(*self.job.sweep_shape, 3)
 
     def read_image_counts(self) -> np.ndarray:
-        """Read them, shape (panels, 3); negative where a panel is not mapped yet."""
+        """Read them, shape (basins, 3); negative where a basin is not mapped yet."""
         with told_as_store_failure(self.location):
             return np.asarray(self._array(layout.IMAGE_COUNTS)[...]).reshape(-1, 3)
 
@@ -208,7 +208,7 @@ class BasinStore:
             names = [motion.name for motion in table.motions]
             columns = [np.array(column) for column in zip(*table.motions, strict=True)]
             for variable in self._measured():
-                self._array(variable).resize((*self.job.panel_shape, room[0]))
+                self._array(variable).resize((*self.job.sweep_shape, room[0]))
             for variable, values in zip(
                 layout.MOTIONS, (*columns, np.array(names, np.dtypes.StringDType())), strict=True
             ):
@@ -219,18 +219,18 @@ class BasinStore:
             self._group[self.places.solution.path].update_attributes(flags)
             # Last of all the one that tells how much room there is: a driver that is killed before does it all again.
             for variable in reversed(layout.POINTS):
-                self._array(variable).resize((*self.job.panel_shape, *room))
+                self._array(variable).resize((*self.job.sweep_shape, *room))
             consolidate(self.location, self._fence)
 
     def _measured(self) -> tuple[Variable, ...]:
         return layout.MEASURED if self.job.sample is None else (*layout.MEASURED, layout.SHARE_ERROR)
 
-    def write_points(self, panel: int, numbers: Sequence[int], attractors: Sequence[Attractor]) -> None:
+    def write_points(self, basin: int, numbers: Sequence[int], attractors: Sequence[Attractor]) -> None:
         """Write the points of a panel's attractors, under their numbers.
 
-        Only as many as there are: which chunks a panel has does not depend on how much room others needed before.
+        Only as many as there are: which chunks a basin has does not depend on how much room others needed before.
         """
-        place = self.job.place_of(panel)
+        place = self.job.place_of(basin)
         shape = max(numbers) + 1, max(attractor.time.size for attractor in attractors)
         with told_as_store_failure(self.location):
             for variable, field in zip(layout.POINTS, ("time", "velocity"), strict=True):
@@ -241,20 +241,20 @@ class BasinStore:
                 self._kept_with_room(variable, shape)[*place, : shape[0], : shape[1]] = padded
 
     def write_solutions(self, table: SolutionTable) -> None:
-        """Write what solutions are like in each panel, those that there is room for (driver only)."""
+        """Write what solutions are like in each basin, those that there is room for (driver only)."""
         self._fence()
         columns = table.columns
         if self.job.sample is not None:
             columns.append(np.sqrt(table.share * (1.0 - table.share) / self.job.sample.points))
         with told_as_store_failure(self.location):
-            # Shares last: they tell which panels are complete.
+            # Shares last: they tell which basins are complete.
             for variable, values in reversed(list(zip(self._measured(), columns, strict=True))):
                 array = self._array(variable)
                 room = min(array.shape[-1], len(table.motions))
-                array[..., :room] = values[:, :room].reshape(*self.job.panel_shape, room)
+                array[..., :room] = values[:, :room].reshape(*self.job.sweep_shape, room)
 
     def read_solutions(self) -> SolutionTable:
-        """What solutions there are and what they are like in each panel, as far as that is known."""
+        """What solutions there are and what they are like in each basin, as far as that is known."""
         with told_as_store_failure(self.location):
             motions = [np.asarray(self._array(variable)[...]) for variable in layout.MOTIONS[:4]]
             columns = [np.asarray(self._array(variable)[...]) for variable in layout.MEASURED]
@@ -267,13 +267,13 @@ class BasinStore:
             for kind, *contacts in zip(*(column[:known].tolist() for column in motions), strict=True)
         ]
         return SolutionTable(
-            listed, *(column.reshape(self.job.panels, column.shape[-1])[:, :known] for column in columns)
+            listed, *(column.reshape(self.job.basins, column.shape[-1])[:, :known] for column in columns)
         )
 
-    def read_catalogue(self, panel: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
-        """Some of the attractors of a panel, by their numbers; those whose points are being written have none yet."""
+    def read_catalogue(self, basin: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
+        """Some of the attractors of a basin, by their numbers; those whose points are being written have none yet."""
         with told_as_store_failure(self.location):
-            place = self.job.place_of(panel)
+            place = self.job.place_of(basin)
             points = [np.asarray(self._array(variable)[*place, :, :]) for variable in layout.POINTS]
         # A reader may come between the two arrays, which are lengthened and written one after the other.
         rows, columns = np.min([each.shape for each in points], axis=0)
@@ -282,8 +282,8 @@ class BasinStore:
         there = np.isfinite(time) & np.isfinite(velocity)
         return tuple(
             Attractor(
-                *table.motions[number], float(table.exponent[panel, number]), float(table.error[panel, number]),
-                time[row][there[row]], velocity[row][there[row]], float(table.mean_life[panel, number]),
+                *table.motions[number], float(table.exponent[basin, number]), float(table.error[basin, number]),
+                time[row][there[row]], velocity[row][there[row]], float(table.mean_life[basin, number]),
             )
             for number, row in ((number, min(number, rows)) for number in numbers)
         )  # fmt: skip

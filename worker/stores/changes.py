@@ -13,7 +13,7 @@ _FIELDS = 6
 
 
 def list_changes(job: BasinJob, table: SolutionTable) -> tuple[np.ndarray, ...]:
-    """Births and deaths between neighbouring complete panels, along each swept parameter.
+    """Births and deaths between neighbouring complete basins, along each swept parameter.
 
     Parameters
     ----------
@@ -27,8 +27,8 @@ def list_changes(job: BasinJob, table: SolutionTable) -> tuple[np.ndarray, ...]:
         other swept parameter (NaN where there is none).
     """
     motions = np.array([motion.kind != AttractorKind.UNDECIDED for motion in table.motions], bool)
-    there = (np.isfinite(table.share) & motions).reshape(*job.panel_shape, len(table.motions))
-    known = table.complete.reshape(job.panel_shape)
+    there = (np.isfinite(table.share) & motions).reshape(*job.sweep_shape, len(table.motions))
+    known = table.complete.reshape(job.sweep_shape)
     rows = [row for axis in range(len(job.vary)) for row in _along(job, axis, there, known)]
     columns = list(zip(*rows, strict=True)) if rows else [()] * _FIELDS
     types: tuple[Any, ...] = (np.int8, np.int16, np.dtypes.StringDType(), np.float64, np.float64, np.float64)

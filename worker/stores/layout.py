@@ -51,7 +51,7 @@ class Variable:
     fill: Any
     meaning: str
     attributes: dict[str, Any] = field(default_factory=dict)
-    per_panel: bool = True
+    per_basin: bool = True
     group: str = ""
 
     @property
@@ -107,7 +107,7 @@ LABELLED = (
 
 _ENDS_IN = "motion that it ends in: index into the dimension attractor"
 SOLUTION = Variable("solution", _CELLS, np.int16, MISSING, _ENDS_IN)
-"""Written tile by tile once the solutions of the panel have their numbers."""
+"""Written tile by tile once the solutions of the basin have their numbers."""
 
 LEDGER = Variable(
     "tile_state", ("tile_velocity", "tile_time"), np.uint8, 0, "what is in the store, tile by tile", flags(TileState)
@@ -141,7 +141,7 @@ MOTIONS = (
     Variable("lower_contacts", _ATTRACTOR, np.int32, MISSING, "n- of P(m, n+, n-): contacts with -beta", {}, False),
     Variable("name", _ATTRACTOR, str, "", "P(m, n+, n-), or in words what is not periodic", {}, False),
 )
-"""What a solution is by its number, the same in all panels."""
+"""What a solution is by its number, the same in all basins."""
 
 _NOT_THERE = "NaN where the panel has no such solution, or is not complete"
 MEASURED = (
@@ -153,7 +153,7 @@ MEASURED = (
         "of chaos that motions leave again: impacts until one does, on average; NaN where none was seen to leave",
     ),
 )  # fmt: skip
-"""What it is like in each panel."""
+"""What it is like in each basin."""
 
 SHARE_ERROR = Variable(
     "share_error", _ATTRACTOR, np.float64, np.inf, "standard error of share: binomial, of as many independent points"
@@ -178,7 +178,7 @@ CHANGES = (
     Variable("change_to", ("change",), np.float64, np.inf, "its value after", {}, False),
     Variable("change_beside", ("change",), np.float64, np.inf, "value of the other swept parameter or NaN", {}, False),
 )
-"""Births and deaths of solutions from one panel to the next; in sweeps only, when all panels are complete."""
+"""Births and deaths of solutions from one basin to the next; in sweeps only, when all basins are complete."""
 
 _ASSEMBLY = "assembly"
 IMAGE_WORDS = Variable(

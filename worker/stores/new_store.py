@@ -40,8 +40,8 @@ def places_of(job: BasinJob) -> Places:
 
 
 def tiling_of(job: BasinJob) -> Tiling:
-    """How a job's panels are cut: by the request alone."""
-    return (cut if job.sample is None else cut_row)(job.grid, job.applications, job.panels)
+    """How a job's basins are cut: by the request alone."""
+    return (cut if job.sample is None else cut_row)(job.grid, job.applications, job.basins)
 
 
 def consolidate(location: str, fence: Fence = unfenced) -> None:
@@ -55,7 +55,7 @@ def consolidate(location: str, fence: Fence = unfenced) -> None:
 def create_array(
     group: Any, job: BasinJob, variable: Variable, shape: tuple[int, ...], chunks: tuple[int, ...] | None = None
 ) -> Any:
-    """Create one array; its chunks hold one panel each where they are given, else all panels.
+    """Create one array; its chunks hold one basin each where they are given, else all basins.
 
     Parameters
     ----------
@@ -65,12 +65,12 @@ def create_array(
     shape, chunks : tuple of int
         Along the variable's own dimensions; those of swept parameters are put before them.
     """
-    panels = job.panel_shape if variable.per_panel else ()
-    of_panels = tuple(1 for _ in panels) if chunks else panels
+    basins = job.sweep_shape if variable.per_basin else ()
+    of_basins = tuple(1 for _ in basins) if chunks else basins
     own = chunks or tuple(min(max(1, length), _LONGEST_CHUNK) for length in shape)
     return group.create_array(
-        variable.path, shape=panels + shape, chunks=of_panels + own, dtype=variable.dtype, fill_value=variable.fill,
-        dimension_names=tuple(swept.parameter for swept in job.vary if variable.per_panel) + variable.dims,
+        variable.path, shape=basins + shape, chunks=of_basins + own, dtype=variable.dtype, fill_value=variable.fill,
+        dimension_names=tuple(swept.parameter for swept in job.vary if variable.per_basin) + variable.dims,
         attributes=variable.attrs(), config=CONFIG,
     )  # fmt: skip
 
@@ -129,11 +129,11 @@ def _create_assembly(group: Any, job: BasinJob) -> None:
 def _create_solutions(group: Any, job: BasinJob) -> None:
     measured = layout.MEASURED + (layout.SHARE_ERROR,) * (job.sample is not None)
     for variable in layout.MOTIONS + measured:
-        panels = job.panel_shape if variable.per_panel else ()
+        basins = job.sweep_shape if variable.per_basin else ()
         group.create_array(
-            variable.path, shape=(*panels, 0), chunks=(*panels, _ATTRACTORS_A_CHUNK), dtype=variable.dtype,
+            variable.path, shape=(*basins, 0), chunks=(*basins, _ATTRACTORS_A_CHUNK), dtype=variable.dtype,
             fill_value=variable.fill, attributes=variable.attrs(), config=CONFIG,
-            dimension_names=tuple(swept.parameter for swept in job.vary if variable.per_panel) + variable.dims,
+            dimension_names=tuple(swept.parameter for swept in job.vary if variable.per_basin) + variable.dims,
         )  # fmt: skip
     for variable in layout.POINTS:
         create_array(group, job, variable, (0, 0), (_ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK))

@@ -1,4 +1,4 @@
-"""What is known of the solutions of all panels: what each is, by its number, and what it is like in each panel."""
+"""What is known of the solutions of all basins: what each is, by its number, and what it is like in each basin."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from worker.jobs.basin_job import BasinJob
 
 
 class Motion(NamedTuple):
-    """What makes two solutions of neighbouring panels possibly the same: kind, and P(m, n+, n-)."""
+    """What makes two solutions of neighbouring basins possibly the same: kind, and P(m, n+, n-)."""
 
     kind: AttractorKind
     forcing_periods: int
@@ -30,9 +30,9 @@ def motion_of(attractor: Attractor) -> Motion:
 
 @dataclass
 class SolutionTable:
-    """Solutions by number, and per panel their share, Lyapunov exponent, its error and mean life (panels, solutions).
+    """Solutions by number, and per basin their share, Lyapunov exponent, its error and mean life (basins, solutions).
 
-    A share is NaN where a panel has no such solution, and in the whole row of a panel that is not complete.
+    A share is NaN where a basin has no such solution, and in the whole row of a basin that is not complete.
     """
 
     motions: list[Motion]
@@ -44,11 +44,11 @@ class SolutionTable:
     @classmethod
     def empty(cls, job: BasinJob) -> "SolutionTable":
         """Table of a job that has not begun."""
-        return cls([], *(np.empty((job.panels, 0)) for _ in range(4)))
+        return cls([], *(np.empty((job.basins, 0)) for _ in range(4)))
 
     @property
     def columns(self) -> list[np.ndarray]:
-        """What solutions are like in each panel, in the order of `layout.MEASURED`."""
+        """What solutions are like in each basin, in the order of `layout.MEASURED`."""
         return [self.share, self.exponent, self.error, self.mean_life]
 
     def _replace(self, columns: list[np.ndarray]) -> None:
@@ -56,19 +56,19 @@ class SolutionTable:
 
     @property
     def complete(self) -> np.ndarray:
-        """Whether each panel is complete: permanent contact, number 0, is a solution of every one."""
+        """Whether each basin is complete: permanent contact, number 0, is a solution of every one."""
         if not self.motions:
             return np.zeros(self.share.shape[0], bool)
         return np.isfinite(self.share[:, 0])
 
-    def numbers_in(self, panel: int) -> list[int]:
-        """Solutions that a complete panel has."""
-        return np.flatnonzero(np.isfinite(self.share[panel])).tolist()
+    def numbers_in(self, basin: int) -> list[int]:
+        """Solutions that a complete basin has."""
+        return np.flatnonzero(np.isfinite(self.share[basin])).tolist()
 
     def last_seen(self) -> dict[int, int]:
-        """The last complete panel that has each solution."""
-        panels, numbers = np.nonzero(np.isfinite(self.share))
-        return dict(zip(numbers.tolist(), panels.tolist(), strict=True))
+        """The last complete basin that has each solution."""
+        basins, numbers = np.nonzero(np.isfinite(self.share))
+        return dict(zip(numbers.tolist(), basins.tolist(), strict=True))
 
     def append(self, motion: Motion) -> int:
         """Number of a solution that is new."""
@@ -76,18 +76,18 @@ class SolutionTable:
         self._replace([np.pad(column, ((0, 0), (0, 1)), constant_values=np.nan) for column in self.columns])
         return len(self.motions) - 1
 
-    def forget_after(self, panels: int) -> None:
-        """Keep the rows of the first panels alone, and the solutions that these have."""
+    def forget_after(self, basins: int) -> None:
+        """Keep the rows of the first basins alone, and the solutions that these have."""
         for column in self.columns:
-            column[panels:] = np.nan
+            column[basins:] = np.nan
         known = np.flatnonzero(np.isfinite(self.share).any(axis=0))
         solutions = int(known[-1]) + 1 if known.size else 0
         del self.motions[solutions:]
         self._replace([column[:, :solutions] for column in self.columns])
 
-    def enter(self, panel: int, numbers: list[int], attractors: tuple[Attractor, ...], shares: np.ndarray) -> None:
-        """Fill the row of a panel."""
-        self.share[panel, numbers] = shares
-        self.exponent[panel, numbers] = [attractor.lyapunov_exponent for attractor in attractors]
-        self.error[panel, numbers] = [attractor.lyapunov_error for attractor in attractors]
-        self.mean_life[panel, numbers] = [attractor.mean_life for attractor in attractors]
+    def enter(self, basin: int, numbers: list[int], attractors: tuple[Attractor, ...], shares: np.ndarray) -> None:
+        """Fill the row of a basin."""
+        self.share[basin, numbers] = shares
+        self.exponent[basin, numbers] = [attractor.lyapunov_exponent for attractor in attractors]
+        self.error[basin, numbers] = [attractor.lyapunov_error for attractor in attractors]
+        self.mean_life[basin, numbers] = [attractor.mean_life for attractor in attractors]

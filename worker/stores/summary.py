@@ -13,7 +13,7 @@ from worker.stores.solution_table import SolutionTable
 
 
 @dataclass(frozen=True)
-class PanelSummary:
+class SweptBasinSummary:
     """One basin of a sweep: values of the swept parameters, and the share of each solution that it has, by number.
 
     ``shares`` is empty until the basin is complete; ``errors`` are standard errors, of samples alone.
@@ -44,9 +44,9 @@ class Change:
 class BasinSummary:
     """Answer of one job: its motions with their shares, and how complete it is.
 
-    ``attractors`` are by number, each as the first panel has it; ``shares`` those of all panels' places, NaN until
-    every panel is complete; ``image_counts`` says how many places have each reserved image, once all are mapped;
-    ``seconds`` has the wall time of each stage and the kernels' own time. ``panels`` are in order; ``changes`` lists
+    ``attractors`` are by number, each as the first basin has it; ``shares`` those of all panels' places, NaN until
+    every basin is complete; ``image_counts`` says how many places have each reserved image, once all are mapped;
+    ``seconds`` has the wall time of each stage and the kernels' own time. ``basins`` are in order; ``changes`` lists
     births and deaths so far.
     """
 
@@ -59,7 +59,7 @@ class BasinSummary:
     shares: tuple[float, ...]
     image_counts: dict[str, int]
     seconds: dict[str, float]
-    panels: tuple[PanelSummary, ...]
+    basins: tuple[SweptBasinSummary, ...]
     changes: tuple[Change, ...]
 
 
@@ -75,7 +75,7 @@ def summarise(location: str) -> BasinSummary:
     states = store.read_ledger()
     table = store.read_solutions()
     whole = bool(table.complete.all())
-    overall = np.nansum(table.share, axis=0) / store.job.panels if whole else np.full(len(table.motions), np.nan)
+    overall = np.nansum(table.share, axis=0) / store.job.basins if whole else np.full(len(table.motions), np.nan)
     return BasinSummary(
         request=store.job.request(),
         complete=store.complete,
@@ -86,7 +86,7 @@ def summarise(location: str) -> BasinSummary:
         shares=tuple(overall.tolist()),
         image_counts=count_images(store),
         seconds=store.attributes.get("seconds", {}),
-        panels=_panels(store, table),
+        basins=_basins(store, table),
         changes=_changes(store, table),
     )
 
@@ -107,19 +107,19 @@ def fingerprint(location: str) -> bytes:
 
 
 def representatives(store: BasinStore, table: SolutionTable) -> tuple[Attractor, ...]:
-    """Each solution as the first panel that has it does; while none is complete, as the first panel's catalogue."""
+    """Each solution as the first basin that has it does; while none is complete, as the first panel's catalogue."""
     there = np.isfinite(table.share)
     first = np.where(there.any(axis=0), there.argmax(axis=0), 0)
     found: dict[int, Attractor] = {}
-    for panel in np.unique(first).tolist():
-        numbers = np.flatnonzero(first == panel).tolist()
-        found |= dict(zip(numbers, store.read_catalogue(panel, table, numbers), strict=True))
+    for basin in np.unique(first).tolist():
+        numbers = np.flatnonzero(first == basin).tolist()
+        found |= dict(zip(numbers, store.read_catalogue(basin, table, numbers), strict=True))
     return tuple(found[number] for number in range(len(table.motions)))
 
 
-def count_images(store: BasinStore, panel: int | None = None) -> dict[str, int]:
-    """How many places of a panel, or of all, have each reserved image; empty until all of them are mapped."""
-    counts = store.read_image_counts()[slice(None) if panel is None else slice(panel, panel + 1)]
+def count_images(store: BasinStore, basin: int | None = None) -> dict[str, int]:
+    """How many places of a basin, or of all, have each reserved image; empty until all of them are mapped."""
+    counts = store.read_image_counts()[slice(None) if basin is None else slice(basin, basin + 1)]
     if (counts < 0).any():
         return {}
     named = dict(zip(("sink", "permanent_contact", "undecided"), counts.sum(axis=0).tolist(), strict=True))
@@ -128,15 +128,15 @@ def count_images(store: BasinStore, panel: int | None = None) -> dict[str, int]:
     return named
 
 
-def _panels(store: BasinStore, table: SolutionTable) -> tuple[PanelSummary, ...]:
+def _basins(store: BasinStore, table: SolutionTable) -> tuple[SweptBasinSummary, ...]:
     job = store.job
-    panels = []
-    for panel, complete in enumerate(table.complete.tolist()):
-        shares = {number: float(table.share[panel, number]) for number in table.numbers_in(panel)}
+    basins = []
+    for basin, complete in enumerate(table.complete.tolist()):
+        shares = {number: float(table.share[basin, number]) for number in table.numbers_in(basin)}
         points = job.sample.points if job.sample is not None else None
         errors = {number: (p * (1.0 - p) / points) ** 0.5 for number, p in shares.items()} if points else {}
-        panels.append(PanelSummary(job.values_of(panel), complete, shares, errors))
-    return tuple(panels)
+        basins.append(SweptBasinSummary(job.values_of(basin), complete, shares, errors))
+    return tuple(basins)
 
 
 def _changes(store: BasinStore, table: SolutionTable) -> tuple[Change, ...]:

@@ -28,13 +28,13 @@ _MOST_CELLS = 1024 * 1024
 
 
 class Tile(NamedTuple):
-    """Rectangle of cells: its place in the grid of tiles, its rows and columns of cells as (start, stop), its panel."""
+    """Rectangle of cells: its place in the grid of tiles, its rows and columns of cells as (start, stop), its basin."""
 
     row: int
     column: int
     rows: tuple[int, int]
     columns: tuple[int, int]
-    panel: int = 0
+    basin: int = 0
 
     @property
     def cells(self) -> int:
@@ -43,12 +43,12 @@ class Tile(NamedTuple):
 
 
 class Tiling(NamedTuple):
-    """How the grid of every panel is cut: cells of a full tile each way; tiles at the upper edges may be smaller."""
+    """How the grid of every basin is cut: cells of a full tile each way; tiles at the upper edges may be smaller."""
 
     grid: CellGrid
     tile_rows: int
     tile_columns: int
-    panels: int = 1
+    basins: int = 1
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -59,39 +59,39 @@ class Tiling(NamedTuple):
         )
 
     @property
-    def tiles_of_panel(self) -> int:
-        """Number of tiles of each panel."""
+    def tiles_of_basin(self) -> int:
+        """Number of tiles of each basin."""
         return self.shape[0] * self.shape[1]
 
     @property
     def tiles(self) -> int:
-        """Number of tiles of all panels."""
-        return self.panels * self.tiles_of_panel
+        """Number of tiles of all basins."""
+        return self.basins * self.tiles_of_basin
 
-    def numbers_of(self, panel: int) -> range:
+    def numbers_of(self, basin: int) -> range:
         """Numbers of a panel's tiles."""
-        return range(panel * self.tiles_of_panel, (panel + 1) * self.tiles_of_panel)
+        return range(basin * self.tiles_of_basin, (basin + 1) * self.tiles_of_basin)
 
     def tile(self, number: int) -> Tile:
-        """Tile by number, counted along time first, then along velocity, then panel by panel."""
-        panel, within = divmod(number, self.tiles_of_panel)
+        """Tile by number, counted along time first, then along velocity, then basin by basin."""
+        basin, within = divmod(number, self.tiles_of_basin)
         row, column = divmod(within, self.shape[1])
         rows = row * self.tile_rows, min((row + 1) * self.tile_rows, self.grid.velocity_cells)
         columns = column * self.tile_columns, min((column + 1) * self.tile_columns, self.grid.time_cells)
-        return Tile(row, column, rows, columns, panel)
+        return Tile(row, column, rows, columns, basin)
 
 
 def _least_cells(applications: int) -> int:
     return _LEAST_CELLS if applications < _LONG_APPLICATIONS else _LEAST_LONG_CELLS
 
 
-def _cells_wanted(grid: CellGrid, applications: int, panels: int) -> float:
-    """Cells of a tile of about a quarter of a second of work: the whole panel, where panels are small and many."""
+def _cells_wanted(grid: CellGrid, applications: int, basins: int) -> float:
+    """Cells of a tile of about a quarter of a second of work: the whole basin, where basins are small and many."""
     by_work = _TILE_SECONDS / (_SECONDS_PER_APPLICATION * applications)
-    return max(min(by_work, grid.cells * panels / _LEAST_TILES, _MOST_CELLS), _least_cells(applications))
+    return max(min(by_work, grid.cells * basins / _LEAST_TILES, _MOST_CELLS), _least_cells(applications))
 
 
-def cut(grid: CellGrid, applications: int, panels: int = 1) -> Tiling:
+def cut(grid: CellGrid, applications: int, basins: int = 1) -> Tiling:
     """Cut a grid into tiles of about a quarter of a second of work each.
 
     Parameters
@@ -99,21 +99,21 @@ def cut(grid: CellGrid, applications: int, panels: int = 1) -> Tiling:
     grid : CellGrid
     applications : int
         Expected of each place.
-    panels : int
-        Panels that share this grid.
+    basins : int
+        Basins that share this grid.
 
     Returns
     -------
     Tiling
     """
-    side = math.sqrt(_cells_wanted(grid, applications, panels))
+    side = math.sqrt(_cells_wanted(grid, applications, basins))
     # Equal parts each way: 1000 cells in four times 250, not three times 267 and a rest.
     down = max(1, round(grid.velocity_cells / side))
     across = max(1, round(grid.time_cells / side))
-    return Tiling(grid, math.ceil(grid.velocity_cells / down), math.ceil(grid.time_cells / across), panels)
+    return Tiling(grid, math.ceil(grid.velocity_cells / down), math.ceil(grid.time_cells / across), basins)
 
 
-def cut_row(row: CellGrid, applications: int, panels: int = 1) -> Tiling:
+def cut_row(row: CellGrid, applications: int, basins: int = 1) -> Tiling:
     """Cut the points of a sample, one row of cells, into tiles of a power of two points each.
 
     Parameters
@@ -121,14 +121,14 @@ def cut_row(row: CellGrid, applications: int, panels: int = 1) -> Tiling:
     row : CellGrid
     applications : int
         Expected of each place.
-    panels : int
-        Panels that share this sample.
+    basins : int
+        Basins that share this sample.
 
     Returns
     -------
     Tiling
     """
-    return Tiling(row, 1, 1 << int(math.log2(_cells_wanted(row, applications, panels))), panels)
+    return Tiling(row, 1, 1 << int(math.log2(_cells_wanted(row, applications, basins))), basins)
 
 
 def bands(tile: Tile, applications: int) -> Iterator[tuple[int, int]]:

@@ -20,13 +20,13 @@ from rattle_kernels import (
 )
 from worker.errors import InvalidJob
 from worker.stores.layout import TileState
-from worker.views.reading import attractors_of, job_of, panel_of
+from worker.views.reading import attractors_of, basin_of, job_of
 
 # Cells either way that the longest distance of `uncertainty_exponent`, 16 on both sides, needs.
 _LEAST_SIDE = 33
 
 
-def measure_panels(dataset: xr.Dataset, tolerance: float = 1e-6) -> xr.Dataset:
+def measure_basins(dataset: xr.Dataset, tolerance: float = 1e-6) -> xr.Dataset:
     """Measures of each basin of a sweep, or of a single one.
 
     Parameters
@@ -60,39 +60,39 @@ def measure_panels(dataset: xr.Dataset, tolerance: float = 1e-6) -> xr.Dataset:
         raise InvalidJob(f"the measures need {_LEAST_SIDE} x {_LEAST_SIDE} cells at least, not {job.grid.shape}")
     names = [swept.parameter for swept in job.vary]
     measured = [
-        _measures(panel_of(dataset, **dict(zip(names, values, strict=True))), tolerance)
+        _measures(basin_of(dataset, **dict(zip(names, values, strict=True))), tolerance)
         for values in itertools.product(*(swept.values for swept in job.vary))
     ]
-    shape = job.panel_shape
+    shape = job.sweep_shape
     variables = {
-        name: ((*names, *dims), np.reshape([panel[name][1] for panel in measured], (*shape, *np.shape(first))))
+        name: ((*names, *dims), np.reshape([basin[name][1] for basin in measured], (*shape, *np.shape(first))))
         for name, (dims, first) in measured[0].items()
     }
     coordinates = {name: dataset[name] for name in (*names, "time", "name") if name in dataset}
     return xr.Dataset(variables, coordinates)
 
 
-def _measures(panel: xr.Dataset, tolerance: float) -> dict[str, tuple[tuple[str, ...], np.ndarray | float]]:
+def _measures(basin: xr.Dataset, tolerance: float) -> dict[str, tuple[tuple[str, ...], np.ndarray | float]]:
     """Dimensions and values of the measures of one basin."""
-    job, attractors = job_of(panel), attractors_of(panel)
+    job, attractors = job_of(basin), attractors_of(basin)
     scale = float(grazing_velocity(job.oscillator, job.grid.time_centres()).max())
     of_solutions = {name: np.full(len(attractors), np.nan) for name in _OF_SOLUTIONS}
-    of_panel, quiet = dict.fromkeys(_OF_PANEL, np.nan), np.full(job.grid.time_cells, np.nan)
-    if bool((panel.tile_state == TileState.ASSEMBLED).all()):
-        solution = panel.solution.values
-        for index in np.flatnonzero(panel.share.notnull().values).tolist():
+    of_basin, quiet = dict.fromkeys(_OF_PANEL, np.nan), np.full(job.grid.time_cells, np.nan)
+    if bool((basin.tile_state == TileState.ASSEMBLED).all()):
+        solution = basin.solution.values
+        for index in np.flatnonzero(basin.share.notnull().values).tolist():
             disc = integrity_factor(solution, job.grid, index, velocity_scale=scale)
             local = local_integrity_measure(solution, job.grid, attractors, index, velocity_scale=scale)
-            for name, value in zip(_OF_SOLUTIONS, (float(panel.share[index]), local, disc.radius), strict=True):
+            for name, value in zip(_OF_SOLUTIONS, (float(basin.share[index]), local, disc.radius), strict=True):
                 of_solutions[name][index] = value
         entropy, fit = basin_entropy(solution), uncertainty_exponent(solution, wraps=job.grid.wraps)
         values = entropy.basin_entropy, entropy.boundary_entropy, fit.exponent, fit.error
-        of_panel = dict(zip(_OF_PANEL, values, strict=True))
+        of_basin = dict(zip(_OF_PANEL, values, strict=True))
         if job.grid.velocity_start == 0.0:
             quiet = least_disturbance(job.oscillator, attractors, solution, job.grid, tolerance).velocity
     return (
         {name: (("attractor",), values) for name, values in of_solutions.items()}
-        | {name: ((), value) for name, value in of_panel.items()}
+        | {name: ((), value) for name, value in of_basin.items()}
         | {"velocity_scale": ((), scale), "least_disturbance": (("time",), quiet)}
     )
 

@@ -19,10 +19,10 @@ _MOST_POINTS = 3000
 
 @dataclass(frozen=True)
 class PanelOutline:
-    """A panel, but for its cells.
+    """A basin, but for its cells.
 
     ``solutions`` are those of the whole store, by number, with the panel's own points (none where it has no such
-    solution) and ``shares`` (NaN until the panel is complete); ``states`` are `TileState` codes of the panel's tiles,
+    solution) and ``shares`` (NaN until the basin is complete); ``states`` are `TileState` codes of the panel's tiles,
     the first of which has the number ``first_tile``. ``curve`` holds phases and speeds of the grazing curve.
     """
 
@@ -37,57 +37,57 @@ class PanelOutline:
     curve: tuple[np.ndarray, np.ndarray]
 
 
-def open_cells(location: str, panel: int = 0) -> BasinStore:
-    """Store of a grid of cells that has such a panel.
+def open_cells(location: str, basin: int = 0) -> BasinStore:
+    """Store of a grid of cells that has such a basin.
 
     Raises
     ------
     InvalidJob
-        Where there is no such panel, or the store is of a sample.
+        Where there is no such basin, or the store is of a sample.
     StoreConflict, StoreFailed
         Where there is no basin's store, or it cannot be read.
     """
     store = BasinStore(location)
     if store.job.sample is not None:
         raise InvalidJob("a sample has no cells, and so no tiles: picture.png draws its points")
-    if not 0 <= panel < store.job.panels:
-        raise InvalidJob(f"panel {panel} is none of the job's {store.job.panels}, which count from 0")
+    if not 0 <= basin < store.job.basins:
+        raise InvalidJob(f"basin {basin} is none of the job's {store.job.basins}, which count from 0")
     return store
 
 
-def catalogue_of(store: BasinStore, table: SolutionTable, panel: int) -> dict[int, Attractor]:
-    """Solutions of a panel by number, with its own points; of the first panel as soon as they are known."""
-    numbers = table.numbers_in(panel) or (list(range(len(table.motions))) if panel == 0 else [])
-    return dict(zip(numbers, store.read_catalogue(panel, table, numbers), strict=True)) if numbers else {}
+def catalogue_of(store: BasinStore, table: SolutionTable, basin: int) -> dict[int, Attractor]:
+    """Solutions of a basin by number, with its own points; of the first basin as soon as they are known."""
+    numbers = table.numbers_in(basin) or (list(range(len(table.motions))) if basin == 0 else [])
+    return dict(zip(numbers, store.read_catalogue(basin, table, numbers), strict=True)) if numbers else {}
 
 
-def outline_panel(location: str, panel: int) -> PanelOutline:
-    """Outline of a panel of the store at a location, finished or not.
+def outline_basin(location: str, basin: int) -> PanelOutline:
+    """Outline of a basin of the store at a location, finished or not.
 
     Raises
     ------
     InvalidJob
-        Where there is no such panel, or the store is of a sample.
+        Where there is no such basin, or the store is of a sample.
     StoreConflict, StoreFailed
         Where there is no basin's store, or it cannot be read.
     """
-    store = open_cells(location, panel)
+    store = open_cells(location, basin)
     table = store.read_solutions()
-    tiles = store.tiling.numbers_of(panel)
+    tiles = store.tiling.numbers_of(basin)
     states = store.read_ledger()[tiles]
     everywhere = representatives(store, table)
-    there = catalogue_of(store, table, panel)
-    grid, oscillator = store.job.grid, store.job.oscillator_of(panel)
+    there = catalogue_of(store, table, basin)
+    grid, oscillator = store.job.grid, store.job.oscillator_of(basin)
     phases = np.linspace(grid.time_start, grid.time_stop, _CURVE_POINTS)
     return PanelOutline(
-        values=store.job.values_of(panel),
+        values=store.job.values_of(basin),
         oscillator=oscillator,
         tiling=store.tiling,
         first_tile=tiles.start,
         states=tuple(states.tolist()),
         complete=bool((states == TileState.ASSEMBLED).all()),
         solutions=tuple(_thinned(there.get(i) or _without_points(each)) for i, each in enumerate(everywhere)),
-        shares=tuple(table.share[panel].tolist()),
+        shares=tuple(table.share[basin].tolist()),
         curve=(phases, grazing_velocity(oscillator, phases)),
     )
 

@@ -5,13 +5,13 @@ from worker.pictures.overlay_kind import OverlayKind, overlays_for
 from worker.views.outline import catalogue_of, open_cells
 
 
-def overlay_panel(location: str, panel: int, kind: OverlayKind) -> tuple[Overlay, ...]:
-    """Overlays of one kind for a panel of the store at a location.
+def overlay_basin(location: str, basin: int, kind: OverlayKind) -> tuple[Overlay, ...]:
+    """Overlays of one kind for a basin of the store at a location.
 
     Parameters
     ----------
     location : str
-    panel : int
+    basin : int
     kind : OverlayKind
 
     Returns
@@ -22,11 +22,11 @@ def overlay_panel(location: str, panel: int, kind: OverlayKind) -> tuple[Overlay
     Raises
     ------
     InvalidJob
-        Where there is no such panel, or its model has no such overlay.
+        Where there is no such basin, or its model has no such overlay.
     StoreConflict, StoreFailed
         Where there is no basin's store, or it cannot be read.
     """
-    store = open_cells(location, panel)
-    catalogue = catalogue_of(store, store.read_solutions(), panel)
+    store = open_cells(location, basin)
+    catalogue = catalogue_of(store, store.read_solutions(), basin)
     attractors = tuple(catalogue[number] for number in sorted(catalogue))
-    return overlays_for((kind,), store.job.oscillator_of(panel), attractors, (0.0, store.job.grid.velocity_stop))
+    return overlays_for((kind,), store.job.oscillator_of(basin), attractors, (0.0, store.job.grid.velocity_stop))

@@ -5,7 +5,7 @@
     basin_entropy(basin.solution)               # the measures of `rattle_kernels` take its arrays as they are
     integrity_factor(basin.solution, job_of(basin).grid, velocity_scale=1.0)
     least_disturbance(job_of(basin).oscillator, attractors_of(basin), basin.solution, job_of(basin).grid)
-    panel_of(sweep, damping=0.6)                # one basin of a sweep, for all of the above
+    basin_of(sweep, damping=0.6)                # one basin of a sweep, for all of the above
 
 `worker.pictures.picture` draws the same as a PNG without a notebook.
 """
@@ -77,7 +77,7 @@ def job_of(dataset: xr.Dataset) -> BasinJob:
     return BasinJob.from_request(json.loads(dataset.attrs["request"]))
 
 
-def panel_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
+def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
     """One basin of a sweep, as if it had been opened alone; solutions keep the numbers that they have in the sweep.
 
     Parameters
@@ -85,7 +85,7 @@ def panel_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
     dataset : xarray.Dataset
         Of `open_basin`.
     **values : float
-        Of every swept parameter: ``panel_of(sweep, damping=0.6)``. Of a single basin none, and it is returned.
+        Of every swept parameter: ``basin_of(sweep, damping=0.6)``. Of a single basin none, and it is returned.
 
     Returns
     -------
@@ -118,7 +118,7 @@ def _index_of(swept: SweptParameter, value: float) -> int:
 def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
     """Catalogue of attractors that ``solution`` points into; empty before assembly.
 
-    Solutions that a panel of a sweep lacks are there without points: numbers and colours are those of the sweep.
+    Solutions that a basin of a sweep lacks are there without points: numbers and colours are those of the sweep.
     """
     if "kind" not in dataset:
         return ()

@@ -31,7 +31,7 @@ def read_tile_labels(location: str, number: int, every: int = 1) -> TileLabels |
     location : str
         The store.
     number : int
-        Of the tile, counted through all panels.
+        Of the tile, counted through all basins.
     every : int
         Only the cells whose row and whose column in the whole grid are multiples of this: labels are not averaged.
 

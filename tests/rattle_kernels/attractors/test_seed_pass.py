@@ -1,9 +1,9 @@
-"""The scout pass finds what to be trapped by where damping is weak, and keeps out of the way elsewhere."""
+"""The seed pass finds what to be trapped by where damping is weak, and keeps out of the way elsewhere."""
 
 import numpy as np
 
 from rattle_kernels import NO_TRAPS, CellGrid, Oscillator, map_points
-from rattle_kernels.attractors.seed_pass import scouted_traps
+from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from worker.jobs.basin_job import BasinJob
 
 WEAK = Oscillator(6e-3, 1e-3, 6e-3)
@@ -11,13 +11,13 @@ WINDOW = CellGrid(0.0, 1.0, 1000, 0.0, 0.072, 1000)
 
 
 def test_the_papers_damping_and_small_jobs_are_not_scouted():
-    assert scouted_traps(Oscillator(), CellGrid(), 1499, 1_000_000) is NO_TRAPS
-    assert scouted_traps(WEAK, WINDOW, 150_001, 100) is NO_TRAPS
+    assert traps_of_seeds(Oscillator(), CellGrid(), 1499, 1_000_000) is NO_TRAPS
+    assert traps_of_seeds(WEAK, WINDOW, 150_001, 100) is NO_TRAPS
 
 
 def test_scouted_traps_shorten_what_they_do_not_change():
     iterations = BasinJob(WEAK, WINDOW).iterations
-    traps = scouted_traps(WEAK, WINDOW, iterations, WINDOW.cells)
+    traps = traps_of_seeds(WEAK, WINDOW, iterations, WINDOW.cells)
     assert traps.period.size >= 3
     rng = np.random.default_rng(1)
     t, v = rng.random(200), rng.random(200) * 0.072

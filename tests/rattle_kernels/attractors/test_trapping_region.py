@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rattle_kernels import CellGrid, Oscillator, find_attractors, map_points
-from rattle_kernels.attractors.trapping_region import find_trap, set_traps
+from rattle_kernels.attractors.trapping_region import build_trap_table, find_trap
 from rattle_kernels.cell_mapping.iterations import settled_iterations
 from rattle_kernels.lanes.run import next_impacts, run_lanes
 from rattle_kernels.lanes.tables import lane_tables
@@ -30,7 +30,7 @@ def known_attractors(oscillator, count=150):
 @pytest.mark.parametrize("oscillator", ROAD, ids=str)
 def test_images_are_those_of_the_plain_loop(oscillator):
     grid = CellGrid(0.0, 1.0, 1000, 0.0, 12.0 * oscillator.damping, 1000)
-    traps = set_traps(oscillator, known_attractors(oscillator))
+    traps = build_trap_table(oscillator, known_attractors(oscillator))
     t, v = points(oscillator, 150)
     caught = map_points(oscillator, grid, ITERATIONS, t, v, traps=traps)
     plain = map_points(oscillator, grid, ITERATIONS, t, v, shortcuts=False)
@@ -45,7 +45,9 @@ def test_images_at_the_machines_own_damping_are_those_of_the_plain_loop():
     iterations, (t, v) = settled_iterations(MACHINE.damping), points(MACHINE, 64)
     waited = map_points(MACHINE, grid, iterations, t, v)
     there = np.isfinite(waited.landing_time)
-    traps = set_traps(MACHINE, find_attractors(MACHINE, waited.landing_time[there], waited.landing_velocity[there]))
+    traps = build_trap_table(
+        MACHINE, find_attractors(MACHINE, waited.landing_time[there], waited.landing_velocity[there])
+    )
     caught = map_points(MACHINE, grid, iterations, t, v, traps=traps)
     plain = map_points(MACHINE, grid, iterations, t, v, shortcuts=False)
     np.testing.assert_array_equal(caught.image_cell, plain.image_cell)
@@ -60,7 +62,7 @@ def test_traps_at_the_machines_damping_are_wide_and_contract(speed, period):
     angles = np.linspace(0.0, 2.0 * np.pi, 333, endpoint=False)
     dt, dv = np.linalg.inv(trap.frame) @ (0.5 * trap.radius * np.array([np.cos(angles), np.sin(angles)]))
     after = next_impacts(MACHINE, orbit.t[0] + dt, orbit.v[0] + dv, 200 * period)
-    traps = set_traps(MACHINE, (attractor_of(orbit),))
+    traps = build_trap_table(MACHINE, (attractor_of(orbit),))
     start, end = (
         np.array([potential_in(traps, 0, *point) for point in zip(t, v, strict=True)])
         for t, v in ((orbit.t[0] + dt, orbit.v[0] + dv), (after.t, after.v))
@@ -84,7 +86,7 @@ def test_traps_leave_chaos_and_the_paper_s_images_alone():
     oscillator = Oscillator()
     grid = CellGrid(velocity_cells=200, time_cells=200)
     t, v = points(oscillator, 300)
-    traps = set_traps(oscillator, known_attractors(oscillator))
+    traps = build_trap_table(oscillator, known_attractors(oscillator))
     caught = map_points(oscillator, grid, 1499, t, v, traps=traps)
     plain = map_points(oscillator, grid, 1499, t, v)
     np.testing.assert_array_equal(caught.image_cell, plain.image_cell)

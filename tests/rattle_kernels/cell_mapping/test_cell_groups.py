@@ -116,10 +116,10 @@ def rectangle_start(rectangle):
     return tuple(start for start, _ in rectangle)
 
 
-@pytest.mark.parametrize("stranger", [5, 64_000])
-def test_an_image_set_that_is_not_closed_is_refused(stranger):
-    with pytest.raises(ValueError, match=f"image {stranger} is no member"):
-        groups_of(image_set(9, [1, 2]), np.array([-1, 2, stranger]))
+@pytest.mark.parametrize("missing", [5, 64_000])
+def test_an_image_set_that_is_not_closed_is_refused(missing):
+    with pytest.raises(ValueError, match=f"image {missing} is no member"):
+        groups_of(image_set(9, [1, 2]), np.array([-1, 2, missing]))
 
 
 def test_a_map_without_periodic_cells_has_only_reserved_groups():

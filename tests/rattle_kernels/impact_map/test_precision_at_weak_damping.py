@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rattle_kernels import CellGrid, Oscillator, map_points, next_impacts, set_traps
+from rattle_kernels import CellGrid, Oscillator, build_trap_table, map_points, next_impacts
 from rattle_kernels.lanes.traps import potential_in
 from tests.rattle_kernels.impact_map.extended_precision import run_extended
 from tests.rattle_kernels.machine import MACHINE, attractor_of, orbit_near
@@ -23,7 +23,7 @@ def test_the_map_is_good_to_1e_13():
 @pytest.mark.parametrize(("speed", "period"), [(2.475, 2), (2.0 * np.pi, 1)])
 def test_energy_after_many_impacts_is_that_of_extended_precision(speed, period):
     orbit, impacts = orbit_near(speed, period), 1500 * period
-    traps = set_traps(MACHINE, (attractor_of(orbit),))
+    traps = build_trap_table(MACHINE, (attractor_of(orbit),))
     t, v = orbit.t[0] + 2e-3, orbit.v[0] * (1.0 + 1e-3)
     double = next_impacts(MACHINE, t, v, impacts)
     _, exact, elapsed = run_extended(MACHINE, t, v, impacts)

@@ -21,8 +21,8 @@ def finished(service):
     return service.wait(service.submit(SMALL)["id"])
 
 
-def outline(service, job, panel=0):
-    return service.request("GET", f"/v1/jobs/{job['id']}/outline?panel={panel}").json()
+def outline(service, job, basin=0):
+    return service.request("GET", f"/v1/jobs/{job['id']}/outline?panel={basin}").json()
 
 
 def tile(service, job, number, every=1):
@@ -134,7 +134,7 @@ def test_every_example_of_the_page_is_a_request_of_the_paper(service):
     }
     for name, stiffness in {"fig6a": 1e2, "fig6d": 1e5, "fig7top": 1e6, "fig7bottom": math.inf}.items():
         assert jobs[name].oscillator == papers_oscillator(stiffness) and jobs[name].iterations == 1499
-    assert [job.panels for job in (jobs["fig8"], jobs["fig9"])] == [9, 9]
+    assert [job.basins for job in (jobs["fig8"], jobs["fig9"])] == [9, 9]
     assert jobs["fig12"].oscillator.damping == 0.527 and jobs["fig13b"].oscillator.damping == 0.5922
 
 

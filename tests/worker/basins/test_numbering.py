@@ -33,8 +33,8 @@ def chaos(speed, points=300):
 
 def numbered(catalogues, job=JOB):
     table = SolutionTable.empty(job)
-    numbering = Numbering(job, table, lambda panel: pytest.fail(f"panel {panel} was numbered in this run"))
-    return table, [numbering.assign(panel, tuple(catalogue)) for panel, catalogue in enumerate(catalogues)]
+    numbering = Numbering(job, table, lambda basin: pytest.fail(f"basin {basin} was numbered in this run"))
+    return table, [numbering.assign(basin, tuple(catalogue)) for basin, catalogue in enumerate(catalogues)]
 
 
 def test_the_first_panels_catalogue_is_its_own_numbering():
@@ -43,25 +43,25 @@ def test_the_first_panels_catalogue_is_its_own_numbering():
 
 
 def test_an_orbit_is_continued_by_newton_also_where_no_cell_ends_in_it():
-    _, panels = numbered([[QUIET, rattle(0.58)], [QUIET], [QUIET, rattle(0.62)]])
-    assert [panel.numbers for panel in panels] == [[0, 1], [0, 1], [0, 1]]
-    assert panels[1].attractors[1].velocity.tolist() == pytest.approx([1.2 * np.pi])
+    _, basins = numbered([[QUIET, rattle(0.58)], [QUIET], [QUIET, rattle(0.62)]])
+    assert [basin.numbers for basin in basins] == [[0, 1], [0, 1], [0, 1]]
+    assert basins[1].attractors[1].velocity.tolist() == pytest.approx([1.2 * np.pi])
 
 
 def test_the_closest_of_one_kind_are_the_same():
-    _, panels = numbered([[QUIET, chaos(1.0), chaos(4.0)], [QUIET, chaos(4.1), chaos(1.1)]])
-    assert panels[1].numbers == [0, 2, 1]
+    _, basins = numbered([[QUIET, chaos(1.0), chaos(4.0)], [QUIET, chaos(4.1), chaos(1.1)]])
+    assert basins[1].numbers == [0, 2, 1]
 
 
 def test_what_comes_back_has_its_old_number():
-    _, panels = numbered([[QUIET, chaos(1.0)], [QUIET], [QUIET, chaos(3.0)], [QUIET, chaos(3.0), chaos(1.0)]])
-    assert [panel.numbers for panel in panels] == [[0, 1], [0], [0, 1], [0, 1, 2]]
+    _, basins = numbered([[QUIET, chaos(1.0)], [QUIET], [QUIET, chaos(3.0)], [QUIET, chaos(3.0), chaos(1.0)]])
+    assert [basin.numbers for basin in basins] == [[0, 1], [0], [0, 1], [0, 1, 2]]
 
 
 def test_what_dies_and_is_born_is_listed_with_its_interval():
-    table, panels = numbered([[QUIET, chaos(1.0)], [QUIET], [QUIET, chaos(3.0)]])
-    for panel, each in enumerate(panels):
-        table.enter(panel, each.numbers, each.attractors, np.zeros(len(each.numbers)))
+    table, basins = numbered([[QUIET, chaos(1.0)], [QUIET], [QUIET, chaos(3.0)]])
+    for basin, each in enumerate(basins):
+        table.enter(basin, each.numbers, each.attractors, np.zeros(len(each.numbers)))
     columns = [column.tolist() for column in list_changes(JOB, table)]
     assert [row[:5] for row in zip(*columns, strict=True)] == [
         (2, 1, "damping", 0.58, 0.6), (1, 1, "damping", 0.6, 0.62),
@@ -71,19 +71,19 @@ def test_what_dies_and_is_born_is_listed_with_its_interval():
 def test_numbering_goes_on_from_what_was_read():
     catalogues = [[QUIET, rattle(0.58), chaos(1.0)], [QUIET, chaos(1.1)], [QUIET, chaos(1.2), chaos(4.0)]]
     table, whole = numbered(catalogues)
-    for panel, each in enumerate(whole):
-        table.enter(panel, each.numbers, each.attractors, np.zeros(len(each.numbers)))
+    for basin, each in enumerate(whole):
+        table.enter(basin, each.numbers, each.attractors, np.zeros(len(each.numbers)))
     table.forget_after(2)
     assert len(table.motions) == 3
-    resumed = Numbering(JOB, table, lambda panel: Numbered(whole[panel].attractors, whole[panel].numbers))
+    resumed = Numbering(JOB, table, lambda basin: Numbered(whole[basin].attractors, whole[basin].numbers))
     assert resumed.assign(2, tuple(catalogues[2])).numbers == whole[2].numbers
 
 
 def test_over_two_parameters_what_the_last_does_not_have_the_first_has():
     vary = SweptParameter("half_backlash", (0.6, 0.61)), SweptParameter("damping", (0.58, 0.6))
     job = BasinJob(vary=vary)
-    _, panels = numbered([[QUIET], [QUIET, chaos(1.0)], [QUIET], [QUIET, chaos(1.2), chaos(4.0)]], job)
-    assert [panel.numbers for panel in panels] == [[0], [0, 1], [0], [0, 1, 2]]
+    _, basins = numbered([[QUIET], [QUIET, chaos(1.0)], [QUIET], [QUIET, chaos(1.2), chaos(4.0)]], job)
+    assert [basin.numbers for basin in basins] == [[0], [0, 1], [0], [0, 1, 2]]
 
 
 def test_only_an_attracting_orbit_of_the_same_itinerary_is_a_continuation():

@@ -48,12 +48,12 @@ def test_a_sweep_has_the_swept_parameter_as_leading_dimension(undisturbed):
             np.testing.assert_allclose(np.nan_to_num(sweep.share.values[:, number]), counted)
 
 
-@pytest.mark.parametrize("panel", range(len(DAMPINGS)))
-def test_each_basin_is_the_one_computed_alone(client, undisturbed, tmp_path, panel):
-    alone = BasinJob(Oscillator(damping=DAMPINGS[panel]), GRID, 499)
+@pytest.mark.parametrize("basin", range(len(DAMPINGS)))
+def test_each_basin_is_the_one_computed_alone(client, undisturbed, tmp_path, basin):
+    alone = BasinJob(Oscillator(damping=DAMPINGS[basin]), GRID, 499)
     run(alone, tmp_path / "alone.zarr", client)
     with xr.open_zarr(tmp_path / "alone.zarr") as one, xr.open_zarr(undisturbed[0]) as many:
-        same = many.isel(damping=panel)
+        same = many.isel(damping=basin)
         for name in ("image_cell", "landing_time", "landing_velocity", "group", "period", "step", "grazing_velocity"):
             np.testing.assert_array_equal(one[name].values, same[name].values)
         names = one.name.values[one.solution.values], many.name.values[same.solution.values]
@@ -77,7 +77,7 @@ def test_the_same_motion_keeps_its_number(undisturbed):
     names = [attractor.name for attractor in summary.attractors]
     number = names.index("P(1,1,0)")
     # Balance of impulses: P(1,1,0) is there with v = 2 pi delta at all dampings but the largest.
-    assert [number in panel.shares for panel in summary.panels] == [True, True, True, True, False]
+    assert [number in basin.shares for basin in summary.basins] == [True, True, True, True, False]
     assert names.count("P(1,1,0)") == 1 and names[0] == "permanent contact"
     deaths = {(each.kind.name, each.solution, each.before, each.after) for each in summary.changes}
     assert ("DEATH", number, 0.65, 0.7) in deaths
@@ -122,7 +122,7 @@ def test_a_cancelled_sweep_is_readable_basin_by_basin_and_resumes_to_the_same_by
     with pytest.raises(JobCancelled):
         run(JOB, location, client, report=cancel_soon, cancel=cancel)
     partial = summarise(str(location))
-    complete = [panel.complete for panel in partial.panels]
+    complete = [basin.complete for basin in partial.basins]
     assert not partial.complete and complete == [True] * sum(complete) + [False] * (5 - sum(complete))
     assert sum(complete) >= done
     with xr.open_zarr(location) as sweep, xr.open_zarr(undisturbed[0]) as whole:
@@ -164,7 +164,7 @@ def test_few_tasks_are_in_flight_and_few_panels_under_way_however_many_there_are
 
     def watched_take(run, task, receipt):
         futures[:] = [future for future in futures if not future.done()]
-        under_way.append(len(run.panels))
+        under_way.append(len(run.basins))
         take(run, task, receipt)
 
     monkeypatch.setattr(client, "submit", watched_submit)
@@ -178,7 +178,7 @@ def test_two_parameters_make_two_leading_dimensions(client, tmp_path):
     vary = SweptParameter("eccentricity", (0.09, 0.1)), SweptParameter("damping", (0.5, 0.55, 0.6))
     job = BasinJob(grid=CellGrid(time_cells=30, velocity_cells=30), iterations=101, vary=vary)
     summary = run(job, tmp_path / "sweep.zarr", client)
-    assert [panel.values for panel in summary.panels][1] == {"eccentricity": 0.09, "damping": 0.55}
+    assert [basin.values for basin in summary.basins][1] == {"eccentricity": 0.09, "damping": 0.55}
     with xr.open_zarr(tmp_path / "sweep.zarr") as sweep:
         assert sweep.solution.dims == ("eccentricity", "damping", "velocity", "time")
         assert sweep.share.shape[:2] == (2, 3)

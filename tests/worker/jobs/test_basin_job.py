@@ -43,8 +43,8 @@ def test_a_sweep_survives_the_way_through_its_request():
     for sample in (None, Sample(100, 7)):
         job = BasinJob(Oscillator(0.9, 0.3), CellGrid(time_cells=3, velocity_cells=4), 7, vary, sample)
         assert BasinJob.from_request(json.loads(json.dumps(job.request()))) == job
-        assert (job.panels, job.panel_shape) == (6, (2, 3))
-        assert [job.place_of(panel) for panel in range(6)] == [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2)]
+        assert (job.basins, job.sweep_shape) == (6, (2, 3))
+        assert [job.place_of(basin) for basin in range(6)] == [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2)]
         assert job.oscillator_of(4) == Oscillator(0.6, 0.1)
 
 

@@ -77,6 +77,6 @@ def test_a_sweep_of_samples_is_the_same_twice(client, tmp_path):
     first = run(job, tmp_path / "one.zarr", client)
     run(job, tmp_path / "two.zarr", client)
     assert content(tmp_path / "one.zarr") == content(tmp_path / "two.zarr")
-    assert all(panel.errors.keys() == panel.shares.keys() for panel in first.panels)
+    assert all(basin.errors.keys() == basin.shares.keys() for basin in first.basins)
     with xr.open_zarr(tmp_path / "one.zarr") as sample:
         assert sample.solution.dims == ("damping", "sample") and sample.tile_state.dims == ("damping", "tile")

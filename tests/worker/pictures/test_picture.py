@@ -98,11 +98,11 @@ def sweep(tmp_path):
     table = SolutionTable.empty(job)
     numbers = [table.append(motion_of(attractor)) for attractor in (QUIET, RATTLE)]
     store.make_room(table, 1)
-    for panel in range(3):
-        solution = np.full(job.grid.shape, panel % 2, np.int16)
-        store.write_tile((*LABELLED, SOLUTION), store.tiling.tile(panel), (solution, solution, solution, solution))
-        table.enter(panel, numbers, (QUIET, RATTLE), np.array([1.0 - panel % 2, panel % 2]))
-        store.write_points(panel, numbers, (QUIET, RATTLE))
+    for basin in range(3):
+        solution = np.full(job.grid.shape, basin % 2, np.int16)
+        store.write_tile((*LABELLED, SOLUTION), store.tiling.tile(basin), (solution, solution, solution, solution))
+        table.enter(basin, numbers, (QUIET, RATTLE), np.array([1.0 - basin % 2, basin % 2]))
+        store.write_points(basin, numbers, (QUIET, RATTLE))
     store.write_solutions(table)
     states = np.full(store.tiling.tiles, TileState.ASSEMBLED)
     states[3] = TileState.PENDING

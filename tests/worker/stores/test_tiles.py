@@ -51,23 +51,23 @@ def test_a_very_large_map_has_tiles_that_fit_in_memory():
 
 
 def test_of_many_small_panels_a_tile_is_a_whole_one():
-    tiling = cut(CellGrid(time_cells=200, velocity_cells=200), 1499, panels=1000)
-    assert (tiling.tiles_of_panel, tiling.tiles) == (1, 1000)
-    assert cut(CellGrid(time_cells=200, velocity_cells=200), 1499).tiles_of_panel > 1
+    tiling = cut(CellGrid(time_cells=200, velocity_cells=200), 1499, basins=1000)
+    assert (tiling.tiles_of_basin, tiling.tiles) == (1, 1000)
+    assert cut(CellGrid(time_cells=200, velocity_cells=200), 1499).tiles_of_basin > 1
 
 
 def test_tiles_are_numbered_panel_by_panel():
-    tiling = cut(CellGrid(time_cells=400, velocity_cells=400), 1499, panels=3)
-    numbers = [number for panel in range(3) for number in tiling.numbers_of(panel)]
+    tiling = cut(CellGrid(time_cells=400, velocity_cells=400), 1499, basins=3)
+    numbers = [number for basin in range(3) for number in tiling.numbers_of(basin)]
     assert numbers == list(range(tiling.tiles))
-    panels = [tiling.tile(number).panel for number in numbers]
-    assert panels == sorted([0, 1, 2] * tiling.tiles_of_panel)
-    assert tiling.tile(numbers[-1])[:4] == tiling.tile(tiling.tiles_of_panel - 1)[:4]
+    basins = [tiling.tile(number).basin for number in numbers]
+    assert basins == sorted([0, 1, 2] * tiling.tiles_of_basin)
+    assert tiling.tile(numbers[-1])[:4] == tiling.tile(tiling.tiles_of_basin - 1)[:4]
 
 
 @given(st.integers(1, 100_000), st.sampled_from([1, 1499]), st.integers(1, 50))
-def test_a_sample_is_cut_into_powers_of_two(points, iterations, panels):
-    tiling = cut_row(CellGrid(time_cells=points, velocity_cells=1), iterations, panels)
+def test_a_sample_is_cut_into_powers_of_two(points, iterations, basins):
+    tiling = cut_row(CellGrid(time_cells=points, velocity_cells=1), iterations, basins)
     assert tiling.tile_columns.bit_count() == 1
     covered = [tiling.tile(number).columns for number in tiling.numbers_of(0)]
     assert covered[0][0] == 0 and covered[-1][1] == points

@@ -16,7 +16,7 @@ from worker.errors import InvalidJob, StoreConflict
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
-from worker.views.reading import attractors_of, job_of, open_basin, panel_of, plot_basin
+from worker.views.reading import attractors_of, basin_of, job_of, open_basin, plot_basin
 
 
 @pytest.fixture(autouse=True)
@@ -110,20 +110,20 @@ def sweep(client, tmp_path_factory):
         yield dataset
 
 
-def test_a_panel_of_a_sweep_is_read_like_a_basin_of_its_own(sweep, client, tmp_path):
-    alone = BasinJob(Oscillator(damping=0.575, eccentricity=0.1), SWEEP.grid, 499)
-    run(alone, tmp_path / "alone.zarr", client)
-    panel = panel_of(sweep, damping=0.575, eccentricity=0.1 + 1e-15)
-    with open_basin(tmp_path / "alone.zarr") as basin:
-        assert job_of(panel) == alone and panel.attrs["request_sha256"] == basin.attrs["request_sha256"]
-        assert basin_entropy(panel.solution) == basin_entropy(basin.solution)
-        names = (np.array([motion.name for motion in attractors_of(each)]) for each in (panel, basin))
-        np.testing.assert_array_equal(*(name[each.solution] for name, each in zip(names, (panel, basin), strict=True)))
-        assert panel_of(basin).identical(basin)
+def test_a_basin_of_a_sweep_is_read_like_one_computed_alone(sweep, client, tmp_path):
+    job = BasinJob(Oscillator(damping=0.575, eccentricity=0.1), SWEEP.grid, 499)
+    run(job, tmp_path / "alone.zarr", client)
+    basin = basin_of(sweep, damping=0.575, eccentricity=0.1 + 1e-15)
+    with open_basin(tmp_path / "alone.zarr") as alone:
+        assert job_of(basin) == job and basin.attrs["request_sha256"] == alone.attrs["request_sha256"]
+        assert basin_entropy(basin.solution) == basin_entropy(alone.solution)
+        names = (np.array([motion.name for motion in attractors_of(each)]) for each in (basin, alone))
+        np.testing.assert_array_equal(*(name[each.solution] for name, each in zip(names, (basin, alone), strict=True)))
+        assert basin_of(alone).identical(alone)
 
 
 def test_a_panel_is_drawn_with_its_own_solutions_in_the_colours_of_the_sweep(sweep):
-    quiet, rattle = (panel_of(sweep, damping=0.575, eccentricity=value) for value in (0.05, 0.1))
+    quiet, rattle = (basin_of(sweep, damping=0.575, eccentricity=value) for value in (0.05, 0.1))
     listed = [text.get_text() for text in plot_basin(quiet).get_legend().get_texts()]
     assert listed == ["permanent contact   100.00 %"]
     assert [motion.time.size for motion in attractors_of(quiet)] == [0] * sweep.sizes["attractor"]
@@ -139,9 +139,9 @@ def test_a_panel_is_drawn_with_its_own_solutions_in_the_colours_of_the_sweep(swe
 )
 def test_a_panel_takes_one_value_of_each_swept_parameter(sweep, values):
     with pytest.raises(InvalidJob, match="swept is damping, eccentricity"):
-        panel_of(sweep, **values)
+        basin_of(sweep, **values)
 
 
 def test_a_value_that_is_not_swept_is_refused(sweep):
     with pytest.raises(InvalidJob, match=r"damping takes the values 0\.575, 0\.6"):
-        panel_of(sweep, damping=0.59, eccentricity=0.1)
+        basin_of(sweep, damping=0.59, eccentricity=0.1)

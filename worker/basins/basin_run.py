@@ -4,7 +4,7 @@
                                  ^       |
                                  +-------+ the catalogue is extended by landing points that arrived at none of it
 
-Nothing here depends on other panels, nor on the order in which receipts come.
+Nothing here depends on other basins, nor on the order in which receipts come.
 """
 
 from collections.abc import Callable
@@ -14,12 +14,12 @@ import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind
 from rattle_kernels.attractors.attractor import UNDECIDED_ATTRACTOR
-from rattle_kernels.attractors.seeds import Scouts, gather_scouts
+from rattle_kernels.attractors.seeds import Seeds, gather_seeds
 from worker.basins.tasks import (
     CatalogueReceipt,
     LabelReceipt,
     MapReceipt,
-    assemble_panel,
+    assemble_basin,
     extend_catalogue,
     label_tile,
     map_tile,
@@ -35,7 +35,7 @@ from worker.stores.layout import TileState
 _CATALOGUE_ROUNDS = 3
 
 
-class Panel:
+class BasinRun:
     """A basin under way.
 
     Parameters
@@ -45,7 +45,7 @@ class Panel:
     states : ndarray of uint8, or dict
         States of its tiles, by their numbers; what has been computed is surveyed, not computed again.
     numbered : bool
-        Whether the panel's own catalogue has the numbers that all panels share, as that of the first panel has.
+        Whether the panel's own catalogue has the numbers that all basins share, as that of the first basin has.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Panel:
         self._tiles = store.tiling.numbers_of(number)
         self._states = states
         self._words = np.zeros(-(-store.job.grid.cells // 64), np.uint64)
-        self._scouts: dict[int, Scouts] = {}
+        self._seeds: dict[int, Seeds] = {}
         self._labels: dict[int, LabelReceipt] = {}
         self._round = 0
         self._assembling = False
@@ -73,7 +73,7 @@ class Panel:
         ]
 
     def adopt(self, attractors: tuple[Attractor, ...], counts: np.ndarray, reserved: np.ndarray) -> None:
-        """Take over what the panel is found to be where one task has done all of it."""
+        """Take over what the basin is found to be where one task has done all of it."""
         self.attractors, self.counts, self.reserved, self.solved = attractors, counts, reserved, True
 
     @property
@@ -88,14 +88,14 @@ class Panel:
         """Tiles that have passed that stage."""
         if self.solved:
             return len(self._tiles)
-        return len(self._labels) if self.attractors else len(self._scouts)
+        return len(self._labels) if self.attractors else len(self._seeds)
 
     def take(self, task: Task, receipt: Any) -> list[Task]:
         """Tasks that can be done now that one has been."""
         taken_by: dict[Callable[..., Any], Callable[[int, Any], list[Task]]] = {
             map_tile: self._mapped,
             survey_tile: self._mapped,
-            assemble_panel: self._catalogued,
+            assemble_basin: self._catalogued,
             extend_catalogue: self._extended,
             label_tile: self._labelled,
         }
@@ -103,17 +103,17 @@ class Panel:
 
     def _mapped(self, tile: int, receipt: MapReceipt) -> list[Task]:
         self._words[receipt.image_set.number] |= receipt.image_set.word
-        self._scouts[tile] = receipt.scouts
+        self._seeds[tile] = receipt.seeds
         self.reserved += receipt.reserved
-        if len(self._scouts) < len(self._tiles):
+        if len(self._seeds) < len(self._tiles):
             return []
         if self.store.job.sample is None:
             self.store.write_image_words(self.number, self._words)
         # In the order of tiles, so that nothing depends on timing.
-        scouts = gather_scouts([self._scouts[tile] for tile in self._tiles])
-        self._scouts.clear()
+        seeds = gather_seeds([self._seeds[tile] for tile in self._tiles])
+        self._seeds.clear()
         self._assembling = True
-        return [Task(assemble_panel, self.number, self.number, (scouts,))]
+        return [Task(assemble_basin, self.number, self.number, (seeds,))]
 
     def _catalogued(self, _: int, receipt: CatalogueReceipt) -> list[Task]:
         undecided = self.reserved[2] > 0
@@ -131,11 +131,11 @@ class Panel:
         if len(self._labels) < len(self._tiles):
             return []
         self.counts = np.sum([label.counts for label in self._labels.values()], axis=0)
-        strangers = gather_scouts([self._labels[tile].strangers for tile in self._tiles])
+        unassigned = gather_seeds([self._labels[tile].unassigned for tile in self._tiles])
         self._round += 1
-        if strangers.box.size and self._round < _CATALOGUE_ROUNDS:
-            return [Task(extend_catalogue, self.number, self.number, (self.attractors, strangers))]
-        return self._relabel(_with_undecided(self.attractors) if strangers.box.size else self.attractors)
+        if unassigned.box.size and self._round < _CATALOGUE_ROUNDS:
+            return [Task(extend_catalogue, self.number, self.number, (self.attractors, unassigned))]
+        return self._relabel(_with_undecided(self.attractors) if unassigned.box.size else self.attractors)
 
     def _extended(self, _: int, receipt: CatalogueReceipt) -> list[Task]:
         more = len(receipt.attractors) > len(self.attractors)
