@@ -25,8 +25,8 @@ def test_a_planted_import_is_caught(tmp_path):
     for package in PACKAGES:
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    flight = tmp_path / "rattle_kernels" / "flight.py"
-    flight.write_text(flight.read_text() + "\nimport worker.tiles\n")
+    flight = tmp_path / "rattle_kernels" / "model" / "flight.py"
+    flight.write_text(flight.read_text() + "\nimport worker.stores.tiles\n")
     answer = lint_imports(tmp_path)
     assert answer.returncode != 0 and "rattle_kernels.model.flight" in answer.stdout
 

@@ -116,7 +116,7 @@ def test_what_nobody_is_left_to_cancel_is_cancelled(jobs, monkeypatch):
 
 def test_leases_of_a_process_that_is_seen_to_be_dead_end_at_once(jobs):
     named = subprocess.run(
-        [sys.executable, "-c", "from service.replica import replica_name; print(replica_name())"],
+        [sys.executable, "-c", "from service.records.replica import replica_name; print(replica_name())"],
         capture_output=True, text=True, check=True,
     ).stdout.strip()  # fmt: skip
     left, _ = jobs.submit(a_job(10), "local")
