@@ -10,6 +10,7 @@ from rattle_kernels import warm_up, warm_up_analyses
 from tests.object_store import running_object_store
 from tests.postgresql import running_postgresql
 from tests.running_service import BACKENDS, running_service
+from worker.cluster.connection import local_cluster
 
 # Tables of commands are as wide in every terminal; asked once, when the first command is imported.
 os.environ["COLUMNS"] = "200"
@@ -47,6 +48,13 @@ def object_store(backends):
     """An S3 server, shared: tests use prefixes of their own."""
     with contextlib.nullcontext(backends.object_store) if backends.object_store else running_object_store() as server:
         yield server
+
+
+@pytest.fixture(scope="session")
+def client(object_store):
+    """Client of a cluster of two workers that find the S3 server, shared."""
+    with local_cluster(workers=2) as client:
+        yield client
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

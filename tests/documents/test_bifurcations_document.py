@@ -1,4 +1,4 @@
-"""The table of docs/bifurcations.md, computed anew."""
+"""The table of docs/theory/bifurcations.md, computed anew."""
 
 import re
 from pathlib import Path
@@ -13,7 +13,7 @@ from rattle_kernels import (
     find_orbits,
 )
 
-DOCUMENT = (Path(__file__).parents[2] / "docs" / "bifurcations.md").read_text()
+DOCUMENT = (Path(__file__).parents[2] / "docs" / "theory" / "bifurcations.md").read_text()
 ROWS = re.findall(r"^\| ([^|]+?) \| ([\d.]*) ?\| (\d\.\d{13}) \| (\S+) \|$", DOCUMENT, re.MULTILINE)
 
 

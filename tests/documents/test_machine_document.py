@@ -1,4 +1,4 @@
-"""What docs/machine.md prints is what is computed, or what the committed numbers say."""
+"""What docs/paper/machine.md prints is what is computed, or what the committed numbers say."""
 
 import itertools
 import json
@@ -8,12 +8,12 @@ import pytest
 from tests.printed import DOCUMENTS, demand_as_printed
 
 FIGURES = DOCUMENTS / "figures"
-DOCUMENT = (DOCUMENTS / "machine.md").read_text()
+DOCUMENT = (DOCUMENTS / "paper" / "machine.md").read_text()
 
 
 def test_what_is_captured_is_as_printed(capsys):
     # The bound goes by steps; on another processor it may be one step off.
-    demand_as_printed("machine.md", capsys, rtol=0.09)
+    demand_as_printed("paper/machine.md", capsys, rtol=0.09)
 
 
 def numbers_of(name):

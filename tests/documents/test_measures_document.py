@@ -1,4 +1,4 @@
-"""The numbers that docs/measures.md prints are those that its own code finds."""
+"""The numbers that docs/guide/measures.md prints are those that its own code finds."""
 
 import threading
 
@@ -13,4 +13,4 @@ def test_the_measures_of_the_papers_panel_are_as_printed(client, tmp_path, monke
     job = BasinJob(grid=CellGrid(time_cells=300, velocity_cells=300))
     run_basin(job, str(tmp_path / "basin.zarr"), client, report=lambda _: None, cancel=threading.Event())
     # A cell on a boundary may go the other way on another processor.
-    demand_as_printed("measures.md", capsys, rtol=5e-3, atol=5e-3)
+    demand_as_printed("guide/measures.md", capsys, rtol=5e-3, atol=5e-3)

@@ -1,4 +1,4 @@
-"""What docs/paper.md prints is what the committed numbers say, and its pictures are of modest size."""
+"""What docs/paper/figures.md prints is what the committed numbers say, and its pictures are of modest size."""
 
 import json
 import re
@@ -9,7 +9,7 @@ import pytest
 from worker.paper.registry import PAPER_FIGURES
 
 DOCS = Path(__file__).parents[2] / "docs"
-DOCUMENT = (DOCS / "paper.md").read_text()
+DOCUMENT = (DOCS / "paper" / "figures.md").read_text()
 
 
 def numbers_of(name):

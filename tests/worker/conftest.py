@@ -1,22 +1,14 @@
-"""A cluster shared by the worker's tests, and a store without one."""
+"""A store that no cluster has computed."""
 
 import numpy as np
 import pytest
 
 from rattle_kernels import CellGrid
 from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE
-from worker.cluster.connection import local_cluster
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import LABELLED, SOLUTION, TileState
 from worker.stores.solution_table import SolutionTable, motion_of
-
-
-@pytest.fixture(scope="session")
-def client(object_store):
-    """Of workers that find the S3 server."""
-    with local_cluster(workers=2) as client:
-        yield client
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ _LEAST_VALUES = 15
 
 
 def _special_points() -> dict[str, SpecialPoint]:
-    """Special points of the orbits that the diagram shows, by what the text or docs/paper.md calls them."""
+    """Special points of the orbits that the diagram shows, by what the text or docs/paper/figures.md calls them."""
     kinds = SpecialKind
     sought = {
         "B": (0.575, "P(2,2,1)", kinds.PERIOD_DOUBLING),

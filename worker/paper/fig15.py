@@ -18,7 +18,7 @@ from worker.paper.basin_view import view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.solutions_told import told_oscillator
 
-# Of each branch: no boundary cell of a picture of 2000 x 2000 cells is left over then (docs/manifolds.md).
+# Of each branch: no boundary cell of a picture of 2000 x 2000 cells is left over then (docs/theory/manifolds.md).
 ARCLENGTH = 100.0
 
 

@@ -1,4 +1,4 @@
-"""The measures of every basin of a sweep at once: `docs/measures.md` says what they are.
+"""The measures of every basin of a sweep at once: `docs/guide/measures.md` says what they are.
 
 sweep = open_basin("sweep.zarr")
 measures = measure_panels(sweep)

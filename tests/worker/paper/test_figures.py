@@ -1,4 +1,4 @@
-"""Each figure at a tiny size: its numbers carry what the paper says, or what docs/paper.md says instead."""
+"""Each figure at a tiny size: its numbers carry what the paper says, or what docs/paper/figures.md says instead."""
 
 import contextlib
 import json
