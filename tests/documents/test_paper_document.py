@@ -23,7 +23,7 @@ def section(name):
 @pytest.mark.parametrize("name", PAPER_FIGURES)
 def test_each_figure_is_documented_with_its_picture_and_its_numbers(name):
     assert numbers_of(name)["figure"] == name
-    assert f"](figures/{name}.png)" in section(name)
+    assert f"](../figures/{name}.png)" in section(name)
     assert (DOCS / "figures" / f"{name}.png").stat().st_size <= 250_000
 
 

@@ -13,7 +13,7 @@ from worker.paper.solutions_told import told_oscillator
 from worker.pictures.panel_picture import frame
 
 _HIGHEST = 40.0
-# With it, A's manifold comes within a cell of all boundaries of a picture of 1600 x 1600 cells (docs/theory/manifolds.md).
+# With it, A's manifold comes within a cell of all boundaries of a picture of 1600 x 1600 cells (docs/theory).
 _ARCLENGTH = 1600.0
 _PHASES = 64
 
