@@ -34,7 +34,7 @@ def table_under(heading):
 )
 def test_shares_are_as_printed_and_nothing_is_left_open(name, heading):
     basins = list(numbers_of(name)["panels"].values())
-    assert f"](figures/{name}.png)" in DOCUMENT and (FIGURES / f"{name}.png").stat().st_size < 700_000
+    assert f"](../figures/{name}.png)" in DOCUMENT and (FIGURES / f"{name}.png").stat().st_size < 700_000
     printed = {row[0]: row[1:] for row in table_under(heading)}
     for place, basin in enumerate(basins):
         shares = {}
