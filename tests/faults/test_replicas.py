@@ -57,14 +57,21 @@ def test_replicas_share_the_jobs_and_either_tells_of_all(replicas, tmp_path):
         assert replicas[0].wait(job["id"], seconds=3.0)["state"] == "cancelled"
 
 
+def lease_out(tmp_path, job, seconds):
+    """Let the lease of a job run for so much longer."""
+    import sqlite3
+
+    with contextlib.closing(sqlite3.connect(tmp_path / "jobs.sqlite")) as database, database:
+        database.execute("UPDATE jobs SET lease_until = lease_until + ? WHERE id = ?", (seconds, job["id"]))
+
+
 def test_a_dead_replicas_job_is_taken_over_within_half_a_minute(replicas, tmp_path, undisturbed):
     job = replicas[0].submit(BASIN)
     here, there = runs_at(replicas, tmp_path, job)
     begun(there, job)
     here.kill()
-    begin = time.monotonic()
+    lease_out(tmp_path, job, 3600.0)  # seen to be dead: nobody waits for its lease to run out
     wait_for(lambda: runs(there, tmp_path, job), 30)
-    assert time.monotonic() - begin < 10.0  # seen to be dead: nobody waits for its lease to run out
     assert there.wait(job["id"], seconds=150.0)["state"] == "succeeded"
     assert content(tmp_path / "results" / f"{job['id']}.zarr") == undisturbed["basin"].content
 

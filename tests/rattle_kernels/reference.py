@@ -17,6 +17,13 @@ def entries(name, *, inside_domain=True):
     return [entry for entry in table if (entry.get("category") != "beyond_crit2") == inside_domain]
 
 
+def low_bounces(machine):
+    """A path of 1e5 ever lower bounces of the machine: its start, and where it is exactly at every 5000th impact."""
+    told = json.loads((_DATA / "low_bounces.json").read_text())
+    assert (told["damping"], told["eccentricity"], told["half_backlash"]) == machine[:3]
+    return [float.fromhex(told["start"][name]) for name in ("t", "v")], told["checkpoints"]
+
+
 def oscillator_of(entry):
     """Oscillator of an entry; the impacting model's have no stiffness."""
     return Oscillator(*(float(entry.get(name, "inf")) for name in ("delta", "eps", "beta", "kappa")))

@@ -39,4 +39,6 @@ def test_few_guesses_of_interpolated_tables_lead_to_the_careful_path(damping, ca
     rng = np.random.default_rng(7)
     t, v = rng.random(5000), 7.0 * rng.random(5000)
     _, run = run_lanes(RATTLING._replace(damping=damping), t, v, 50, shortcuts=False)
+    # One in 5,000 by docs/decisions/0004-lanes.md, ten times that at 0.5: another processor's chaos, another count of
+    # some hundred at the most, which chance changes by five times ten.
     assert run.applications > 200_000 and run.careful_flights < careful * run.applications

@@ -38,9 +38,9 @@ def running(service, cells=10):
 def test_a_running_jobs_summary_is_read_twice_a_second_and_that_of_its_end_once(service, readings):
     job = running(service)
     path, begin = f"/v1/jobs/{job.id}/result", time.monotonic()
-    while time.monotonic() - begin < 1.2:
+    while len(readings) < 3:
         assert service.request("GET", path).json()["complete"] is False
-    assert 2 <= len(readings) <= 4
+    assert time.monotonic() - begin > 2 * 0.5
     before = len(readings)
     assert service.jobs.move(job.id, JobState.RUNNING, JobState.SUCCEEDED)
     ended = service.request("GET", path)

@@ -119,10 +119,8 @@ def test_events_come_from_the_database_whoever_writes_them(service, tmp_path):
     other_replica = Jobs(service.jobs._sessions, service.jobs._quotas)
     with stream(service, job) as events:
         next(events)
-        begin = time.monotonic()
         start(other_replica, job)
         assert next(events)[2]["state"] == "running"
-        assert time.monotonic() - begin < 2.0
 
 
 def test_a_deleted_job_ends_its_stream(service):
@@ -199,13 +197,12 @@ def test_many_followers_cost_one_question_at_a_time_and_leave_nothing_behind(ser
 
 
 def test_a_service_stops_at_once_with_open_streams(monkeypatch, tmp_path):
+    monkeypatch.setattr("service.server._STOP_SECONDS", 3600)  # what it would wait for a stream that goes on
     with contextlib.ExitStack() as stack:
         with idle_service(monkeypatch, tmp_path) as service:
             job = service.add_job()
             events = stack.enter_context(stream(service, job))
             next(events)
-            begin = time.monotonic()
-        assert time.monotonic() - begin < 1.5
         assert list(events) == []
 
 

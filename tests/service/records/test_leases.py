@@ -1,15 +1,16 @@
 """Leases as a replica sees them, and what a driver does that has lost its own."""
 
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from rattle_kernels import CellGrid
 from service.records.engine import open_database
 from service.records.job_record import JobState
-from service.records.jobs import Jobs
-from service.records.lease import Lease
-from service.settings import Quotas
+from service.records.jobs import LEASE_SECONDS, Jobs
+from service.records.lease import _MARGIN_SECONDS, Lease
+from service.records.quotas import Quotas
 from tests.store_content import content
 from worker.errors import LeaseLost
 from worker.jobs.basin_job import BasinJob
@@ -25,28 +26,34 @@ def claimed(tmp_path):
     engine.dispose()
 
 
-def test_a_lease_runs_out_here_before_the_database_gives_the_job_to_another(claimed, monkeypatch):
+@pytest.fixture
+def clock(monkeypatch):
+    """This machine's clock as leases read it, set by hand."""
+    clock = SimpleNamespace(now=time.monotonic())
+    monkeypatch.setattr("service.records.lease.time", SimpleNamespace(monotonic=lambda: clock.now))
+    return clock
+
+
+def test_a_lease_runs_out_here_before_the_database_gives_the_job_to_another(claimed, clock):
     jobs, record = claimed
-    monkeypatch.setattr("service.records.lease._MARGIN_SECONDS", 19.8)
-    asked = time.monotonic()
-    lease = Lease(record, asked)
+    lease = Lease(record, clock.now)
+    clock.now += LEASE_SECONDS - _MARGIN_SECONDS - 0.1
     lease.check()
-    time.sleep(0.25)
+    clock.now += 0.2
     assert lease.lost
     with pytest.raises(LeaseLost, match=record.id):
         lease.check()
     assert jobs.claim("another") is None
 
 
-def test_a_renewed_lease_holds_and_a_lost_one_stops_the_driver(claimed, monkeypatch):
+def test_a_renewed_lease_holds_and_a_lost_one_stops_the_driver(claimed, clock):
     _, record = claimed
-    monkeypatch.setattr("service.records.lease._MARGIN_SECONDS", 19.5)
-    lease = Lease(record, time.monotonic())
-    time.sleep(0.3)
-    lease.renewed(time.monotonic(), JobState.RUNNING)
-    time.sleep(0.3)
-    assert not lease.lost and not lease.cancel.is_set()
-    lease.renewed(time.monotonic(), JobState.CANCELLING)
+    lease = Lease(record, clock.now)
+    for _ in range(2):
+        clock.now += 0.6 * (LEASE_SECONDS - _MARGIN_SECONDS)
+        assert not lease.lost and not lease.cancel.is_set()
+        lease.renewed(clock.now, JobState.RUNNING)
+    lease.renewed(clock.now, JobState.CANCELLING)
     assert lease.cancel.is_set()
     lease.lose()
     assert lease.lost
