@@ -15,6 +15,7 @@ from rattle_kernels.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_groups import CellGroups, find_groups, label_cells
 from rattle_kernels.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells, map_points
 from rattle_kernels.continuation import attractor_distance, continue_attractor
+from rattle_kernels.fused_multiply_add import fuses_multiply_add
 from rattle_kernels.grazing_curve import grazing_velocity
 from rattle_kernels.grazing_preimages import (
     STRETCHES,
@@ -153,6 +154,7 @@ __all__ = [
     "find_orbit",
     "find_saddle",
     "find_orbits",
+    "fuses_multiply_add",
     "global_integrity_measure",
     "grazing_preimages",
     "grazing_velocity",

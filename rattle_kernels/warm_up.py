@@ -7,6 +7,7 @@ from rattle_kernels.bifurcation_diagram import bifurcation_diagram
 from rattle_kernels.cell_grid import CellGrid
 from rattle_kernels.cell_groups import find_groups, label_cells
 from rattle_kernels.cell_map import map_cells
+from rattle_kernels.fused_multiply_add import fuses_multiply_add
 from rattle_kernels.grazing_curve import grazing_velocity
 from rattle_kernels.grazing_preimages import grazing_preimages
 from rattle_kernels.image_set import has_members, mark_images, members_of, place_images, unite
@@ -33,6 +34,7 @@ _CHAOTIC_T, _CHAOTIC_V = 0.553, 4.703
 
 def warm_up() -> None:
     """Run every kernel of basins, of their pictures and of grazing curves once, on a few cells."""
+    fuses_multiply_add()
     oscillator = Oscillator()
     grid = CellGrid(time_cells=4, velocity_cells=4)
     images = map_cells(oscillator, grid, 1, (0, 4), (0, 4))

@@ -81,7 +81,7 @@ def run_analysis(
 
     Raises
     ------
-    JobCancelled, LeaseLost, NotFound, StoreConflict, StoreFailed, TileFailed, ClusterFailed
+    JobCancelled, LeaseLost, NotFound, StoreConflict, StoreFailed, TileFailed, ClusterFailed, UnlikeWorkers
     """
     store = AnalysisStore.create_or_resume(location, analysis, job, fence)
     if store.complete:

@@ -13,6 +13,7 @@ from distributed import Client, LocalCluster, Security, WorkerPlugin
 from rattle_kernels import warm_up
 from worker.certificates import Certificates
 from worker.errors import ClusterFailed
+from worker.rounding import warn_if_unfused
 
 _log = logging.getLogger("rattle.cluster")
 _CONNECT_SECONDS = 10
@@ -37,9 +38,10 @@ class WarmKernels(WorkerPlugin):
         self.niceness = niceness
 
     def setup(self, worker: object) -> None:
-        """Load kernels and lower the priority of the worker's process."""
+        """Load kernels and lower the priority of the worker's process; say so where it rounds otherwise than most."""
         if self.niceness:
             os.nice(self.niceness)
+        warn_if_unfused()
         warm_up()
 
 

@@ -13,10 +13,12 @@ import numpy as np
 import zarr
 from zarr.errors import ZarrUserWarning
 
+from rattle_kernels import fuses_multiply_add
 from worker import layout
 from worker.basin_job import BasinJob
 from worker.fence import Fence, unfenced
 from worker.layout import Places, TileState, Variable
+from worker.rounding import FUSED
 from worker.storage import place_at
 from worker.tiles import Tiling, cut, cut_row
 
@@ -140,7 +142,7 @@ def _create_solutions(group: Any, job: BasinJob) -> None:
 
 
 def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[str, Any]:
-    """Attributes that every store is born with: what it is, what was asked for, by which versions, since when."""
+    """Attributes that every store is born with: what it is, what was asked for, how, since when."""
     return {
         "Conventions": "CF-1.11",
         "title": title,
@@ -149,6 +151,7 @@ def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[
         "layout_version": layout.LAYOUT_VERSION,
         "versions": _versions(),
         "git_revision": _git_revision(),
+        FUSED: fuses_multiply_add(),
         "started": now(),
         "finished": None,
         "complete": False,

@@ -81,7 +81,7 @@ def run_basin(
 
     Raises
     ------
-    JobCancelled, LeaseLost, StoreConflict, StoreFailed, TileFailed, ClusterFailed
+    JobCancelled, LeaseLost, StoreConflict, StoreFailed, TileFailed, ClusterFailed, UnlikeWorkers
     """
     store = BasinStore.create_or_resume(location, job, fence)
     if not store.complete:

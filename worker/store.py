@@ -20,6 +20,7 @@ from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
 from worker.fence import Fence, unfenced
 from worker.layout import Variable
 from worker.new_store import CONFIG, consolidate, create_array, create_store, now, places_of, tiling_of
+from worker.rounding import demand_same_rounding
 from worker.solution_table import Motion, SolutionTable
 from worker.storage import place_at
 from worker.store_opening import create_unless_there, demand_same_request, open_group, open_store_at
@@ -65,13 +66,16 @@ class BasinStore:
         Raises
         ------
         StoreConflict
-            Where the location holds another job's store, or something else.
+            Where the location holds another job's store, one that was begun on a processor of another kind, or
+            something else.
         StoreFailed
             Where it cannot be written.
         """
         create_unless_there(location, "basin store", lambda: create_store(location, job, fence), fence)
         store = cls(location, fence)
         demand_same_request(location, job.digest, store.digest, store.job.request())
+        if not store.complete:
+            demand_same_rounding(location, store.attributes)
         return store
 
     def _array(self, variable: Variable) -> Any:
