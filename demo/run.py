@@ -10,7 +10,6 @@ import argparse
 import collections
 import contextlib
 import os
-import shlex
 import shutil
 import signal
 import subprocess
@@ -69,7 +68,8 @@ def address_when_ready(process: subprocess.Popen[str], log: Path) -> str:
 
 def computed(url: str, request: Path, line: ProgressLine) -> tuple[dict[str, Any], dict[str, Any]]:
     """Job and result of a request."""
-    answer = httpx.post(f"{url}/v1/basins", content=request.read_bytes(), headers={"content-type": "application/json"})
+    body, kind = request.read_bytes(), {"content-type": "application/json"}
+    answer = httpx.post(f"{url}/v1/basins", content=body, headers=kind, timeout=60.0)
     if answer.is_error:
         raise SystemExit(answer.json()["detail"])
     job = until_the_end(url, answer.json()["id"], None, line)
@@ -81,7 +81,7 @@ def computed(url: str, request: Path, line: ProgressLine) -> tuple[dict[str, Any
 def from_here(path: Path) -> str:
     """A path as one types it here."""
     relative = os.path.relpath(path)
-    return shlex.quote(str(path) if relative.startswith("..") else relative)
+    return str(path) if relative.startswith("..") else relative
 
 
 def stop_like_ctrl_c(*_: object) -> None:
@@ -109,14 +109,13 @@ def main(request: Path, folder: Path) -> None:
     shutil.rmtree(data)
     print_basins(result)
     opener = "open" if sys.platform == "darwin" else "xdg-open"
-    look = f"import xarray; print(xarray.open_zarr({os.path.relpath(store)!r}))"
+    look = f"import xarray; print(xarray.open_zarr({from_here(store)!r}))"
     for text in (
         f"from request to complete store: {seconds:.1f} s",
-        "",
         f"picture: {from_here(picture)}",
         f"  {opener} {from_here(picture)}",
         f"store:   {from_here(store)}",
-        f"  {from_here(Path(sys.executable))} -c {shlex.quote(look)}",
+        f'  {from_here(Path(sys.executable))} -c "{look}"',
         "next:    make serve",
         "  then open http://127.0.0.1:8000, choose an example of the paper and press Compute",
     ):

@@ -135,6 +135,7 @@ def until_the_end(url: str, job_id: str, key: str | None, line: ProgressLine) ->
                 _show(event["progress"], line)
                 if event["state"] in ("succeeded", "failed", "cancelled"):
                     job: dict[str, Any] = _ask("GET", url, f"/v1/jobs/{job_id}", key)
+                    _show(job["progress"], line)  # the last one is written with the end, and may have no event
                     return job
                 patience = time.monotonic() + _PATIENCE_SECONDS
         except httpx.HTTPError as error:  # the service is being restarted, perhaps

@@ -26,7 +26,14 @@ def test_the_demo_says_what_it_does_what_it_has_found_and_what_to_try_next(tmp_p
     done = demo(tmp_path, {"grid": grid, "iterations": 211})
     assert done.returncode == 0, done.stdout + done.stderr
     assert len(done.stdout.splitlines()) <= 30 and done.stderr == ""
-    for word in ("ready on http://127.0.0.1:", "mapping: ", "permanent contact", "P(1,1,0)", "xarray.open_zarr("):
+    for word in (
+        "ready on http://127.0.0.1:",
+        "mapping: ",
+        "done: 1 of 1 tiles",
+        "permanent contact",
+        "P(1,1,0)",
+        "xarray.open_zarr(",
+    ):
         assert word in done.stdout, word
     for path in (tmp_path / "basin.png", tmp_path / "basin.zarr", tmp_path / "service.log"):
         assert str(path) in done.stdout and path.exists()
