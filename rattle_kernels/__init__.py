@@ -37,7 +37,7 @@ from rattle_kernels.image_set import (
 from rattle_kernels.impact_lanes import next_impacts
 from rattle_kernels.impact_map import Impacts, previous_impacts
 from rattle_kernels.iterations import check_iterations, expected_applications, settled_iterations
-from rattle_kernels.jit import compiled_before
+from rattle_kernels.jit import watch_compiling
 from rattle_kernels.lane_traps import NO_TRAPS, LaneTraps
 from rattle_kernels.least_disturbance import LeastDisturbance, least_disturbance
 from rattle_kernels.manifold import (
@@ -139,7 +139,6 @@ __all__ = [
     "check_quiet",
     "check_resolution",
     "coarser_boxes",
-    "compiled_before",
     "continue_attractor",
     "continue_orbit",
     "continue_special_point",
@@ -189,5 +188,6 @@ __all__ = [
     "warm_up",
     "warm_up_analyses",
     "warm_up_curves",
+    "watch_compiling",
     "with_counts",
 ]
