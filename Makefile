@@ -6,6 +6,8 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+# The environment belongs to this folder alone, so root may install into it.
+PIP_INSTALL := PIP_ROOT_USER_ACTION=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
 # Debian's packages, for root; others are told what to ask for.
 install = { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install --yes -qq --no-install-recommends $(1) >/dev/null; } || \
@@ -22,9 +24,10 @@ help:  ## list the verbs
 $(READY): requirements/lock.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' || \
 	  { echo "gear-rattle needs Python 3.11, and $(PYTHON) is another: set PYTHON=/path/to/python3.11"; exit 1; }
-	$(PYTHON) -m venv --clear $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --only-binary=:all: -r requirements/lock.txt
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	@echo "setting up $(VENV), the first time only: some 1.4 GB, a minute or two"
+	@$(PYTHON) -m venv --clear $(VENV)
+	@$(PIP_INSTALL) --require-hashes --only-binary=:all: -r requirements/lock.txt
+	@$(PIP_INSTALL) --no-deps --no-build-isolation --editable .
 	@touch $(READY)
 
 demo: $(READY)  ## Fig. 7 of the paper over REST: demo/basin.zarr, demo/basin.png, a table of solutions
@@ -87,4 +90,4 @@ lock: $(READY)  ## pin every dependency anew, and of those the ones that the con
 	$(LOCK) --extra image --constraint requirements/lock.txt --output-file requirements/image.txt pyproject.toml
 
 clean:  ## remove the environment, caches and the demo's results
-	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis demo/basin.zarr demo/basin.png demo/data
+	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis demo/basin.zarr demo/basin.png demo/data demo/service.log

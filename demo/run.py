@@ -1,45 +1,48 @@
 """Fig. 7 (bottom) of the paper, the way a user would compute it: a service, a request over REST, a store, a picture.
 
-Starts ``rattle serve`` with two workers on a free port, submits demo/request.json, shows progress, copies the result to
-demo/basin.zarr and draws demo/basin.png. The service is stopped whatever happens, also when this script is told to stop
-or its terminal is closed.
+Compiles the kernels where they are not compiled yet, starts ``rattle serve`` with two workers on a free port, submits
+demo/request.json, shows tiles as they land, moves the result to demo/basin.zarr and draws demo/basin.png. What the
+service logs is in demo/service.log. The service is stopped whatever happens, also when this script is told to stop or
+its terminal is closed.
 """
 
+import argparse
+import collections
 import contextlib
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import httpx2 as httpx
 
+from rattle_kernels import warm_up
+from service.cli.console import ProgressLine, out, progress_line
+from service.cli.remote import print_basins, until_the_end
+
 HERE = Path(__file__).parent
-RATTLE = str(Path(sys.executable).parent / "rattle")
-# The first start compiles the kernels.
-START_SECONDS = 120.0
-
-
-def free_port() -> int:
-    """A port that was free a moment ago."""
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return int(listener.getsockname()[1])
+RATTLE = [sys.executable, "-c", "from service.cli import app; app()"]
+READY = "ready: "
+# Seconds, but for a machine that is busy with other work.
+START_SECONDS = 300.0
+LAST_LINES = 20
 
 
 @contextlib.contextmanager
-def service(data: Path) -> Iterator[str]:
+def service(data: Path, log: Path) -> Iterator[str]:
     """Address of a service that runs until the context ends."""
-    url = f"http://127.0.0.1:{(port := free_port())}"
-    # In a group of its own: Ctrl-C reaches this script, which then stops the service in order.
-    process = subprocess.Popen([RATTLE, "serve", "--port", str(port), "--data", str(data)], start_new_session=True)
+    command = [*RATTLE, "serve", "--port", "0", "--data", str(data)]
+    with log.open("w") as lines:
+        # In a group of its own: Ctrl-C reaches this script, which then stops the service in order.
+        process = subprocess.Popen(command, start_new_session=True, stdout=subprocess.PIPE, stderr=lines, text=True)
     try:
-        wait_until_ready(url, process)
-        yield url
+        yield address_when_ready(process, log)
     finally:
         process.send_signal(signal.SIGTERM)
         try:
@@ -48,15 +51,38 @@ def service(data: Path) -> Iterator[str]:
             os.killpg(process.pid, signal.SIGKILL)
 
 
-def wait_until_ready(url: str, process: subprocess.Popen[bytes]) -> None:
-    """Wait until database, scheduler and workers answer."""
-    patience = time.monotonic() + START_SECONDS
-    while time.monotonic() < patience and process.poll() is None:
-        with contextlib.suppress(httpx.TransportError):
-            if httpx.get(f"{url}/readyz").status_code == 200:
-                return
-        time.sleep(0.1)
-    raise SystemExit("the service did not start: see what it said above")
+def address_when_ready(process: subprocess.Popen[str], log: Path) -> str:
+    """Where a service is, read from the line by which it says that database, scheduler and workers answer."""
+    impatience = threading.Timer(START_SECONDS, process.kill)
+    impatience.start()
+    try:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if line.startswith(READY):
+                return line.removeprefix(READY).partition(",")[0]
+    finally:
+        impatience.cancel()
+    with log.open() as lines:
+        said = "".join(collections.deque(lines, LAST_LINES))
+    raise SystemExit(f"{said}the service did not start; its log is {log}")
+
+
+def computed(url: str, request: Path, line: ProgressLine) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Job and result of a request."""
+    body, kind = request.read_bytes(), {"content-type": "application/json"}
+    answer = httpx.post(f"{url}/v1/basins", content=body, headers=kind, timeout=60.0)
+    if answer.is_error:
+        raise SystemExit(answer.json()["detail"])
+    job = until_the_end(url, answer.json()["id"], None, line)
+    if job["state"] != "succeeded":
+        raise SystemExit(f"the job is {job['state']}: {(job['error'] or {}).get('detail')}")
+    return job, httpx.get(url + job["links"]["result"], timeout=60.0).raise_for_status().json()
+
+
+def from_here(path: Path) -> str:
+    """A path as one types it here."""
+    relative = os.path.relpath(path)
+    return str(path) if relative.startswith("..") else relative
 
 
 def stop_like_ctrl_c(*_: object) -> None:
@@ -64,31 +90,47 @@ def stop_like_ctrl_c(*_: object) -> None:
     raise KeyboardInterrupt
 
 
-def main() -> None:
-    """Submit, follow, draw, and keep the store."""
-    data = HERE / "data"
+def main(request: Path, folder: Path) -> None:
+    """Submit, follow, draw, keep the store, and say what to do with all this."""
+    data, store, picture, log = (folder / name for name in ("data", "basin.zarr", "basin.png", "service.log"))
     shutil.rmtree(data, ignore_errors=True)
-    with service(data) as url:
-        begin = time.monotonic()
-        if code := subprocess.run([RATTLE, "submit", str(HERE / "request.json"), "--wait", "--url", url]).returncode:
-            raise SystemExit(code)
-        job = httpx.get(f"{url}/v1/jobs").json()["jobs"][0]
-        computed = time.monotonic() - begin
-        picture = httpx.get(url + job["links"]["picture"], timeout=60.0)
-        (HERE / "basin.png").write_bytes(picture.raise_for_status().content)
-        drawn = time.monotonic() - begin
-    shutil.rmtree(HERE / "basin.zarr", ignore_errors=True)
-    shutil.move(data / "results" / f"{job['id']}.zarr", HERE / "basin.zarr")
+    with progress_line() as line:
+        # Before the service starts, which would do it without a word here.
+        warm_up(line.compiling)
+        out.print(f"starting a service with two workers; its log is {from_here(log)}", highlight=False, soft_wrap=True)
+        with service(data, log) as url:
+            out.print(f"ready on {url}; computing the basins of {from_here(request)}", highlight=False, soft_wrap=True)
+            begin = time.monotonic()
+            job, result = computed(url, request, line)
+            seconds = time.monotonic() - begin
+            drawn = httpx.get(url + job["links"]["picture"], timeout=60.0)
+            picture.write_bytes(drawn.raise_for_status().content)
+    shutil.rmtree(store, ignore_errors=True)
+    shutil.move(data / "results" / f"{job['id']}.zarr", store)
     shutil.rmtree(data)
-    print(
-        f"submit to complete store {computed:.1f} s, to picture {drawn:.1f} s; see demo/basin.png and demo/basin.zarr"
-    )
+    print_basins(result)
+    opener = "open" if sys.platform == "darwin" else "xdg-open"
+    look = f"import xarray; print(xarray.open_zarr({from_here(store)!r}))"
+    for text in (
+        f"from request to complete store: {seconds:.1f} s",
+        f"picture: {from_here(picture)}",
+        f"  {opener} {from_here(picture)}",
+        f"store:   {from_here(store)}",
+        f'  {from_here(Path(sys.executable))} -c "{look}"',
+        "next:    make serve",
+        "  then open http://127.0.0.1:8000, choose an example of the paper and press Compute",
+    ):
+        out.print(text, markup=False, highlight=False, soft_wrap=True)
 
 
 if __name__ == "__main__":
+    options = argparse.ArgumentParser(description="Compute a basin through a service of its own.")
+    options.add_argument("--request", type=Path, default=HERE / "request.json", help="JSON file of a basin's request")
+    options.add_argument("--out", type=Path, default=HERE, help="folder of the store, the picture and the log")
+    given = options.parse_args()
     for asked in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(asked, stop_like_ctrl_c)
     try:
-        main()
+        main(given.request, given.out)
     except KeyboardInterrupt:
         raise SystemExit("stopped; nothing runs any more") from None

@@ -79,7 +79,8 @@ from rattle_kernels.model.oscillator import (
     stiffness_bound,
 )
 from rattle_kernels.model.outcome import Outcome
-from rattle_kernels.numerics.jit import compiled_before
+from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
+from rattle_kernels.numerics.jit import watch_compiling
 from rattle_kernels.orbits.bifurcation_curve import SpecialCurve, continue_special_point
 from rattle_kernels.orbits.bifurcation_diagram import (
     BifurcationDiagram,
@@ -159,7 +160,6 @@ __all__ = [
     "check_quiet",
     "check_resolution",
     "coarser_boxes",
-    "compiled_before",
     "continue_attractor",
     "continue_orbit",
     "continue_special_point",
@@ -174,6 +174,7 @@ __all__ = [
     "find_orbit",
     "find_saddle",
     "find_orbits",
+    "fuses_multiply_add",
     "global_integrity_measure",
     "grazing_preimages",
     "grazing_velocity",
@@ -208,5 +209,6 @@ __all__ = [
     "warm_up",
     "warm_up_analyses",
     "warm_up_curves",
+    "watch_compiling",
     "with_counts",
 ]

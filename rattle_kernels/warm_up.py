@@ -1,5 +1,9 @@
 """Compile, or load from the disk cache, the kernels that the service needs: done once, before work arrives."""
 
+import contextlib
+from collections.abc import Callable, Iterator
+from typing import Any
+
 import numpy as np
 
 from rattle_kernels.attractors.attractor_search import find_attractors
@@ -16,6 +20,8 @@ from rattle_kernels.manifolds.saddle import find_saddle
 from rattle_kernels.manifolds.stable_manifold import ManifoldLimits, stable_manifold
 from rattle_kernels.model.grazing_curve import grazing_velocity
 from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
+from rattle_kernels.numerics.jit import KERNELS, watch_compiling
 from rattle_kernels.orbits.bifurcation_diagram import bifurcation_diagram
 from rattle_kernels.orbits.bifurcation_point import (
     SpecialKind,
@@ -28,6 +34,24 @@ from rattle_kernels.orbits.continuation import continue_orbit
 from rattle_kernels.orbits.orbit_search import find_orbit, find_orbits
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
+OF_ANALYSES = frozenset(
+    {
+        "impact_map.grazing_distance", "orbits.bifurcation_diagram", "orbits.bifurcation_point", "orbits.closure",
+        "orbits.orbit_search",
+    }
+)  # fmt: skip
+"""Modules whose kernels analyses need, and basins do not."""
+FROM_PYTHON_ALONE = frozenset(
+    {
+        "basin_measures.entropy", "basin_measures.integrity", "basin_measures.uncertainty_exponent",
+        "impact_map.apply", "numerics.distance_transform", "orbits.orbit_beyond_graze",
+    }
+)  # fmt: skip
+"""Modules whose kernels the service does not need: measures of pictures, inverse maps, orbits beyond a graze."""
+
+Report = Callable[[int, int], None]
+"""Called with how many kernels are there and how many are needed, while some have to be compiled; else not at all."""
+
 _STIFF = Oscillator(stiffness=1e4)
 # So little damped that low bounces are bounded by the adiabatic invariant, and that traps pay.
 _WEAK = Oscillator(damping=6e-4, eccentricity=1e-5, half_backlash=6e-4)
@@ -36,8 +60,43 @@ _T, _V = 0.89829, 3.76991
 _CHAOTIC_T, _CHAOTIC_V = 0.553, 4.703
 
 
-def warm_up() -> None:
-    """Run every kernel of basins, of their pictures and of grazing curves once, on a few cells."""
+def _module(kernel: Any) -> str:
+    return str(kernel.py_func.__module__).removeprefix("rattle_kernels.")
+
+
+@contextlib.contextmanager
+def _reporting(report: Report | None, needed: Callable[[str], bool]) -> Iterator[None]:
+    """Report how many kernels of the modules that are needed have been compiled, or loaded, so far."""
+    kernels = [each for each in KERNELS if needed(_module(each))]
+    compiled = False
+
+    def tell() -> None:
+        nonlocal compiled
+        compiled = True
+        if report is not None:
+            report(sum(bool(each.signatures) for each in kernels), len(kernels))
+
+    with watch_compiling(tell):
+        yield
+    if compiled:
+        tell()
+
+
+def warm_up(report: Report | None = None) -> None:
+    """Run every kernel of basins, of their pictures and of grazing curves once, on a few cells.
+
+    Parameters
+    ----------
+    report : callable, optional
+        Called with how many kernels are there and how many are needed, before each that has to be compiled and when all
+        are there; not called where all of them load from the disk cache.
+    """
+    with _reporting(report, lambda module: module not in OF_ANALYSES | FROM_PYTHON_ALONE):
+        _run_kernels_of_basins()
+
+
+def _run_kernels_of_basins() -> None:
+    fuses_multiply_add()
     oscillator = Oscillator()
     grid = CellGrid(time_cells=4, velocity_cells=4)
     images = map_cells(oscillator, grid, 1, (0, 4), (0, 4))
@@ -65,8 +124,19 @@ def warm_up_curves() -> None:
     time_history(Oscillator(), 0.0, 0.0, 0.0, periods=1.0)
 
 
-def warm_up_analyses() -> None:
-    """Run every kernel of searches for orbits, of continuation, diagrams and manifolds once."""
+def warm_up_analyses(report: Report | None = None) -> None:
+    """Run every kernel of searches for orbits, of continuation, diagrams and manifolds once.
+
+    Parameters
+    ----------
+    report : callable, optional
+        As that of `warm_up`; kernels that basins need as well are not counted.
+    """
+    with _reporting(report, lambda module: module in OF_ANALYSES):
+        _run_kernels_of_analyses()
+
+
+def _run_kernels_of_analyses() -> None:
     oscillator = Oscillator()
     find_orbits(oscillator, longest=1, cells=2)
     found = find_orbit(oscillator, _T, _V)

@@ -40,7 +40,7 @@ from service.routes import (
 from service.runner.process import RunnerProcess
 from service.settings import Settings
 
-# Kernels are loaded in a third of a second; compiled, the first time, in ten, for which a service that stops waits not.
+# Kernels are loaded in a third of a second; compiled, the first time, in twenty: too long for a service that stops.
 _LOADED_SECONDS = 2.0
 
 _DESCRIPTION = """Basins of attraction of a rattling gear pair.

@@ -23,6 +23,7 @@ from worker.errors import (
     StoreFailed,
     SweptOutsideDomain,
     TileFailed,
+    UnlikeWorkers,
 )
 from worker.jobs.oscillator_request import IMPACTING, PIECEWISE_LINEAR
 
@@ -77,6 +78,7 @@ _TABLE: dict[type[Exception], tuple[int, str]] = {
     StoreFailed: (503, "store-failed"),
     ClusterFailed: (503, "cluster-failed"),
     TileFailed: (500, "tile-failed"),
+    UnlikeWorkers: (503, "unlike-workers"),
     JobCancelled: (409, "cancelled"),
 }
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import settings
 
 from rattle_kernels import warm_up, warm_up_analyses
+from service.cli.console import announced_compiling
 from tests.object_store import running_object_store
 from tests.postgresql import running_postgresql
 from tests.running_service import BACKENDS, running_service
@@ -22,8 +23,9 @@ settings.load_profile("rattle")
 def pytest_configure(config):
     """Compile kernels once, before two processes and all their services would do so each for itself."""
     if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
-        warm_up()
-        warm_up_analyses()
+        with announced_compiling():
+            warm_up()
+            warm_up_analyses()
 
 
 @pytest.fixture(scope="session", autouse=True)

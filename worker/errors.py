@@ -7,6 +7,7 @@ WorkerError
     StoreFailed      the store could not be read or written: the message holds the system's reason; resume when mended
     TileFailed       a tile kept failing: the message names it and its last error
     ClusterFailed    no scheduler or no worker answered: what had been computed is in the store; resume when they do
+    UnlikeWorkers    a worker rounds otherwise than the driver: the message names it; use processors of one kind
     LeaseLost        another driver has taken the job over: leave it alone
     JobCancelled     somebody asked for it
 """
@@ -70,6 +71,10 @@ class TileFailed(WorkerError):
 
 class ClusterFailed(WorkerError):
     """The scheduler or its workers cannot be reached."""
+
+
+class UnlikeWorkers(WorkerError):
+    """A worker computes with fused multiply-add and the driver without it, or the other way round."""
 
 
 class LeaseLost(WorkerError):

@@ -54,7 +54,7 @@ class Progress:
     cells_done: int
     cells_total: int
     cells_per_second: float
-    """Cells that this run has done per second; 0 until the first tile."""
+    """Cells that this run has done per second of the stage, 0 until its first tile; at the end, of the whole run."""
     seconds_left: float | None
     """Estimate for this stage; None until there is one."""
     basins_done: int

@@ -9,16 +9,17 @@ code would be served. So the cache folder carries a hash of all sources of this 
 compile them.
 """
 
+import contextlib
 import hashlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import llvmlite
 import numba
 import numpy as np
-from numba.core import config
+from numba.core import config, event
 
 # Contraction to FMA only. Reassociation and the no-NaN flags would blur the small differences that decide grazing.
 _CAREFUL = {"contract"}
@@ -52,9 +53,34 @@ def cache_folder() -> Path:
 _CACHE_FOLDER = str(cache_folder())
 
 
-def compiled_before() -> bool:
-    """Whether these very kernels have been compiled on this machine before, so that they load in a second or two."""
-    return any(Path(_CACHE_FOLDER).rglob("*.nbi"))
+KERNELS: list[Any] = []
+"""Every kernel of the modules that are loaded."""
+
+
+class _Misses(event.Listener):
+    def __init__(self, report: Callable[[], None]) -> None:
+        self._report = report
+
+    def on_start(self, compiling: event.Event) -> None:
+        # Steps are compiled within their kernels.
+        if compiling.data["dispatcher"] in KERNELS:
+            self._report()
+
+    def on_end(self, compiling: event.Event) -> None:
+        pass
+
+
+@contextlib.contextmanager
+def watch_compiling(report: Callable[[], None]) -> Iterator[None]:
+    """Call a function before each kernel that is compiled while the context lasts, and not loaded from the disk cache.
+
+    Parameters
+    ----------
+    report : callable
+        Called in the thread that compiles.
+    """
+    with event.install_listener("numba:compile", _Misses(report)):
+        yield
 
 
 def step(function: Callable[..., Any]) -> Any:
@@ -82,6 +108,8 @@ def _cached(function: Callable[..., Any], fastmath: set[str]) -> Any:
     elsewhere = config.CACHE_DIR
     config.CACHE_DIR = _CACHE_FOLDER
     try:
-        return numba.njit(nogil=True, error_model="numpy", fastmath=fastmath, cache=True)(function)
+        compiled = numba.njit(nogil=True, error_model="numpy", fastmath=fastmath, cache=True)(function)
     finally:
         config.CACHE_DIR = elsewhere
+    KERNELS.append(compiled)
+    return compiled

@@ -9,6 +9,7 @@ from anyio import to_thread
 
 _T = TypeVar("_T")
 _PATIENCE_SECONDS = 3.0
+_PAUSE_SECONDS = 0.1
 
 
 class Probe(Generic[_T]):
@@ -46,3 +47,8 @@ class Probes:
 
     database: Probe[bool]
     workers: Callable[[], int]
+
+    async def until_ready(self) -> None:
+        """Wait until the database answers, and there is a worker."""
+        while not (self.workers() and await self.database()):
+            await asyncio.sleep(_PAUSE_SECONDS)

@@ -12,7 +12,9 @@ from rich.table import Table
 
 out = Console()
 err = Console(stderr=True)
-_PLAIN_LINE_SECONDS = 2.0
+# Plain lines come ever more seldom, from every few seconds on to one a minute.
+_PLAIN_LINE_SECONDS = 5.0
+_SELDOM_SECONDS = 60.0
 _MOST_CHANGES = 20
 
 
@@ -22,12 +24,25 @@ def give_up(message: str, code: int = 1) -> NoReturn:
     raise typer.Exit(code)
 
 
-def announce_compiling() -> None:
-    """Say why nothing happens for some seconds, where kernels have not been compiled on this machine yet."""
-    from rattle_kernels import compiled_before  # loads Numba, which commands that only ask a service do without
+def _say_compiling(console: Console) -> None:
+    console.print("compiling the kernels, the first time only: a minute or so", highlight=False)
 
-    if not compiled_before():
-        err.print("compiling the kernels: some ten seconds, the first time only")
+
+@contextmanager
+def announced_compiling(console: Console = err) -> Iterator[None]:
+    """Say why nothing happens for a while, once, as soon as a kernel has to be compiled."""
+    from rattle_kernels import watch_compiling  # loads Numba, which commands that only ask a service do without
+
+    said = False
+
+    def say() -> None:
+        nonlocal said
+        if not said:
+            said = True
+            _say_compiling(console)
+
+    with watch_compiling(say):
+        yield
 
 
 class ProgressLine:
@@ -35,32 +50,55 @@ class ProgressLine:
 
     def __init__(self, bar: Progress | None, unit: str) -> None:
         self.bar, self.unit = bar, unit
-        self.task = bar.add_task("waiting", total=None, pace="") if bar else None
-        self.stage, self.said = "", 0.0
+        self.task = bar.add_task("waiting", total=None, unit=unit, pace="") if bar else None
+        self.stage, self.said, self.pause = "", 0.0, _PLAIN_LINE_SECONDS
+
+    def compiling(self, done: int, total: int) -> None:
+        """Show how many kernels are compiled, of how many."""
+        if self.stage != "compiling":
+            _say_compiling(out)
+        self.show("compiling", (done, total), unit="kernels")
 
     def show(
-        self, stage: str, done: tuple[int, int], basins: tuple[int, int] = (1, 1), cells_per_second: float = 0.0
+        self,
+        stage: str,
+        done: tuple[int, int],
+        basins: tuple[int, int] = (1, 1),
+        cells_per_second: float = 0.0,
+        unit: str | None = None,
     ) -> None:
         """Show how far a stage is; of its units and of the basins, how many are done, of how many."""
-        pace = f"{cells_per_second / 1e3:,.0f} thousand cells/s" if cells_per_second else ""
+        unit = self.unit if unit is None else unit
+        pace = f"{cells_per_second:,.0f} cells/s" if cells_per_second else ""
         if basins[1] > 1:
             pace = f"{basins[0]} of {basins[1]} basins {pace}"
         if self.bar is not None and self.task is not None:
-            self.bar.update(self.task, description=stage, completed=done[0], total=done[1], pace=pace)
-        elif stage != self.stage or time.monotonic() - self.said > _PLAIN_LINE_SECONDS:
-            self.said = time.monotonic()
-            out.print(" ".join(f"{stage}: {done[0]} of {done[1]} {self.unit} {pace}".split()), highlight=False)
+            if stage != self.stage:
+                self.bar.reset(self.task)  # or the time left would be reckoned by the pace of another stage
+            self.bar.update(self.task, description=stage, completed=done[0], total=done[1], unit=unit, pace=pace)
+        elif self._plain_line_is_due(stage):
+            out.print(" ".join(f"{stage}: {done[0]} of {done[1]} {unit} {pace}".split()), highlight=False)
         self.stage = stage
+
+    def _plain_line_is_due(self, stage: str) -> bool:
+        now = time.monotonic()
+        if stage != self.stage:
+            self.said, self.pause = now, _PLAIN_LINE_SECONDS
+            return True
+        if now - self.said <= self.pause:
+            return False
+        self.said, self.pause = now, min(2.0 * self.pause, _SELDOM_SECONDS)
+        return True
 
 
 @contextmanager
 def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
-    """Progress bar on a terminal, a plain line every other second elsewhere; it counts units of that name."""
+    """Progress bar on a terminal, a plain line now and then elsewhere; it counts units of that name."""
     if not out.is_terminal:
         yield ProgressLine(None, unit)
         return
     columns = (
-        TextColumn("{task.description:<11}"), BarColumn(), MofNCompleteColumn(), TextColumn(unit),
+        TextColumn("{task.description:<11}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[unit]}"),
         TimeRemainingColumn(), TextColumn("{task.fields[pace]}"),
     )  # fmt: skip
     with Progress(*columns, console=out) as bar:

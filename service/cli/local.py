@@ -1,16 +1,18 @@
 """Commands that need no service: start one, draw a store."""
 
+import errno
 import signal
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from service.app import create_app
-from service.cli.console import announce_compiling, err, give_up
+from service.cli.console import err, give_up, out
 from service.cli.keys import opened_keys
 from service.logs import write_logs
-from service.server import Server
+from service.server import Server, address, refusal_to_listen
 from service.settings import Settings
 from worker.analyses.kinds import ANALYSES, draw_analysis
 from worker.errors import InvalidJob, WorkerError
@@ -33,14 +35,32 @@ def serve(
     given = {"host": host, "port": port, "data": data, "workers": workers}
     settings = Settings(**{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
     _demand_keys(settings)
+    _demand_port(settings)
     write_logs(settings.log_format, settings.log_level)
-    err.print(f"starting on http://{settings.host}:{settings.port}")
-    announce_compiling()
+    err.print(f"starting on {address(settings.host, settings.port)}", highlight=False, soft_wrap=True)
     # Uvicorn stops gracefully, then raises the signal that it caught again: a service that was asked to stop has not
     # failed.
     for asked in (signal.SIGTERM, signal.SIGINT):
         signal.signal(asked, lambda *_: None)
-    Server(create_app(settings), settings).run()
+    Server(create_app(settings), settings, on_ready=partial(_say_ready, settings)).run()
+
+
+def _say_ready(settings: Settings, url: str) -> None:
+    """Say where the service is and where its data are, on standard output: a program that starts it waits for that."""
+    where = f"data in {settings.data.resolve()}"
+    if settings.database_url or settings.store:
+        where = f"results in {settings.results}"
+    out.print(f"ready: {url}, {where}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _demand_port(settings: Settings) -> None:
+    """Refuse to start where another program has the port, or it cannot be had."""
+    error = refusal_to_listen(settings.host, settings.port)
+    if error is None:
+        return
+    if error.errno == errno.EADDRINUSE:
+        give_up(f"port {settings.port} of {settings.host} is in use: stop what uses it, or choose another by --port")
+    give_up(f"nothing can listen on port {settings.port} of {settings.host}: {error.strerror}")
 
 
 def _demand_keys(settings: Settings) -> None:

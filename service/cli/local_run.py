@@ -1,10 +1,11 @@
 """A job that a command computes here, without a service: refused in a line, with progress, stopped in order."""
 
+import contextlib
 from collections.abc import Callable
 from typing import Any
 
-from rattle_kernels import OutsideDomain
-from service.cli.console import announce_compiling, give_up, out, progress_line
+from rattle_kernels import OutsideDomain, warm_up_analyses
+from service.cli.console import give_up, out, progress_line
 from service.cli.interruptible import run_interruptibly
 from service.models.oscillator import demand_quiet
 from service.settings import Settings
@@ -53,9 +54,11 @@ def run_here(
 
 
 def _compute(job: Job, location: str, settings: Settings, workers: int) -> object:
-    announce_compiling()
-    cluster = connect(settings.scheduler, workers, settings.certificates)
-    with cluster as client, progress_line("pieces" if job.kind in ANALYSES else "tiles") as line:
+    with contextlib.ExitStack() as stack:
+        line = stack.enter_context(progress_line("pieces" if job.kind in ANALYSES else "tiles"))
+        if job.kind in ANALYSES and not settings.scheduler:
+            warm_up_analyses(line.compiling)  # here, before every worker would do it for itself
+        client = stack.enter_context(connect(settings.scheduler, workers, settings.certificates, line.compiling))
 
         def report(progress: Progress) -> None:
             line.show(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rattle_kernels import CellGrid
-from service.cli.console import announce_compiling, give_up, out, progress_line
+from service.cli.console import announced_compiling, give_up, out, progress_line
 from service.cli.interruptible import run_interruptibly
 from service.settings import Settings
 from worker.cluster.connection import connect
@@ -46,9 +46,8 @@ def paper(
 def _produce(figure: "PaperFigure", folder: Path, grid: CellGrid, workers: int) -> "Produced":
     from worker.paper.production import produce
 
-    announce_compiling()
     settings = Settings()
-    with progress_line(unit="") as line:
+    with progress_line(unit="") as line, announced_compiling(out):
 
         def tell(what: str, done: int, total: int) -> None:
             line.show(what, (done, total))

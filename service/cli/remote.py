@@ -75,7 +75,7 @@ def _kind_of(body: str) -> str:
 def _follow(url: str, job_id: str, key: str | None) -> None:
     try:
         with progress_line() as line:
-            job = _until_the_end(url, job_id, key, line)
+            job = until_the_end(url, job_id, key, line)
     except KeyboardInterrupt:
         out.print(
             f"no longer following; the job goes on. Look with `rattle jobs`, stop it with `rattle cancel {job_id}`"
@@ -88,12 +88,13 @@ def _follow(url: str, job_id: str, key: str | None) -> None:
     if job["kind"] in _ROUTES:
         print_analysis(result)
     else:
-        _print_basins(result)
+        print_basins(result)
     print_seconds(result["seconds"])
     out.print(f"xarray.open_zarr({(url.rstrip('/') + result['zarr'])!r})", highlight=False, soft_wrap=True)
 
 
-def _print_basins(result: dict[str, Any]) -> None:
+def print_basins(result: dict[str, Any]) -> None:
+    """Print the solutions of a basin's result, or of a sweep's with their births and deaths."""
     print_solutions(
         [
             (each["name"], each["share"], each["lyapunov_exponent"], each["mean_life"], each["points"][:1])
@@ -109,8 +110,23 @@ def _print_basins(result: dict[str, Any]) -> None:
     )
 
 
-def _until_the_end(url: str, job_id: str, key: str | None, line: ProgressLine) -> dict[str, Any]:
-    """The job when it has ended; its events are shown as they come, and asked for again where the stream is cut."""
+def until_the_end(url: str, job_id: str, key: str | None, line: ProgressLine) -> dict[str, Any]:
+    """Wait for a job's end; its events are shown as they come, and asked for again where the stream is cut.
+
+    Parameters
+    ----------
+    url : str
+        Address of the service.
+    job_id : str
+    key : str or None
+        Key of a service that demands one.
+    line : ProgressLine
+
+    Returns
+    -------
+    dict
+        The job, as the service describes it.
+    """
     seen, patience = "0", time.monotonic() + _PATIENCE_SECONDS
     while True:
         try:
@@ -119,6 +135,7 @@ def _until_the_end(url: str, job_id: str, key: str | None, line: ProgressLine) -
                 _show(event["progress"], line)
                 if event["state"] in ("succeeded", "failed", "cancelled"):
                     job: dict[str, Any] = _ask("GET", url, f"/v1/jobs/{job_id}", key)
+                    _show(job["progress"], line)  # the last one is written with the end, and may have no event
                     return job
                 patience = time.monotonic() + _PATIENCE_SECONDS
         except httpx.HTTPError as error:  # the service is being restarted, perhaps

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory, check_domain, check_quiet, time_history
-from service.cli.console import announce_compiling, give_up, out
+from service.cli.console import announced_compiling, give_up, out
 from service.cli.oscillator import (
     AllowNoQuietSolution,
     Damping,
@@ -67,12 +67,12 @@ def trajectory(
         give_up(f"{out_} should end in .png or .csv", 2)
     if not periods * samples_per_period <= _MOST_SAMPLES:
         give_up(f"{periods * samples_per_period:.0f} samples are more than the limit of {_MOST_SAMPLES}", 2)
-    announce_compiling()
     try:
         oscillator = check_domain(oscillator_of(damping, eccentricity, half_backlash, stiffness, rule))
         demand_quiet(lambda: check_quiet(oscillator), unless=allow_no_quiet_solution)
         state = initial_state(oscillator, time, velocity, displacement)
-        history = time_history(oscillator, *state, periods=periods, samples_per_period=samples_per_period)
+        with announced_compiling():
+            history = time_history(oscillator, *state, periods=periods, samples_per_period=samples_per_period)
     except ValueError as error:
         give_up(str(error), 2)
     _write(oscillator, history, out_)

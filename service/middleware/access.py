@@ -9,6 +9,8 @@ from service.logs import ACCESS_LOG
 from service.middleware import metrics
 
 _log = logging.getLogger(ACCESS_LOG)
+# What monitors ask, every few seconds: whether the service lives, is ready, and what it counts.
+_ROUTINE = frozenset({"/healthz", "/readyz", "/metrics"})
 _METHODS = ("GET", "HEAD", "POST", "DELETE", "PUT", "PATCH", "OPTIONS")
 
 
@@ -56,7 +58,8 @@ def _observe(scope: Scope, status: int, seconds: float) -> None:
 
 
 def _write(scope: Scope, status: int, seconds: float) -> None:
-    if not _log.isEnabledFor(logging.INFO):
+    level = logging.DEBUG if scope["path"] in _ROUTINE else logging.INFO
+    if not _log.isEnabledFor(level):
         return
     caller = scope.get("state", {}).get("caller")
     # The path as it was sent: percent-encoded, so that no line break of a client's ends a line here.
@@ -66,4 +69,4 @@ def _write(scope: Scope, status: int, seconds: float) -> None:
         "key": caller.name if caller else None, "client": scope["client"][0] if scope.get("client") else None,
     }  # fmt: skip
     who = told["key"] or "nobody"
-    _log.info("%s %s %s %d in %.1f ms", who, told["method"], path, status, told["milliseconds"], extra=told)
+    _log.log(level, "%s %s %s %d in %.1f ms", who, told["method"], path, status, told["milliseconds"], extra=told)

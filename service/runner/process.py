@@ -132,7 +132,7 @@ def _run_jobs(settings: Settings, orders: Connection, news: Connection) -> None:
     os.nice(_NICENESS)
     write_logs(settings.log_format, settings.log_level)
     engine, sessions = open_database(settings.database)
-    cluster = LastingCluster(settings.scheduler, settings.workers, settings.certificates)
+    cluster = LastingCluster(settings.scheduler, settings.workers, settings.certificates, _Compiling())
     cluster.open()
     runner = Runner(Jobs(sessions, settings.quotas), cluster, settings.results, settings.concurrent_jobs)
     runner.start()
@@ -145,6 +145,18 @@ def _run_jobs(settings: Settings, orders: Connection, news: Connection) -> None:
     cluster.drop()
     engine.dispose()
     os._exit(0)  # all that matters is in order; what Dask would still wait for is not
+
+
+class _Compiling:
+    """Logs how many kernels have been compiled: at first, after each quarter, and at the end."""
+
+    def __init__(self) -> None:
+        self._quarters = -1
+
+    def __call__(self, done: int, total: int) -> None:
+        if (quarters := 4 * done // total) > self._quarters:
+            self._quarters = quarters
+            _log.info("compiling kernels, the first time only: %d of %d", done, total)
 
 
 def _tell(runner: Runner, news: Connection) -> None:

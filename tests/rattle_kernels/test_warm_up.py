@@ -1,22 +1,22 @@
-"""After the warm-ups nothing that the service does has to compile."""
+"""After the warm-ups nothing that the service does has to compile; what they compile they report."""
 
 import importlib
+import json
+import os
 import pkgutil
+import shutil
+import subprocess
+import sys
 
 from numba.core.dispatcher import Dispatcher
 
 import rattle_kernels
 from rattle_kernels import warm_up, warm_up_analyses
+from rattle_kernels.numerics.jit import cache_folder
+from rattle_kernels.warm_up import FROM_PYTHON_ALONE, OF_ANALYSES
 
-# Of what users call from Python alone: measures of pictures, inverse maps, orbits beyond a graze.
-FROM_PYTHON_ALONE = {
-    "basin_measures.entropy",
-    "basin_measures.integrity",
-    "basin_measures.uncertainty_exponent",
-    "impact_map.apply",
-    "numerics.distance_transform",
-    "orbits.orbit_beyond_graze",
-}
+REPORTED = "import json; from rattle_kernels import warm_up; seen = []; warm_up(lambda *each: seen.append(each)); "
+REPORTED += "print(json.dumps(seen))"
 
 
 def kernels():
@@ -39,3 +39,30 @@ def test_every_kernel_of_the_service_is_compiled_by_them():
     warm_up_analyses()
     cold = {place for place, function in kernels().items() if not function.signatures}
     assert len(kernels()) > 35 and {module for module, _ in cold} <= FROM_PYTHON_ALONE, cold
+
+
+def test_modules_of_kernels_that_are_left_out_are_there():
+    modules = {module for module, _ in kernels()}
+    assert modules > OF_ANALYSES | FROM_PYTHON_ALONE and not OF_ANALYSES & FROM_PYTHON_ALONE
+
+
+def test_kernels_that_have_to_be_compiled_are_reported_and_no_others(tmp_path):
+    warm_up()
+    folder = tmp_path / "gear-rattle" / cache_folder().name
+    shutil.copytree(cache_folder(), folder)
+
+    def reported():
+        """What the warm-up reports in a process of its own."""
+        command = [sys.executable, "-c", REPORTED]
+        told = subprocess.run(
+            command, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}, stdout=subprocess.PIPE, check=True
+        )
+        return json.loads(told.stdout)
+
+    assert reported() == []
+    lost = list(folder.rglob("cell_groups._peel-*.nbi"))
+    assert lost
+    for each in lost:
+        each.unlink()
+    (before, needed), after = reported()
+    assert 0 < before < needed and after == [needed, needed]

@@ -82,7 +82,7 @@ def run_analysis(
 
     Raises
     ------
-    JobCancelled, LeaseLost, NotFound, StoreConflict, StoreFailed, TileFailed, ClusterFailed
+    JobCancelled, LeaseLost, NotFound, StoreConflict, StoreFailed, TileFailed, ClusterFailed, UnlikeWorkers
     """
     store = AnalysisStore.create_or_resume(location, analysis.title, job, fence)
     if store.complete:

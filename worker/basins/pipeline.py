@@ -81,7 +81,7 @@ def run_basin(
 
     Raises
     ------
-    JobCancelled, LeaseLost, StoreConflict, StoreFailed, TileFailed, ClusterFailed
+    JobCancelled, LeaseLost, StoreConflict, StoreFailed, TileFailed, ClusterFailed, UnlikeWorkers
     """
     store = BasinStore.create_or_resume(location, job, fence)
     if not store.complete:
@@ -296,11 +296,15 @@ class _Pace:
         self.job, self.states = store.job, states
         self.stage: Stage | None = None
         self.begun, self.at_start = time.monotonic(), 0
+        self.run_begun, self.there_before = self.begun, self._reached(TileState.ASSEMBLED)
         self.seconds: dict[str, float] = {}
 
     def add(self, what: str, seconds: float) -> None:
         """Add to the seconds of something."""
         self.seconds[what] = self.seconds.get(what, 0.0) + seconds
+
+    def _reached(self, state: TileState) -> int:
+        return int((self.states >= state).sum())
 
     def _enter(self, stage: Stage, done: int) -> None:
         if self.stage is not None:
@@ -308,14 +312,16 @@ class _Pace:
         self.stage, self.begun, self.at_start = stage, time.monotonic(), done
 
     def progress(self, stage: Stage, basins_done: int, under_way: tuple[BasinProgress, ...] = ()) -> Progress:
-        """Progress of a stage, by how many tiles have reached its state."""
+        """Progress of a stage, by how many tiles have reached its state; at the end, of the whole run."""
         reached = TileState.COMPUTED if stage == Stage.MAPPING else TileState.ASSEMBLED
-        done, total = int((self.states >= reached).sum()), self.states.size
+        done, total = self._reached(reached), self.states.size
         if stage != self.stage:
             self._enter(stage, done)
         cells = self.job.grid.cells * self.job.basins
-        elapsed = time.monotonic() - self.begun
-        pace = (done - self.at_start) / elapsed if done > self.at_start and elapsed > 0 else 0.0
+        whole = stage == Stage.DONE
+        elapsed = time.monotonic() - (self.run_begun if whole else self.begun)
+        fresh = done - (self.there_before if whole else self.at_start)
+        pace = fresh / elapsed if fresh > 0 and elapsed > 0 else 0.0
         left = (total - done) / pace if pace else None
         return Progress(
             stage, done, total, round(done / total * cells), cells, pace * cells / total, left, basins_done,

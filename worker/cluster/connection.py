@@ -11,8 +11,10 @@ import dask
 from distributed import Client, LocalCluster, Security, WorkerPlugin
 
 from rattle_kernels import warm_up
+from rattle_kernels.warm_up import Report
 from worker.cluster.certificates import Certificates
 from worker.errors import ClusterFailed
+from worker.rounding import warn_if_unfused
 
 _log = logging.getLogger("rattle.cluster")
 _CONNECT_SECONDS = 10
@@ -37,19 +39,22 @@ class WarmKernels(WorkerPlugin):
         self.niceness = niceness
 
     def setup(self, worker: object) -> None:
-        """Load kernels and lower the priority of the worker's process."""
+        """Load kernels and lower the priority of the worker's process; say so where it rounds otherwise than most."""
         if self.niceness:
             os.nice(self.niceness)
+        warn_if_unfused()
         warm_up()
 
 
 @contextlib.contextmanager
-def local_cluster(workers: int = 2) -> Iterator[Client]:
+def local_cluster(workers: int = 2, compiling: Report | None = None) -> Iterator[Client]:
     """Client of an embedded cluster of single-threaded worker processes, which ends with the context.
 
     Parameters
     ----------
     workers : int
+    compiling : callable, optional
+        Called with how many kernels are there and how many are needed, while some have to be compiled.
 
     Yields
     ------
@@ -58,7 +63,7 @@ def local_cluster(workers: int = 2) -> Iterator[Client]:
     # For good: workers that a nanny has restarted connect later.
     dask.config.set(_MESSAGES_KEPT)
     # One process fills the disk cache of compiled kernels; the workers then find it filled.
-    warm_up()
+    warm_up(compiling)
     settings = {
         "distributed.comm.timeouts.connect": f"{_CONNECT_SECONDS}s",
         # Nobody reads Dask's sampled profiles here, and workers and scheduler share two cores.
@@ -172,10 +177,16 @@ def _security(certificates: Certificates | None) -> Security | None:
 
 
 def connect(
-    address: str | None, workers: int, certificates: Certificates | None = None
+    address: str | None,
+    workers: int,
+    certificates: Certificates | None = None,
+    compiling: Report | None = None,
 ) -> contextlib.AbstractContextManager[Client]:
-    """Client of the scheduler at `address`, or of an embedded cluster of `workers` where there is none."""
-    return remote_cluster(address, certificates) if address else local_cluster(workers)
+    """Client of the scheduler at `address`, or of an embedded cluster of `workers` where there is none.
+
+    Kernels that an embedded cluster has to compile are reported to `compiling`, as those of `warm_up` are.
+    """
+    return remote_cluster(address, certificates) if address else local_cluster(workers, compiling)
 
 
 def count_workers(client: Client, seconds: float) -> int:

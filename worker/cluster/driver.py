@@ -19,6 +19,8 @@ from weakref import WeakKeyDictionary
 
 from distributed import CancelledError, Client, Future, wait
 
+from rattle_kernels import fuses_multiply_add
+from worker.cluster.computed_alike import compute_alike
 from worker.cluster.task import Task
 from worker.errors import ClusterFailed, JobCancelled, StoreFailed, TileFailed, WorkerError
 
@@ -112,8 +114,8 @@ class _Window:
     def submit(self, task: Task, attempt: int = 1) -> None:
         self.submitted += 1
         key = f"{task.function.__name__}-{self.run}-{task.number}-{self.submitted}-a{attempt}"
-        arguments = *self.address, task.number, *task.arguments
-        self.task_of[self.client.submit(task.function, *arguments, key=key, pure=False)] = task, attempt
+        call = fuses_multiply_add(), task.function, *self.address, task.number, *task.arguments
+        self.task_of[self.client.submit(compute_alike, *call, key=key, pure=False)] = task, attempt
 
     def take(self, future: Future) -> tuple[Task, Any] | None:
         """A finished task and its receipt, its future released at once; None where it was submitted again."""

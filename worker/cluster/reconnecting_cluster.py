@@ -4,6 +4,7 @@ import contextlib
 import logging
 import time
 
+from rattle_kernels.warm_up import Report
 from worker.cluster.certificates import Certificates
 from worker.cluster.connection import Client, connect, count_workers, kill_workers
 from worker.errors import ClusterFailed
@@ -28,10 +29,19 @@ class LastingCluster:
         Of the embedded cluster.
     certificates : Certificates
         What a ``tls://`` scheduler demands.
+    compiling : callable, optional
+        Called with how many kernels are there and how many are needed, while an embedded cluster has to compile some.
     """
 
-    def __init__(self, address: str | None, workers: int, certificates: Certificates | None = None) -> None:
+    def __init__(
+        self,
+        address: str | None,
+        workers: int,
+        certificates: Certificates | None = None,
+        compiling: Report | None = None,
+    ) -> None:
         self._address, self._workers, self._certificates = address, workers, certificates
+        self._compiling = compiling
         self._stack = contextlib.ExitStack()
         self._client: Client | None = None
         self._seen = 0.0
@@ -40,7 +50,8 @@ class LastingCluster:
     def open(self) -> None:
         """Connect; where no scheduler answers, later will do."""
         try:
-            self._client = self._stack.enter_context(connect(self._address, self._workers, self._certificates))
+            cluster = connect(self._address, self._workers, self._certificates, self._compiling)
+            self._client = self._stack.enter_context(cluster)
         except ClusterFailed as error:
             if str(error) != self._told:  # once, not every few seconds
                 _log.warning("%s; trying again", error)

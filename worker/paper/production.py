@@ -71,7 +71,7 @@ def produce(
 
     Raises
     ------
-    InvalidJob, JobCancelled, StoreConflict, StoreFailed, TileFailed, ClusterFailed
+    InvalidJob, JobCancelled, StoreConflict, StoreFailed, TileFailed, ClusterFailed, UnlikeWorkers
     OSError
         Where the folder cannot be written.
     """

@@ -15,6 +15,7 @@ import zarr
 from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.analysis_job import AnalysisJob
+from worker.rounding import demand_same_rounding
 from worker.stores.layout import Columns, Variable
 from worker.stores.new_store import CONFIG, birth_certificate, consolidate, now
 from worker.stores.object_storage import place_at
@@ -65,13 +66,16 @@ class AnalysisStore:
         Raises
         ------
         StoreConflict
-            Where the location holds another job's store, or something else.
+            Where the location holds another job's store, one that was begun on a processor of another kind, or
+            something else.
         StoreFailed
             Where it cannot be written.
         """
         create_unless_there(location, "store", lambda: _create(location, title, job, fence), fence)
         store = cls(location, fence)
         demand_same_request(location, job.digest, store.digest, store.request)
+        if not store.complete:
+            demand_same_rounding(location, store.attributes)
         return store
 
     @property

@@ -17,6 +17,7 @@ from rattle_kernels import Attractor, AttractorKind, CellGroups, ImageSet, with_
 from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob
+from worker.rounding import demand_same_rounding
 from worker.stores import layout
 from worker.stores.layout import Variable
 from worker.stores.new_store import (
@@ -73,13 +74,16 @@ class BasinStore:
         Raises
         ------
         StoreConflict
-            Where the location holds another job's store, or something else.
+            Where the location holds another job's store, one that was begun on a processor of another kind, or
+            something else.
         StoreFailed
             Where it cannot be written.
         """
         create_unless_there(location, "basin store", lambda: create_store(location, job, fence), fence)
         store = cls(location, fence)
         demand_same_request(location, job.digest, store.digest, store.job.request())
+        if not store.complete:
+            demand_same_rounding(location, store.attributes)
         return store
 
     def _array(self, variable: Variable) -> Any:

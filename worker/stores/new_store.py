@@ -13,8 +13,10 @@ import numpy as np
 import zarr
 from zarr.errors import ZarrUserWarning
 
+from rattle_kernels import fuses_multiply_add
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob
+from worker.rounding import FUSED
 from worker.stores import layout
 from worker.stores.layout import Places, TileState, Variable
 from worker.stores.object_storage import place_at
@@ -140,7 +142,7 @@ def _create_solutions(group: Any, job: BasinJob) -> None:
 
 
 def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[str, Any]:
-    """Attributes that every store is born with: what it is, what was asked for, by which versions, since when."""
+    """Attributes that every store is born with: what it is, what was asked for, how, since when."""
     return {
         "Conventions": "CF-1.11",
         "title": title,
@@ -149,6 +151,7 @@ def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[
         "layout_version": layout.LAYOUT_VERSION,
         "versions": _versions(),
         "git_revision": _git_revision(),
+        FUSED: fuses_multiply_add(),
         "started": now(),
         "finished": None,
         "complete": False,

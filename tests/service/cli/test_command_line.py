@@ -1,8 +1,10 @@
 """The commands as a user types them."""
 
 import json
+import socket
 import subprocess
 import sys
+import time
 
 import pytest
 import typer
@@ -142,6 +144,23 @@ def test_what_cannot_be_done_is_said_in_one_line_without_a_traceback(tmp_path, m
     answer = CliRunner().invoke(app, arguments)
     assert answer.exit_code == code, answer.output
     assert told in " ".join(answer.output.split()) and "Traceback" not in answer.output
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_service_says_when_it_is_ready_and_where_its_data_are(service):
+    log, patience = service.data / "serve.log", time.monotonic() + 10.0
+    while "ready: " not in log.read_text() and time.monotonic() < patience:
+        time.sleep(0.05)
+    assert f"ready: {service.url}, " in log.read_text()
+    assert service.results in log.read_text() or f"data in {service.data}" in log.read_text()
+    assert "/readyz" not in log.read_text()
+
+
+def test_a_port_in_use_is_refused_before_anything_is_started(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = str(other.getsockname()[1])
+        answer = CliRunner().invoke(app, ["serve", "--port", port, "--data", str(tmp_path / "data")])
+    assert answer.exit_code == 1 and f"port {port} of 127.0.0.1 is in use" in answer.output
     assert list(tmp_path.iterdir()) == []
 
 

@@ -69,11 +69,11 @@ def test_metrics_time_requests_by_route_and_not_by_path(service):
     assert "/nothing" not in text and "0" * 20 not in text
 
 
-def written(form, what):
+def written(form, what, least="info"):
     """Lines that the log has of what a function logs."""
     root, handlers, level = logging.getLogger(), logging.getLogger().handlers[:], logging.getLogger().level
     try:
-        write_logs(form, "info")
+        write_logs(form, least)
         root.handlers[0].stream = stream = io.StringIO()
         what(logging.getLogger("rattle.test"))
         root.handlers[0].flush()
@@ -130,6 +130,20 @@ def test_answers_are_logged_with_who_asked_and_no_client_breaks_a_line(service):
     assert (first["method"], first["path"], first["status"], first["key"]) == ("GET", "/v1/jobs", 200, "local")
     assert first["client"] == "127.0.0.1" and first["milliseconds"] >= 0
     assert second["path"].startswith("/nothing/%0D%0A") or second["path"].startswith("/nothing/%0d%0a")
+
+
+def test_what_monitors_ask_for_is_logged_for_debugging_alone(service):
+    def work(_):
+        for path in ("/healthz", "/readyz", "/metrics", "/v1/jobs?size=2"):
+            service.request("GET", path)
+        wait_for("/v1/jobs")
+
+    def paths(level):
+        lines = [json.loads(line) for line in written(LogFormat.JSON, work, level)]
+        return [line["path"] for line in lines if line["logger"] == "rattle.access"]
+
+    assert paths("info") == ["/v1/jobs"]
+    assert paths("debug") == ["/healthz", "/readyz", "/metrics", "/v1/jobs"]
 
 
 def test_lines_of_answers_are_written_soon_and_in_order_with_others():

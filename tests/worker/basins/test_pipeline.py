@@ -3,6 +3,7 @@
 import os
 import signal
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -67,6 +68,15 @@ def test_the_stored_images_are_those_of_the_map(undisturbed):
     with xr.open_zarr(location) as basin:
         np.testing.assert_array_equal(basin.image_cell[60:80], direct.image_cell)
         np.testing.assert_array_equal(basin.landing_velocity[60:80], direct.landing_velocity)
+
+
+def test_the_pace_of_a_finished_job_is_that_of_its_whole_run(client, tmp_path):
+    seen, begin = [], time.monotonic()
+    summary = run(JOB, tmp_path / "basin.zarr", client, report=seen.append)
+    whole, last = time.monotonic() - begin, seen[-1]
+    stages = sum(summary.seconds[stage] for stage in ("mapping", "assembling", "labelling"))
+    assert last.stage == "done" and last.cells_done == JOB.grid.cells
+    assert JOB.grid.cells / whole <= last.cells_per_second <= JOB.grid.cells / stages
 
 
 def test_killed_workers_leave_no_trace_in_the_result(client, undisturbed, tmp_path):

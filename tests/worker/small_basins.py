@@ -1,0 +1,32 @@
+"""Computes small basins in this process alone: ``python -m tests.worker.small_basins FOLDER``."""
+
+import sys
+import threading
+from pathlib import Path
+
+from distributed import Client
+
+from rattle_kernels import CellGrid, Oscillator
+from worker.basins.pipeline import run_basin
+from worker.jobs.basin_job import BasinJob
+
+_GRID = CellGrid(time_cells=32, velocity_cells=32)
+# Little damped: trajectories are trapped, and traps are made with NumPy's linear algebra.
+_WEAK = Oscillator(damping=0.05, eccentricity=0.008, half_backlash=0.05)
+JOBS = {
+    "impacting": BasinJob(grid=_GRID),
+    "piecewise linear": BasinJob(Oscillator(stiffness=1e4), _GRID),
+    "weakly damped": BasinJob(_WEAK, CellGrid(time_cells=32, velocity_stop=0.6, velocity_cells=32)),
+}
+
+
+def compute_all(folder):
+    """Images, landing points, groups and solutions of each basin, in a store of its name."""
+    with Client(processes=False, n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as client:
+        for name, job in JOBS.items():
+            summary = run_basin(job, str(folder / name), client, report=lambda _: None, cancel=threading.Event())
+            print(name, *(attractor.name for attractor in summary.attractors), sep=", ")
+
+
+if __name__ == "__main__":
+    compute_all(Path(sys.argv[1]))
