@@ -29,7 +29,7 @@ from rattle_kernels.model.flight import (
 from rattle_kernels.model.grazing_curve import ARRIVING, LEAVING, grazing_flight
 from rattle_kernels.model.oscillator import Oscillator, check_impacting
 from rattle_kernels.model.outcome import Outcome
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
 from rattle_kernels.numerics.roots import root_finder
 
 RETURNED = int(Outcome.RETURNED)
@@ -76,14 +76,14 @@ class Impacts(NamedTuple):
     outcome: np.ndarray
 
 
-@step
+@inlined
 def _return_residual(flight, tau):
     """y/tau, whose only root is the return to the wall that was left, and its slope."""
     rate = displacement_rate(flight, tau)
     return rate, (velocity_after(flight, tau, rate * tau) - rate) / tau
 
 
-@step
+@inlined
 def _reach_residual(problem, tau):
     """Displacement less the target, and its slope."""
     flight, target = problem
@@ -95,7 +95,7 @@ _find_return = root_finder(_return_residual)
 _find_crossing = root_finder(_reach_residual)
 
 
-@step
+@inlined
 def fly_back(flight, acceleration, direction):
     """Signed time until the wall that was left is met again; `direction` +1 forwards, -1 backwards in time.
 
@@ -113,7 +113,7 @@ def fly_back(flight, acceleration, direction):
     return _find_return(flight, below, above, direction * (near if near > 0.0 else far))
 
 
-@step
+@inlined
 def _fly_down(flight, two_beta, graze_duration, direction):
     """Signed time from +beta to -beta, for a flight faster than the grazing one through the same point.
 
@@ -124,7 +124,7 @@ def _fly_down(flight, two_beta, graze_duration, direction):
     return _find_crossing((flight, -two_beta), lands, 0.0, start)
 
 
-@step
+@inlined
 def _fly_up(flight, two_beta, acceleration, direction):
     """Signed time from -beta to +beta: y grows strictly, so doubling brackets the one crossing."""
     speed = abs(flight.velocity)
@@ -136,7 +136,7 @@ def _fly_up(flight, two_beta, acceleration, direction):
     return _find_crossing((flight, two_beta), direction * near, direction * far, direction * far)
 
 
-@step
+@inlined
 def next_contact(oscillator, wall, phase, velocity, direction):
     """Follow one flight from a wall to the next contact with either.
 
@@ -172,12 +172,12 @@ def next_contact(oscillator, wall, phase, velocity, direction):
     return Contact(LOWER, start + tau, tau, arrival, found and graze_found)
 
 
-@step
+@inlined
 def _no_departure(lower_impacts, outcome):
     return Impact(math.nan, math.nan, lower_impacts, outcome, math.nan)
 
 
-@step
+@inlined
 def _beyond(oscillator, contact, direction):
     """What happens beyond the wall that a flight has met: an elastic impact, or a stay (forwards in time only)."""
     if direction < 0.0:
@@ -186,7 +186,7 @@ def _beyond(oscillator, contact, direction):
     return stay_in_contact(oscillator, contact.wall, contact.phase, speed)
 
 
-@step
+@inlined
 def _apply(oscillator, t, v, direction):
     """P forwards (direction +1) or backwards (-1, impacting model): one flight, or two by way of -beta."""
     if not (math.isfinite(t) and math.isfinite(v) and v > 0.0):
@@ -211,7 +211,7 @@ def _apply(oscillator, t, v, direction):
     return Impact(wrapped if wrapped < 1.0 else 0.0, stay.speed, lower_impacts, RETURNED, duration + stay.duration)
 
 
-@step
+@inlined
 def next_impact(oscillator, t, v):
     """One application of P, the careful scalar path.
 
@@ -229,7 +229,7 @@ def next_impact(oscillator, t, v):
     return _apply(oscillator, t, v, 1.0)
 
 
-@step
+@inlined
 def previous_impact(oscillator, t, v):
     """One application of the inverse of P: the departure whose next departure is (t, v) (time reversed, Sec. 6.1)."""
     return _apply(oscillator, t, v, -1.0)

@@ -25,7 +25,7 @@ import math
 from rattle_kernels.impact_map.apply import PERMANENT_CONTACT, RETURNED, next_impact
 from rattle_kernels.model.flight import acceleration_range, rest_acceleration
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
 
 _PHASES = 96
 _SPEEDS = 12
@@ -36,20 +36,20 @@ _ROUNDS = 200
 _BISECTIONS = 50
 
 
-@step
+@inlined
 def stay_time(oscillator):
     """Radian of the ringing in contact, 1/w; 0 in the impacting model."""
     return 1.0 / math.sqrt(2.0 * oscillator.stiffness)
 
 
-@step
+@inlined
 def level_bound(radian, acceleration, v):
     """At least the level ``1.5 a J`` of a departure, just that in the impacting model; cheap at every bounce."""
     rest = acceleration * radian
     return v * v * v + 1.5 * rest * (math.pi * (v * v + rest * rest) + rest * v)
 
 
-@step
+@inlined
 def bounce_level(radian, acceleration, v):
     """The level ``1.5 a J`` of a departure."""
     rest = acceleration * radian
@@ -57,14 +57,14 @@ def bounce_level(radian, acceleration, v):
     return v * v * v + 1.5 * rest * (swing + rest * v)
 
 
-@step
+@inlined
 def is_captured(oscillator, bound, t, v):
     """Whether the departure (t, v) is known to lie in the safe region of `descent_bound`."""
     acceleration = rest_acceleration(oscillator, t)
     return level_bound(stay_time(oscillator), acceleration, v) < bound * acceleration
 
 
-@step
+@inlined
 def descent(oscillator, t, v):
     """Change of ln J under P, in units of delta T; -1 in the limit of short bounces or where contact is permanent.
 
@@ -81,7 +81,7 @@ def descent(oscillator, t, v):
     return math.log(growth) / (oscillator.damping * impact.duration)
 
 
-@step
+@inlined
 def fastest_below(oscillator, bound, t):
     """Fastest departure of the region ``1.5 J < bound`` at this phase, 0 where there is none."""
     radian, acceleration = stay_time(oscillator), rest_acceleration(oscillator, t)
@@ -98,7 +98,7 @@ def fastest_below(oscillator, bound, t):
     return low
 
 
-@step
+@inlined
 def _is_safe(oscillator, bound, previous_row, row):
     for i in range(_PHASES + 1):
         phase = (i % _PHASES) / _PHASES

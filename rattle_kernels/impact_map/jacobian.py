@@ -13,7 +13,7 @@ from typing import NamedTuple
 from rattle_kernels.impact_map.apply import LOWER, UPPER, Impact, next_contact
 from rattle_kernels.model.contact import stay_in_contact
 from rattle_kernels.model.flight import rest_acceleration, second_phi
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 
 
 class Jacobian(NamedTuple):
@@ -25,7 +25,7 @@ class Jacobian(NamedTuple):
     vv: float
 
 
-@step
+@inlined
 def multiply(left, right):
     """Matrix product ``left @ right``."""
     return Jacobian(
@@ -36,7 +36,7 @@ def multiply(left, right):
     )
 
 
-@step
+@inlined
 def flight_jacobian(oscillator, phase, velocity, contact):
     """Derivative of (time of contact, velocity after it) by (time of departure, velocity)."""
     damping = oscillator.damping
@@ -50,7 +50,7 @@ def flight_jacobian(oscillator, phase, velocity, contact):
     return Jacobian(tt, tw, decay * leaving - arriving * tt, -decay - arriving * tw)
 
 
-@step
+@inlined
 def stay_jacobian(oscillator, side, phase, speed, stay):
     """Derivative of (time of leaving, signed velocity then) by those of entering as an elastic impact would turn it."""
     if stay.duration == 0.0:
@@ -72,7 +72,7 @@ def stay_jacobian(oscillator, side, phase, speed, stay):
     return Jacobian(tt, -side * tu, side * (rate_t + leaving * tt), -(rate_u + leaving * tu))
 
 
-@step
+@inlined
 def next_impact_with_jacobian(oscillator, t, v):
     """One application of P and its derivative.
 

@@ -20,7 +20,7 @@ from rattle_kernels.model.contact import enter_contact, motion_in_contact, rest_
 from rattle_kernels.model.flight import displacement_rate, part_turn, start_flight, velocity_after
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import Outcome
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 
 PERMANENT_CONTACT = int(Outcome.PERMANENT_CONTACT)
 # The third regime, beside UPPER and LOWER.
@@ -44,7 +44,7 @@ class PieceEnd(NamedTuple):
     outcome: int
 
 
-@step
+@inlined
 def piece_from(oscillator, phase, displacement, velocity):
     """Piece that a state begins; on a wall at rest the forcing presses towards +beta (Eq. 8)."""
     beta = oscillator.half_backlash
@@ -56,12 +56,12 @@ def piece_from(oscillator, phase, displacement, velocity):
     return Piece(regime, phase, displacement, velocity)
 
 
-@step
+@inlined
 def _with_gap(oscillator, gap):
     return Oscillator(oscillator.damping, oscillator.eccentricity, 0.5 * gap, math.inf, math.inf)
 
 
-@step
+@inlined
 def _end_of_flight(oscillator, piece):
     """First contact of a flight from anywhere in freeplay."""
     beta = oscillator.half_backlash
@@ -77,7 +77,7 @@ def _end_of_flight(oscillator, piece):
     return Contact(UPPER, phase, fall.duration + rise.duration, rise.velocity, fall.found and rise.found)
 
 
-@step
+@inlined
 def _end_of_impact(piece):
     """End of a stay of the impacting model."""
     following = Piece(FREEPLAY, part_turn(piece.phase), piece.displacement, -piece.velocity)
@@ -86,7 +86,7 @@ def _end_of_impact(piece):
     return PieceEnd(0.0, following, RETURNED)
 
 
-@step
+@inlined
 def end_of_piece(oscillator, piece):
     """Follow a piece to its first end.
 
@@ -119,7 +119,7 @@ def end_of_piece(oscillator, piece):
     return PieceEnd(duration, following, stay.outcome)
 
 
-@step
+@inlined
 def fly_along(oscillator, piece, elapsed, displacement, velocity):
     """State of a flight at times after its beginning, all positive, into the two arrays."""
     flight = start_flight(oscillator, piece.phase, piece.velocity)
@@ -129,7 +129,7 @@ def fly_along(oscillator, piece, elapsed, displacement, velocity):
         velocity[i] = velocity_after(flight, elapsed[i], change)
 
 
-@step
+@inlined
 def stay_along(oscillator, piece, elapsed, displacement, velocity):
     """State of a stay at times after its beginning, into the two arrays."""
     side, beta = piece.regime, oscillator.half_backlash

@@ -30,12 +30,12 @@ from rattle_kernels.model.flight import (
     start_flight,
     velocity_after,
 )
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 
 DAMPING, ECCENTRICITY, HALF_BACKLASH, STIFFNESS = 0, 1, 2, 3
 
 
-@step
+@inlined
 def _flight_change(oscillator, parameter, phase, velocity, contact, displacement):
     """Change of displacement and velocity at the fixed end of a flight, by a parameter of freeplay."""
     damping, tau = oscillator.damping, contact.duration
@@ -53,7 +53,7 @@ def _flight_change(oscillator, parameter, phase, velocity, contact, displacement
     return 0.0, 0.0
 
 
-@step
+@inlined
 def _flight_sensitivity(oscillator, parameter, wall, phase, velocity, contact):
     """Change of (time of contact, velocity as an elastic impact turns it) of a flight from a fixed departure."""
     crossing = 0.5 * (contact.wall - wall)  # -1 down, +1 up, 0 back to the same wall
@@ -65,7 +65,7 @@ def _flight_sensitivity(oscillator, parameter, wall, phase, velocity, contact):
     return later, -(rate_change + arriving * later)
 
 
-@step
+@inlined
 def _slow_change(oscillator, parameter):
     """Change of mean, cosine and sine of the slow part of a stay (`contact_flight.slow_part`)."""
     damping, eccentricity = oscillator.damping, oscillator.eccentricity
@@ -90,7 +90,7 @@ def _slow_change(oscillator, parameter):
     return 0.0, 0.0, 0.0
 
 
-@step
+@inlined
 def _ringing_change(oscillator, parameter, tau):
     """S, S' of a stay, their changes, and those of delta and of omega^2 themselves."""
     damping, square = oscillator.damping, 2.0 * oscillator.stiffness
@@ -107,7 +107,7 @@ def _ringing_change(oscillator, parameter, tau):
     return pulse, rate, d_pulse, d_rate, d_damping, d_square
 
 
-@step
+@inlined
 def _stay_sensitivity(oscillator, parameter, side, phase, speed, stay):
     """Change of (time of leaving, signed velocity then) of a stay from a fixed entry; x as in `contact_flight`."""
     if stay.duration == 0.0:
@@ -135,14 +135,14 @@ def _stay_sensitivity(oscillator, parameter, side, phase, speed, stay):
     return later, side * (rate_change + leaving * later)
 
 
-@step
+@inlined
 def _carry(jacobian, sensitivity, own):
     """Sensitivity after a piece: what came before is carried through it, and its own is added."""
     t, w = sensitivity
     return jacobian.tt * t + jacobian.tv * w + own[0], jacobian.vt * t + jacobian.vv * w + own[1]
 
 
-@step
+@inlined
 def fly_over(oscillator, phase, velocity):
     """Flight from +beta back to +beta as if there were no -beta: smooth across the grazing curve."""
     start = part_turn(phase)
@@ -151,7 +151,7 @@ def fly_over(oscillator, phase, velocity):
     return Contact(UPPER, start + tau, tau, velocity_after(flight, tau, 0.0), found)
 
 
-@step
+@inlined
 def next_impact_with_sensitivity(oscillator, parameter, t, v, over):
     """One application of P, its derivative by (t, v), and that by a parameter.
 

@@ -31,7 +31,7 @@ from rattle_kernels.impact_map.motion_pieces import (
 )
 from rattle_kernels.model.oscillator import Oscillator, check_domain
 from rattle_kernels.model.outcome import Outcome
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
 
 # Columns of the list of pieces.
 _BEGIN, _REGIME, _PHASE, _DISPLACEMENT, _VELOCITY = range(5)
@@ -96,7 +96,7 @@ class _Followed(NamedTuple):
     permanent_from: float
 
 
-@step
+@inlined
 def _is_permanent(oscillator, capture_bound, piece, duration):
     """Whether a piece is permanent contact by the oscillator's rule, or in the impacting model captured."""
     if piece.regime == UPPER:
@@ -135,7 +135,7 @@ def _follow(oscillator, capture_bound, state, span, departures, pieces):
     return _Followed(pieces.shape[0], pieces[-1, _BEGIN], outcome, True, permanent_from)
 
 
-@step
+@inlined
 def _sample_piece(oscillator, row, elapsed, displacement, velocity):
     piece = Piece(row[_REGIME], row[_PHASE], row[_DISPLACEMENT], row[_VELOCITY])
     if piece.regime == FREEPLAY:

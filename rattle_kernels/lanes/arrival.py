@@ -24,7 +24,7 @@ from rattle_kernels.lanes.flight import (
     refine_durations,
 )
 from rattle_kernels.model.contact import slow_part
-from rattle_kernels.numerics.jit import lane_kernel, step
+from rattle_kernels.numerics.jit import inlined, lane_kernel
 
 BOXES = 2048
 ELLIPSE_COLUMNS = 512
@@ -34,13 +34,13 @@ _NOT_ARRIVED = -1
 _NOBODY = -1
 
 
-@step
+@inlined
 def box_of(speed_scale, t, v):
     """Row and column of a departure on the lattice of BOXES to a period and to the natural speed; the row as float."""
     return v / speed_scale * BOXES, int(t * BOXES)
 
 
-@step
+@inlined
 def _owner_of_ellipse(around, t, v):
     """Periodic orbit in one of whose ellipses a departure lies, or none."""
     column = min(int(t * ELLIPSE_COLUMNS), ELLIPSE_COLUMNS - 1)
@@ -54,7 +54,7 @@ def _owner_of_ellipse(around, t, v):
     return _NOT_ARRIVED
 
 
-@step
+@inlined
 def _owner_of_box(around, t, v):
     """Chaotic attractor that has marked the box of a departure; negative where none has, or several have."""
     row, column = box_of(around.speed_scale, t, v)
@@ -62,7 +62,7 @@ def _owner_of_box(around, t, v):
     return around.box_owner[int(row), column] if row < around.box_owner.shape[0] else UNMARKED
 
 
-@step
+@inlined
 def _look(oscillator, bound, around, lane, streak, candidate, t, v):
     """Attractor that lane `lane` has arrived at, 0 for permanent contact; or that it has not."""
     if is_captured(oscillator, bound, t, v):
@@ -76,7 +76,7 @@ def _look(oscillator, bound, around, lane, streak, candidate, t, v):
     return hit if streak[lane] >= _ARRIVAL_STREAK else _NOT_ARRIVED
 
 
-@step
+@inlined
 def _fly(lanes, corners, oscillator, tables, stiff, slow):
     """A flight of every lane, and the stay in contact after it; its end becomes the state."""
     guess_durations(lanes, corners, tables, 2.0 * oscillator.half_backlash)
@@ -91,13 +91,13 @@ def _fly(lanes, corners, oscillator, tables, stiff, slow):
         lanes[VELOCITY + i] = lanes[END_VELOCITY + i]
 
 
-@step
+@inlined
 def _depart(lanes, lane, phase, speed):
     lanes[PHASE + lane] = phase - math.floor(phase)
     lanes[VELOCITY + lane] = -speed
 
 
-@step
+@inlined
 def _idle(lanes, lane, speed_scale):
     """Fly at a speed at which a lane is never unsure."""
     _depart(lanes, lane, 0.0, 1e6 * speed_scale)

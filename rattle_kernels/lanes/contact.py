@@ -36,14 +36,14 @@ from rattle_kernels.lanes.flight import (
 from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, PHASES, ROW, STAY_ABOVE, STAY_BELOW
 from rattle_kernels.model.contact import stay_in_contact
 from rattle_kernels.model.flight import TWO_PI, rest_acceleration
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 from rattle_kernels.numerics.polynomials import cosine_of_half_turns, second_phi_of_part, sine_of_half_turns
 
 # The speed at the end is Taylor's polynomial of x' to fourth order, exact to 3e-16 for steps this long.
 _LARGEST_TURN = 2e-3
 
 
-@step
+@inlined
 def guess_stays(lanes, corners, tables):
     """First pass: wall and first guess of every stay."""
     turn_phases(lanes, END_PHASE)
@@ -61,7 +61,7 @@ def guess_stays(lanes, corners, tables):
     look_up(lanes, corners, tables.stay)
 
 
-@step
+@inlined
 def refine_stays(lanes, damping, slow_part):
     """Second pass: one evaluation of every stay, one step of fifth order, and the state at its end.
 
@@ -129,7 +129,7 @@ def refine_stays(lanes, damping, slow_part):
     return count_set(lanes, UNSURE)
 
 
-@step
+@inlined
 def stay_carefully(lanes, oscillator):
     """Third pass: the lanes that are not sure, by the scalar path.
 

@@ -19,7 +19,7 @@ import numpy as np
 from rattle_kernels.impact_map.apply import LOWER, UPPER, next_contact
 from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, DROP, FALL_BACK, GRAZES, PHASES, RISE, ROW
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI
-from rattle_kernels.numerics.jit import lane_step, step
+from rattle_kernels.numerics.jit import inlined, inlined_in_lanes
 from rattle_kernels.numerics.polynomials import (
     cosine_of_half_turns,
     second_phi_of_part,
@@ -69,7 +69,7 @@ _LARGEST_STEP = 4e-3
 _NO_SPEED = 1e-300
 
 
-@lane_step
+@inlined_in_lanes
 def fifth_order_step(q, bend, jerk, snap):
     """Root of ``q = D + bend D^2/2 + jerk D^3/6 + snap D^4/24`` by reversion of the series, and its last term."""
     b2, b3, b4 = 0.5 * bend, jerk * (1.0 / 6.0), snap * (1.0 / 24.0)
@@ -78,7 +78,7 @@ def fifth_order_step(q, bend, jerk, snap):
     return q * (1.0 + q * (-b2 + q * (2.0 * square - b3)) + last), last * q
 
 
-@step
+@inlined
 def lane_buffer(fields):
     """Zeros for so many fields, from the start of a cache line: vectors that cross lines cost 7 %."""
     longer = np.zeros(fields * LANES + 8)
@@ -86,7 +86,7 @@ def lane_buffer(fields):
     return longer[first : first + fields * LANES]
 
 
-@step
+@inlined
 def turn_phases(lanes, field):
     """Sine and cosine of every lane's phase in a field; the reduction to a quarter turn is exact."""
     for i in range(LANES):
@@ -99,7 +99,7 @@ def turn_phases(lanes, field):
         lanes[COSINE + i] = sign * cosine_of_half_turns(r)
 
 
-@step
+@inlined
 def _graze_speeds(lanes, corners, graze_speed):
     """v* at every lane's phase, interpolated in its table."""
     for i in range(LANES):
@@ -115,7 +115,7 @@ def _graze_speeds(lanes, corners, graze_speed):
         lanes[GRAZING + i] = low + lanes[ROW_PART + i] * (lanes[LOW_PAIR + 2 * i + 1] - low)
 
 
-@step
+@inlined
 def _classify(lanes, corners, tables, two_beta):
     """Kind of each flight, its target, and where its guess stands in the tables; only selects, no branch."""
     for i in range(LANES):
@@ -143,7 +143,7 @@ def _classify(lanes, corners, tables, two_beta):
         corners[i] = int(block + m * ROW + n)
 
 
-@step
+@inlined
 def look_up(lanes, corners, guess):
     """Bilinear interpolation; the loads are what it costs, so they stand alone."""
     for i in range(LANES):
@@ -158,7 +158,7 @@ def look_up(lanes, corners, guess):
         lanes[DURATION + i] *= low + f * (high - low)
 
 
-@step
+@inlined
 def guess_durations(lanes, corners, tables, two_beta):
     """First pass: kind of flight, target and first guess."""
     turn_phases(lanes, PHASE)
@@ -167,7 +167,7 @@ def guess_durations(lanes, corners, tables, two_beta):
     look_up(lanes, corners, tables.guess)
 
 
-@step
+@inlined
 def _expand(lanes, d):
     """Polynomials in the guessed duration of every flight, beside those of its phase."""
     for i in range(LANES):
@@ -181,7 +181,7 @@ def _expand(lanes, d):
         lanes[PHI2 + i] = second_phi_of_part(d * tau)
 
 
-@step
+@inlined
 def _evaluate(lanes, d, e):
     """By how much the guess misses the target, and the velocity there."""
     for i in range(LANES):
@@ -196,7 +196,7 @@ def _evaluate(lanes, d, e):
         lanes[SINE_CHANGE + i], lanes[COSINE_CHANGE + i] = ds, dc
 
 
-@step
+@inlined
 def refine_durations(lanes, d, e):
     """Second pass: one evaluation of every flight, one step of fifth order, and the state at its end.
 
@@ -238,7 +238,7 @@ def refine_durations(lanes, d, e):
     return count_set(lanes, UNSURE)
 
 
-@step
+@inlined
 def count_set(lanes, field):
     """Number of lanes in which a flag field is set."""
     # An integer sum: one of floats would not vectorise without reassociation.
@@ -248,7 +248,7 @@ def count_set(lanes, field):
     return total
 
 
-@step
+@inlined
 def fly_carefully(lanes, oscillator):
     """Third pass: the lanes that are not sure, by the scalar path.
 

@@ -31,7 +31,7 @@ from rattle_kernels.lanes.flight import (
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.contact import Stay, slow_part
 from rattle_kernels.model.oscillator import Oscillator
-from rattle_kernels.numerics.jit import lane_kernel, step
+from rattle_kernels.numerics.jit import inlined, lane_kernel
 
 # Tangent vectors turn into the growing direction within as many impacts, whatever it is: by e^-20 or so in chaos.
 _ALIGNING = 64
@@ -67,14 +67,14 @@ class Growth(NamedTuple):
         return float(scatter.std(ddof=1) / math.sqrt(scatter.size))
 
 
-@step
+@inlined
 def _turn(tangents, lane, jacobian):
     dt, dw = tangents[0, lane], tangents[1, lane]
     tangents[0, lane] = jacobian.tt * dt + jacobian.tv * dw
     tangents[1, lane] = jacobian.vt * dt + jacobian.vv * dw
 
 
-@step
+@inlined
 def _fly(oscillator, tables, lanes, corners, tangents, elapsed, left):
     """A flight of every lane; the tangent vectors and the time of those that go on."""
     guess_durations(lanes, corners, tables, 2.0 * oscillator.half_backlash)
@@ -89,7 +89,7 @@ def _fly(oscillator, tables, lanes, corners, tangents, elapsed, left):
     _begin_at_the_end(lanes)
 
 
-@step
+@inlined
 def _stay(oscillator, tables, lanes, corners, tangents, elapsed, left):
     """The stay in contact of every lane after it."""
     guess_stays(lanes, corners, tables)
@@ -105,14 +105,14 @@ def _stay(oscillator, tables, lanes, corners, tangents, elapsed, left):
     _begin_at_the_end(lanes)
 
 
-@step
+@inlined
 def _begin_at_the_end(lanes):
     for i in range(LANES):
         lanes[PHASE + i] = lanes[END_PHASE + i]
         lanes[VELOCITY + i] = lanes[END_VELOCITY + i]
 
 
-@step
+@inlined
 def _idle(lanes, lane, speed_scale):
     """Fly at a speed at which a lane is never unsure."""
     lanes[PHASE + lane], lanes[VELOCITY + lane], lanes[DROPS + lane] = 0.0, -1e6 * speed_scale, 0.0

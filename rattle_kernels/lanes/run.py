@@ -47,7 +47,7 @@ from rattle_kernels.lanes.traps import NO_TRAPS, NOWHERE, LaneTraps, nearest_poi
 from rattle_kernels.model.contact import slow_part
 from rattle_kernels.model.oscillator import Oscillator, check_domain
 from rattle_kernels.model.outcome import Outcome
-from rattle_kernels.numerics.jit import lane_kernel, step
+from rattle_kernels.numerics.jit import inlined, lane_kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
 CAPTURED = int(Outcome.PERMANENT_CONTACT)
@@ -92,7 +92,7 @@ class LaneRun(NamedTuple):
     careful_flights: int
 
 
-@step
+@inlined
 def _advance(lanes, capture_bound, radian, lock_tolerance, speed_scale):
     """Move every lane to the end of its flight and note what has happened there."""
     speed_tolerance = lock_tolerance * speed_scale
@@ -124,7 +124,7 @@ def _advance(lanes, capture_bound, radian, lock_tolerance, speed_scale):
     return count_set(lanes, _EVENT)
 
 
-@step
+@inlined
 def _forget_checkpoint(lanes, i, following):
     lanes[_CHECK_PHASE + i] = math.nan
     lanes[_CHECK_SPEED + i] = math.nan
@@ -132,7 +132,7 @@ def _forget_checkpoint(lanes, i, following):
     lanes[_CHECK_NEXT + i] = following
 
 
-@step
+@inlined
 def _load(lanes, i, point, phase, speed, wanted, checkpoint, look):
     lanes[PHASE + i] = phase - math.floor(phase)
     lanes[VELOCITY + i] = -speed
@@ -146,7 +146,7 @@ def _load(lanes, i, point, phase, speed, wanted, checkpoint, look):
     _forget_checkpoint(lanes, i, checkpoint)
 
 
-@step
+@inlined
 def _next_point(t, v, outcome, point):
     """The first point from `point` on that is a departure; others are answered at once."""
     while point < t.size and not (math.isfinite(t[point]) and math.isfinite(v[point]) and v[point] > 0.0):
@@ -156,7 +156,7 @@ def _next_point(t, v, outcome, point):
     return point
 
 
-@step
+@inlined
 def _arrives(lanes, i, traps, orbit):
     """Whether lane i is in the trap of an orbit, beside its slowest point, and will be at its end; it is put there."""
     value = potential_in(traps, orbit, lanes[PHASE + i], -lanes[VELOCITY + i])
@@ -174,7 +174,7 @@ def _arrives(lanes, i, traps, orbit):
     return True
 
 
-@step
+@inlined
 def _is_far(lanes, i, nearest, top):
     """Whether lane i, which was to look where it is, is near no orbit with a trap; then when to look again."""
     if lanes[_EVENT + i] != _LOOK or lanes[_AWAITED + i] != NOWHERE:
@@ -185,7 +185,7 @@ def _is_far(lanes, i, nearest, top):
     return True
 
 
-@step
+@inlined
 def _look(lanes, i, traps):
     """Whether lane i, near an orbit, has arrived for good; else say when to look again."""
     done = lanes[_DONE + i]
@@ -201,7 +201,7 @@ def _look(lanes, i, traps):
     return _arrives(lanes, i, traps, orbit)
 
 
-@step
+@inlined
 def _settle(lanes, i, traps):
     """Whether lane i is done; a lock leaves it the rest of its applications modulo the period."""
     if lanes[_EVENT + i] == _LOOK:
@@ -216,7 +216,7 @@ def _settle(lanes, i, traps):
     return left == 0.0
 
 
-@step
+@inlined
 def _refill(lanes, i, tables, applications, first_look, points, following):
     """Give lane i the next point, or let it idle at a speed at which it is never unsure; return the point after."""
     t, v, outcome = points
@@ -228,14 +228,14 @@ def _refill(lanes, i, tables, applications, first_look, points, following):
     return point
 
 
-@step
+@inlined
 def _outcome_of(event):
     if event == _LOST:
         return NOT_CONVERGED
     return CAPTURED if event == _CAPTURE else RETURNED
 
 
-@step
+@inlined
 def _land(lanes, i, points, lower_impacts):
     """Write down where the point of lane i has landed; return the applications it took."""
     t, v, outcome = points

@@ -26,7 +26,7 @@ from rattle_kernels.model.contact import stay_in_contact
 from rattle_kernels.model.flight import TWO_PI, rest_acceleration
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight, grazing_velocity
 from rattle_kernels.model.oscillator import Oscillator
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
 
 FALL_BACK, DROP, RISE = 0, 1, 2
 STAY_ABOVE, STAY_BELOW = 0, 1
@@ -81,7 +81,7 @@ class LaneTables(NamedTuple):
     capture_bound: float
 
 
-@step
+@inlined
 def _node(oscillator, speed_scale, graze, kind, i, j):
     """The value tabulated at a node; `graze` are speed and duration of the grazing flight at its phase."""
     phase, abscissa = (i % PHASES) / PHASES, j / ABSCISSAE
@@ -102,7 +102,7 @@ def _node(oscillator, speed_scale, graze, kind, i, j):
     return next_contact(oscillator, LOWER, phase, speed, 1.0).duration * (speed + speed_scale)
 
 
-@step
+@inlined
 def _fill_node(oscillator, speed_scale, graze, guess, nodes, weights):
     """Interpolate a node from six of its row or column; solve for it where four of them say otherwise."""
     kind, i, j, first, stride = nodes

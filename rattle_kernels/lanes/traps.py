@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 
 DEGREE = 8
 POWERS = tuple((n + k, k) for n in range(1, DEGREE + 1) for k in range(DEGREE) if 3 <= n + 2 * k <= DEGREE)
@@ -60,7 +60,7 @@ def _no_traps() -> LaneTraps:
 NO_TRAPS = _no_traps()
 
 
-@step
+@inlined
 def nearest_point(nearest, top, phase, speed):
     """Number of the orbit's point likely near, NOWHERE for none."""
     if not speed < top:
@@ -70,7 +70,7 @@ def nearest_point(nearest, top, phase, speed):
     return int(nearest[min(row, rows - 1), min(column, columns - 1)])
 
 
-@step
+@inlined
 def potential(real, imaginary, x, y):
     """V at z = x + iy."""
     square = x * x + y * y
@@ -82,7 +82,7 @@ def potential(real, imaginary, x, y):
     return total
 
 
-@step
+@inlined
 def potential_in(traps, orbit, phase, speed):
     """V of a point inside the trap of an orbit, NaN outside."""
     point = traps.first[orbit]

@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI, part_turn
 from rattle_kernels.model.outcome import Outcome
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 
 _RETURNED = int(Outcome.RETURNED)
 _PERMANENT_CONTACT = int(Outcome.PERMANENT_CONTACT)
@@ -90,7 +90,7 @@ class SlowPart(NamedTuple):
     sine: float
 
 
-@step
+@inlined
 def slow_part(oscillator):
     """Amplitudes of the slow part, (34-37) without their angles; all 0 for infinite stiffness."""
     damping = oscillator.damping
@@ -108,7 +108,7 @@ def slow_part(oscillator):
     )
 
 
-@step
+@inlined
 def enter_contact(oscillator, side, phase, depth, speed):
     """Stay met at `phase`, `depth` beyond the wall of `side`, with signed `speed` into the wall."""
     damping = oscillator.damping
@@ -125,7 +125,7 @@ def enter_contact(oscillator, side, phase, depth, speed):
     return Contact(damping, square, frequency, depth, speed, mean, here, quarter, swing, ringing)
 
 
-@step
+@inlined
 def motion_in_contact(contact, tau):
     """Where the stay is at tau."""
     damping = contact.damping
@@ -152,17 +152,17 @@ def motion_in_contact(contact, tau):
     return Motion(depth, rate, acceleration, jerk, slow, slow_rate, contact.ringing * left)
 
 
-@step
+@inlined
 def _bend_bound(contact, ringing):
     return TWO_PI * TWO_PI * contact.swing + contact.square * ringing
 
 
-@step
+@inlined
 def _jerk_bound(contact, ringing):
     return TWO_PI * TWO_PI * TWO_PI * contact.swing + contact.square * math.sqrt(contact.square) * ringing
 
 
-@step
+@inlined
 def _step_from_wall(contact, rate, acceleration, ringing):
     """Step from x = 0, x' >= 0: x/h is at least x' + x'' h/2 - M h^2/6, positive up to its one positive root."""
     third = _jerk_bound(contact, ringing) / 6.0
@@ -173,7 +173,7 @@ def _step_from_wall(contact, rate, acceleration, ringing):
     return 2.0 * rate / (root - half) if rate > 0.0 else 0.0
 
 
-@step
+@inlined
 def _first_zero(depth, rate, acceleration):
     """First zero ahead of the parabola with these values at 0, for depth > 0; infinite where there is none."""
     square = rate * rate - 2.0 * depth * acceleration
@@ -185,7 +185,7 @@ def _first_zero(depth, rate, acceleration):
     return 2.0 * depth / (root - rate)
 
 
-@step
+@inlined
 def _sure_step(contact, motion):
     """Step within which x stays positive; near a zero it leaves a remainder of third order.
 
@@ -197,7 +197,7 @@ def _sure_step(contact, motion):
     return max(second, min(horizon, _first_zero(motion.depth, motion.rate, bend)))
 
 
-@step
+@inlined
 def _clear_ahead(contact, motion):
     """Time for which the slow part exceeds the ringing that is left now: no zero before it falls to that."""
     if contact.mean + motion.slow <= motion.ringing:
@@ -207,7 +207,7 @@ def _clear_ahead(contact, motion):
     return (falls - angle) / TWO_PI
 
 
-@step
+@inlined
 def _is_within_reach(contact, motion, ahead):
     """Whether the slope stays negative down to a zero (Kantorovich), a step as short as Taylor's cubic allows."""
     if motion.depth <= 0.0:
@@ -216,7 +216,7 @@ def _is_within_reach(contact, motion, ahead):
     return steep and ahead * contact.frequency <= _SHORT
 
 
-@step
+@inlined
 def _land(tau, motion):
     """End of a stay at the zero of Taylor's cubic a short step from `motion`, or just before it by round-off."""
     reach = math.sqrt(max(motion.rate * motion.rate - 2.0 * motion.depth * motion.acceleration, 0.0)) - motion.rate
@@ -231,7 +231,7 @@ def _land(tau, motion):
     return Stay(max(tau + ahead, 0.0), max(-slope, 0.0), _RETURNED)
 
 
-@step
+@inlined
 def stay_in_contact(oscillator, side, phase, speed):
     """Follow one stay in contact from its beginning at the wall to its first end.
 
@@ -254,7 +254,7 @@ def stay_in_contact(oscillator, side, phase, speed):
     return rest_of_stay(oscillator, side, phase, 0.0, speed)
 
 
-@step
+@inlined
 def rest_of_stay(oscillator, side, phase, depth, speed):
     """Follow a stay in contact from anywhere inside it to its first end.
 

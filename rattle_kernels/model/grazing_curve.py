@@ -24,7 +24,7 @@ from rattle_kernels.model.flight import (
     velocity_after,
 )
 from rattle_kernels.model.oscillator import Oscillator, check_domain
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
 from rattle_kernels.numerics.roots import root_finder
 
 # Phases of the mesh on which the largest v* is looked for.
@@ -42,12 +42,12 @@ class _Touch(NamedTuple):
     side: float
 
 
-@step
+@inlined
 def _flight_from_touch(touch, sigma):
     return start_flight(touch.oscillator, part_turn(touch.phase) - touch.side * sigma, 0.0)
 
 
-@step
+@inlined
 def _touch_residual(touch, sigma):
     """Displacement at +beta less 2 beta, and its derivative in sigma."""
     tau = touch.side * sigma
@@ -63,7 +63,7 @@ def _touch_residual(touch, sigma):
 _find_touch = root_finder(_touch_residual)
 
 
-@step
+@inlined
 def grazing_flight(oscillator, phase, side):
     """Speed at +beta and duration of the flight that touches -beta, through +beta at `phase`.
 

@@ -15,10 +15,10 @@ import math
 
 import numpy as np
 
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
 
 
-@step
+@inlined
 def _row_distances(inside, wraps, distance):
     """Columns from each cell's centre to the nearest edge of a cell outside, both ways; inf where there is none."""
     columns = inside.size
@@ -34,13 +34,13 @@ def _row_distances(inside, wraps, distance):
             distance[j] = min(distance[j], max(away, 0.0))
 
 
-@step
+@inlined
 def _meet(height, p, q):
     """Where the parabolas of the edges p < q meet, in rows."""
     return ((height[q] + q * q) - (height[p] + p * p)) / (2.0 * (q - p))
 
 
-@step
+@inlined
 def _lower_envelope(height, edges, meets):
     """Edges whose parabolas are lowest somewhere, ascending, and where each begins; return how many."""
     kept = 0
@@ -59,7 +59,7 @@ def _lower_envelope(height, edges, meets):
     return kept
 
 
-@step
+@inlined
 def _column_distances(square, height, edges, meets):
     """Replace squared distances along rows by squared distances in the plane; both in units of a row's height."""
     rows = square.size

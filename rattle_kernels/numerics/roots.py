@@ -5,7 +5,7 @@ steps that leave the bracket are replaced by bisection; so the root is found wha
 where the guess is good.
 """
 
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 
 _NEWTON_STEPS = 60
 # From any bracket of doubles, some 60 + 11 halvings reach neighbouring numbers; the rest is margin.
@@ -30,7 +30,7 @@ def root_finder(residual):
         0) and `positive` (where it is > 0), ends of a bracket in either order, and whether it was found to rounding.
     """
 
-    @step
+    @inlined
     def find_root(problem, negative, positive, guess):
         x = guess
         if not (min(negative, positive) < x < max(negative, positive)):

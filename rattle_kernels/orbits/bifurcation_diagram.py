@@ -17,7 +17,7 @@ from rattle_kernels.impact_map.apply import PERMANENT_CONTACT, RETURNED, next_im
 from rattle_kernels.impact_map.chatter import descent_bound, is_captured
 from rattle_kernels.model.flight import fall_speed, part_turn
 from rattle_kernels.model.oscillator import PARAMETERS, Oscillator, check_domain, eccentricity_bound_quiet
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
 
 # The paper keeps the last twenty impacts.
 _KEPT = 20
@@ -55,7 +55,7 @@ class BifurcationDiagram(NamedTuple):
     period: np.ndarray
 
 
-@step
+@inlined
 def _settle(oscillator, t, v, transient):
     """Apply P `transient` times: outcome, phase and speed.
 
@@ -77,7 +77,7 @@ def _settle(oscillator, t, v, transient):
     return RETURNED, t, v
 
 
-@step
+@inlined
 def _follow(oscillator, t, v, transient, times, speeds):
     """Apply P `transient` times, then keep one departure after the other; how it ended."""
     outcome, t, v = _settle(oscillator, t, v, transient)
@@ -92,14 +92,14 @@ def _follow(oscillator, t, v, transient, times, speeds):
     return RETURNED
 
 
-@step
+@inlined
 def _bounces_ever_lower(oscillator, t, v, work):
     if v > _LOW_BOUNCE * fall_speed(oscillator):
         return False
     return is_captured(oscillator, descent_bound(oscillator, work[0], work[1]), t, v)
 
 
-@step
+@inlined
 def _impact_period(times, speeds, scale):
     """Shortest period after which the last departure had been there before, 0 where there is none."""
     last = times.size - 1

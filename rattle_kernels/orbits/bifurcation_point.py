@@ -34,7 +34,7 @@ from rattle_kernels.model.oscillator import (
     check_domain,
     eccentricity_bound_smooth_maxima,
 )
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
 from rattle_kernels.numerics.pseudo_arclength import System, solve
 from rattle_kernels.orbits.closure import OrbitShape, closure, grazing_speed_at, orbit_from, stability_gap
 
@@ -180,7 +180,7 @@ def _special_equation(kind: SpecialKind, space: Unknowns, shape: OrbitShape) -> 
     return with_differences(value)
 
 
-@step
+@inlined
 def _entry_after(oscillator, t, v):
     """How long after a departure +beta is met again, at which phase and speed."""
     contact = next_contact(oscillator, UPPER, t, -v, 1.0)

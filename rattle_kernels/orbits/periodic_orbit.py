@@ -16,7 +16,7 @@ import numpy as np
 
 from rattle_kernels.impact_map.jacobian import Jacobian, multiply, next_impact_with_jacobian
 from rattle_kernels.model.oscillator import Oscillator
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
 
 _NEWTON_STEPS = 40
 _RESIDUAL = 1e-11
@@ -58,7 +58,7 @@ class PeriodicOrbit(NamedTuple):
         return float(np.log(np.abs(self.multipliers).max()) / self.forcing_periods)
 
 
-@step
+@inlined
 def _iterate(oscillator, t, v, period):
     """P^p with its derivative, the time that passed, and the contacts with -beta."""
     jacobian = Jacobian(1.0, 0.0, 0.0, 1.0)
@@ -97,13 +97,13 @@ def newton_orbit(oscillator, t, v, period, speed_scale):
     return t - math.floor(t), v, residual
 
 
-@step
+@inlined
 def _write(jacobian, matrix):
     matrix[0, 0], matrix[0, 1] = jacobian.tt, jacobian.tv
     matrix[1, 0], matrix[1, 1] = jacobian.vt, jacobian.vv
 
 
-@step
+@inlined
 def _read(matrix):
     return Jacobian(matrix[0, 0], matrix[0, 1], matrix[1, 0], matrix[1, 1])
 

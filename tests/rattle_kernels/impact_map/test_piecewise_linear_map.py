@@ -17,7 +17,7 @@ from rattle_kernels import (
 )
 from rattle_kernels.impact_map.apply import LOWER, UPPER, next_impact
 from rattle_kernels.model.contact import stay_in_contact
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 from tests.rattle_kernels.reference import entries, oscillator_of, phase_error, speed_error
 from tests.strategies import oscillators, phases
 
@@ -25,12 +25,12 @@ ENVELOPE, ONE_ROTATION = math.inf, 1.0
 _CASES = 45
 
 
-@step
+@inlined
 def departure(oscillator, t, v):
     return next_impact(oscillator, t, v)
 
 
-@step
+@inlined
 def stay_of(oscillator, side, phase, speed):
     return stay_in_contact(oscillator, side, phase, speed)
 

@@ -11,39 +11,39 @@ from scipy.integrate import simpson, solve_ivp
 from rattle_kernels import Direction, Oscillator, Outcome, OutsideDomain, eccentricity_bound_quiet, time_history
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.motion_pieces import FREEPLAY, end_of_piece, fly_along, piece_from, stay_along
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 from tests.rattle_kernels.reference import entries, oscillator_of, phase_error
 from tests.strategies import oscillators
 
 STIFF = Oscillator(stiffness=1000.0)
 
 
-@step
+@inlined
 def beginning(oscillator, phase, displacement, velocity):
     return piece_from(oscillator, phase, displacement, velocity)
 
 
-@step
+@inlined
 def ending(oscillator, piece):
     return end_of_piece(oscillator, piece)
 
 
-@step
+@inlined
 def along_flight(oscillator, piece, elapsed, displacement, velocity):
     fly_along(oscillator, piece, elapsed, displacement, velocity)
 
 
-@step
+@inlined
 def along_stay(oscillator, piece, elapsed, displacement, velocity):
     stay_along(oscillator, piece, elapsed, displacement, velocity)
 
 
-@step
+@inlined
 def impact_after(oscillator, t, v):
     return next_impact(oscillator, t, v)
 
 
-@step
+@inlined
 def departure_after(oscillator, t, v):
     return next_impact(oscillator, t, v)
 

@@ -14,24 +14,24 @@ from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.flight import rest_acceleration
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 from tests.rattle_kernels.reference import entries, oscillator_of, phase_error, speed_error
 from tests.strategies import phases, speeds, stiff_oscillators
 
 RULES = [(math.inf, "plc_rigorous"), (1.0, "plc_one_rotation")]
 
 
-@step
+@inlined
 def scalar_path(oscillator, t, v):
     return next_impact(oscillator, t, v)
 
 
-@step
+@inlined
 def derivative(oscillator, t, v):
     return next_impact_with_jacobian(oscillator, t, v)
 
 
-@step
+@inlined
 def invariant(oscillator, t, v):
     acceleration = rest_acceleration(oscillator, t)
     return bounce_level(stay_time(oscillator), acceleration, v) / acceleration
