@@ -1,4 +1,4 @@
-"""Compile, or load from the disk cache, the kernels that the service needs: done once, before work arrives."""
+"""Compile the kernels that the service needs, or load them from the disk cache, once and before work arrives."""
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from rattle_kernels.orbits.orbit_search import find_orbit, find_orbits
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
 _STIFF = Oscillator(stiffness=1e4)
-# So little damped that low bounces are bounded by the adiabatic invariant, and that traps pay.
+# Damping so weak that the adiabatic invariant bounds low bounces, and that traps pay.
 _WEAK = Oscillator(damping=6e-4, eccentricity=1e-5, half_backlash=6e-4)
 # Departures of P(1,1,0), and of chaos.
 _T, _V = 0.89829, 3.76991
@@ -37,14 +37,14 @@ _CHAOTIC_T, _CHAOTIC_V = 0.553, 4.703
 
 
 def warm_up() -> None:
-    """Run every kernel of basins, of their pictures and of grazing curves once, on a few cells."""
+    """Run every kernel of basins, their pictures and grazing curves once, on a few cells."""
     oscillator = Oscillator()
     grid = CellGrid(time_cells=4, velocity_cells=4)
     images = map_cells(oscillator, grid, 1, (0, 4), (0, 4))
-    # Seeds that settle on the periodic orbit and on the chaotic attractor: both ways of being named.
+    # Seeds that settle on the periodic orbit and on the chaotic attractor: both kinds are recognised by other kernels.
     attractors = find_attractors(oscillator, [_T, _CHAOTIC_T], [_V, _CHAOTIC_V])
     name_solutions(oscillator, attractors, [0.9], [3.77])
-    # Twice around P(1,1,0): an orbit of which a part may be the whole.
+    # Twice around P(1,1,0), so that the search for its own period runs, too.
     find_periodic_orbit(oscillator, _T, _V, 2, 5.0)
     members = unite(grid.cells, [mark_images(grid.cells, images.image_cell)])
     place = np.empty(members.size, np.int32)
@@ -60,13 +60,13 @@ def warm_up() -> None:
 
 
 def warm_up_curves() -> None:
-    """Run the kernels of what is drawn beside a basin: its grazing curve, and a motion over time."""
+    """Run the kernels of grazing curves and time histories once."""
     grazing_velocity(Oscillator(), 0.0)
     time_history(Oscillator(), 0.0, 0.0, 0.0, periods=1.0)
 
 
 def warm_up_analyses() -> None:
-    """Run every kernel of searches for orbits, of continuation, diagrams and manifolds once."""
+    """Run every kernel of orbit searches, continuation, diagrams and manifolds once."""
     oscillator = Oscillator()
     find_orbits(oscillator, longest=1, cells=2)
     found = find_orbit(oscillator, _T, _V)

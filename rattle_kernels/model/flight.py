@@ -8,13 +8,14 @@ wall is
     A = delta (4 pi - 2 pi eps s0) phi2 - 2 eps c0 (sin(pi tau)/tau)^2 + eps s0 (h - sin h)/tau^2,
 
 which equals Eqs. (18), (24), (30) but keeps full precision as delta, tau or w tend to zero. Everything holds for tau <
-0 as well, which is the flight backwards in time.
+0 as well: the flight backwards in time.
 """
 
 import math
 from typing import NamedTuple
 
 from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.phase import part_turn
 
 TWO_PI = 2.0 * math.pi
 FOUR_PI = 4.0 * math.pi
@@ -38,12 +39,6 @@ class Flight(NamedTuple):
     sine: float
     cosine: float
     velocity: float
-
-
-@inlined
-def part_turn(turns):
-    """Turns less the nearest whole number: the reduction is exact, and the angle left is small."""
-    return turns - math.floor(turns + 0.5)
 
 
 @inlined
@@ -90,7 +85,7 @@ def _cubic_rest(tau):
 
 @inlined
 def mean_acceleration(flight, tau):
-    """A(tau): half the acceleration at the wall for tau -> 0, the mean that carries the flight back afterwards."""
+    """A(tau): half the acceleration at the wall for tau -> 0, later the mean that carries the flight back."""
     gravity = flight.damping * (FOUR_PI - TWO_PI * flight.eccentricity * flight.sine)
     cubic = TWO_PI * TWO_PI * TWO_PI * tau * _cubic_rest(tau)
     chord = math.sin(math.pi * part_turn(tau)) / tau  # its sign may be lost: only the square counts

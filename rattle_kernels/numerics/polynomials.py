@@ -1,7 +1,7 @@
-"""Sine and cosine of half turns, and phi2, as polynomials: no library call, no branch, to rounding.
+"""Sine, cosine and phi2 as polynomials, exact to rounding, without a library call or a branch.
 
-In half turns the reduction of an angle is exact, and what is left is at most a quarter turn. Written out, because a
-loop over coefficients hides them from the vectoriser.
+Angles are counted in half turns: their reduction is exact, and what is left is at most a quarter turn. The polynomials
+are written out, because a loop over coefficients hides them from the vectoriser.
 """
 
 import math

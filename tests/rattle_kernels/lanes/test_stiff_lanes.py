@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from rattle_kernels import Oscillator, Outcome, OutsideDomain, grazing_velocity, next_impacts, previous_impacts
 from rattle_kernels.impact_map.apply import next_impact
-from rattle_kernels.impact_map.chatter import bounce_level, stay_time
+from rattle_kernels.impact_map.chatter import bounce_level, ringing_radian
 from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.lanes.tables import lane_tables
@@ -34,7 +34,7 @@ def derivative(oscillator, t, v):
 @inlined
 def invariant(oscillator, t, v):
     acceleration = rest_acceleration(oscillator, t)
-    return bounce_level(stay_time(oscillator), acceleration, v) / acceleration
+    return bounce_level(ringing_radian(oscillator), acceleration, v) / acceleration
 
 
 @pytest.mark.parametrize(("permanent_after", "rule"), RULES, ids=["exact", "paper"])
