@@ -136,19 +136,6 @@ def _carry(jacobian, sensitivity, own):
 
 
 @inlined
-def _through_lower(oscillator, parameter, passage, jacobian, change):
-    """Derivatives after the contact with -beta and the flight from it, from those before."""
-    fall, lower, rise, start = passage.fall, passage.lower, passage.rise, passage.rises_at
-    speed = -fall.velocity
-    one = contact_jacobian(oscillator, LOWER, fall.phase, speed, lower)
-    change = _carry(one, change, _contact_sensitivity(oscillator, parameter, LOWER, fall.phase, speed, lower))
-    jacobian = multiply(one, jacobian)
-    one = flight_jacobian(oscillator, start, lower.speed, rise)
-    own = _flight_sensitivity(oscillator, parameter, LOWER, start, lower.speed, rise)
-    return multiply(one, jacobian), _carry(one, change, own)
-
-
-@inlined
 def next_impact_with_sensitivity(oscillator, parameter, t, v, over):
     """One application of P, its derivative by (t, v), and that by a parameter.
 
@@ -168,12 +155,19 @@ def next_impact_with_sensitivity(oscillator, parameter, t, v, over):
     (Impact, Jacobian, (float, float))
         The impact, DP, and dP/dp as (dt, dv); of no meaning where contact is permanent.
     """
+    # In one function: with a part of it in another, the compiler fuses other products, and last bits of dP/dp change.
     passage = walk(oscillator, t, v, FORWARDS, over, False)
-    rise = passage.rise
-    jacobian = flight_jacobian(oscillator, t, -v, passage.fall)
-    change = _flight_sensitivity(oscillator, parameter, UPPER, t, -v, passage.fall)
+    fall, lower, rise = passage.fall, passage.lower, passage.rise
+    jacobian = flight_jacobian(oscillator, t, -v, fall)
+    change = _flight_sensitivity(oscillator, parameter, UPPER, t, -v, fall)
     if passage.lower_impacts > 0:
-        jacobian, change = _through_lower(oscillator, parameter, passage, jacobian, change)
+        speed = -fall.velocity
+        one = contact_jacobian(oscillator, LOWER, fall.phase, speed, lower)
+        change = _carry(one, change, _contact_sensitivity(oscillator, parameter, LOWER, fall.phase, speed, lower))
+        jacobian = multiply(one, jacobian)
+        one = flight_jacobian(oscillator, passage.rises_at, lower.speed, rise)
+        own = _flight_sensitivity(oscillator, parameter, LOWER, passage.rises_at, lower.speed, rise)
+        change, jacobian = _carry(one, change, own), multiply(one, jacobian)
     one = contact_jacobian(oscillator, UPPER, rise.phase, rise.velocity, passage.upper)
     own = _contact_sensitivity(oscillator, parameter, UPPER, rise.phase, rise.velocity, passage.upper)
     change, jacobian = _carry(one, change, own), multiply(one, jacobian)

@@ -220,6 +220,7 @@ def next_impacts(
     Parameters
     ----------
     oscillator : Oscillator
+        Either model.
     t, v : array_like, broadcast together
         Phase (forcing periods, any finite value) and speed of departures from +beta.
     applications : int

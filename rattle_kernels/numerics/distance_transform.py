@@ -1,7 +1,7 @@
 """Distance from every cell of a basin to the nearest cell outside it, exact for the cells as they are drawn.
 
-Cells are rectangles of a width and a height. So the distance from the centre of a cell to another cell, i columns and j
-rows away, is ``hypot(f, g)`` with ``f = (|i| - 1/2) width`` and ``g = (|j| - 1/2) height``. Here f is 0 for i = 0, and g
+Cells are rectangles of a width and a height. So the distance from the centre of a cell to another, i columns and j rows
+away, is ``hypot(f, g)`` with ``f = (|i| - 1/2) width`` and ``g = (|j| - 1/2) height``. Here f is 0 for i = 0, and g
 is 0 for j = 0. The square is separable, so two passes find the least distance:
 
 1. in each row, the distance f from every cell to the nearest edge of an outside cell;

@@ -13,7 +13,7 @@ from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
 from rattle_kernels.model.oscillator import PARAMETERS
 from rattle_kernels.numerics.jit import kernel
 
-from ..strategies import oscillators, phases, speeds, stiff_oscillators
+from tests.strategies import oscillators, phases, speeds, stiff_oscillators
 
 
 @kernel
