@@ -12,7 +12,6 @@ from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
 from rattle_kernels.model.oscillator import PARAMETERS
 from rattle_kernels.numerics.jit import kernel
-
 from tests.strategies import oscillators, phases, speeds, stiff_oscillators
 
 
