@@ -11,8 +11,8 @@ from rattle_kernels.numerics.jit import inlined
 def wrap(phase):
     """Phase in [0, 1): the whole periods below it are taken off.
 
-    A phase just below a whole number would round up to 1.0. It becomes 0.0, the same point of the circle. What is not
-    finite becomes NaN.
+    A phase just below a whole number would round up to 1.0. It becomes 0.0, the same point of the circle. NaN stays
+    NaN.
     """
     rest = phase - math.floor(phase)
     return 0.0 if rest == 1.0 else rest

@@ -5,11 +5,12 @@ import pytest
 
 from rattle_kernels import PERMANENT_CONTACT, SINK, UNDECIDED, CellGrid, Oscillator, map_cells
 from rattle_kernels.cell_mapping.cell_grid import cell_number
-from rattle_kernels.impact_map.apply import RETURNED, next_impact
+from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.chatter import descent, is_captured
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.flight import rest_acceleration
+from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import inlined
 
 GRID = CellGrid(time_cells=28, velocity_cells=28)
@@ -150,7 +151,7 @@ def test_a_pause_changes_nothing_and_what_is_raised_there_ends_the_work():
     assert len(pauses) >= 3 and run.applications <= 120_000 * 100
     half, _ = run_lanes(PANELS[0], t, v, 60_000, shortcuts=False)
     again, _ = run_lanes(PANELS[0], half.t, half.v, 60_000, shortcuts=False)
-    rattles = again.outcome == RETURNED
+    rattles = again.outcome == OUTCOME_RETURNED
     assert rattles.sum() > 30
     np.testing.assert_array_equal(whole.t[rattles], again.t[rattles])
 
