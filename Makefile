@@ -36,8 +36,12 @@ demo: $(READY)  ## Fig. 7 of the paper over REST: demo/basin.zarr, demo/basin.pn
 test: $(READY)  ## run the tests (minutes)
 	$(BIN)/python -m pytest $(ON_TWO_CORES)
 
-test-slow: $(READY)  ## run the slow tests as well
+# In lanes a wrong index corrupts other lanes without a sign, unless it is checked.
+BOUNDS_CHECKED := $(addprefix tests/rattle_kernels/,numerics impact_map lanes cell_mapping attractors/test_classify.py)
+
+test-slow: $(READY)  ## run the slow tests as well, and small tests of the kernels with checked array bounds
 	$(BIN)/python -m pytest $(ON_TWO_CORES) -m 'not browser and not faults and not containers and not hosts'
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest $(BOUNDS_CHECKED)
 
 test-faults: $(READY)  ## kill and fill things from outside (minutes; as root also full and read-only disks)
 	$(BIN)/python -m pytest -m faults

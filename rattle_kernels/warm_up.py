@@ -1,4 +1,4 @@
-"""Compile, or load from the disk cache, the kernels that the service needs: done once, before work arrives."""
+"""Compile the kernels that the service needs, or load them from the disk cache, once and before work arrives."""
 
 import contextlib
 from collections.abc import Callable, Iterator
@@ -53,7 +53,7 @@ Report = Callable[[int, int], None]
 """Called with how many kernels are there and how many are needed, while some have to be compiled; else not at all."""
 
 _STIFF = Oscillator(stiffness=1e4)
-# So little damped that low bounces are bounded by the adiabatic invariant, and that traps pay.
+# Damping so weak that the adiabatic invariant bounds low bounces, and that traps pay.
 _WEAK = Oscillator(damping=6e-4, eccentricity=1e-5, half_backlash=6e-4)
 # Departures of P(1,1,0), and of chaos.
 _T, _V = 0.89829, 3.76991
@@ -100,10 +100,10 @@ def _run_kernels_of_basins() -> None:
     oscillator = Oscillator()
     grid = CellGrid(time_cells=4, velocity_cells=4)
     images = map_cells(oscillator, grid, 1, (0, 4), (0, 4))
-    # Seeds that settle on the periodic orbit and on the chaotic attractor: both ways of being named.
+    # Seeds that settle on the periodic orbit and on the chaotic attractor: both kinds are recognised by other kernels.
     attractors = find_attractors(oscillator, [_T, _CHAOTIC_T], [_V, _CHAOTIC_V])
     name_solutions(oscillator, attractors, [0.9], [3.77])
-    # Twice around P(1,1,0): an orbit of which a part may be the whole.
+    # Twice around P(1,1,0), so that the search for its own period runs, too.
     find_periodic_orbit(oscillator, _T, _V, 2, 5.0)
     members = unite(grid.cells, [mark_images(grid.cells, images.image_cell)])
     place = np.empty(members.size, np.int32)
@@ -119,7 +119,7 @@ def _run_kernels_of_basins() -> None:
 
 
 def warm_up_curves() -> None:
-    """Run the kernels of what is drawn beside a basin: its grazing curve, and a motion over time."""
+    """Run the kernels of grazing curves and time histories once."""
     grazing_velocity(Oscillator(), 0.0)
     time_history(Oscillator(), 0.0, 0.0, 0.0, periods=1.0)
 

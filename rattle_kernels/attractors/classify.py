@@ -9,6 +9,7 @@ from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator, check_domain
 from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_kernels.numerics.phase import wrap_all
 
 UNASSIGNED = -1
 """No attractor of a catalogue."""
@@ -56,8 +57,7 @@ def name_solutions(
     times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
     if not (np.isfinite(times).all() and np.isfinite(speeds).all() and (speeds > 0.0).all()):
         raise ValueError("landing points must be finite with positive speeds; captured cells have none: leave them out")
-    times = times - np.floor(times)
-    times[times == 1.0] = 0.0  # what a phase just below 0 rounds to
+    times = wrap_all(times)
     around = neighbourhoods(checked, attractors)
     places = np.empty(times.size, np.int16)
     for start in range(0, times.size, _POINTS_AT_A_TIME):

@@ -49,8 +49,8 @@ class Neighbourhoods(NamedTuple):
     ``centre`` (shape (n, 2)): points of periodic orbits, phase and speed; ``form`` (n, 3): the ellipse ``form0 dt^2 + 2
     form1 dt dv + form2 dv^2 <= 1`` around each; ``owner`` (n,): index of the attractor. ``ellipse``: numbers of those
     that reach into each of ELLIPSE_COLUMNS parts of the period, from ``first_ellipse`` of the part to that of the next.
-    ``box_owner`` (rows, BOXES) int16: index of the chaos that marked a box. ``speed_scale``: the speed that BOXES rows
-    make up.
+    ``box_owner`` (rows, BOXES) int16: index of the chaos that marked a box. ``largest_grazing_speed``: BOXES rows
+    make it up.
     """
 
     centre: np.ndarray
@@ -59,7 +59,7 @@ class Neighbourhoods(NamedTuple):
     first_ellipse: np.ndarray
     ellipse: np.ndarray
     box_owner: np.ndarray
-    speed_scale: float
+    largest_grazing_speed: float
 
 
 def _contracting_form(jacobian: np.ndarray, speed_scale: float) -> tuple[np.ndarray, float]:

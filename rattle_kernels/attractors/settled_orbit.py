@@ -9,9 +9,10 @@ import math
 import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
-from rattle_kernels.impact_map.apply import RETURNED, next_impact
+from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 
@@ -35,7 +36,7 @@ def _distances_on_return(oscillator, t, v, speed_scale, distances):
     distances[:] = math.inf
     for i in range(distances.size):
         impact = next_impact(oscillator, here_t, here_v)
-        if impact.outcome != RETURNED:
+        if impact.outcome != OUTCOME_RETURNED:
             return
         here_t, here_v = impact.t, impact.v
         apart = here_t - t

@@ -32,7 +32,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
-from rattle_kernels.impact_map.chatter import LARGEST_DIFFERENCE, REQUIRED_DESCENT
+from rattle_kernels.impact_map.chatter import REQUIRED_DESCENT, descends_everywhere
 from rattle_kernels.lanes.run import next_impacts
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.lanes.traps import DEGREE, NO_TRAPS, NOWHERE, POWERS, LaneTraps
@@ -141,12 +141,7 @@ def _descends(before: np.ndarray, after: np.ndarray, rate: float) -> bool:
     """Whether V falls at every node of a polar mesh by half of what it does at the centre, and evenly."""
     if not (before.min() > 0.0 and after.min() > 0.0):
         return False
-    descent = np.log(after / before) / rate
-    rows = np.diff(np.vstack([np.full(descent.shape[1], -1.0), descent]), axis=0)
-    columns = np.diff(descent, axis=1, append=descent[:, :1])
-    return bool(
-        descent.max() <= REQUIRED_DESCENT and max(np.abs(rows).max(), np.abs(columns).max()) < LARGEST_DIFFERENCE
-    )
+    return bool(descends_everywhere(np.log(after / before) / rate))
 
 
 def _trap_within(turn: _Turn, radius: float, rate: float) -> Trap | None:

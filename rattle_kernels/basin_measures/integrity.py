@@ -32,7 +32,7 @@ from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.basin_measures.arrays import check_basins
 from rattle_kernels.cell_mapping.cell_grid import CellGrid, cell_number, check_grid
 from rattle_kernels.numerics.distance_transform import distance_outside
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
 
 
 class LargestDisc(NamedTuple):
@@ -118,13 +118,13 @@ def integrity_factor(
     return LargestDisc(float(distance[row, column]), *centre)
 
 
-@step
+@inlined
 def _gap(cell, at):
     """Cells between the coordinate `at` and the cell that spans [cell, cell + 1]; 0 inside it."""
     return max(cell - at, at - (cell + 1), 0.0)
 
 
-@step
+@inlined
 def _row_gap(outside, row, at, wraps, most):
     """Least gap, below `most`, from the column coordinate `at` to a cell of a row that is outside; else `most`."""
     columns = outside.shape[1]

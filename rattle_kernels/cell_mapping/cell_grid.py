@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 
 # stop - start of a whole period rounds: 1.001 - 0.001 is not 1.
 _WHOLE_PERIOD = 1.0 - 1e-12
@@ -85,7 +85,7 @@ def check_grid(grid: CellGrid) -> CellGrid:
     return checked
 
 
-@step
+@inlined
 def cell_number(grid, t, v):
     """Cell that holds the point (t, v), or SINK where none does.
 

@@ -10,19 +10,16 @@ import numpy as np
 from rattle_kernels.cell_mapping.cell_grid import SINK, CellGrid, cell_number, check_grid
 from rattle_kernels.cell_mapping.iterations import check_iterations
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
-from rattle_kernels.impact_map.apply import RETURNED
 from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.lanes.traps import NO_TRAPS, LaneTraps
 from rattle_kernels.model.oscillator import Oscillator, check_domain
-from rattle_kernels.model.outcome import Outcome
+from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
 PERMANENT_CONTACT = -2
 UNDECIDED = -3
-
-_CAPTURED = int(Outcome.PERMANENT_CONTACT)
 
 
 class CellImages(NamedTuple):
@@ -42,9 +39,11 @@ class CellImages(NamedTuple):
 @kernel
 def _settle_images(oscillator, bound, grid, outcome, t, v, image_cell):
     for i in range(t.size):
-        if outcome[i] == _CAPTURED or (outcome[i] == RETURNED and is_captured(oscillator, bound, t[i], v[i])):
+        if outcome[i] == OUTCOME_PERMANENT_CONTACT or (
+            outcome[i] == OUTCOME_RETURNED and is_captured(oscillator, bound, t[i], v[i])
+        ):
             image_cell[i] = PERMANENT_CONTACT
-        elif outcome[i] == RETURNED:
+        elif outcome[i] == OUTCOME_RETURNED:
             image_cell[i] = cell_number(grid, t[i], v[i])
         else:
             image_cell[i] = UNDECIDED

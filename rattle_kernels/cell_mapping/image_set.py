@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
 
 _WORD = 64
 
@@ -59,7 +59,7 @@ def _list_members(words, cells):
             bit += 1
 
 
-@step
+@inlined
 def place_of(image_set, cell):
     """Place of a cell among the members, in ascending order; -1 where it is none."""
     words, before = image_set
@@ -72,7 +72,7 @@ def place_of(image_set, cell):
     return before[number] + _count_bits(words[number] & (bit - np.uint64(1)))
 
 
-@step
+@inlined
 def _count_bits(word):
     # The bitwise sum that LLVM knows as one instruction.
     word = word - ((word >> np.uint64(1)) & np.uint64(0x5555555555555555))

@@ -1,18 +1,19 @@
 """The action of a low bounce, corrected, and how far up it falls at every application of P.
 
-The action J of `capture` is kept by the slow change of a(t) only to first order in the duration of a bounce: at a
+The slow change of a(t) conserves the action J of `chatter` only to first order in the duration of a bounce. At a
 damping of delta it is seen to fall only where a bounce takes less than some six delta of a period. The invariant proper
 is a series
 
     L = ln J + u^2 f_1(t) + u^4 f_2(t) + ...,   u = (1.5 J/g^2)^(1/3),  g = 4 pi delta,
 
-u being about half the duration of a bounce; even powers and even f_j alone, since without damping a bounce backwards in
-time is a bounce. Its coefficients need no algebra: that P lowers L by delta T is linear in them, so they are fitted to
-P itself by least squares. Such a series diverges, and nothing is won beyond u^6. It is worth an order of magnitude in u
-at a damping of 6e-4, up to where bounces resonate with the forcing and periodic orbits attract.
+where u is about half the duration of a bounce. Only even powers and even f_j occur, since without damping a bounce
+backwards in time is a bounce. The coefficients need no algebra. That P lowers L by delta T is linear in them, so they
+are fitted to P itself by least squares. Such a series diverges, and nothing is won beyond u^6. At a damping of 6e-4 it
+is worth an order of magnitude in u: it reaches up to where bounces resonate with the forcing and periodic orbits
+attract.
 
-A fit proves nothing. What does is `capture`'s test of the descent, on L: q = (change of L)/(delta T) is at most -1/2 at
-every node of a mesh and differs by less than 1/4 between neighbours.
+A fit proves nothing. The proof is the descent test of `chatter`, applied to L: q = (change of L)/(delta T) is at most
+-1/2 at every node of a mesh and differs by less than 1/4 between neighbours.
 """
 
 import math
@@ -20,28 +21,28 @@ from functools import lru_cache
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import PERMANENT_CONTACT, RETURNED, next_impact
+from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.chatter import (
-    LARGEST_DIFFERENCE,
-    REQUIRED_DESCENT,
     bounce_level,
+    descends_everywhere,
     descent_bound,
     fastest_below,
-    stay_time,
+    ringing_radian,
 )
 from rattle_kernels.model.flight import FOUR_PI, acceleration_range, rest_acceleration
 from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
 
 _POWERS = (2, 4, 6)
 _HARMONICS = 20
 _FIT_PHASES, _FIT_SIZES = 80, 16
 _TEST_PHASES, _TEST_SIZES = 320, 32
-# Bounces of a twelfth of a period are in resonance at all damping that this is for.
+# Bounces of a twelfth of a period are in resonance at every damping for which this is used.
 _LARGEST_SIZE = 0.04
 _SHRINK = 0.92
 _ROUNDS = 10
-# Impacts that it takes to fall from one bound to the other, below which the half second of the fits does not pay.
+# If fewer impacts lead from one bound to the other, the half second of the fits does not pay.
 _LEAST_GAIN = 20_000.0
 # Swing of the acceleration at rest in units of its mean, beyond which 20 harmonics are too few.
 _LARGEST_SWING = 0.95
@@ -51,9 +52,12 @@ _MARGIN = 0.05
 
 @kernel
 def _bounce_all(oscillator, sizes, phases, next_size, next_phase, elapsed):
-    """One application of P to a bounce of each size at each phase; sizes NaN where there is none or it is the last."""
+    """Apply P to a bounce of each size at each phase. The next size is NaN where there is no bounce or no next one.
+
+    Returns whether every bounce is low: P is found, and -beta is not met.
+    """
     gravity = FOUR_PI * oscillator.damping
-    radian = stay_time(oscillator)
+    radian = ringing_radian(oscillator)
     for i in range(sizes.size):
         for j in range(phases.size):
             next_size[i, j] = next_phase[i, j] = elapsed[i, j] = math.nan
@@ -61,9 +65,9 @@ def _bounce_all(oscillator, sizes, phases, next_size, next_phase, elapsed):
             if not speed > 0.0:
                 continue
             impact = next_impact(oscillator, phases[j], speed)
-            if impact.outcome == PERMANENT_CONTACT:
+            if impact.outcome == OUTCOME_PERMANENT_CONTACT:
                 continue
-            if impact.outcome != RETURNED or impact.lower_impacts > 0:
+            if impact.outcome != OUTCOME_RETURNED or impact.lower_impacts > 0:
                 return False
             acceleration = rest_acceleration(oscillator, impact.t)
             level = bounce_level(radian, acceleration, impact.v)
@@ -79,7 +83,7 @@ def _terms(size: np.ndarray, phase: np.ndarray) -> np.ndarray:
 
 
 class _Bounces:
-    """Bounces of some sizes (rows) at some phases (columns), and those after them."""
+    """Bounces of some sizes (rows) at some phases (columns), and the bounces after them."""
 
     def __init__(self, oscillator: Oscillator, sizes: np.ndarray, phases: np.ndarray) -> None:
         shape = sizes.size, phases.size
@@ -92,7 +96,7 @@ class _Bounces:
         self.change = _terms(later, when) - self.before
 
     def fit(self) -> np.ndarray:
-        """Coefficients of the terms with which L falls by delta T, as nearly as may be."""
+        """Coefficients of the terms with which L falls most nearly by delta T."""
         known = np.isfinite(self.growth)
         weight = 1.0 / self.decay[known]
         system = self.change[known] * weight[:, None]
@@ -107,15 +111,8 @@ class _Bounces:
         return np.where(np.isfinite(self.growth), descent, -1.0)
 
 
-def _falls_everywhere(descent: np.ndarray) -> bool:
-    rows = np.diff(np.vstack([np.full(descent.shape[1], -1.0), descent]), axis=0)
-    columns = np.diff(np.hstack([descent, descent[:, :1]]), axis=1)
-    largest = max(np.abs(rows).max(), np.abs(columns).max())
-    return bool(descent.max() <= REQUIRED_DESCENT and largest < LARGEST_DIFFERENCE)
-
-
 def _bound_below(oscillator: Oscillator, size: float) -> float:
-    """Safe bound on ``1.5 J`` within the bounces of at most this size, 0 where L does not fall at all of them."""
+    """Safe bound on ``1.5 J`` within the bounces of at most this size; 0 unless L falls at all of them."""
     nodes = 0.5 - 0.5 * np.cos(np.pi * (np.arange(_FIT_SIZES) + 0.5) / _FIT_SIZES)
     fitted = _Bounces(oscillator, size * nodes, (np.arange(_FIT_PHASES) + 0.5) / _FIT_PHASES)
     if not fitted.low or np.isfinite(fitted.growth).sum() < fitted.change.shape[-1]:
@@ -123,12 +120,12 @@ def _bound_below(oscillator: Oscillator, size: float) -> float:
     coefficients = fitted.fit()
     sizes = size * (np.arange(_TEST_SIZES) + 1) / _TEST_SIZES
     tested = _Bounces(oscillator, sizes, np.arange(_TEST_PHASES) / _TEST_PHASES)
-    if not tested.low or not _falls_everywhere(tested.descents(coefficients)):
+    if not tested.low or not descends_everywhere(tested.descents(coefficients)):
         return 0.0
     correction = tested.before @ coefficients
     known = np.isfinite(tested.growth)
-    # Where L is below its least on a level of J that lies lower by what the correction varies, J stays within the size
-    # tested: no bounce leaps over the margin.
+    # At every bounce below the bound, L is less than anywhere on the edge of the region tested. L falls, so J stays
+    # inside; the margin is more than J changes in one bounce.
     if np.abs(tested.growth[known]).max() > _MARGIN:
         return 0.0
     gravity = FOUR_PI * oscillator.damping
@@ -136,20 +133,7 @@ def _bound_below(oscillator: Oscillator, size: float) -> float:
 
 
 def _raise_bound(oscillator: Oscillator, bound: float) -> float:
-    """Largest safe bound on ``1.5 J``, by L where that reaches further than `capture` does by J.
-
-    Parameters
-    ----------
-    oscillator : Oscillator
-        Checked by the caller.
-    bound : float
-        That of `capture`.
-
-    Returns
-    -------
-    float
-        At least `bound`.
-    """
+    """The larger of a safe bound by J and the one by L."""
     gravity = FOUR_PI * oscillator.damping
     least, greatest = acceleration_range(oscillator)
     # Without a region safe by J there is nothing below that of L.
@@ -169,7 +153,7 @@ def _raise_bound(oscillator: Oscillator, bound: float) -> float:
 
 @lru_cache(maxsize=32)
 def capture_bound(oscillator: Oscillator) -> float:
-    """Largest bound on ``1.5 J`` below which a departure is known to be captured by ever lower bounces.
+    """Largest known bound on ``1.5 J`` below which ever lower bounces capture a departure.
 
     Parameters
     ----------
@@ -179,6 +163,6 @@ def capture_bound(oscillator: Oscillator) -> float:
     Returns
     -------
     float
-        0, so that nothing is ever captured, where no region is safe.
+        0 where no region is safe: then nothing is ever captured.
     """
     return _raise_bound(oscillator, descent_bound(oscillator, np.empty(12), np.empty(12)))

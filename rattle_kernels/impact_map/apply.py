@@ -1,16 +1,14 @@
-"""The impact map P of both models (Eqs. 1, 2, 4, 5; Secs. 2, 3): flights and stays in contact, in turn.
+"""The impact map P of both models (Eqs. 1, 2, 4, 5; Secs. 2, 3): flights and contacts in turn.
 
-Conventions, said once: the section is a departure from ``Phi = +beta`` into freeplay at phase t (forcing periods, [0,
-1)) with speed v > 0. In the impacting model v is also the speed of arrival. P goes to the next departure from +beta,
-either directly (case a) or by way of -beta (case b); above the grazing curve v*(t) it is case b.
+The conventions hold everywhere. The section is a departure from ``Phi = +beta`` into freeplay at phase t (forcing
+periods, [0, 1)) with speed v > 0. In the impacting model v is also the speed of arrival. P leads to the next departure
+from +beta, either directly (case a) or by way of -beta (case b); above the grazing curve v*(t) it is case b.
 
-Freeplay is the same in both models, and so are the flights. Where the impacting model reverses the velocity at a wall,
-in the piecewise linear one the gears stay beyond it for a while (`contact_flight`), beyond +beta perhaps for ever.
+Both models have the same flights (`flights`). The impacting model reverses the velocity at a wall. In the piecewise
+linear model the gears stay beyond the wall for a while (`model.contact`), beyond +beta perhaps for ever.
 
-All that is used of the oscillator is Eq. (8): the acceleration at rest is positive at every phase, hence every turning
-point in freeplay is a minimum, and flights cross as the paper's monotonicity argument (Sec. 2) says. By Eq. (31) the
-same holds beyond -beta: every stay there ends, the flight after it reaches +beta, and one application meets -beta at
-most once.
+By Eq. (31) turning points beyond -beta are minima, too: every contact there ends, the flight after it reaches +beta,
+and one application of P meets -beta at most once.
 """
 
 import math
@@ -18,40 +16,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.model.contact import Stay, stay_in_contact
-from rattle_kernels.model.flight import (
-    displacement_rate,
-    part_turn,
-    rest_acceleration,
-    start_flight,
-    velocity_after,
-)
-from rattle_kernels.model.grazing_curve import ARRIVING, LEAVING, grazing_flight
+from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd, fly_over, next_contact
+from rattle_kernels.model.contact import Contact, follow_contact
 from rattle_kernels.model.oscillator import Oscillator, check_impacting
-from rattle_kernels.model.outcome import Outcome
-from rattle_kernels.numerics.jit import kernel, step
-from rattle_kernels.numerics.roots import root_finder
+from rattle_kernels.model.outcome import (
+    OUTCOME_NOT_CONVERGED,
+    OUTCOME_OUTSIDE_SECTION,
+    OUTCOME_RETURNED,
+)
+from rattle_kernels.numerics.jit import inlined, kernel
+from rattle_kernels.numerics.phase import part_turn, wrap
 
-RETURNED = int(Outcome.RETURNED)
-PERMANENT_CONTACT = int(Outcome.PERMANENT_CONTACT)
-NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
-OUTSIDE_SECTION = int(Outcome.OUTSIDE_SECTION)
-UPPER = 1.0
-LOWER = -1.0
-
-
-class Contact(NamedTuple):
-    """End of one flight: the wall met (UPPER or LOWER), phase (not reduced), signed duration and velocity there."""
-
-    wall: float
-    phase: float
-    duration: float
-    velocity: float
-    found: bool
+# Which way P is applied.
+FORWARDS = 1.0
+BACKWARDS = -1.0
 
 
 class Impact(NamedTuple):
-    """One application of P to one point: next departure, contacts with -beta on the way, how it ended, how long.
+    """One application of P to one point: the next departure, contacts with -beta on the way, how it ended, how long.
 
     ``t``, ``v`` and ``duration`` (forcing periods) are NaN unless the outcome is RETURNED.
     """
@@ -66,8 +48,8 @@ class Impact(NamedTuple):
 class Impacts(NamedTuple):
     """Applications of P to many points, arrays of one shape.
 
-    ``t`` in [0, 1) and ``v`` > 0 describe the departures reached (NaN where there is none), ``lower_impacts`` counts
-    contacts with -beta on the way, ``outcome`` holds `Outcome` codes.
+    ``t`` in [0, 1) and ``v`` > 0 are the departures reached, NaN where there is none. ``lower_impacts`` counts contacts
+    with -beta on the way. ``outcome`` holds `Outcome` codes.
     """
 
     t: np.ndarray
@@ -76,142 +58,91 @@ class Impacts(NamedTuple):
     outcome: np.ndarray
 
 
-@step
-def _return_residual(flight, tau):
-    """y/tau, whose only root is the return to the wall that was left, and its slope."""
-    rate = displacement_rate(flight, tau)
-    return rate, (velocity_after(flight, tau, rate * tau) - rate) / tau
+class Passage(NamedTuple):
+    """The way from a departure to the next one, piece by piece.
 
-
-@step
-def _reach_residual(problem, tau):
-    """Displacement less the target, and its slope."""
-    flight, target = problem
-    displacement = tau * displacement_rate(flight, tau)
-    return displacement - target, velocity_after(flight, tau, displacement)
-
-
-_find_return = root_finder(_return_residual)
-_find_crossing = root_finder(_reach_residual)
-
-
-@step
-def fly_back(flight, acceleration, direction):
-    """Signed time until the wall that was left is met again; `direction` +1 forwards, -1 backwards in time.
-
-    y starts downwards, has one minimum and then grows without bound, so y/tau has one sign change, which doubling
-    brackets. Backwards the same holds for speeds below the one that grazes -beta, for which alone it is asked.
+    ``fall`` ends on either wall. If on -beta, ``lower`` is the contact there and ``rise`` the flight from it, which
+    begins at phase ``rises_at``; else ``rise`` is ``fall``. ``upper`` is the contact with +beta at the end.
+    ``lower_impacts`` is 0 or 1. ``flown`` is the time up to that last contact.
     """
-    near = 0.0
-    far = 2.0 * abs(flight.velocity) / acceleration
-    while direction * displacement_rate(flight, direction * far) < 0.0:
-        near = far
-        far *= 2.0
-    below, above = direction * near, direction * far
-    if direction < 0.0:  # y/tau has the other sign at tau < 0
-        below, above = above, below
-    return _find_return(flight, below, above, direction * (near if near > 0.0 else far))
+
+    fall: FlightEnd
+    lower: Contact
+    rises_at: float
+    rise: FlightEnd
+    upper: Contact
+    lower_impacts: int
+    flown: float
 
 
-@step
-def _fly_down(flight, two_beta, graze_duration, direction):
-    """Signed time from +beta to -beta, for a flight faster than the grazing one through the same point.
-
-    At the time of the slower flight's graze this one lies below -beta (monotonicity), and it crosses -beta once before.
-    """
-    lands = direction * graze_duration
-    start = direction * min(two_beta / abs(flight.velocity), graze_duration)
-    return _find_crossing((flight, -two_beta), lands, 0.0, start)
+@inlined
+def _cross(oscillator, end, direction):
+    """What happens beyond the wall that a flight has met: backwards in time an elastic impact, else a contact."""
+    if direction < 0.0:
+        return Contact(0.0, abs(end.velocity), OUTCOME_RETURNED)
+    return follow_contact(oscillator, end.wall, end.phase, max(end.wall * end.velocity, 0.0))
 
 
-@step
-def _fly_up(flight, two_beta, acceleration, direction):
-    """Signed time from -beta to +beta: y grows strictly, so doubling brackets the one crossing."""
-    speed = abs(flight.velocity)
-    near = 0.0
-    far = 2.0 * two_beta / (speed + math.sqrt(speed * speed + 2.0 * acceleration * two_beta))
-    while direction * far * displacement_rate(flight, direction * far) < two_beta:
-        near = far
-        far *= 2.0
-    return _find_crossing((flight, two_beta), direction * near, direction * far, direction * far)
-
-
-@step
-def next_contact(oscillator, wall, phase, velocity, direction):
-    """Follow one flight from a wall to the next contact with either.
+@inlined
+def walk(oscillator, t, v, direction, over, reduces):
+    """Follow a motion from a departure to the next contact with +beta, and through it.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Checked by the caller (Eq. 8 holds).
-    wall : float
-        UPPER or LOWER: the wall that is left.
-    phase, velocity : float
-        Phase (any value) and signed velocity Phi' of the departure.
+        Checked by the caller.
+    t, v : float
+        A departure from +beta: finite, v > 0.
     direction : float
-        +1 forwards in time, -1 backwards.
+        FORWARDS, or BACKWARDS (impacting model only).
+    over : bool
+        Whether the first flight passes -beta as if it were not there (`fly_over`).
+    reduces : bool
+        Whether the phase on -beta is reduced before the contact's duration is added. Both are right to rounding.
+        P itself reduces, the walk of its derivatives does not: stored orbits have the last bits of the latter.
 
     Returns
     -------
-    Contact
+    Passage
+        The outcome of ``upper`` says how it ended.
     """
-    start = part_turn(phase)
-    two_beta = 2.0 * oscillator.half_backlash
-    flight = start_flight(oscillator, start, velocity)
-    if wall == LOWER:
-        tau, found = _fly_up(flight, two_beta, rest_acceleration(oscillator, start), direction)
-        return Contact(UPPER, start + tau, tau, velocity_after(flight, tau, two_beta), found)
-    side = LEAVING if direction > 0.0 else ARRIVING
-    graze_speed, graze_duration, graze_found = grazing_flight(oscillator, start, side)
-    if abs(velocity) <= graze_speed:
-        tau, found = fly_back(flight, rest_acceleration(oscillator, start), direction)
-        return Contact(UPPER, start + tau, tau, velocity_after(flight, tau, 0.0), found and graze_found)
-    tau, found = _fly_down(flight, two_beta, graze_duration, direction)
-    # At a graze round-off may leave the wrong sign of nothing.
-    arrival = direction * min(direction * velocity_after(flight, tau, -two_beta), 0.0)
-    return Contact(LOWER, start + tau, tau, arrival, found and graze_found)
+    fall = fly_over(oscillator, t, -v) if over else next_contact(oscillator, UPPER, t, -direction * v, direction)
+    lower, rises_at, rise = Contact(0.0, 0.0, OUTCOME_RETURNED), fall.phase, fall
+    lower_impacts, flown = 0, fall.duration
+    if fall.wall == LOWER:
+        lower_impacts = 1
+        lower = _cross(oscillator, fall, direction)
+        if not (fall.found and lower.outcome == OUTCOME_RETURNED):
+            lost = Contact(math.nan, math.nan, OUTCOME_NOT_CONVERGED)
+            return Passage(fall, lower, rises_at, rise, lost, lower_impacts, flown)
+        rises_at = (part_turn(fall.phase) if reduces else fall.phase) + lower.duration
+        rise = next_contact(oscillator, LOWER, rises_at, direction * lower.speed, direction)
+        flown += lower.duration + rise.duration
+    upper = _cross(oscillator, rise, direction)
+    if not rise.found:
+        upper = Contact(math.nan, math.nan, OUTCOME_NOT_CONVERGED)
+    return Passage(fall, lower, rises_at, rise, upper, lower_impacts, flown)
 
 
-@step
+@inlined
 def _no_departure(lower_impacts, outcome):
     return Impact(math.nan, math.nan, lower_impacts, outcome, math.nan)
 
 
-@step
-def _beyond(oscillator, contact, direction):
-    """What happens beyond the wall that a flight has met: an elastic impact, or a stay (forwards in time only)."""
-    if direction < 0.0:
-        return Stay(0.0, abs(contact.velocity), RETURNED)
-    speed = max(contact.wall * contact.velocity, 0.0)
-    return stay_in_contact(oscillator, contact.wall, contact.phase, speed)
-
-
-@step
+@inlined
 def _apply(oscillator, t, v, direction):
-    """P forwards (direction +1) or backwards (-1, impacting model): one flight, or two by way of -beta."""
+    """P forwards (direction +1) or backwards (-1, impacting model)."""
     if not (math.isfinite(t) and math.isfinite(v) and v > 0.0):
-        return _no_departure(0, OUTSIDE_SECTION)
-    contact = next_contact(oscillator, UPPER, t, -direction * v, direction)
-    lower_impacts, duration = 0, contact.duration
-    if contact.wall == LOWER:
-        lower_impacts = 1
-        stay = _beyond(oscillator, contact, direction)
-        if not (contact.found and stay.outcome == RETURNED):
-            return _no_departure(lower_impacts, NOT_CONVERGED)
-        phase = part_turn(contact.phase) + stay.duration
-        contact = next_contact(oscillator, LOWER, phase, direction * stay.speed, direction)
-        duration += stay.duration + contact.duration
-    if not contact.found:
-        return _no_departure(lower_impacts, NOT_CONVERGED)
-    stay = _beyond(oscillator, contact, direction)
-    if stay.outcome != RETURNED:
-        return _no_departure(lower_impacts, stay.outcome)
-    phase = part_turn(contact.phase) + stay.duration
-    wrapped = phase - math.floor(phase)
-    return Impact(wrapped if wrapped < 1.0 else 0.0, stay.speed, lower_impacts, RETURNED, duration + stay.duration)
+        return _no_departure(0, OUTCOME_OUTSIDE_SECTION)
+    passage = walk(oscillator, t, v, direction, False, True)
+    upper = passage.upper
+    if upper.outcome != OUTCOME_RETURNED:
+        return _no_departure(passage.lower_impacts, upper.outcome)
+    phase = wrap(part_turn(passage.rise.phase) + upper.duration)
+    return Impact(phase, upper.speed, passage.lower_impacts, OUTCOME_RETURNED, passage.flown + upper.duration)
 
 
-@step
+@inlined
 def next_impact(oscillator, t, v):
     """One application of P, the careful scalar path.
 
@@ -226,13 +157,13 @@ def next_impact(oscillator, t, v):
     -------
     Impact
     """
-    return _apply(oscillator, t, v, 1.0)
+    return _apply(oscillator, t, v, FORWARDS)
 
 
-@step
+@inlined
 def previous_impact(oscillator, t, v):
     """One application of the inverse of P: the departure whose next departure is (t, v) (time reversed, Sec. 6.1)."""
-    return _apply(oscillator, t, v, -1.0)
+    return _apply(oscillator, t, v, BACKWARDS)
 
 
 @kernel
@@ -265,5 +196,5 @@ def previous_impacts(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typin
     checked = check_impacting(oscillator)
     phase, speed = (np.array(a, dtype=np.float64) for a in np.broadcast_arrays(t, v))
     lower_impacts, outcome = np.zeros(phase.shape, np.int64), np.zeros(phase.shape, np.int8)
-    _apply_to_all(checked, -1.0, phase.ravel(), speed.ravel(), lower_impacts.ravel(), outcome.ravel())
+    _apply_to_all(checked, BACKWARDS, phase.ravel(), speed.ravel(), lower_impacts.ravel(), outcome.ravel())
     return Impacts(phase, speed, lower_impacts, outcome)

@@ -1,10 +1,10 @@
-"""How far departures are from grazing -beta: in speed where they leave +beta, and in speed where they meet -beta."""
+"""How far departures are from grazing -beta: by the speed of leaving +beta, and by the speed of meeting -beta."""
 
 import math
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import LOWER, UPPER, next_contact
+from rattle_kernels.impact_map.flights import LOWER, UPPER, next_contact
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import kernel
@@ -14,8 +14,8 @@ from rattle_kernels.numerics.jit import kernel
 def _grazing_distances(oscillator, t, v, margin, lower_speed):
     for i in range(t.size):
         margin[i] = v[i] - grazing_flight(oscillator, t[i], LEAVING)[0]
-        contact = next_contact(oscillator, UPPER, t[i], -v[i], 1.0)
-        lower_speed[i] = -contact.velocity if contact.wall == LOWER else math.nan
+        end = next_contact(oscillator, UPPER, t[i], -v[i], 1.0)
+        lower_speed[i] = -end.velocity if end.wall == LOWER else math.nan
 
 
 def grazing_distances(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,12 +1,12 @@
 """dP/dp, the derivative of the impact map by a parameter of the oscillator, in closed form.
 
-Flights and stays are known as y(tau; w, p) and x(tau; u, p). Differentiated at fixed beginning and fixed tau they give
-the change of displacement, dy, and of velocity, dy'. The end of a piece moves by
+Flights and contacts are known as y(tau; w, p) and x(tau; u, p). Differentiated at fixed beginning and fixed tau they
+give the change of displacement, dy, and of velocity, dy'. The end of a piece moves by
 
     d tau = (d target - dy)/y',    d target = -+2 for the half backlash where a flight crosses it, else 0,
 
-and the velocity there by dy' + y'' d tau. What a change before a piece does to its end is the piece's own derivative
-(`impact_jacobian`); so the changes of a whole application add up along it.
+and the velocity there by dy' + y'' d tau. The piece's own derivative (`jacobian`) carries a change from its beginning
+to its end. So the changes of a whole application add up along it.
 
 With x = delta tau, S = sin, C = cos at the phases met, a flight has (Eqs. 18, 24, 30 with their errata)
 
@@ -17,31 +17,24 @@ With x = delta tau, S = sin, C = cos at the phases met, a flight has (Eqs. 18, 2
 
 import math
 
-from rattle_kernels.impact_map.apply import LOWER, UPPER, Contact, Impact, fly_back, next_contact
-from rattle_kernels.impact_map.jacobian import Jacobian, flight_jacobian, multiply, stay_jacobian
-from rattle_kernels.model.contact import slow_part, stay_in_contact
-from rattle_kernels.model.flight import (
-    FOUR_PI,
-    TWO_PI,
-    part_turn,
-    rest_acceleration,
-    second_phi,
-    second_phi_slope,
-    start_flight,
-    velocity_after,
-)
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.impact_map.apply import FORWARDS, walk
+from rattle_kernels.impact_map.flights import LOWER, UPPER
+from rattle_kernels.impact_map.jacobian import by_speeds, contact_jacobian, flight_jacobian, impact_after, multiply
+from rattle_kernels.model.contact import slow_part
+from rattle_kernels.model.flight import FOUR_PI, TWO_PI, rest_acceleration, second_phi, second_phi_slope
+from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.phase import part_turn
 
 DAMPING, ECCENTRICITY, HALF_BACKLASH, STIFFNESS = 0, 1, 2, 3
 
 
-@step
-def _flight_change(oscillator, parameter, phase, velocity, contact, displacement):
+@inlined
+def _flight_change(oscillator, parameter, phase, velocity, end, displacement):
     """Change of displacement and velocity at the fixed end of a flight, by a parameter of freeplay."""
-    damping, tau = oscillator.damping, contact.duration
+    damping, tau = oscillator.damping, end.duration
     x = damping * tau
     phi2 = second_phi(x)
-    here, there = TWO_PI * part_turn(phase), TWO_PI * part_turn(contact.phase)
+    here, there = TWO_PI * part_turn(phase), TWO_PI * part_turn(end.phase)
     sine_change, cosine_change = math.sin(there) - math.sin(here), math.cos(there) - math.cos(here)
     if parameter == ECCENTRICITY:
         change = TWO_PI * math.sin(here) * tau * (1.0 - x * phi2) + cosine_change
@@ -53,21 +46,21 @@ def _flight_change(oscillator, parameter, phase, velocity, contact, displacement
     return 0.0, 0.0
 
 
-@step
-def _flight_sensitivity(oscillator, parameter, wall, phase, velocity, contact):
-    """Change of (time of contact, velocity as an elastic impact turns it) of a flight from a fixed departure."""
-    crossing = 0.5 * (contact.wall - wall)  # -1 down, +1 up, 0 back to the same wall
+@inlined
+def _flight_sensitivity(oscillator, parameter, wall, phase, velocity, end):
+    """Change of (time of its end, velocity as an elastic impact turns it) of a flight from a fixed departure."""
+    crossing = 0.5 * (end.wall - wall)  # -1 down, +1 up, 0 back to the same wall
     displacement = 2.0 * crossing * oscillator.half_backlash
-    change, rate_change = _flight_change(oscillator, parameter, phase, velocity, contact, displacement)
+    change, rate_change = _flight_change(oscillator, parameter, phase, velocity, end, displacement)
     target_change = 2.0 * crossing if parameter == HALF_BACKLASH else 0.0
-    later = (target_change - change) / contact.velocity
-    arriving = rest_acceleration(oscillator, contact.phase) - oscillator.damping * contact.velocity
+    later = (target_change - change) / end.velocity
+    arriving = rest_acceleration(oscillator, end.phase) - oscillator.damping * end.velocity
     return later, -(rate_change + arriving * later)
 
 
-@step
+@inlined
 def _slow_change(oscillator, parameter):
-    """Change of mean, cosine and sine of the slow part of a stay (`contact_flight.slow_part`)."""
+    """Change of mean, cosine and sine of the slow part of a contact (`model.contact.slow_part`)."""
     damping, eccentricity = oscillator.damping, oscillator.eccentricity
     square = 2.0 * oscillator.stiffness
     detuning, drag = square - TWO_PI * TWO_PI, TWO_PI * damping
@@ -90,9 +83,9 @@ def _slow_change(oscillator, parameter):
     return 0.0, 0.0, 0.0
 
 
-@step
+@inlined
 def _ringing_change(oscillator, parameter, tau):
-    """S, S' of a stay, their changes, and those of delta and of omega^2 themselves."""
+    """S, S' of a contact, their changes, and those of delta and of omega^2 themselves."""
     damping, square = oscillator.damping, 2.0 * oscillator.stiffness
     frequency = math.sqrt(square - 0.25 * damping * damping)
     left = math.exp(-0.5 * damping * tau)
@@ -107,17 +100,17 @@ def _ringing_change(oscillator, parameter, tau):
     return pulse, rate, d_pulse, d_rate, d_damping, d_square
 
 
-@step
-def _stay_sensitivity(oscillator, parameter, side, phase, speed, stay):
-    """Change of (time of leaving, signed velocity then) of a stay from a fixed entry; x as in `contact_flight`."""
-    if stay.duration == 0.0:
+@inlined
+def _contact_sensitivity(oscillator, parameter, side, phase, speed, contact):
+    """Change of (time of leaving, signed velocity then) of a contact from a fixed entry; x as in `model.contact`."""
+    if contact.duration == 0.0:
         return 0.0, 0.0
     damping, square = oscillator.damping, 2.0 * oscillator.stiffness
-    pulse, rate, d_pulse, d_rate, d_damping, d_square = _ringing_change(oscillator, parameter, stay.duration)
+    pulse, rate, d_pulse, d_rate, d_damping, d_square = _ringing_change(oscillator, parameter, contact.duration)
     settled = 1.0 - rate - damping * pulse
     d_settled = -d_rate - d_damping * pulse - damping * d_pulse
     slow = slow_part(oscillator)
-    here, there = TWO_PI * part_turn(phase), TWO_PI * part_turn(phase + stay.duration)
+    here, there = TWO_PI * part_turn(phase), TWO_PI * part_turn(phase + contact.duration)
     sine, cosine = math.sin(here), math.cos(here)
     sine_end, cosine_end = math.sin(there), math.cos(there)
     level = side * (slow.mean + slow.cosine * cosine + slow.sine * sine)
@@ -130,28 +123,19 @@ def _stay_sensitivity(oscillator, parameter, side, phase, speed, stay):
     change = (speed - slope) * d_pulse + level * d_settled + d_level * (settled - 1.0) + d_level_end - d_slope * pulse
     rate_change = (speed - slope) * d_rate + d_level * square * pulse + d_slope_end - d_slope * rate
     rate_change += level * (d_square * pulse + square * d_pulse)
-    later = change / stay.speed
-    leaving = side * rest_acceleration(oscillator, phase + stay.duration) + damping * stay.speed
+    later = change / contact.speed
+    leaving = side * rest_acceleration(oscillator, phase + contact.duration) + damping * contact.speed
     return later, side * (rate_change + leaving * later)
 
 
-@step
+@inlined
 def _carry(jacobian, sensitivity, own):
-    """Sensitivity after a piece: what came before is carried through it, and its own is added."""
+    """Sensitivity after a piece: the piece's derivative carries what came before, and its own is added."""
     t, w = sensitivity
     return jacobian.tt * t + jacobian.tv * w + own[0], jacobian.vt * t + jacobian.vv * w + own[1]
 
 
-@step
-def fly_over(oscillator, phase, velocity):
-    """Flight from +beta back to +beta as if there were no -beta: smooth across the grazing curve."""
-    start = part_turn(phase)
-    flight = start_flight(oscillator, start, velocity)
-    tau, found = fly_back(flight, rest_acceleration(oscillator, start), 1.0)
-    return Contact(UPPER, start + tau, tau, velocity_after(flight, tau, 0.0), found)
-
-
-@step
+@inlined
 def next_impact_with_sensitivity(oscillator, parameter, t, v, over):
     """One application of P, its derivative by (t, v), and that by a parameter.
 
@@ -171,29 +155,20 @@ def next_impact_with_sensitivity(oscillator, parameter, t, v, over):
     (Impact, Jacobian, (float, float))
         The impact, DP, and dP/dp as (dt, dv); of no meaning where contact is permanent.
     """
-    contact = fly_over(oscillator, t, -v) if over else next_contact(oscillator, UPPER, t, -v, 1.0)
-    jacobian = flight_jacobian(oscillator, t, -v, contact)
-    change = _flight_sensitivity(oscillator, parameter, UPPER, t, -v, contact)
-    lower_impacts, elapsed = 0, contact.duration
-    if contact.wall == LOWER:
-        lower_impacts = 1
-        speed = -contact.velocity
-        stay = stay_in_contact(oscillator, LOWER, contact.phase, speed)
-        one = stay_jacobian(oscillator, LOWER, contact.phase, speed, stay)
-        change = _carry(one, change, _stay_sensitivity(oscillator, parameter, LOWER, contact.phase, speed, stay))
+    # In one function: with a part of it in another, the compiler fuses other products, and last bits of dP/dp change.
+    passage = walk(oscillator, t, v, FORWARDS, over, False)
+    fall, lower, rise = passage.fall, passage.lower, passage.rise
+    jacobian = flight_jacobian(oscillator, t, -v, fall)
+    change = _flight_sensitivity(oscillator, parameter, UPPER, t, -v, fall)
+    if passage.lower_impacts > 0:
+        speed = -fall.velocity
+        one = contact_jacobian(oscillator, LOWER, fall.phase, speed, lower)
+        change = _carry(one, change, _contact_sensitivity(oscillator, parameter, LOWER, fall.phase, speed, lower))
         jacobian = multiply(one, jacobian)
-        start = contact.phase + stay.duration
-        contact = next_contact(oscillator, LOWER, start, stay.speed, 1.0)
-        one = flight_jacobian(oscillator, start, stay.speed, contact)
-        own = _flight_sensitivity(oscillator, parameter, LOWER, start, stay.speed, contact)
+        one = flight_jacobian(oscillator, passage.rises_at, lower.speed, rise)
+        own = _flight_sensitivity(oscillator, parameter, LOWER, passage.rises_at, lower.speed, rise)
         change, jacobian = _carry(one, change, own), multiply(one, jacobian)
-        elapsed += stay.duration + contact.duration
-    stay = stay_in_contact(oscillator, UPPER, contact.phase, contact.velocity)
-    one = stay_jacobian(oscillator, UPPER, contact.phase, contact.velocity, stay)
-    own = _stay_sensitivity(oscillator, parameter, UPPER, contact.phase, contact.velocity, stay)
+    one = contact_jacobian(oscillator, UPPER, rise.phase, rise.velocity, passage.upper)
+    own = _contact_sensitivity(oscillator, parameter, UPPER, rise.phase, rise.velocity, passage.upper)
     change, jacobian = _carry(one, change, own), multiply(one, jacobian)
-    # The section counts speeds: v = -w on both sides.
-    signed = Jacobian(jacobian.tt, -jacobian.tv, -jacobian.vt, jacobian.vv)
-    phase = contact.phase + stay.duration
-    impact = Impact(phase - math.floor(phase), stay.speed, lower_impacts, stay.outcome, elapsed + stay.duration)
-    return impact, signed, (change[0], -change[1])
+    return impact_after(passage), by_speeds(jacobian), (change[0], -change[1])

@@ -3,12 +3,13 @@
 The motion is followed piece by piece (`motion_pieces`), then sampled at equal steps and at every contact, so that kinks
 are where they belong.
 
-Contacts are finitely many in any finite time, so that following ends. In the piecewise linear model they could pile up
-only at ``Phi = +-beta, Phi' = 0``, where the acceleration is positive (Eq. 8): the motion leaves such a point for good,
-as from any point where it is not zero. In the impacting model a bounce of duration tau at speed v has ``v = a tau/2 +
-O(tau^2)`` at both its ends, so that each speed is ``1 + O(tau)`` times the one before; were infinitely many tau to sum
-up to a finite time, the product of these factors would stay away from zero, hence the speeds, hence tau. But ever lower
-bounces shrink like ``e^{-delta t/3}`` and their number grows as that falls; therefore it is bounded.
+Contacts are finitely many in any finite time, so following ends. In the piecewise linear model they could pile up only
+at ``Phi = +-beta, Phi' = 0``. The acceleration is positive there (Eq. 8): the motion leaves such a point for good, as
+it leaves any point where the acceleration is not zero. In the impacting model a bounce of duration tau at speed v has
+``v = a tau/2 + O(tau^2)`` at both its ends, so each speed is ``1 + O(tau)`` times the one before. If infinitely many
+tau summed up to a finite time, the product of these factors would stay away from zero, hence the speeds, hence tau. But
+ever lower bounces shrink like ``e^{-delta t/3}``, and their number in a period grows accordingly. So the number of
+contacts is bounded.
 """
 
 import math
@@ -18,27 +19,31 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
-from rattle_kernels.impact_map.apply import NOT_CONVERGED, RETURNED, UPPER
 from rattle_kernels.impact_map.chatter import is_captured
+from rattle_kernels.impact_map.flights import UPPER
 from rattle_kernels.impact_map.motion_pieces import (
     FREEPLAY,
-    PERMANENT_CONTACT,
-    Piece,
+    MotionPiece,
+    contact_along,
     end_of_piece,
-    fly_along,
+    flight_along,
     piece_from,
-    stay_along,
 )
 from rattle_kernels.model.oscillator import Oscillator, check_domain
-from rattle_kernels.model.outcome import Outcome
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.model.outcome import (
+    OUTCOME_NOT_CONVERGED,
+    OUTCOME_PERMANENT_CONTACT,
+    OUTCOME_RETURNED,
+    Outcome,
+)
+from rattle_kernels.numerics.jit import inlined, kernel
 
 # Columns of the list of pieces.
 _BEGIN, _REGIME, _PHASE, _DISPLACEMENT, _VELOCITY = range(5)
 
 
 class Direction(IntEnum):
-    """What happens at a wall: the impacting model's contacts have no duration, and are one event each."""
+    """What happens at a wall. A contact of the impacting model has no duration and is one event."""
 
     OUT = -1
     """Back into freeplay."""
@@ -51,8 +56,8 @@ class Direction(IntEnum):
 class Contacts(NamedTuple):
     """What happens at the walls, in order; arrays of one shape.
 
-    ``time`` counts forcing periods and is not reduced; ``wall`` is +1 or -1; ``direction`` holds `Direction` codes;
-    ``speed`` is that of crossing, or of the impact.
+    ``time`` counts forcing periods and is not reduced. ``wall`` is +1 or -1. ``direction`` holds `Direction` codes.
+    ``speed`` is the speed of crossing or impact.
     """
 
     time: np.ndarray
@@ -64,11 +69,11 @@ class Contacts(NamedTuple):
 class TimeHistory(NamedTuple):
     """A motion, sampled.
 
-    ``time`` (forcing periods, not reduced) never decreases; every contact is among the samples, and an impact is two of
-    them at one time, with the velocity before and after. ``outcome`` is RETURNED, PERMANENT_CONTACT (seen to begin
-    within the span) or NOT_CONVERGED. ``truncated``: the history ends, at a contact, before what was asked for, as
-    there are more contacts than allowed or a root-finder gave up. ``permanent_from`` is the contact from which on it
-    counts as permanent, infinite where none does.
+    ``time`` (forcing periods, not reduced) never decreases. Every contact is among the samples; an impact is two
+    samples at one time, with the velocity before and after. ``outcome`` is RETURNED, PERMANENT_CONTACT (seen to begin
+    within the span) or NOT_CONVERGED. ``truncated`` says that the history ends at a contact before its goal: there were
+    more contacts than allowed, or a root-finder gave up. ``permanent_from`` is the time from which contact counts as
+    permanent, infinite where it never does.
     """
 
     time: np.ndarray
@@ -87,7 +92,7 @@ class TimeHistory(NamedTuple):
 
 
 class _Followed(NamedTuple):
-    """How following ended: number of pieces, end of the last, outcome, whether short of its goal, when permanent."""
+    """How following ended: pieces, end of the last one, outcome, whether the goal was missed, when it is permanent."""
 
     pieces: int
     end: float
@@ -96,9 +101,9 @@ class _Followed(NamedTuple):
     permanent_from: float
 
 
-@step
+@inlined
 def _is_permanent(oscillator, capture_bound, piece, duration):
-    """Whether a piece is permanent contact by the oscillator's rule, or in the impacting model captured."""
+    """Whether a piece is permanent contact by the oscillator's rule, or captured (impacting model)."""
     if piece.regime == UPPER:
         return duration > oscillator.permanent_after or math.isinf(duration)
     leaves_upper = piece.regime == FREEPLAY and piece.displacement == oscillator.half_backlash
@@ -110,38 +115,38 @@ def _follow(oscillator, capture_bound, state, span, departures, pieces):
     """Fill the list of pieces until the span has passed, or departures are reached, or the list is full."""
     piece = piece_from(oscillator, *state)
     first, whole, left = piece.phase, 0.0, 0
-    outcome, permanent_from = RETURNED, math.inf
+    outcome, permanent_from = OUTCOME_RETURNED, math.inf
     for i in range(pieces.shape[0]):
         begin = whole + piece.phase
         pieces[i] = (begin, piece.regime, piece.phase, piece.displacement, piece.velocity)
         left += 1 if i > 0 and piece.regime == FREEPLAY and piece.displacement == oscillator.half_backlash else 0
         ended = end_of_piece(oscillator, piece)
-        if ended.outcome == NOT_CONVERGED:
-            return _Followed(i + 1, begin, NOT_CONVERGED, True, permanent_from)
+        if ended.outcome == OUTCOME_NOT_CONVERGED:
+            return _Followed(i + 1, begin, OUTCOME_NOT_CONVERGED, True, permanent_from)
         if _is_permanent(oscillator, capture_bound, piece, ended.duration):
-            outcome, permanent_from = PERMANENT_CONTACT, min(permanent_from, begin)
+            outcome, permanent_from = OUTCOME_PERMANENT_CONTACT, min(permanent_from, begin)
         if left == departures:
             return _Followed(i + 1, begin, outcome, False, permanent_from)
         if math.isinf(ended.duration):
             end = first + span if math.isfinite(span) else begin
             return _Followed(i + 1, end, outcome, False, permanent_from)
         whole += math.floor(piece.phase + 0.5)
-        turns = math.floor(ended.following.phase)
+        regime, phase, displacement, velocity = ended.next_piece
+        turns = math.floor(phase)
         whole += turns
-        _, phase, displacement, velocity = ended.following
-        piece = Piece(ended.following.regime, phase - turns, displacement, velocity)
+        piece = MotionPiece(regime, phase - turns, displacement, velocity)
         if whole + piece.phase > first + span:
             return _Followed(i + 1, first + span, outcome, False, permanent_from)
     return _Followed(pieces.shape[0], pieces[-1, _BEGIN], outcome, True, permanent_from)
 
 
-@step
+@inlined
 def _sample_piece(oscillator, row, elapsed, displacement, velocity):
-    piece = Piece(row[_REGIME], row[_PHASE], row[_DISPLACEMENT], row[_VELOCITY])
+    piece = MotionPiece(row[_REGIME], row[_PHASE], row[_DISPLACEMENT], row[_VELOCITY])
     if piece.regime == FREEPLAY:
-        fly_along(oscillator, piece, elapsed, displacement, velocity)
+        flight_along(oscillator, piece, elapsed, displacement, velocity)
     else:
-        stay_along(oscillator, piece, elapsed, displacement, velocity)
+        contact_along(oscillator, piece, elapsed, displacement, velocity)
 
 
 @kernel
@@ -170,7 +175,7 @@ def _sample(oscillator, pieces, end, samples_per_period, time, displacement, vel
 
 
 def _contacts(oscillator: Oscillator, pieces: np.ndarray, shift: float) -> Contacts:
-    """Beginnings of all pieces but the first are contacts; in the impacting model those of the flights are."""
+    """Contacts: where all pieces but the first begin; in the impacting model, where the flights among them begin."""
     later = pieces[1:]
     if math.isinf(oscillator.stiffness):
         later = later[later[:, _REGIME] == FREEPLAY]
@@ -188,7 +193,7 @@ def _check_start(oscillator: Oscillator, state: tuple[float, float, float]) -> N
     if math.isinf(oscillator.stiffness) and abs(state[1]) > oscillator.half_backlash:
         raise ValueError(
             f"displacement must lie within the backlash, at most {oscillator.half_backlash:g} either way, "
-            f"not {state[1]:g}: there is nothing beyond the walls of the impacting model"
+            f"not {state[1]:g}: nothing lies beyond the walls of the impacting model"
         )
 
 
@@ -217,28 +222,28 @@ def time_history(
         Infinite stiffness for the impacting model.
     time, displacement, velocity : float
         Initial condition: t (forcing periods), Phi and the signed velocity Phi'. A departure from +beta of speed v is
-        ``(t, +beta, -v)``. A start on a wall is no contact, save in the impacting model one that moves into it.
+        ``(t, +beta, -v)``. A start on a wall is no contact, except one of the impacting model that moves into it.
     periods : float
-        Span to follow, forcing periods; infinite where `departures` ends the history.
+        Span to follow, forcing periods. It may be infinite where `departures` ends the history.
     departures : int, optional
-        The history ends with this many departures from +beta, if the span has not ended before; without a span, also
-        with the beginning of a contact that never ends.
+        The history ends with this many departures from +beta, unless the span ends before. Without a span it also
+        ends where a contact begins that never ends.
     samples_per_period : int
-        Equal steps, beside which every contact is sampled.
+        Equal steps; every contact is sampled as well.
     most_contacts : int
         The history is truncated at this many contacts.
 
     Returns
     -------
     TimeHistory
-        Stays are followed by the exact rule; ``permanent_after`` only decides what the outcome calls permanent.
+        Contacts are followed by the exact rule; ``permanent_after`` only decides what the outcome calls permanent.
 
     Raises
     ------
     OutsideDomain
         Where the oscillator's parameters lie outside the domain.
     ValueError
-        Where the initial condition or what is asked for cannot be followed.
+        Where the initial condition or the goal is not valid.
 
     Examples
     --------
@@ -250,7 +255,7 @@ def time_history(
     _check_start(checked, (time, displacement, velocity))
     _check_goal(periods, departures, samples_per_period, most_contacts)
     impacting = math.isinf(checked.stiffness)
-    # Times are kept from the last whole period before the start, so that they keep their digits however late it is.
+    # Times count from the last whole period before the start, so that they keep their digits however late it is.
     shift = math.floor(time)
     rows = np.empty((2 * most_contacts + 1 if impacting else most_contacts + 1, 5))
     bound = capture_bound(checked) if impacting else 0.0

@@ -1,16 +1,16 @@
-"""One stay in contact of every lane at once, after the flight that ended on a wall (piecewise linear model).
+"""One contact of every lane at once, after the flight that ended on a wall (piecewise linear model).
 
-Every flight of `lane_flight` ends on a wall, and every wall is followed by one stay: so a pass of the lanes is a flight
-and a stay. The stay starts from the flight's end and puts its own end in its place. As with flights: a first guess
-from a table, one evaluation, one step of fifth order, and the careful path for lanes that are not sure. Among those are
-all that may stay for longer than one swing: the table knows no guess for them, and NaN is never sure.
+Every flight ends on a wall, and one contact follows: so a pass of the lanes is a flight and a contact. The contact
+starts from the flight's end and replaces it with its own end. The passes are those of `flight`: a first guess from a
+table, one evaluation, one step of fifth order, and the careful path for lanes that are not sure. A contact that may
+last for longer than one swing is never sure: its guess in the table is NaN.
 
-The formulas are those of `contact_flight`; the sign of the velocity after an elastic impact tells the wall.
+The formulas are those of `model.contact`. The sign of the velocity after an elastic impact gives the wall.
 """
 
 import math
 
-from rattle_kernels.impact_map.apply import LOWER, PERMANENT_CONTACT, RETURNED, UPPER
+from rattle_kernels.impact_map.flights import LOWER, UPPER
 from rattle_kernels.lanes.flight import (
     COLUMN_PART,
     COSINE,
@@ -33,37 +33,39 @@ from rattle_kernels.lanes.flight import (
     look_up,
     turn_phases,
 )
-from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, PHASES, ROW, STAY_ABOVE, STAY_BELOW
-from rattle_kernels.model.contact import stay_in_contact
+from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, CONTACT_ABOVE, CONTACT_BELOW, PHASES, ROW
+from rattle_kernels.model.contact import follow_contact
 from rattle_kernels.model.flight import TWO_PI, rest_acceleration
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
+from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.phase import part_turn, wrap
 from rattle_kernels.numerics.polynomials import cosine_of_half_turns, second_phi_of_part, sine_of_half_turns
 
 # The speed at the end is Taylor's polynomial of x' to fourth order, exact to 3e-16 for steps this long.
 _LARGEST_TURN = 2e-3
 
 
-@step
-def guess_stays(lanes, corners, tables):
-    """First pass: wall and first guess of every stay."""
+@inlined
+def guess_contacts(lanes, corners, tables):
+    """First pass: wall and first guess of every contact."""
     turn_phases(lanes, END_PHASE)
     for i in range(LANES):
         velocity = lanes[END_VELOCITY + i]
         speed, below = abs(velocity), velocity > 0.0
-        abscissa = speed / (speed + tables.stay_speed)
+        abscissa = speed / (speed + tables.contact_speed)
         lanes[DURATION + i] = abscissa if below else 1.0
         row, column = lanes[END_PHASE + i] * PHASES, abscissa * ABSCISSAE
         m, n = min(math.floor(row), PHASES - 1.0), min(math.floor(column), ABSCISSAE - 1.0)
         m, n = (m if m >= 0.0 else 0.0), (n if n >= 0.0 else 0.0)  # NaN: a flight whose end was not found
-        block = STAY_BELOW * BLOCK if below else STAY_ABOVE * BLOCK
+        block = CONTACT_BELOW * BLOCK if below else CONTACT_ABOVE * BLOCK
         lanes[ROW_PART + i], lanes[COLUMN_PART + i] = row - m, column - n
         corners[i] = int(block + m * ROW + n)
-    look_up(lanes, corners, tables.stay)
+    look_up(lanes, corners, tables.contact)
 
 
-@step
-def refine_stays(lanes, damping, slow_part):
-    """Second pass: one evaluation of every stay, one step of fifth order, and the state at its end.
+@inlined
+def refine_contacts(lanes, damping, slow_part):
+    """Second pass: one evaluation of every contact, one step of fifth order, and the state at its end.
 
     Returns
     -------
@@ -74,11 +76,11 @@ def refine_stays(lanes, damping, slow_part):
     turns = frequency / TWO_PI
     for i in range(LANES):
         tau = lanes[DURATION + i]
-        r = tau - math.floor(tau + 0.5)
+        r = part_turn(tau)
         lanes[HALF_SINE + i] = sine_of_half_turns(r)
         lanes[HALF_COSINE + i] = cosine_of_half_turns(r)
         # Only products of two of these are used, so a half turn more or less does not matter.
-        ring = turns * tau - math.floor(turns * tau + 0.5)
+        ring = part_turn(turns * tau)
         lanes[RING_SINE + i] = sine_of_half_turns(ring)
         lanes[RING_COSINE + i] = cosine_of_half_turns(ring)
         lanes[PHI2 + i] = second_phi_of_part(0.5 * damping * tau)
@@ -111,7 +113,7 @@ def refine_stays(lanes, damping, slow_part):
         inverse = 1.0 / x1
         step_, last = fifth_order_step(-x * inverse, x2 * inverse, x3 * inverse, x4 * inverse)
         leaving = -(x1 + step_ * (x2 + step_ * (0.5 * x3 + step_ * (x4 * (1.0 / 6.0) + step_ * x5 * (1.0 / 24.0)))))
-        # Selects, not one condition: a short circuit would be a branch. NaN ends up unsure.
+        # Selects instead of one condition, whose short circuit would be a branch. NaN ends up unsure.
         unsure = 0.0 if abs(last) <= LAST_TERM * tau else 1.0
         unsure = unsure if abs(step_) * frequency <= _LARGEST_TURN else 1.0
         unsure = unsure if x1 < 0.0 else 1.0
@@ -122,15 +124,15 @@ def refine_stays(lanes, damping, slow_part):
         phase = lanes[END_PHASE + i] + tau + step_
         lanes[DURATION + i] = tau + step_
         bend = x2 + step_ * (x3 + 0.5 * step_ * x4)
-        lanes[END_PHASE + i] = phase - math.floor(phase) if sure else lanes[END_PHASE + i]
+        lanes[END_PHASE + i] = wrap(phase) if sure else lanes[END_PHASE + i]
         lanes[END_VELOCITY + i] = -side * leaving if sure else velocity
         acceleration = side * (bend - damping * leaving)
         lanes[END_ACCELERATION + i] = acceleration if sure else lanes[END_ACCELERATION + i]
     return count_set(lanes, UNSURE)
 
 
-@step
-def stay_carefully(lanes, oscillator):
+@inlined
+def follow_contacts_carefully(lanes, oscillator):
     """Third pass: the lanes that are not sure, by the scalar path.
 
     A lane in permanent contact ends with velocity 0; one whose end was not found with a phase of NaN.
@@ -140,12 +142,12 @@ def stay_carefully(lanes, oscillator):
             continue
         velocity = lanes[END_VELOCITY + i]
         side = LOWER if velocity > 0.0 else UPPER
-        stay = stay_in_contact(oscillator, side, lanes[END_PHASE + i], abs(velocity))
-        if stay.outcome == PERMANENT_CONTACT:
+        contact = follow_contact(oscillator, side, lanes[END_PHASE + i], abs(velocity))
+        if contact.outcome == OUTCOME_PERMANENT_CONTACT:
             lanes[END_VELOCITY + i] = 0.0
             continue
-        phase = lanes[END_PHASE + i] + stay.duration
-        lanes[DURATION + i] = stay.duration
-        lanes[END_PHASE + i] = phase - math.floor(phase) if stay.outcome == RETURNED else math.nan
-        lanes[END_VELOCITY + i] = -side * stay.speed
+        phase = lanes[END_PHASE + i] + contact.duration
+        lanes[DURATION + i] = contact.duration
+        lanes[END_PHASE + i] = wrap(phase) if contact.outcome == OUTCOME_RETURNED else math.nan
+        lanes[END_VELOCITY + i] = -side * contact.speed
         lanes[END_ACCELERATION + i] = rest_acceleration(oscillator, phase)

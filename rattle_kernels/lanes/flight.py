@@ -1,25 +1,26 @@
 """One flight of every lane at once, in loops that LLVM turns into vector code.
 
-The lanes are 64 independent trajectories whose numbers lie in one flat buffer, field after field; a lane carries the
-wall it leaves in the sign of its velocity (negative from +beta), so cases (a) and (b) of Sec. 2 are one code path with
-a selected target. Three passes:
+The lanes are 64 independent trajectories whose numbers lie in one flat buffer, field after field. The sign of a lane's
+velocity gives the wall that it leaves (negative from +beta), so cases (a) and (b) of Sec. 2 are one code path with a
+selected target. There are three passes:
 
 1. `guess_durations` classifies each flight by the table of v*(t) and looks up a first guess;
-2. `refine_durations` evaluates the flight once (sine, cosine and phi2 by polynomials: no library call, no branch) and
-   takes one step of fifth order;
-3. lanes that are not sure (too close to the grazing curve, too large a step) are flown again by the careful path.
+2. `refine_durations` evaluates the flight once and takes one step of fifth order. Sine, cosine and phi2 are
+   polynomials: no library call, no branch;
+3. `fly_carefully` flies again the lanes that are not sure: too close to the grazing curve, or too large a step.
 
-The formulas are those of `flight`.
+The formulas are those of `model.flight`.
 """
 
 import math
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import LOWER, UPPER, next_contact
+from rattle_kernels.impact_map.flights import LOWER, UPPER, next_contact
 from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, DROP, FALL_BACK, GRAZES, PHASES, RISE, ROW
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI
-from rattle_kernels.numerics.jit import lane_step, step
+from rattle_kernels.numerics.jit import inlined, inlined_in_lanes
+from rattle_kernels.numerics.phase import part_turn, wrap
 from rattle_kernels.numerics.polynomials import (
     cosine_of_half_turns,
     second_phi_of_part,
@@ -30,9 +31,8 @@ from rattle_kernels.numerics.polynomials import (
 
 LANES = 64
 
-# Fields of the buffer. A flight reads PHASE and VELOCITY and leaves its end in END_PHASE and END_VELOCITY, the velocity
-# after the wall has reversed it, and what it took in DURATION; DROPS is 1.0 where it ended on -beta, UNSURE 1.0 where
-# the careful path must decide.
+# Fields of the buffer. A flight reads PHASE and VELOCITY. It writes END_PHASE, END_VELOCITY (after the wall has
+# reversed it) and DURATION. DROPS is 1.0 where it ended on -beta, UNSURE is 1.0 where the careful path must decide.
 PHASE = 0 * LANES
 VELOCITY = 1 * LANES
 SINE = 2 * LANES
@@ -47,7 +47,7 @@ UNSURE = 10 * LANES
 GRAZING = 11 * LANES
 ROW_PART = 12 * LANES
 COLUMN_PART = 13 * LANES
-# Of two neighbouring nodes of a table, lane by lane: they are loaded and stored as one.
+# Two neighbouring nodes of a table, lane by lane: they are loaded and stored as one.
 LOW_PAIR = 14 * LANES
 HIGH_PAIR = 16 * LANES
 HALF_SINE = 18 * LANES
@@ -69,7 +69,7 @@ _LARGEST_STEP = 4e-3
 _NO_SPEED = 1e-300
 
 
-@lane_step
+@inlined_in_lanes
 def fifth_order_step(q, bend, jerk, snap):
     """Root of ``q = D + bend D^2/2 + jerk D^3/6 + snap D^4/24`` by reversion of the series, and its last term."""
     b2, b3, b4 = 0.5 * bend, jerk * (1.0 / 6.0), snap * (1.0 / 24.0)
@@ -78,17 +78,17 @@ def fifth_order_step(q, bend, jerk, snap):
     return q * (1.0 + q * (-b2 + q * (2.0 * square - b3)) + last), last * q
 
 
-@step
+@inlined
 def lane_buffer(fields):
-    """Zeros for so many fields, from the start of a cache line: vectors that cross lines cost 7 %."""
+    """Zeros for some fields of all lanes, from the start of a cache line: vectors that cross lines cost 7 %."""
     longer = np.zeros(fields * LANES + 8)
     first = -longer.ctypes.data % 64 // 8
     return longer[first : first + fields * LANES]
 
 
-@step
+@inlined
 def turn_phases(lanes, field):
-    """Sine and cosine of every lane's phase in a field; the reduction to a quarter turn is exact."""
+    """Sine and cosine of the phase that every lane has in a field; the reduction to a quarter turn is exact."""
     for i in range(LANES):
         phase = lanes[field + i]
         halves = math.floor(2.0 * phase + 0.5)
@@ -99,7 +99,7 @@ def turn_phases(lanes, field):
         lanes[COSINE + i] = sign * cosine_of_half_turns(r)
 
 
-@step
+@inlined
 def _graze_speeds(lanes, corners, graze_speed):
     """v* at every lane's phase, interpolated in its table."""
     for i in range(LANES):
@@ -115,16 +115,16 @@ def _graze_speeds(lanes, corners, graze_speed):
         lanes[GRAZING + i] = low + lanes[ROW_PART + i] * (lanes[LOW_PAIR + 2 * i + 1] - low)
 
 
-@step
+@inlined
 def _classify(lanes, corners, tables, two_beta):
-    """Kind of each flight, its target, and where its guess stands in the tables; only selects, no branch."""
+    """Kind of each flight, its target, and the node of its guess in the tables; selects only, no branch."""
     for i in range(LANES):
         velocity = lanes[VELOCITY + i]
         speed, graze = abs(velocity), lanes[GRAZING + i]
         rises = velocity > 0.0
         drops = (speed > graze) & (not rises)
         falls = not (rises | drops)
-        divisor = speed + tables.speed_scale if rises else speed
+        divisor = speed + tables.largest_grazing_speed if rises else speed
         inverse = 1.0 / (graze if falls else divisor)
         root = math.sqrt(max(1.0 - graze * inverse, 0.0))
         abscissa = root if drops else speed * inverse
@@ -143,11 +143,11 @@ def _classify(lanes, corners, tables, two_beta):
         corners[i] = int(block + m * ROW + n)
 
 
-@step
+@inlined
 def look_up(lanes, corners, guess):
-    """Bilinear interpolation; the loads are what it costs, so they stand alone."""
+    """Interpolate the guesses bilinearly. The loads dominate the cost, so they have a loop of their own."""
     for i in range(LANES):
-        at = corners[i] & 0xFFFFFF  # tells the compiler that it is no negative index
+        at = corners[i] & 0xFFFFFF  # shows the compiler that the index is not negative
         lanes[LOW_PAIR + 2 * i], lanes[LOW_PAIR + 2 * i + 1] = guess[at], guess[at + 1]
         lanes[HIGH_PAIR + 2 * i], lanes[HIGH_PAIR + 2 * i + 1] = guess[at + ROW], guess[at + ROW + 1]
     for i in range(LANES):
@@ -158,7 +158,7 @@ def look_up(lanes, corners, guess):
         lanes[DURATION + i] *= low + f * (high - low)
 
 
-@step
+@inlined
 def guess_durations(lanes, corners, tables, two_beta):
     """First pass: kind of flight, target and first guess."""
     turn_phases(lanes, PHASE)
@@ -167,12 +167,12 @@ def guess_durations(lanes, corners, tables, two_beta):
     look_up(lanes, corners, tables.guess)
 
 
-@step
+@inlined
 def _expand(lanes, d):
     """Polynomials in the guessed duration of every flight, beside those of its phase."""
     for i in range(LANES):
         tau = lanes[DURATION + i]
-        r = tau - math.floor(tau + 0.5)
+        r = part_turn(tau)
         rest, versine = sine_rest_of_half_turns(r), versine_of_half_turns(r)
         lanes[HALF_SINE + i] = math.pi * r + rest
         lanes[HALF_COSINE + i] = 1.0 - versine
@@ -181,9 +181,9 @@ def _expand(lanes, d):
         lanes[PHI2 + i] = second_phi_of_part(d * tau)
 
 
-@step
+@inlined
 def _evaluate(lanes, d, e):
-    """By how much the guess misses the target, and the velocity there."""
+    """Distance by which the guess misses the target, and the velocity there."""
     for i in range(LANES):
         tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
         x = d * tau
@@ -196,7 +196,7 @@ def _evaluate(lanes, d, e):
         lanes[SINE_CHANGE + i], lanes[COSINE_CHANGE + i] = ds, dc
 
 
-@step
+@inlined
 def refine_durations(lanes, d, e):
     """Second pass: one evaluation of every flight, one step of fifth order, and the state at its end.
 
@@ -205,7 +205,7 @@ def refine_durations(lanes, d, e):
     int
         Number of lanes that are not sure.
     """
-    # In three loops: in one, chains are so long that the processor waits for them.
+    # Three loops: in a single one, chains are so long that the processor waits for them.
     _expand(lanes, d)
     _evaluate(lanes, d, e)
     for i in range(LANES):
@@ -218,7 +218,7 @@ def refine_durations(lanes, d, e):
         y3 = TWO_PI * TWO_PI * e * (TWO_PI * s - d * c) - d * y2
         y4 = TWO_PI * TWO_PI * TWO_PI * e * (TWO_PI * c + d * s) - d * y3
         step_, last = fifth_order_step(lanes[MISS + i] * inverse, y2 * inverse, y3 * inverse, y4 * inverse)
-        # Three selects, not one condition: a short circuit would be a branch. NaN ends up unsure.
+        # Three selects instead of one condition, whose short circuit would be a branch. NaN ends up unsure.
         unsure = lanes[UNSURE + i]
         unsure = unsure if abs(last) <= LAST_TERM * tau else 1.0
         unsure = unsure if abs(step_) <= _LARGEST_STEP else 1.0
@@ -232,13 +232,13 @@ def refine_durations(lanes, d, e):
         tau += step_
         phase = lanes[PHASE + i] + tau
         lanes[DURATION + i] = tau
-        lanes[END_PHASE + i] = phase - math.floor(phase)
+        lanes[END_PHASE + i] = wrap(phase)
         lanes[END_VELOCITY + i] = -(w + d * (FOUR_PI * tau - target) + e * (d * dc - TWO_PI * ds))
         lanes[END_ACCELERATION + i] = FOUR_PI * d - TWO_PI * e * (TWO_PI * (c0 + dc) + d * (s0 + ds))
     return count_set(lanes, UNSURE)
 
 
-@step
+@inlined
 def count_set(lanes, field):
     """Number of lanes in which a flag field is set."""
     # An integer sum: one of floats would not vectorise without reassociation.
@@ -248,29 +248,20 @@ def count_set(lanes, field):
     return total
 
 
-@step
+@inlined
 def fly_carefully(lanes, oscillator):
-    """Third pass: the lanes that are not sure, by the scalar path.
-
-    Returns
-    -------
-    bool
-        Whether every root was found; where not, the lane's end is NaN.
-    """
-    all_found = True
+    """Third pass: the lanes that are not sure, by the scalar path; the end is NaN where no root was found."""
     for i in range(LANES):
         if lanes[UNSURE + i] == 0.0:
             continue
         velocity = lanes[VELOCITY + i]
-        contact = next_contact(oscillator, LOWER if velocity > 0.0 else UPPER, lanes[PHASE + i], velocity, 1.0)
-        all_found = all_found and contact.found
-        phase = contact.phase - math.floor(contact.phase)
-        lanes[DURATION + i] = contact.duration
-        lanes[END_PHASE + i] = phase if contact.found else math.nan
-        # The sign tells the wall that is left, even after an exact graze.
-        lanes[END_VELOCITY + i] = max(-contact.velocity, _NO_SPEED) if contact.wall == LOWER else -contact.velocity
-        lanes[DROPS + i] = 1.0 if contact.wall == LOWER else 0.0
+        end = next_contact(oscillator, LOWER if velocity > 0.0 else UPPER, lanes[PHASE + i], velocity, 1.0)
+        phase = wrap(end.phase)
+        lanes[DURATION + i] = end.duration
+        lanes[END_PHASE + i] = phase if end.found else math.nan
+        # The sign gives the wall that is left, even after an exact graze.
+        lanes[END_VELOCITY + i] = max(-end.velocity, _NO_SPEED) if end.wall == LOWER else -end.velocity
+        lanes[DROPS + i] = 1.0 if end.wall == LOWER else 0.0
         angle = TWO_PI * phase
         forcing = TWO_PI * math.cos(angle) + oscillator.damping * math.sin(angle)
         lanes[END_ACCELERATION + i] = FOUR_PI * oscillator.damping - TWO_PI * oscillator.eccentricity * forcing
-    return all_found

@@ -1,22 +1,8 @@
-"""Many applications of P to many points: 64 trajectories fly side by side, a lane that is done takes the next point.
+"""Many applications of P to many points: 64 trajectories fly side by side; a lane that is done takes the next point.
 
-A point goes through `applications` of P unless one of three shortcuts ends it early. Neither changes where it lands:
-
-*Lock.* Brent's checkpoints: the state after 16, 32, 64, ... applications is kept, and a later state within 1e-13 of it
-closes a period p. The orbit has then converged: of the applications left only their number modulo p is still to be
-done. Closing on a checkpoint after n applications needs the distance to the orbit to shrink like lambda^n below the
-tolerance, so ``1 - lambda >= 30/n`` about, and what is left of the distance is at most ``1e-13/(1 - lambda) <= 1e-13
-n/30``.
-
-*Capture.* A departure in the safe region of `capture` bounces ever lower and never rattles again. (A stay in contact
-that does not end is no shortcut: there is no next departure.)
-
-*Trap.* Every 1024 impacts at the most a trajectory is looked at: inside a trap of an orbit (`trap`) its phase on it is
-known, so where it lands is a point of the orbit, once the contraction that the trap was tested for leaves no more than
-1e-9 of a distance. Traps are handed in; without, there is no such shortcut.
-
-A chaotic trajectory does all of its applications. Each lane's arithmetic is the same whichever lane it is and whatever
-its neighbours do, so a result depends on nothing but its starting point.
+A point goes through `applications` of P unless one of three shortcuts ends it early (`shortcuts`). A chaotic trajectory
+does all of them. Each lane's arithmetic is the same whichever lane it is and whatever its neighbours do, so a result
+depends on nothing but its starting point.
 """
 
 import math
@@ -24,57 +10,60 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import NOT_CONVERGED, OUTSIDE_SECTION, RETURNED, Impacts
-from rattle_kernels.impact_map.chatter import level_bound, stay_time
-from rattle_kernels.lanes.contact import guess_stays, refine_stays, stay_carefully
-from rattle_kernels.lanes.flight import (
-    DROPS,
-    END_ACCELERATION,
-    END_PHASE,
-    END_VELOCITY,
-    FLIGHT_FIELDS,
-    LANES,
-    PHASE,
-    VELOCITY,
-    count_set,
-    fly_carefully,
-    guess_durations,
-    lane_buffer,
-    refine_durations,
+from rattle_kernels.impact_map.apply import Impacts
+from rattle_kernels.impact_map.chatter import ringing_radian
+from rattle_kernels.lanes.advance import depart, fly, idle, stay
+from rattle_kernels.lanes.flight import LANES, PHASE, VELOCITY, lane_buffer
+from rattle_kernels.lanes.shortcuts import (
+    CAPTURED,
+    DONE,
+    EVENT,
+    LOST,
+    LOWER_IMPACTS,
+    NOTHING,
+    POINT,
+    RUN_FIELDS,
+    begin_run,
+    is_far,
+    note_events,
+    settles,
 )
 from rattle_kernels.lanes.tables import lane_tables
-from rattle_kernels.lanes.traps import NO_TRAPS, NOWHERE, LaneTraps, nearest_point, potential_in
+from rattle_kernels.lanes.traps import NO_TRAPS, LaneTraps
 from rattle_kernels.model.contact import slow_part
 from rattle_kernels.model.oscillator import Oscillator, check_domain
-from rattle_kernels.model.outcome import Outcome
-from rattle_kernels.numerics.jit import lane_kernel, step
+from rattle_kernels.model.outcome import (
+    OUTCOME_NOT_CONVERGED,
+    OUTCOME_OUTSIDE_SECTION,
+    OUTCOME_PERMANENT_CONTACT,
+    OUTCOME_RETURNED,
+)
+from rattle_kernels.numerics.jit import inlined, lane_kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
-CAPTURED = int(Outcome.PERMANENT_CONTACT)
 _LOCK_TOLERANCE = 1e-13
 _FIRST_CHECKPOINT = 16.0
-_LONGEST_LEG = 1024.0
-_NEAR_ENOUGH = 1e-9
-
-# Fields of the buffer beside those of a flight. Counts are floats so that all loops work on one type.
-_DONE = (FLIGHT_FIELDS + 0) * LANES
-_WANTED = (FLIGHT_FIELDS + 1) * LANES
-_LOWER = (FLIGHT_FIELDS + 2) * LANES
-_CHECK_PHASE = (FLIGHT_FIELDS + 3) * LANES
-_CHECK_SPEED = (FLIGHT_FIELDS + 4) * LANES
-_CHECK_DONE = (FLIGHT_FIELDS + 5) * LANES
-_CHECK_NEXT = (FLIGHT_FIELDS + 6) * LANES
-_EVENT = (FLIGHT_FIELDS + 7) * LANES
-_POINT = (FLIGHT_FIELDS + 8) * LANES
-_LOOK_NEXT = (FLIGHT_FIELDS + 9) * LANES
-_AWAITED = (FLIGHT_FIELDS + 10) * LANES
-_FIELDS = FLIGHT_FIELDS + 11
-
-_NOTHING, _FINISHED, _CAPTURE, _LOCK, _LOST, _LOOK = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
-_NOBODY = -1.0
+_NO_POINT = -1.0
 _NOT_BEGUN = -1
-# Of all lanes, some microseconds each: a tenth of a second.
-_STEPS_A_LEG = 1 << 16
+# Flights of all lanes between two pauses, some microseconds each: a tenth of a second.
+_FLIGHTS_A_LEG = 1 << 16
+
+
+class _Batch(NamedTuple):
+    """Points, which become where they land, and what is counted on the way; arrays of shape (n,)."""
+
+    t: np.ndarray
+    v: np.ndarray
+    outcome: np.ndarray
+    lower_impacts: np.ndarray
+
+
+class _Rules(NamedTuple):
+    """How often P is applied, and when a point is captured or locked."""
+
+    applications: float
+    capture_bound: float
+    lock_tolerance: float
 
 
 class _Flights(NamedTuple):
@@ -86,215 +75,94 @@ class _Flights(NamedTuple):
 
 
 class LaneRun(NamedTuple):
-    """What a batch did: applications of P, and flights and stays that took the careful path."""
+    """What a batch took: applications of P, and flights and contacts on the careful path."""
 
     applications: int
     careful_flights: int
 
 
-@step
-def _advance(lanes, capture_bound, radian, lock_tolerance, speed_scale):
-    """Move every lane to the end of its flight and note what has happened there."""
-    speed_tolerance = lock_tolerance * speed_scale
-    for i in range(LANES):
-        phase, velocity = lanes[END_PHASE + i], lanes[END_VELOCITY + i]
-        drops = lanes[DROPS + i]
-        returns = drops == 0.0
-        done = lanes[_DONE + i] + (1.0 - drops)
-        away = abs(phase - lanes[_CHECK_PHASE + i]) <= lock_tolerance
-        away = away if abs(-velocity - lanes[_CHECK_SPEED + i]) <= speed_tolerance else False
-        event = _LOOK if done >= lanes[_LOOK_NEXT + i] else _NOTHING
-        event = _LOCK if away else event
-        event = _FINISHED if done >= lanes[_WANTED + i] else event
-        acceleration = lanes[END_ACCELERATION + i]
-        event = _CAPTURE if level_bound(radian, acceleration, -velocity) < capture_bound * acceleration else event
-        event = _CAPTURE if velocity == 0.0 else event  # a stay that does not end
-        # A checkpoint is set on a return only, and never where an event is to be handled.
-        sets = (done >= lanes[_CHECK_NEXT + i]) & returns & (event == _NOTHING)
-        lanes[_CHECK_PHASE + i] = phase if sets else lanes[_CHECK_PHASE + i]
-        lanes[_CHECK_SPEED + i] = -velocity if sets else lanes[_CHECK_SPEED + i]
-        lanes[_CHECK_DONE + i] = done if sets else lanes[_CHECK_DONE + i]
-        lanes[_CHECK_NEXT + i] = 2.0 * done if sets else lanes[_CHECK_NEXT + i]
-        event = event if returns else _NOTHING
-        lanes[_EVENT + i] = event if phase == phase else _LOST  # NaN: a root-finder gave up
-        lanes[_DONE + i] = done
-        lanes[_LOWER + i] += drops
-        lanes[PHASE + i] = phase
-        lanes[VELOCITY + i] = velocity
-    return count_set(lanes, _EVENT)
-
-
-@step
-def _forget_checkpoint(lanes, i, following):
-    lanes[_CHECK_PHASE + i] = math.nan
-    lanes[_CHECK_SPEED + i] = math.nan
-    lanes[_CHECK_DONE + i] = 0.0
-    lanes[_CHECK_NEXT + i] = following
-
-
-@step
-def _load(lanes, i, point, phase, speed, wanted, checkpoint, look):
-    lanes[PHASE + i] = phase - math.floor(phase)
-    lanes[VELOCITY + i] = -speed
-    lanes[_DONE + i] = 0.0
-    lanes[_WANTED + i] = wanted
-    lanes[_LOWER + i] = 0.0
-    lanes[_POINT + i] = point
-    lanes[_EVENT + i] = _NOTHING
-    lanes[_LOOK_NEXT + i] = look
-    lanes[_AWAITED + i] = NOWHERE
-    _forget_checkpoint(lanes, i, checkpoint)
-
-
-@step
-def _next_point(t, v, outcome, point):
-    """The first point from `point` on that is a departure; others are answered at once."""
+@inlined
+def _next_departure(batch, point):
+    """The first point from `point` on that is a departure; the others get their outcome at once."""
+    t, v = batch.t, batch.v
     while point < t.size and not (math.isfinite(t[point]) and math.isfinite(v[point]) and v[point] > 0.0):
         t[point] = v[point] = math.nan
-        outcome[point] = OUTSIDE_SECTION
+        batch.outcome[point] = OUTCOME_OUTSIDE_SECTION
         point += 1
     return point
 
 
-@step
-def _arrives(lanes, i, traps, orbit):
-    """Whether lane i is in the trap of an orbit, beside its slowest point, and will be at its end; it is put there."""
-    value = potential_in(traps, orbit, lanes[PHASE + i], -lanes[VELOCITY + i])
-    if not value == value:
-        return False
-    left = lanes[_WANTED + i] - lanes[_DONE + i]
-    turns = math.floor(left / traps.period[orbit])
-    point = traps.first[orbit] + int(left - turns * traps.period[orbit])
-    at_end = math.sqrt(value / traps.floor[orbit]) * math.exp(-0.5 * traps.rate[orbit] * turns)
-    # Near the orbit displacements are carried on linearly; twice that is a bound.
-    if 2.0 * traps.stretch[point] * at_end > _NEAR_ENOUGH:
-        lanes[_LOOK_NEXT + i] = math.inf  # in the trap, but not for long enough
-        return False
-    lanes[PHASE + i], lanes[VELOCITY + i] = traps.time[point], -traps.speed[point]
-    return True
-
-
-@step
-def _is_far(lanes, i, nearest, top):
-    """Whether lane i, which was to look where it is, is near no orbit with a trap; then when to look again."""
-    if lanes[_EVENT + i] != _LOOK or lanes[_AWAITED + i] != NOWHERE:
-        return False
-    if nearest_point(nearest, top, lanes[PHASE + i], -lanes[VELOCITY + i]) != NOWHERE:
-        return False
-    lanes[_LOOK_NEXT + i] = lanes[_DONE + i] + min(lanes[_DONE + i], _LONGEST_LEG)
-    return True
-
-
-@step
-def _look(lanes, i, traps):
-    """Whether lane i, near an orbit, has arrived for good; else say when to look again."""
-    done = lanes[_DONE + i]
-    orbit = int(lanes[_AWAITED + i])
-    if orbit == NOWHERE:
-        point = nearest_point(traps.nearest, traps.top, lanes[PHASE + i], -lanes[VELOCITY + i])
-        orbit, place = traps.orbit[point], traps.place[point]
-        if place > 0:
-            lanes[_AWAITED + i], lanes[_LOOK_NEXT + i] = orbit, done + (traps.period[orbit] - place)
-            return False
-    lanes[_AWAITED + i] = NOWHERE
-    lanes[_LOOK_NEXT + i] = done + min(done, _LONGEST_LEG)
-    return _arrives(lanes, i, traps, orbit)
-
-
-@step
-def _settle(lanes, i, traps):
-    """Whether lane i is done; a lock leaves it the rest of its applications modulo the period."""
-    if lanes[_EVENT + i] == _LOOK:
-        return _look(lanes, i, traps)
-    if lanes[_EVENT + i] != _LOCK:
-        return True
-    lanes[_LOOK_NEXT + i] = math.inf
-    done = lanes[_DONE + i]
-    left = (lanes[_WANTED + i] - done) % (done - lanes[_CHECK_DONE + i])
-    lanes[_WANTED + i] = done + left
-    _forget_checkpoint(lanes, i, math.inf)
-    return left == 0.0
-
-
-@step
-def _refill(lanes, i, tables, applications, first_look, points, following):
-    """Give lane i the next point, or let it idle at a speed at which it is never unsure; return the point after."""
-    t, v, outcome = points
-    point = _next_point(t, v, outcome, following)
-    if point < t.size:
-        _load(lanes, i, point, t[point], v[point], applications, _FIRST_CHECKPOINT, first_look)
+@inlined
+def _refill(lanes, i, tables, applications, first_look, batch, next_point):
+    """Give lane i the next point, or let it idle; return the point after it."""
+    point = _next_departure(batch, next_point)
+    if point < batch.t.size:
+        depart(lanes, i, batch.t[point], batch.v[point])
+        begin_run(lanes, i, point, applications, _FIRST_CHECKPOINT, first_look)
         return point + 1
-    _load(lanes, i, _NOBODY, 0.0, 1e6 * tables.speed_scale, math.inf, math.inf, math.inf)
+    idle(lanes, i, tables.largest_grazing_speed)
+    begin_run(lanes, i, _NO_POINT, math.inf, math.inf, math.inf)
     return point
 
 
-@step
+@inlined
 def _outcome_of(event):
-    if event == _LOST:
-        return NOT_CONVERGED
-    return CAPTURED if event == _CAPTURE else RETURNED
+    if event == LOST:
+        return OUTCOME_NOT_CONVERGED
+    return OUTCOME_PERMANENT_CONTACT if event == CAPTURED else OUTCOME_RETURNED
 
 
-@step
-def _land(lanes, i, points, lower_impacts):
+@inlined
+def _land(lanes, i, batch):
     """Write down where the point of lane i has landed; return the applications it took."""
-    t, v, outcome = points
-    point = int(lanes[_POINT + i])
-    ended = _outcome_of(lanes[_EVENT + i])
-    departs = ended != NOT_CONVERGED and lanes[VELOCITY + i] != 0.0
-    t[point] = lanes[PHASE + i] if departs else math.nan
-    v[point] = -lanes[VELOCITY + i] if departs else math.nan
-    lower_impacts[point] = int(lanes[_LOWER + i])
-    outcome[point] = ended
-    return lanes[_DONE + i]
+    point = int(lanes[POINT + i])
+    ended = _outcome_of(lanes[EVENT + i])
+    departs = ended != OUTCOME_NOT_CONVERGED and lanes[VELOCITY + i] != 0.0
+    batch.t[point] = lanes[PHASE + i] if departs else math.nan
+    batch.v[point] = -lanes[VELOCITY + i] if departs else math.nan
+    batch.lower_impacts[point] = int(lanes[LOWER_IMPACTS + i])
+    batch.outcome[point] = ended
+    return lanes[DONE + i]
 
 
 @lane_kernel
-def _run_lanes(oscillator, tables, traps, applications, capture_bound, lock_tolerance, points, lower_impacts, flights):
+def _run_lanes(oscillator, tables, traps, rules, batch, flights):
     """Fly on for a leg; `flights.counts` has the next point, lanes that fly, careful flights and applications so far.
 
     Lanes are copied here and back: loops over a buffer that the compiler has seen being made are faster.
     """
-    lanes = lane_buffer(_FIELDS)
+    lanes = lane_buffer(RUN_FIELDS)
     corners = np.zeros(LANES, np.int64)
     lanes[:], corners[:] = flights.lanes, flights.corners
-    following, flying, careful = flights.counts[0], flights.counts[1], flights.counts[2]
+    next_point, flying, careful = flights.counts[0], flights.counts[1], flights.counts[2]
     first_look = _FIRST_CHECKPOINT if traps.orbit.size > 0 else math.inf
     if flying == _NOT_BEGUN:
         flying = 0
         for i in range(LANES):
-            following = _refill(lanes, i, tables, applications, first_look, points, following)
-            flying += 1 if lanes[_POINT + i] != _NOBODY else 0
-    stiff, radian, slow = math.isfinite(oscillator.stiffness), stay_time(oscillator), slow_part(oscillator)
+            next_point = _refill(lanes, i, tables, rules.applications, first_look, batch, next_point)
+            flying += 1 if lanes[POINT + i] != _NO_POINT else 0
+    stiff, radian, slow = math.isfinite(oscillator.stiffness), ringing_radian(oscillator), slow_part(oscillator)
     nearest, top = traps.nearest, traps.top
     done = 0.0
-    steps = _STEPS_A_LEG
-    while flying > 0 and steps > 0:
-        steps -= 1
-        guess_durations(lanes, corners, tables, 2.0 * oscillator.half_backlash)
-        unsure = refine_durations(lanes, oscillator.damping, oscillator.eccentricity)
-        if unsure > 0:
-            careful += unsure
-            fly_carefully(lanes, oscillator)
+    left = _FLIGHTS_A_LEG
+    while flying > 0 and left > 0:
+        left -= 1
+        careful += fly(lanes, corners, oscillator, tables)
         if stiff:
-            guess_stays(lanes, corners, tables)
-            unsure = refine_stays(lanes, oscillator.damping, slow)
-            if unsure > 0:
-                careful += unsure
-                stay_carefully(lanes, oscillator)
-        if _advance(lanes, capture_bound, radian, lock_tolerance, tables.speed_scale) == 0:
+            careful += stay(lanes, corners, oscillator, tables, slow)
+        if note_events(lanes, rules.capture_bound, radian, rules.lock_tolerance, tables.largest_grazing_speed) == 0:
             continue
         flying = 0
         for i in range(LANES):
-            if lanes[_POINT + i] == _NOBODY:
+            if lanes[POINT + i] == _NO_POINT:
                 continue
-            far = lanes[_EVENT + i] == _NOTHING or _is_far(lanes, i, nearest, top)
-            if not far and _settle(lanes, i, traps):
-                done += _land(lanes, i, points, lower_impacts)
-                following = _refill(lanes, i, tables, applications, first_look, points, following)
-            flying += 1 if lanes[_POINT + i] != _NOBODY else 0
+            far = lanes[EVENT + i] == NOTHING or is_far(lanes, i, nearest, top)
+            if not far and settles(lanes, i, traps):
+                done += _land(lanes, i, batch)
+                next_point = _refill(lanes, i, tables, rules.applications, first_look, batch, next_point)
+            flying += 1 if lanes[POINT + i] != _NO_POINT else 0
     flights.lanes[:], flights.corners[:] = lanes, corners
-    flights.counts[0], flights.counts[1], flights.counts[2] = following, flying, careful
+    flights.counts[0], flights.counts[1], flights.counts[2] = next_point, flying, careful
     flights.counts[3] += int(done)
 
 
@@ -320,9 +188,9 @@ def run_lanes(
         How often P is applied, at least 1.
     shortcuts : bool
         Whether captured points end early (outcome PERMANENT_CONTACT, state at capture) and locked ones skip whole
-        periods. Without, ``lower_impacts`` counts all contacts; with, those of the applications done.
+        periods. With shortcuts ``lower_impacts`` counts contacts of the applications done, without them all contacts.
     traps : LaneTraps
-        Points that are caught in one land on its orbit at once.
+        A point inside a trap lands on its orbit at once.
     pause : callable
         Called several times a second; an exception raised there ends the work.
 
@@ -331,17 +199,17 @@ def run_lanes(
     Impacts, LaneRun
         Landing points, and what it took.
     """
+    rules = _Rules(float(applications), 0.0, -1.0)
     tables = lane_tables(oscillator)
-    phase, speed = t.copy(), v.copy()
-    lower_impacts, outcome = np.zeros(t.size, np.int64), np.zeros(t.size, np.int8)
-    bound, tolerance = (tables.capture_bound, _LOCK_TOLERANCE) if shortcuts else (0.0, -1.0)
-    points = (phase, speed, outcome)
-    flights = _Flights(np.zeros(_FIELDS * LANES), np.zeros(LANES, np.int64), np.array([0, _NOT_BEGUN, 0, 0]))
-    given = oscillator, tables, traps, float(applications), bound, tolerance, points, lower_impacts, flights
+    if shortcuts:
+        rules = rules._replace(capture_bound=tables.capture_bound, lock_tolerance=_LOCK_TOLERANCE)
+    batch = _Batch(t.copy(), v.copy(), np.zeros(t.size, np.int8), np.zeros(t.size, np.int64))
+    flights = _Flights(np.zeros(RUN_FIELDS * LANES), np.zeros(LANES, np.int64), np.array([0, _NOT_BEGUN, 0, 0]))
     while flights.counts[1] != 0:
         pause()
-        _run_lanes(*given)
-    return Impacts(phase, speed, lower_impacts, outcome), LaneRun(int(flights.counts[3]), int(flights.counts[2]))
+        _run_lanes(oscillator, tables, traps, rules, batch, flights)
+    landed = Impacts(batch.t, batch.v, batch.lower_impacts, batch.outcome)
+    return landed, LaneRun(int(flights.counts[3]), int(flights.counts[2]))
 
 
 def next_impacts(
@@ -352,10 +220,11 @@ def next_impacts(
     Parameters
     ----------
     oscillator : Oscillator
+        Either model.
     t, v : array_like, broadcast together
         Phase (forcing periods, any finite value) and speed of departures from +beta.
     applications : int
-        How often P is applied; all of them, no shortcut.
+        How often P is applied. No shortcut is taken.
 
     Returns
     -------

@@ -1,17 +1,19 @@
-"""What the lanes look up: a first guess for the duration of any flight, and the grazing curve.
+"""What the lanes look up: first guesses for the durations of flights and contacts, and the grazing curve.
 
-A lane takes one step of fifth order from the guess, so a coarse bilinear table is enough. Three kinds of flight, each
-in a variable in which its duration is smooth up to the ends (the square root removes the singularity at grazing):
+A lane takes one step of fifth order from the guess, so a coarse bilinear table is enough. There are three kinds of
+flight and two of contact. Each is tabulated over a variable in which its duration is smooth up to the ends (the square
+root removes the singularity at grazing):
 
     kind           value tabulated       abscissa in [0, 1]      ends
     FALL_BACK      tau / v               v / v*                  2/a  ...  duration at graze / v*
     DROP           tau v                 sqrt(1 - v*/v)          graze  ...  2 beta
     RISE           tau (u + u_ref)       u / (u + u_ref)         from rest  ...  2 beta
-    STAY_ABOVE     tau                   u / (u + u_con)         half a swing at the upper end
-    STAY_BELOW     tau (u + u_con)/u     u / (u + u_con)         from rest  ...  half a swing
+    CONTACT_ABOVE  tau                   u / (u + u_con)         half a swing at the upper end
+    CONTACT_BELOW  tau (u + u_con)/u     u / (u + u_con)         from rest  ...  half a swing
 
-The last two are stays in contact (piecewise linear model), u_con = 4 pi delta/sqrt(2 kappa). A stay above may last for
-longer than one swing, or for ever; which, changes by jumps. There, and one node around, the table holds NaN.
+Here u_ref is the largest v*, and u_con = 4 pi delta/sqrt(2 kappa). Only the piecewise linear model has contacts. One
+above may last for longer than one swing, or for ever, and its duration jumps. There, and one node around, the table
+holds NaN.
 """
 
 import math
@@ -21,15 +23,16 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
-from rattle_kernels.impact_map.apply import LOWER, RETURNED, UPPER, next_contact
-from rattle_kernels.model.contact import stay_in_contact
+from rattle_kernels.impact_map.flights import LOWER, UPPER, next_contact
+from rattle_kernels.model.contact import follow_contact
 from rattle_kernels.model.flight import TWO_PI, rest_acceleration
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight, grazing_velocity
 from rattle_kernels.model.oscillator import Oscillator
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.model.outcome import OUTCOME_RETURNED
+from rattle_kernels.numerics.jit import inlined, kernel
 
 FALL_BACK, DROP, RISE = 0, 1, 2
-STAY_ABOVE, STAY_BELOW = 0, 1
+CONTACT_ABOVE, CONTACT_BELOW = 0, 1
 
 # Intervals in phase and in the abscissa. Measured at the paper's parameters: with 192 x 96 one flight in 5,000 takes
 # the careful path; with 192 x 48 it is one in 80, which doubles the time of a flight.
@@ -38,21 +41,21 @@ ABSCISSAE = 96
 ROW = ABSCISSAE + 1
 BLOCK = (PHASES + 1) * ROW
 
-# Every fourth node each way is solved for, the others are interpolated, unless two orders of interpolation differ by
-# this part: a tenth of what bilinear look-up is off anyway. Solving for all of them took ten times as long.
+# Every fourth node each way is solved for. The others are interpolated, unless two orders of interpolation differ by
+# this part: a tenth of the error of bilinear look-up. Solving for all of them took ten times as long.
 _EVERY = 4
 _DOUBT = 1e-5
 
-# Intervals of the grazing curve's own table, interpolated linearly: only flights within some 1e-5 of the curve are
-# unsure.
+# Intervals of the grazing curve's own table. It is interpolated linearly, and only flights within some 1e-5 of the
+# curve are unsure.
 GRAZES = 1024
 
-# What is left of the abscissa at the upper end of stays: speeds there are some 1e6 times u_con.
+# Distance of the abscissa from 1 at the upper end of contacts: speeds there are some 1e6 times u_con.
 _FASTEST = 1e-6
 
 
 class LaneTables(NamedTuple):
-    """Everything the lanes need of one oscillator.
+    """Everything that lanes need to know about one oscillator.
 
     Parameters
     ----------
@@ -61,29 +64,29 @@ class LaneTables(NamedTuple):
     graze_speed : ndarray of float64, shape (GRAZES + 1,)
         v*(t) on a mesh over the period, its end included.
     grazing_error : float
-        Bound on the error of interpolation there; closer to the curve a lane takes the careful path.
-    speed_scale : float
-        u_ref: the largest v*.
-    stay : ndarray of float64, shape (2 * BLOCK,)
-        The tables of STAY_ABOVE and STAY_BELOW, row by phase; of no meaning in the impacting model.
-    stay_speed : float
+        Bound on the error of interpolating it. Closer to the curve a lane takes the careful path.
+    largest_grazing_speed : float
+        u_ref, the scale of speeds.
+    contact : ndarray of float64, shape (2 * BLOCK,)
+        The tables of CONTACT_ABOVE and CONTACT_BELOW, row by phase; NaN in the impacting model.
+    contact_speed : float
         u_con: the speed with which contact at rest swings.
     capture_bound : float
-        Safe bound on the level of a bounce (see `capture`).
+        Bound on ``1.5 J`` of captured departures (`adiabatic_invariant.capture_bound`).
     """
 
     guess: np.ndarray
     graze_speed: np.ndarray
     grazing_error: float
-    speed_scale: float
-    stay: np.ndarray
-    stay_speed: float
+    largest_grazing_speed: float
+    contact: np.ndarray
+    contact_speed: float
     capture_bound: float
 
 
-@step
-def _node(oscillator, speed_scale, graze, kind, i, j):
-    """The value tabulated at a node; `graze` are speed and duration of the grazing flight at its phase."""
+@inlined
+def _node(oscillator, largest_grazing_speed, graze, kind, i, j):
+    """The value tabulated at a node; `graze` is the speed and duration of the grazing flight at its phase."""
     phase, abscissa = (i % PHASES) / PHASES, j / ABSCISSAE
     graze_speed, graze_duration = graze
     if kind == FALL_BACK:
@@ -98,12 +101,12 @@ def _node(oscillator, speed_scale, graze, kind, i, j):
             return graze_speed * graze_duration
         speed = graze_speed / (1.0 - abscissa * abscissa)
         return next_contact(oscillator, UPPER, phase, -speed, 1.0).duration * speed
-    speed = speed_scale * abscissa / (1.0 - abscissa)
-    return next_contact(oscillator, LOWER, phase, speed, 1.0).duration * (speed + speed_scale)
+    speed = largest_grazing_speed * abscissa / (1.0 - abscissa)
+    return next_contact(oscillator, LOWER, phase, speed, 1.0).duration * (speed + largest_grazing_speed)
 
 
-@step
-def _fill_node(oscillator, speed_scale, graze, guess, nodes, weights):
+@inlined
+def _fill_node(oscillator, largest_grazing_speed, graze, guess, nodes, weights):
     """Interpolate a node from six of its row or column; solve for it where four of them say otherwise."""
     kind, i, j, first, stride = nodes
     six, four = 0.0, 0.0
@@ -112,11 +115,11 @@ def _fill_node(oscillator, speed_scale, graze, guess, nodes, weights):
         six += weights[0, at] * value
         four += weights[1, at] * value
     solved = abs(six - four) > _DOUBT * abs(six)
-    guess[kind * BLOCK + i * ROW + j] = _node(oscillator, speed_scale, graze, kind, i, j) if solved else six
+    guess[kind * BLOCK + i * ROW + j] = _node(oscillator, largest_grazing_speed, graze, kind, i, j) if solved else six
 
 
 @kernel
-def _fill_guess(oscillator, speed_scale, along_row, along_column, guess):
+def _fill_guess(oscillator, largest_grazing_speed, along_row, along_column, guess):
     columns, row_weights = along_row
     rows, column_weights = along_column
     for pass_ in range(2):
@@ -129,18 +132,18 @@ def _fill_guess(oscillator, speed_scale, along_row, along_column, guess):
                 at = kind * BLOCK + i * ROW
                 if pass_ == 0:
                     for j in range(0, ABSCISSAE + 1, _EVERY):
-                        guess[at + j] = _node(oscillator, speed_scale, graze, kind, i, j)
+                        guess[at + j] = _node(oscillator, largest_grazing_speed, graze, kind, i, j)
                 for j in range(ABSCISSAE + 1):
                     if pass_ == 1:
                         nodes = kind, i, j, rows[i], (ROW, kind * BLOCK + j)
-                        _fill_node(oscillator, speed_scale, graze, guess, nodes, column_weights[i])
+                        _fill_node(oscillator, largest_grazing_speed, graze, guess, nodes, column_weights[i])
                     elif j % _EVERY != 0:
                         nodes = kind, i, j, columns[j], (1, at)
-                        _fill_node(oscillator, speed_scale, graze, guess, nodes, row_weights[j])
+                        _fill_node(oscillator, largest_grazing_speed, graze, guess, nodes, row_weights[j])
 
 
 def _stencils(intervals: int, *, wraps: bool) -> tuple[np.ndarray, np.ndarray]:
-    """For each node of a row or column six of every fourth, and Lagrange's weights of all six and of the next four."""
+    """Six solved nodes for each node of a row or column, and Lagrange's weights of all six and of the nearest four."""
     nodes, weights = np.empty((intervals + 1, 6), np.int64), np.zeros((intervals + 1, 2, 6))
     coarse = intervals // _EVERY
     for i in range(intervals + 1):
@@ -162,27 +165,27 @@ _ALONG_COLUMN = _stencils(PHASES, wraps=True)
 
 
 @kernel
-def _fill_stay(oscillator, stay_speed, stay):
-    # A stay of one swing lasts at most a turn of the ringing; those that graze the wall from inside come close to it.
+def _fill_contact(oscillator, contact_speed, contact):
+    # A contact of one swing lasts at most a turn of the ringing, nearly so if it grazes the wall from inside.
     longest = 0.95 * TWO_PI / math.sqrt(2.0 * oscillator.stiffness)
     for i in range(PHASES + 1):
         phase = (i % PHASES) / PHASES
         at = i * ROW
-        stay[STAY_BELOW * BLOCK + at] = 2.0 * stay_speed / rest_acceleration(oscillator, phase)
-        stay[STAY_ABOVE * BLOCK + at] = math.nan
+        contact[CONTACT_BELOW * BLOCK + at] = 2.0 * contact_speed / rest_acceleration(oscillator, phase)
+        contact[CONTACT_ABOVE * BLOCK + at] = math.nan
         for j in range(1, ABSCISSAE + 1):
             abscissa = j / ABSCISSAE
-            # The upper end stands for infinite speed; half a swing, whose correction falls as 1/speed.
-            speed = stay_speed * abscissa / max(1.0 - abscissa, _FASTEST)
-            above = stay_in_contact(oscillator, UPPER, phase, speed)
-            single = above.outcome == RETURNED and above.duration < longest
-            stay[STAY_ABOVE * BLOCK + at + j] = above.duration if single else math.nan
-            below = stay_in_contact(oscillator, LOWER, phase, speed)
-            stay[STAY_BELOW * BLOCK + at + j] = below.duration / abscissa
+            # The upper end stands for infinite speed: half a swing, whose correction falls as 1/speed.
+            speed = contact_speed * abscissa / max(1.0 - abscissa, _FASTEST)
+            above = follow_contact(oscillator, UPPER, phase, speed)
+            single = above.outcome == OUTCOME_RETURNED and above.duration < longest
+            contact[CONTACT_ABOVE * BLOCK + at + j] = above.duration if single else math.nan
+            below = follow_contact(oscillator, LOWER, phase, speed)
+            contact[CONTACT_BELOW * BLOCK + at + j] = below.duration / abscissa
 
 
 def _widen_gaps(table: np.ndarray) -> np.ndarray:
-    """The table with every node beside a NaN set to NaN, the last row being the first."""
+    """The table with every node beside a NaN set to NaN; its last row is its first."""
     gaps = np.isnan(table[:-1])
     unknown = gaps | np.roll(gaps, 1, axis=0) | np.roll(gaps, -1, axis=0)
     unknown[:, 1:] |= gaps[:, :-1]
@@ -190,14 +193,14 @@ def _widen_gaps(table: np.ndarray) -> np.ndarray:
     return np.where(np.vstack([unknown, unknown[:1]]), np.nan, table)
 
 
-def _stay_table(oscillator: Oscillator) -> tuple[np.ndarray, float]:
-    stay = np.full(2 * BLOCK, np.nan)
-    stay_speed = 4.0 * math.pi * oscillator.damping / math.sqrt(2.0 * oscillator.stiffness)
-    if stay_speed > 0.0:
-        _fill_stay(oscillator, stay_speed, stay)
-        above = stay[STAY_ABOVE * BLOCK :][:BLOCK].reshape(-1, ROW)
+def _contact_table(oscillator: Oscillator) -> tuple[np.ndarray, float]:
+    contact = np.full(2 * BLOCK, np.nan)
+    contact_speed = 4.0 * math.pi * oscillator.damping / math.sqrt(2.0 * oscillator.stiffness)
+    if contact_speed > 0.0:
+        _fill_contact(oscillator, contact_speed, contact)
+        above = contact[CONTACT_ABOVE * BLOCK :][:BLOCK].reshape(-1, ROW)
         above[:] = _widen_gaps(above)
-    return stay, stay_speed
+    return contact, contact_speed
 
 
 def _graze_table(oscillator: Oscillator) -> tuple[np.ndarray, float, float]:
@@ -209,7 +212,7 @@ def _graze_table(oscillator: Oscillator) -> tuple[np.ndarray, float, float]:
 
 @lru_cache(maxsize=32)
 def lane_tables(oscillator: Oscillator) -> LaneTables:
-    """Tables of one oscillator, built in some 10 ms and kept for the last few oscillators.
+    """Tables of one oscillator, built in some 10 ms and kept for the last 32 oscillators.
 
     Parameters
     ----------
@@ -220,7 +223,9 @@ def lane_tables(oscillator: Oscillator) -> LaneTables:
     -------
     LaneTables
     """
-    graze_speed, error, speed_scale = _graze_table(oscillator)
+    graze_speed, error, largest_grazing_speed = _graze_table(oscillator)
     guess = np.empty(3 * BLOCK)
-    _fill_guess(oscillator, speed_scale, _ALONG_ROW, _ALONG_COLUMN, guess)
-    return LaneTables(guess, graze_speed, error, speed_scale, *_stay_table(oscillator), capture_bound(oscillator))
+    _fill_guess(oscillator, largest_grazing_speed, _ALONG_ROW, _ALONG_COLUMN, guess)
+    return LaneTables(
+        guess, graze_speed, error, largest_grazing_speed, *_contact_table(oscillator), capture_bound(oscillator)
+    )

@@ -1,8 +1,8 @@
-"""What the lanes need of traps (`trap`): which one may be near, whether a point is inside, and where it lands then.
+"""What lanes need of traps (`attractors.trapping_region`): which may be near, and whether a point is inside.
 
-Each orbit has one trap, around its slowest point. A lattice over the plane tells the orbit's point that is likely the
-nearest, and so after how many impacts a trajectory is to be looked at; that is a hint only, and costs nothing but time
-where it is wrong.
+Each orbit has one trap, around its slowest point. A lattice over the plane gives the orbit's point that is probably the
+nearest, and so the number of impacts after which the trajectory is checked. That is a hint only: a wrong one costs time
+and nothing else.
 """
 
 import math
@@ -10,11 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.phase import part_turn
 
 DEGREE = 8
 POWERS = tuple((n + k, k) for n in range(1, DEGREE + 1) for k in range(DEGREE) if 3 <= n + 2 * k <= DEGREE)
-"""Powers (j, k) of z and its conjugate in V, j > k, by j - k."""
+"""Powers (j, k) of z and its conjugate in V, j > k, in order of j - k."""
 _TURNS = tuple(j - k for j, k in POWERS)
 _RIGHT = tuple(k for _, k in POWERS)
 TERMS = len(POWERS)
@@ -22,13 +23,14 @@ NOWHERE = -1
 
 
 class LaneTraps(NamedTuple):
-    """Traps of some orbits, numbered as they come.
+    """Traps of some orbits, numbered in order.
 
-    Of the lattice: ``nearest`` (rows, columns) the number of the orbit's point likely near, NOWHERE for none; ``top``
-    the speed that its rows reach. Of every orbit's point, orbit by orbit: ``orbit``, ``place`` on it, ``time``,
-    ``speed``, and ``stretch``, how far at most a point of the trap is from it when it gets there, in units of |z|. Of
-    every orbit: ``first`` point, ``period``, ``rate`` of ln V per turn, ``frame`` (4) that takes (dt, dv) to the parts
-    of z, ``radius`` and ``level`` of the trap, ``floor`` of V/|z|^2, ``real`` and ``imaginary`` parts of c (TERMS).
+    The lattice: ``nearest`` (rows, columns) is the number of the orbit point that is probably near, NOWHERE for none;
+    ``top`` is the speed that its rows reach. Every orbit point, orbit by orbit: its ``orbit``, ``place`` on it,
+    ``time`` and ``speed``; ``stretch`` is the largest distance from it at which a point of the trap arrives, in units
+    of |z|. Every orbit: its ``first`` point, ``period``, ``rate`` of ln V per turn, ``frame`` (4), which takes (dt, dv)
+    to the parts of z, ``radius`` and ``level`` of the trap, ``floor`` of V/|z|^2, ``real`` and ``imaginary`` parts of c
+    (TERMS).
     """
 
     nearest: np.ndarray
@@ -60,9 +62,9 @@ def _no_traps() -> LaneTraps:
 NO_TRAPS = _no_traps()
 
 
-@step
+@inlined
 def nearest_point(nearest, top, phase, speed):
-    """Number of the orbit's point likely near, NOWHERE for none."""
+    """Number of the orbit point that is probably near, NOWHERE for none."""
     if not speed < top:
         return NOWHERE
     rows, columns = nearest.shape
@@ -70,7 +72,7 @@ def nearest_point(nearest, top, phase, speed):
     return int(nearest[min(row, rows - 1), min(column, columns - 1)])
 
 
-@step
+@inlined
 def potential(real, imaginary, x, y):
     """V at z = x + iy."""
     square = x * x + y * y
@@ -82,12 +84,11 @@ def potential(real, imaginary, x, y):
     return total
 
 
-@step
+@inlined
 def potential_in(traps, orbit, phase, speed):
     """V of a point inside the trap of an orbit, NaN outside."""
     point = traps.first[orbit]
-    dt, dv = phase - traps.time[point], speed - traps.speed[point]
-    dt -= math.floor(dt + 0.5)
+    dt, dv = part_turn(phase - traps.time[point]), speed - traps.speed[point]
     frame = traps.frame[orbit]
     x, y = frame[0] * dt + frame[1] * dv, frame[2] * dt + frame[3] * dv
     if not math.hypot(x, y) <= traps.radius[orbit]:

@@ -1,4 +1,4 @@
-"""One stay in linear contact (side UPPER) or torque reversal (side LOWER), in closed form, and its first end for sure.
+"""One contact in closed form: linear contact (side UPPER) or torque reversal (side LOWER), and its first end for sure.
 
 With x >= 0 the depth beyond the wall, omega^2 = 2 kappa and s = +1 above, -1 below, Eqs. (1, 2) read
 
@@ -9,49 +9,46 @@ q^2 = omega^2 - delta^2/4 (Eqs. 33-37 with their errata). From x(0) = d, x'(0) =
 
     x = d + u S + (p(0) - d) C + p(tau) - p(0) - p'(0) S,    S = E sin(q tau)/q,    C = 1 - S' - delta S,
 
-whose terms beside d vanish with tau one by one: short and gentle stays keep their digits. A stay begins at the
-wall (d = 0); one that is met inside (d > 0) is the same motion from there on.
+whose terms other than d all vanish with tau: short and gentle contacts keep their digits. A contact begins at the wall
+(d = 0). One that is met inside (d > 0) is the same motion from there on.
 
 The end is the first zero of x after 0. It is reached by steps that provably jump over none: from a point with x > 0, x
-stays positive while Taylor's polynomial less a bound on its remainder does. The derivatives of x are bounded, over all
-the rest of the stay, by those of p plus the ringing that is left: |x''| by (2 pi)^2 P + omega^2 E r, |x'''| by (2 pi)^3
-P + omega^3 E r, P the swing of p. Where p exceeds E r no zero is possible, so whole oscillations are skipped until p
-falls to it; and where even the least p exceeds E r, contact is permanent. Below epsilon_crit1 (Eq. 3) that least p is
-positive; above it every stay ends.
+stays positive while Taylor's polynomial less a bound on its remainder does. Over all the rest of the contact, the
+derivatives of p and the ringing that is left bound those of x: |x''| by (2 pi)^2 P + omega^2 E r, |x'''| by (2 pi)^3 P
++ omega^3 E r, P the swing of p. No zero is possible where p exceeds E r, so whole oscillations are skipped until p
+falls to it. Where even the least p exceeds E r, contact is permanent. Below epsilon_crit1 (Eq. 3) that least p is
+positive; above it every contact ends.
 """
 
 import math
 from typing import NamedTuple
 
-from rattle_kernels.model.flight import FOUR_PI, TWO_PI, part_turn
-from rattle_kernels.model.outcome import Outcome
-from rattle_kernels.numerics.jit import step
-
-_RETURNED = int(Outcome.RETURNED)
-_PERMANENT_CONTACT = int(Outcome.PERMANENT_CONTACT)
-_NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
+from rattle_kernels.model.flight import FOUR_PI, TWO_PI
+from rattle_kernels.model.outcome import OUTCOME_NOT_CONVERGED, OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
+from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.phase import part_turn
 
 # A step as short as this, in radians of the ringing, leaves Taylor's cubic exact to rounding.
 _SHORT = 1e-5
-# How far beyond the second-order step the third-order one looks; 1.5 to 3 take the same number of steps.
+# How far beyond the second-order step the third-order step looks; 1.5 to 3 take the same number of steps.
 _LOOK_AHEAD = 2.0
-# Most stays take 4 to 6 steps; 4e5 random ones at damping 1e-4 to 1 and kappa 10 to 1e7 took 3,903 at most.
+# Most contacts take 4 to 6 steps; 4e5 random ones at damping 1e-4 to 1 and kappa 10 to 1e7 took 3,903 at most.
 _ALL_STEPS = 2_000_000
 
 
-class Stay(NamedTuple):
-    """A stay beyond a wall: how long, the speed of leaving it, and an outcome code; NaN where it does not end."""
+class Contact(NamedTuple):
+    """A contact, from entering a wall to leaving it: duration, speed of leaving, outcome code; NaN without an end."""
 
     duration: float
     speed: float
     outcome: int
 
 
-_ENDLESS = Stay(math.nan, math.nan, _PERMANENT_CONTACT)
+_ENDLESS = Contact(math.nan, math.nan, OUTCOME_PERMANENT_CONTACT)
 
 
-class Contact(NamedTuple):
-    """A stay as its root-finder sees it: p = mean + here cos(2 pi tau) + quarter sin(2 pi tau), and the ringing."""
+class ContactMotion(NamedTuple):
+    """A contact as its root-finder sees it: p = mean + here cos(2 pi tau) + quarter sin(2 pi tau), and ringing."""
 
     damping: float
     square: float
@@ -65,8 +62,8 @@ class Contact(NamedTuple):
     ringing: float
 
 
-class Motion(NamedTuple):
-    """Depth and its derivatives, the slow part less its mean and its rate, and the ringing that is left."""
+class ContactState(NamedTuple):
+    """State of a contact: depth, its derivatives, the slow part less its mean, its rate, the ringing left."""
 
     depth: float
     rate: float
@@ -78,7 +75,7 @@ class Motion(NamedTuple):
 
 
 class SlowPart(NamedTuple):
-    """Slow part of a stay above: mean + cosine cos(2 pi t) + sine sin(2 pi t), and the ringing's frequency q.
+    """Slow part of a contact above: mean + cosine cos(2 pi t) + sine sin(2 pi t), and the ringing's frequency q.
 
     ``square`` is omega^2 = 2 kappa. Below, the slow part has the opposite sign.
     """
@@ -90,7 +87,7 @@ class SlowPart(NamedTuple):
     sine: float
 
 
-@step
+@inlined
 def slow_part(oscillator):
     """Amplitudes of the slow part, (34-37) without their angles; all 0 for infinite stiffness."""
     damping = oscillator.damping
@@ -108,9 +105,9 @@ def slow_part(oscillator):
     )
 
 
-@step
+@inlined
 def enter_contact(oscillator, side, phase, depth, speed):
-    """Stay met at `phase`, `depth` beyond the wall of `side`, with signed `speed` into the wall."""
+    """Contact that is met at `phase`, `depth` beyond the wall of `side`, with signed `speed` into the wall."""
     damping = oscillator.damping
     square, frequency, mean, cosine, sine = slow_part(oscillator)
     mean, cosine, sine = side * mean, side * cosine, side * sine
@@ -122,12 +119,12 @@ def enter_contact(oscillator, side, phase, depth, speed):
     quadrature = (speed - TWO_PI * quarter - 0.5 * damping * lag) / frequency
     ringing = math.hypot(lag, quadrature)
     swing = math.hypot(cosine, sine)
-    return Contact(damping, square, frequency, depth, speed, mean, here, quarter, swing, ringing)
+    return ContactMotion(damping, square, frequency, depth, speed, mean, here, quarter, swing, ringing)
 
 
-@step
-def motion_in_contact(contact, tau):
-    """Where the stay is at tau."""
+@inlined
+def state_in_contact(contact, tau):
+    """State of the contact at tau."""
     damping = contact.damping
     half_angle = math.pi * part_turn(tau)
     sine_half, cosine_half = math.sin(half_angle), math.cos(half_angle)
@@ -149,20 +146,20 @@ def motion_in_contact(contact, tau):
     bend = TWO_PI * TWO_PI * slow
     acceleration = contact.square * (contact.mean + slow - depth) + damping * (slow_rate - rate) - bend
     jerk = contact.square * (slow_rate - rate) - damping * (bend + acceleration) - TWO_PI * TWO_PI * slow_rate
-    return Motion(depth, rate, acceleration, jerk, slow, slow_rate, contact.ringing * left)
+    return ContactState(depth, rate, acceleration, jerk, slow, slow_rate, contact.ringing * left)
 
 
-@step
+@inlined
 def _bend_bound(contact, ringing):
     return TWO_PI * TWO_PI * contact.swing + contact.square * ringing
 
 
-@step
+@inlined
 def _jerk_bound(contact, ringing):
     return TWO_PI * TWO_PI * TWO_PI * contact.swing + contact.square * math.sqrt(contact.square) * ringing
 
 
-@step
+@inlined
 def _step_from_wall(contact, rate, acceleration, ringing):
     """Step from x = 0, x' >= 0: x/h is at least x' + x'' h/2 - M h^2/6, positive up to its one positive root."""
     third = _jerk_bound(contact, ringing) / 6.0
@@ -173,7 +170,7 @@ def _step_from_wall(contact, rate, acceleration, ringing):
     return 2.0 * rate / (root - half) if rate > 0.0 else 0.0
 
 
-@step
+@inlined
 def _first_zero(depth, rate, acceleration):
     """First zero ahead of the parabola with these values at 0, for depth > 0; infinite where there is none."""
     square = rate * rate - 2.0 * depth * acceleration
@@ -185,60 +182,60 @@ def _first_zero(depth, rate, acceleration):
     return 2.0 * depth / (root - rate)
 
 
-@step
-def _sure_step(contact, motion):
+@inlined
+def _sure_step(contact, state):
     """Step within which x stays positive; near a zero it leaves a remainder of third order.
 
     While h <= H, x''/2 - M h/6 is at least x''/2 - M H/6: a parabola, that of second order or a better one.
     """
-    second = _first_zero(motion.depth, motion.rate, -_bend_bound(contact, motion.ringing))
+    second = _first_zero(state.depth, state.rate, -_bend_bound(contact, state.ringing))
     horizon = _LOOK_AHEAD * second
-    bend = motion.acceleration - _jerk_bound(contact, motion.ringing) * horizon / 3.0
-    return max(second, min(horizon, _first_zero(motion.depth, motion.rate, bend)))
+    bend = state.acceleration - _jerk_bound(contact, state.ringing) * horizon / 3.0
+    return max(second, min(horizon, _first_zero(state.depth, state.rate, bend)))
 
 
-@step
-def _clear_ahead(contact, motion):
-    """Time for which the slow part exceeds the ringing that is left now: no zero before it falls to that."""
-    if contact.mean + motion.slow <= motion.ringing:
+@inlined
+def _clear_ahead(contact, state):
+    """Time for which the slow part exceeds the ringing that is left now: there is no zero before it falls to that."""
+    if contact.mean + state.slow <= state.ringing:
         return 0.0
-    angle = math.atan2(-motion.slow_rate, TWO_PI * motion.slow)
-    falls = math.acos(min(max((motion.ringing - contact.mean) / contact.swing, -1.0), 1.0))
+    angle = math.atan2(-state.slow_rate, TWO_PI * state.slow)
+    falls = math.acos(min(max((state.ringing - contact.mean) / contact.swing, -1.0), 1.0))
     return (falls - angle) / TWO_PI
 
 
-@step
-def _is_within_reach(contact, motion, ahead):
+@inlined
+def _is_within_reach(contact, state, ahead):
     """Whether the slope stays negative down to a zero (Kantorovich), a step as short as Taylor's cubic allows."""
-    if motion.depth <= 0.0:
+    if state.depth <= 0.0:
         return True
-    steep = motion.rate < 0.0 and 2.0 * _bend_bound(contact, motion.ringing) * motion.depth <= motion.rate * motion.rate
+    steep = state.rate < 0.0 and 2.0 * _bend_bound(contact, state.ringing) * state.depth <= state.rate * state.rate
     return steep and ahead * contact.frequency <= _SHORT
 
 
-@step
-def _land(tau, motion):
-    """End of a stay at the zero of Taylor's cubic a short step from `motion`, or just before it by round-off."""
-    reach = math.sqrt(max(motion.rate * motion.rate - 2.0 * motion.depth * motion.acceleration, 0.0)) - motion.rate
-    ahead = 2.0 * motion.depth / reach if reach > 0.0 else 0.0
-    slope = motion.rate + ahead * (motion.acceleration + 0.5 * ahead * motion.jerk)
+@inlined
+def _land(tau, state):
+    """End of a contact at the zero of Taylor's cubic a short step from `state`, or just before it by rounding."""
+    reach = math.sqrt(max(state.rate * state.rate - 2.0 * state.depth * state.acceleration, 0.0)) - state.rate
+    ahead = 2.0 * state.depth / reach if reach > 0.0 else 0.0
+    slope = state.rate + ahead * (state.acceleration + 0.5 * ahead * state.jerk)
     if slope < 0.0:
-        bend = motion.acceleration + ahead * motion.jerk / 3.0
-        change = -(motion.depth + ahead * (motion.rate + 0.5 * ahead * bend)) / slope
+        bend = state.acceleration + ahead * state.jerk / 3.0
+        change = -(state.depth + ahead * (state.rate + 0.5 * ahead * bend)) / slope
         ahead += change
-        slope += change * motion.acceleration
-    # Round-off may give stays of hardly any speed the wrong sign of nothing.
-    return Stay(max(tau + ahead, 0.0), max(-slope, 0.0), _RETURNED)
+        slope += change * state.acceleration
+    # Rounding may give contacts of hardly any speed the wrong sign of nothing.
+    return Contact(max(tau + ahead, 0.0), max(-slope, 0.0), OUTCOME_RETURNED)
 
 
-@step
-def stay_in_contact(oscillator, side, phase, speed):
-    """Follow one stay in contact from its beginning at the wall to its first end.
+@inlined
+def follow_contact(oscillator, side, phase, speed):
+    """Follow one contact from its beginning at the wall to its first end.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Checked by the caller. Where its stiffness is infinite, the stay is an elastic impact.
+        Checked by the caller. Where its stiffness is infinite, the contact is an elastic impact.
     side : float
         UPPER for linear contact (Phi >= +beta), LOWER for torque reversal (Phi <= -beta).
     phase, speed : float
@@ -246,32 +243,32 @@ def stay_in_contact(oscillator, side, phase, speed):
 
     Returns
     -------
-    Stay
+    Contact
         Outcome RETURNED, PERMANENT_CONTACT or NOT_CONVERGED.
     """
     if math.isinf(oscillator.stiffness):
-        return Stay(0.0, speed, _RETURNED)
-    return rest_of_stay(oscillator, side, phase, 0.0, speed)
+        return Contact(0.0, speed, OUTCOME_RETURNED)
+    return follow_contact_from(oscillator, side, phase, 0.0, speed)
 
 
-@step
-def rest_of_stay(oscillator, side, phase, depth, speed):
-    """Follow a stay in contact from anywhere inside it to its first end.
+@inlined
+def follow_contact_from(oscillator, side, phase, depth, speed):
+    """Follow one contact from anywhere inside it to its first end.
 
-    The bounds on the derivatives of x come from the motion itself, not from where it began, so the steps are as sure
+    The bounds on the derivatives of x come from the motion itself, not from where it began. So the steps are as sure
     from inside as from the wall.
 
     Parameters
     ----------
     oscillator, side, phase
-        As in `stay_in_contact`.
+        As in `follow_contact`.
     depth, speed : float
         Depth beyond the wall, not negative, and signed speed into the wall; where the depth is 0, not negative.
 
     Returns
     -------
-    Stay
-        As in `stay_in_contact`; its duration counts from here, also for what counts as permanent.
+    Contact
+        As in `follow_contact`. Its duration counts from here, also against ``permanent_after``.
     """
     contact = enter_contact(oscillator, side, phase, depth, speed)
     # Torque reversal always ends (Eq. 31), however long it takes.
@@ -279,21 +276,21 @@ def rest_of_stay(oscillator, side, phase, depth, speed):
     least = contact.mean - contact.swing
     tau = 0.0
     for steps in range(_ALL_STEPS):
-        motion = motion_in_contact(contact, tau)
-        if motion.ringing < least:
+        state = state_in_contact(contact, tau)
+        if state.ringing < least:
             break
         begins = steps == 0 and depth <= 0.0
-        if begins or (motion.depth <= 0.0 and motion.rate >= 0.0 and motion.acceleration > 0.0):
-            # The start, or a graze from inside that round-off put on the wall: contact goes on.
-            ahead = _step_from_wall(contact, motion.rate, motion.acceleration, motion.ringing)
+        if begins or (state.depth <= 0.0 and state.rate >= 0.0 and state.acceleration > 0.0):
+            # The start, or a graze from inside that rounding put on the wall: contact goes on.
+            ahead = _step_from_wall(contact, state.rate, state.acceleration, state.ringing)
         else:
-            ahead = max(_sure_step(contact, motion), _clear_ahead(contact, motion))
-            if _is_within_reach(contact, motion, ahead):
-                stay = _land(tau, motion)
-                return stay if stay.duration <= permanent_after else _ENDLESS
+            ahead = max(_sure_step(contact, state), _clear_ahead(contact, state))
+            if _is_within_reach(contact, state, ahead):
+                ended = _land(tau, state)
+                return ended if ended.duration <= permanent_after else _ENDLESS
         tau += ahead
         if tau > permanent_after:
             break
     else:
-        return Stay(math.nan, math.nan, _NOT_CONVERGED)
+        return Contact(math.nan, math.nan, OUTCOME_NOT_CONVERGED)
     return _ENDLESS

@@ -8,13 +8,14 @@ wall is
     A = delta (4 pi - 2 pi eps s0) phi2 - 2 eps c0 (sin(pi tau)/tau)^2 + eps s0 (h - sin h)/tau^2,
 
 which equals Eqs. (18), (24), (30) but keeps full precision as delta, tau or w tend to zero. Everything holds for tau <
-0 as well, which is the flight backwards in time.
+0 as well: the flight backwards in time.
 """
 
 import math
 from typing import NamedTuple
 
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.phase import part_turn
 
 TWO_PI = 2.0 * math.pi
 FOUR_PI = 4.0 * math.pi
@@ -40,20 +41,14 @@ class Flight(NamedTuple):
     velocity: float
 
 
-@step
-def part_turn(turns):
-    """Turns less the nearest whole number: the reduction is exact, and the angle left is small."""
-    return turns - math.floor(turns + 0.5)
-
-
-@step
+@inlined
 def start_flight(oscillator, phase, velocity):
     """Flight that leaves a wall at `phase` with signed `velocity`."""
     angle = TWO_PI * part_turn(phase)
     return Flight(oscillator.damping, oscillator.eccentricity, math.sin(angle), math.cos(angle), velocity)
 
 
-@step
+@inlined
 def second_phi(x):
     """phi2(x) = (e^-x - 1 + x)/x^2."""
     if abs(x) > 1.0:
@@ -64,7 +59,7 @@ def second_phi(x):
     return total
 
 
-@step
+@inlined
 def second_phi_slope(x):
     """phi2'(x) = (phi1 - 2 phi2)/x."""
     if abs(x) > 1.0:
@@ -76,7 +71,7 @@ def second_phi_slope(x):
     return total
 
 
-@step
+@inlined
 def _cubic_rest(tau):
     """Compute (h - sin h)/h^3 for h = 2 pi tau."""
     h = TWO_PI * tau
@@ -88,9 +83,9 @@ def _cubic_rest(tau):
     return total
 
 
-@step
+@inlined
 def mean_acceleration(flight, tau):
-    """A(tau): half the acceleration at the wall for tau -> 0, the mean that carries the flight back afterwards."""
+    """A(tau): half the acceleration at the wall for tau -> 0, later the mean that carries the flight back."""
     gravity = flight.damping * (FOUR_PI - TWO_PI * flight.eccentricity * flight.sine)
     cubic = TWO_PI * TWO_PI * TWO_PI * tau * _cubic_rest(tau)
     chord = math.sin(math.pi * part_turn(tau)) / tau  # its sign may be lost: only the square counts
@@ -98,14 +93,14 @@ def mean_acceleration(flight, tau):
     return gravity * second_phi(flight.damping * tau) + flight.eccentricity * forcing
 
 
-@step
+@inlined
 def displacement_rate(flight, tau):
     """y(tau)/tau: the displacement with its trivial root at tau = 0 divided out."""
     x = flight.damping * tau
     return flight.velocity * (1.0 - x * second_phi(x)) + tau * mean_acceleration(flight, tau)
 
 
-@step
+@inlined
 def velocity_after(flight, tau, displacement):
     """Signed velocity y'(tau), given that y(tau) = `displacement`; needs no exponential."""
     half_angle = math.pi * part_turn(tau)
@@ -117,7 +112,7 @@ def velocity_after(flight, tau, displacement):
     return flight.velocity + flight.damping * (FOUR_PI * tau - displacement) + flight.eccentricity * forcing
 
 
-@step
+@inlined
 def rest_acceleration(oscillator, phase):
     """Acceleration felt at rest in freeplay, Eq. (7): positive at every phase below the bound of Eq. (8)."""
     angle = TWO_PI * part_turn(phase)
@@ -125,7 +120,7 @@ def rest_acceleration(oscillator, phase):
     return FOUR_PI * oscillator.damping - TWO_PI * oscillator.eccentricity * forcing
 
 
-@step
+@inlined
 def acceleration_range(oscillator):
     """Smallest and largest acceleration felt at rest, over all phases."""
     mean = FOUR_PI * oscillator.damping
@@ -133,7 +128,7 @@ def acceleration_range(oscillator):
     return mean - swing, mean + swing
 
 
-@step
+@inlined
 def fall_speed(oscillator):
     """Speed of a fall from +beta to -beta under the mean acceleration: the scale of speeds."""
     return math.sqrt(4.0 * FOUR_PI * oscillator.damping * oscillator.half_backlash)

@@ -1,11 +1,11 @@
 """The grazing curve v*(t): the speed with which a flight from +beta just touches -beta (Sec. 2.1), also backwards.
 
 A flight that touches -beta at phase t_hat with zero speed is, seen from there, a flight with w = 0 on either side of
-the touch. It left +beta the time sigma before, where ``y(-sigma) = 2 beta``, and it comes back to +beta the time sigma'
-after, where ``y(sigma') = 2 beta``. For a given phase on +beta the unknown is sigma. With t_hat = t0 + sigma, moving
-the touch later moves the flight at t0 by ``a(t_hat) (e^{delta sigma} - 1)/delta`` > 0 (the variation obeys eta'' +
-delta eta' = 0), so the residual grows strictly with sigma: one root, which doubling brackets. The same holds for sigma'
-with e^{-delta sigma'}.
+the touch. It left +beta the time sigma before the touch, where ``y(-sigma) = 2 beta``. It comes back to +beta the time
+sigma' after the touch, where ``y(sigma') = 2 beta``. For a given phase on +beta the unknown is sigma. With t_hat = t0 +
+sigma, moving the touch later moves the flight at t0 by ``a(t_hat) (e^{delta sigma} - 1)/delta`` > 0, since the
+variation obeys eta'' + delta eta' = 0. So the residual grows strictly with sigma: there is one root, which doubling
+brackets. The same holds for sigma' with e^{-delta sigma'}.
 """
 
 import math
@@ -17,17 +17,17 @@ import numpy as np
 from rattle_kernels.model.flight import (
     acceleration_range,
     mean_acceleration,
-    part_turn,
     rest_acceleration,
     second_phi,
     start_flight,
     velocity_after,
 )
 from rattle_kernels.model.oscillator import Oscillator, check_domain
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
+from rattle_kernels.numerics.phase import part_turn
 from rattle_kernels.numerics.roots import root_finder
 
-# Phases of the mesh on which the largest v* is looked for.
+# Intervals of the mesh on which the largest v* is searched for.
 _MESH = 2048
 
 LEAVING = -1.0
@@ -42,12 +42,12 @@ class _Touch(NamedTuple):
     side: float
 
 
-@step
+@inlined
 def _flight_from_touch(touch, sigma):
     return start_flight(touch.oscillator, part_turn(touch.phase) - touch.side * sigma, 0.0)
 
 
-@step
+@inlined
 def _touch_residual(touch, sigma):
     """Displacement at +beta less 2 beta, and its derivative in sigma."""
     tau = touch.side * sigma
@@ -63,7 +63,7 @@ def _touch_residual(touch, sigma):
 _find_touch = root_finder(_touch_residual)
 
 
-@step
+@inlined
 def grazing_flight(oscillator, phase, side):
     """Speed at +beta and duration of the flight that touches -beta, through +beta at `phase`.
 
@@ -74,7 +74,7 @@ def grazing_flight(oscillator, phase, side):
     phase : float
         Phase at +beta, forcing periods.
     side : float
-        LEAVING for the flight that leaves +beta then, ARRIVING for the one that comes back to it then.
+        LEAVING for the flight that leaves +beta at that phase, ARRIVING for the one that comes back to it.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def grazing_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarr
     Parameters
     ----------
     oscillator : Oscillator
-        Either model: the curve is freeplay's alone.
+        Either model: the curve depends on freeplay alone.
     t : array_like
         Phases of departure from +beta, forcing periods, any finite value.
 
@@ -135,7 +135,7 @@ def grazing_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarr
 
 @lru_cache(maxsize=32)
 def largest_grazing_speed(oscillator: Oscillator) -> float:
-    """Largest v*(t) on a mesh of 2048 phases: the scale of speeds of an oscillator.
+    """Largest v*(t) on a mesh of 2049 phases: the natural scale of an oscillator's speeds.
 
     Parameters
     ----------

@@ -18,8 +18,9 @@ class Oscillator(NamedTuple):
     stiffness : float
         kappa; infinite for the impacting model.
     permanent_after : float
-        A contact beyond +beta that lasts longer than this many forcing periods counts as permanent. Infinite: the
-        exact rule (the ringing's envelope). 1.0: the paper's, one gross rotation. Nothing to the impacting model.
+        A contact beyond +beta that lasts longer than this many forcing periods counts as permanent. Infinity stands
+        for the exact rule (the ringing's envelope), 1.0 for the paper's rule, one gross rotation. The impacting model
+        does not use it.
     """
 
     damping: float = 0.6
@@ -29,7 +30,7 @@ class Oscillator(NamedTuple):
     permanent_after: float = math.inf
 
 
-# The fields that a study may vary; `permanent_after` is a rule, not a property.
+# The fields that a study may vary. `permanent_after` is a rule, not a property.
 PARAMETERS = ("damping", "eccentricity", "half_backlash", "stiffness")
 
 
@@ -44,6 +45,8 @@ class OutsideDomain(ValueError):
         Name of the bound that it violates.
     limit : float
         Value of that bound.
+    value : float
+        Value of the parameter.
     """
 
     def __init__(self, parameter: str, value: float, bound: str, limit: float, message: str) -> None:
@@ -64,7 +67,7 @@ def eccentricity_bound_quiet(oscillator: Oscillator) -> float:
     Parameters
     ----------
     oscillator : Oscillator
-        Its stiffness may be infinite, where the bound tends to that of Eq. (8).
+        Its stiffness may be infinite: there the bound tends to that of Eq. (8).
 
     Returns
     -------
@@ -83,6 +86,11 @@ def eccentricity_bound_smooth_maxima(oscillator: Oscillator) -> float:
     Below it the acceleration that an object at rest feels, ``4 pi delta - 4 pi^2 eps cos - 2 pi delta eps sin``, is
     positive at every phase. All root-finding of this package rests on that.
 
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Either model; its eccentricity is not used.
+
     Returns
     -------
     float
@@ -93,8 +101,13 @@ def eccentricity_bound_smooth_maxima(oscillator: Oscillator) -> float:
 def eccentricity_bound_convexity(oscillator: Oscillator) -> float:
     """Bound epsilon_crit3 that is sufficient for the paper's convexity argument, Eq. (22).
 
-    Nothing here needs it (the brackets of `impact_map` are proven from Eq. 8 alone); it is given for comparison with
-    the paper.
+    No kernel needs it: the brackets of `impact_map.flights` are proven from Eq. (8) alone. It is given for comparison
+    with the paper.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Either model; its eccentricity is not used.
 
     Returns
     -------
@@ -106,6 +119,11 @@ def eccentricity_bound_convexity(oscillator: Oscillator) -> float:
 def stiffness_bound(oscillator: Oscillator) -> float:
     """Bound of the stiffness above which a contact rings, Eq. (35).
 
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Only its damping is used.
+
     Returns
     -------
     float
@@ -114,12 +132,12 @@ def stiffness_bound(oscillator: Oscillator) -> float:
 
 
 def check_domain(oscillator: Oscillator) -> Oscillator:
-    """Return the oscillator with plain float fields, or say why P is not defined for it.
+    """Return the oscillator with plain float fields, or raise if P is not defined for it.
 
     Parameters
     ----------
     oscillator : Oscillator
-        As a user gave it; integers are welcome. Either model.
+        As a user gave it; fields may be integers. Either model.
 
     Returns
     -------
@@ -160,9 +178,9 @@ def _check_eccentricity(checked: Oscillator) -> None:
 def _check_stiffness(checked: Oscillator) -> None:
     """Refuse a contact that does not ring: Eq. (35) needs ``2 kappa > delta^2/4``.
 
-    Nothing more is needed. At a turning point beyond -beta the acceleration is that at rest plus the spring's, positive
-    below epsilon_crit2 alone (Eqs. 8, 31). ``kappa > pi^2 + delta^2/4``, where epsilon_crit1 < epsilon_crit2, only
-    tells which of the two bounds a quiet solution meets first.
+    Nothing more is needed. At a turning point beyond -beta the acceleration is that at rest plus the spring's, which is
+    positive below epsilon_crit2 alone (Eqs. 8, 31). The condition ``kappa > pi^2 + delta^2/4``, under which
+    epsilon_crit1 < epsilon_crit2, only decides which of the two bounds a quiet solution meets first.
     """
     limit = stiffness_bound(checked)
     if checked.stiffness != math.inf and not checked.stiffness > limit:
@@ -174,7 +192,7 @@ def _check_stiffness(checked: Oscillator) -> None:
 
 
 def check_impacting(oscillator: Oscillator) -> Oscillator:
-    """Return the oscillator as `check_domain` does, or refuse one of finite stiffness.
+    """Return the oscillator as `check_domain` does, or raise if its stiffness is finite.
 
     Parameters
     ----------
@@ -195,14 +213,14 @@ def check_impacting(oscillator: Oscillator) -> Oscillator:
     if not math.isinf(checked.stiffness):
         message = (
             f"stiffness must be infinite, not {checked.stiffness:g}: here only the impacting model is computed, "
-            "whose request has none"
+            "which has none"
         )
         raise OutsideDomain("stiffness", checked.stiffness, "impacting model", math.inf, message)
     return checked
 
 
 def check_quiet(oscillator: Oscillator) -> Oscillator:
-    """Return the oscillator as `check_domain` does, or refuse one that has no quiet solution (Eq. 3).
+    """Return the oscillator as `check_domain` does, or raise if it has no quiet solution (Eq. 3).
 
     Parameters
     ----------

@@ -1,12 +1,12 @@
 """Distance from every cell of a basin to the nearest cell outside it, exact for the cells as they are drawn.
 
-Cells are rectangles of a width and a height, so the distance from the centre of a cell to another cell i columns and j
-rows away is ``hypot(f, g)`` with ``f = (|i| - 1/2) width`` and ``g = (|j| - 1/2) height``, or 0 where i or j is 0. It
-is separable, so two passes find the least one:
+Cells are rectangles of a width and a height. So the distance from the centre of a cell to another, i columns and j rows
+away, is ``hypot(f, g)`` with ``f = (|i| - 1/2) width`` and ``g = (|j| - 1/2) height``. Here f is 0 for i = 0, and g
+is 0 for j = 0. The square is separable, so two passes find the least distance:
 
 1. in each row, the distance f from every cell to the nearest edge of an outside cell;
 2. in each column, the lower envelope of the parabolas ``f^2 + (y - edge)^2`` over the horizontal edges between rows
-   (half-integers; the height of each is the lesser f^2 of the two rows that it separates), beside the own row's f^2.
+   (half-integers; the height of each is the lesser f^2 of the two rows that it separates), and the row's own f^2.
 
 Felzenszwalb and Huttenlocher, Distance transforms of sampled functions, Theory of Computing 8, 415 (2012).
 """
@@ -15,15 +15,15 @@ import math
 
 import numpy as np
 
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
 
 
-@step
+@inlined
 def _row_distances(inside, wraps, distance):
     """Columns from each cell's centre to the nearest edge of a cell outside, both ways; inf where there is none."""
     columns = inside.size
     distance[:] = math.inf
-    # Where time wraps, a second round carries the distance over the seam; else the window's own edges are outside.
+    # Where time wraps, a second round carries the distance over the seam. Elsewhere the window's edges are outside.
     rounds = 2 if wraps else 1
     for backwards in range(2):
         away = math.inf if wraps else -0.5
@@ -34,15 +34,15 @@ def _row_distances(inside, wraps, distance):
             distance[j] = min(distance[j], max(away, 0.0))
 
 
-@step
+@inlined
 def _meet(height, p, q):
     """Where the parabolas of the edges p < q meet, in rows."""
     return ((height[q] + q * q) - (height[p] + p * p)) / (2.0 * (q - p))
 
 
-@step
+@inlined
 def _lower_envelope(height, edges, meets):
-    """Edges whose parabolas are lowest somewhere, ascending, and where each begins; return how many."""
+    """Find the edges whose parabolas are lowest somewhere, in order, and where each begins; return their number."""
     kept = 0
     for edge in range(height.size):
         if height[edge] == math.inf:
@@ -59,11 +59,11 @@ def _lower_envelope(height, edges, meets):
     return kept
 
 
-@step
+@inlined
 def _column_distances(square, height, edges, meets):
-    """Replace squared distances along rows by squared distances in the plane; both in units of a row's height."""
+    """Replace squared distances along rows by squared distances in the plane, in units of a row's height."""
     rows = square.size
-    # Edge k lies below row k: beneath the lowest and above the highest row lies the end of the window.
+    # Edge k lies below row k. The window ends beneath the lowest and above the highest row.
     height[0] = height[rows] = 0.0
     for k in range(1, rows):
         height[k] = min(square[k - 1], square[k])

@@ -1,12 +1,12 @@
-"""How every kernel is compiled, said once.
+"""How every kernel is compiled.
 
-Two kinds of compiled function: a *step* is a scalar piece that other kernels call (compiled into its caller, never
-cached alone); a *kernel* is an entry point called from Python (cached on disk, releases the GIL, serial: tiles make the
-parallelism).
+There are two kinds of compiled function. An *inlined* function is a scalar piece that kernels call: it is compiled into
+its caller and never cached alone. A *kernel* is an entry point called from Python: it is cached on disk and releases
+the GIL. Kernels are serial; tiles make the parallelism.
 
-Numba's disk cache looks only at the file of the cached function: when a step in another module changes, the old machine
-code would be served. So the cache folder carries a hash of all sources of this package, and of the versions that
-compile them.
+Numba's disk cache checks only the file of the cached function. If an inlined function in another module changed, the
+old machine code would be served. So the name of the cache folder contains a hash of all sources of this package, of the
+versions that compile them, and of the options that change the machine code.
 """
 
 import contextlib
@@ -23,7 +23,7 @@ from numba.core import config, event
 
 # Contraction to FMA only. Reassociation and the no-NaN flags would blur the small differences that decide grazing.
 _CAREFUL = {"contract"}
-# The lanes divide by what they have just tested; -0 and +0 need not be told apart there.
+# The lanes divide by what they have just tested, and they need not distinguish -0 from +0.
 _LANES = {"contract", "nsz", "arcp"}
 
 
@@ -32,6 +32,7 @@ def _sources_hash() -> str:
     digest = hashlib.sha256()
     for version in (numba.__version__, llvmlite.__version__, np.__version__):
         digest.update(version.encode())
+    digest.update(b"bounds checked" if config.BOUNDSCHECK else b"")
     for path in sorted(package.rglob("*.py")):
         digest.update(path.relative_to(package).as_posix().encode())
         digest.update(path.read_bytes())
@@ -83,12 +84,12 @@ def watch_compiling(report: Callable[[], None]) -> Iterator[None]:
         yield
 
 
-def step(function: Callable[..., Any]) -> Any:
+def inlined(function: Callable[..., Any]) -> Any:
     """Compile a scalar piece of mathematics that kernels call."""
     return numba.njit(nogil=True, error_model="numpy", fastmath=_CAREFUL)(function)
 
 
-def lane_step(function: Callable[..., Any]) -> Any:
+def inlined_in_lanes(function: Callable[..., Any]) -> Any:
     """Compile a branch-free piece that LLVM inlines into a loop over lanes and vectorises."""
     return numba.njit(nogil=True, error_model="numpy", fastmath=_LANES)(function)
 

@@ -1,4 +1,4 @@
-"""Long work pauses now and then, so that whoever wants it to stop can raise an exception there."""
+"""Long work calls a function now and then; an exception raised there stops the work."""
 
 from collections.abc import Callable
 
@@ -6,4 +6,4 @@ Pause = Callable[[], None]
 
 
 def never_stopped() -> None:
-    """The pause of work that nobody stops."""
+    """Do nothing: the pause of work that is never stopped."""

@@ -1,12 +1,12 @@
-"""Sine and cosine of half turns, and phi2, as polynomials: no library call, no branch, to rounding.
+"""Sine, cosine and phi2 as polynomials, exact to rounding, without a library call or a branch.
 
-In half turns the reduction of an angle is exact, and what is left is at most a quarter turn. Written out, because a
-loop over coefficients hides them from the vectoriser.
+Angles are counted in half turns: their reduction is exact, and what is left is at most a quarter turn. The polynomials
+are written out, because a loop over coefficients hides them from the vectoriser.
 """
 
 import math
 
-from rattle_kernels.numerics.jit import lane_step
+from rattle_kernels.numerics.jit import inlined_in_lanes
 
 # Chebyshev fits on r^2 in [0, 1/4] of sin(pi r)/r (error 7e-19) and cos(pi r) (4e-18), and on [0, 1] of phi2 (9e-19).
 _S = (
@@ -24,7 +24,7 @@ _P = (
 )  # fmt: skip
 
 
-@lane_step
+@inlined_in_lanes
 def sine_rest_of_half_turns(r):
     """sin(pi r) - pi r for |r| <= 1/2."""
     z = r * r
@@ -39,13 +39,13 @@ def sine_rest_of_half_turns(r):
     return r * z * even
 
 
-@lane_step
+@inlined_in_lanes
 def sine_of_half_turns(r):
     """sin(pi r) for |r| <= 1/2."""
     return math.pi * r + sine_rest_of_half_turns(r)
 
 
-@lane_step
+@inlined_in_lanes
 def versine_of_half_turns(r):
     """1 - cos(pi r) for |r| <= 1/2."""
     z = r * r
@@ -60,13 +60,13 @@ def versine_of_half_turns(r):
     return -z * even
 
 
-@lane_step
+@inlined_in_lanes
 def cosine_of_half_turns(r):
     """cos(pi r) for |r| <= 1/2."""
     return 1.0 - versine_of_half_turns(r)
 
 
-@lane_step
+@inlined_in_lanes
 def second_phi_of_part(x):
     """phi2(x) for 0 <= x <= 1."""
     total = _P[11]

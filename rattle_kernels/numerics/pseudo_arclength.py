@@ -6,8 +6,8 @@ through it across s:
     F(y) = 0,    s . (y - z - h s) = 0.
 
 The bordered matrix is regular where the curve merely turns (a fold), so turns are passed like any other point. The step
-h grows where Newton is quick and is halved where it fails or the tangent turns fast; when it falls below the least one
-the curve stalls, which is an answer: the caller says where and asks why.
+h grows where Newton's method is quick. It is halved where the method fails or the tangent turns fast. When it falls
+below the least step the curve stalls. A stall is a result: the caller finds out its cause.
 """
 
 from collections.abc import Callable, Iterator
@@ -20,7 +20,7 @@ System = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray] | None]
 
 _NEWTON_STEPS = 8
 _QUICK = 4
-# Neighbouring tangents at more than 18 degrees ask for a shorter step.
+# Neighbouring tangents that differ by more than 18 degrees need a shorter step.
 _LEAST_COSINE = 0.95
 _GROWTH = 1.5
 
@@ -34,7 +34,7 @@ class Steps(NamedTuple):
 
 
 class Solution(NamedTuple):
-    """Where Newton's method ended, the Jacobian before its last step, how many it took, and the last one's size."""
+    """Where Newton's method ended, the Jacobian before its last step, the number of steps, and the last one's size."""
 
     z: np.ndarray
     jacobian: np.ndarray
@@ -69,7 +69,7 @@ def unit_tangent(jacobian: np.ndarray, along: np.ndarray) -> np.ndarray:
 def solve(
     system: System, guess: np.ndarray, across: np.ndarray | None = None, tolerance: float = 1e-11
 ) -> Solution | None:
-    """Newton's method for F = 0, in the plane through the guess across a direction where the system lacks an equation.
+    """Newton's method for F = 0, within a plane through the guess where the system lacks an equation.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def solve(
         F and its Jacobian at a point, or None.
     guess : ndarray, shape (n,) or (n + 1,)
     across : ndarray, shape (n + 1,), optional
-        Needed where F has one component less than there are unknowns.
+        Normal of that plane, needed where F has one component less than there are unknowns.
     tolerance : float
         Greatest last step, in scaled unknowns.
 
@@ -109,7 +109,7 @@ def solve(
 
 
 def follow_curve(system: System, start: np.ndarray, along: np.ndarray, steps: Steps) -> Iterator[CurvePoint]:
-    """Points of the curve through `start`, one after the other, until it stalls.
+    """Follow the curve through `start` point by point until it stalls.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def follow_curve(system: System, start: np.ndarray, along: np.ndarray, steps: St
     start : ndarray, shape (n + 1,)
         A solution; it is not yielded.
     along : ndarray, shape (n + 1,)
-        Which of the two ways to go: the one whose tangent points along this.
+        Direction: of the two ways along the curve, the one whose tangent points along this vector.
     steps : Steps
 
     Yields
@@ -133,9 +133,9 @@ def follow_curve(system: System, start: np.ndarray, along: np.ndarray, steps: St
     while step >= steps.least:
         corrected = solve(system, point + step * tangent, tangent)
         if corrected is not None:
-            following = unit_tangent(corrected.jacobian, tangent)
-            if following @ tangent >= _LEAST_COSINE or step <= 4.0 * steps.least:
-                point, tangent = corrected.z, following
+            next_tangent = unit_tangent(corrected.jacobian, tangent)
+            if next_tangent @ tangent >= _LEAST_COSINE or step <= 4.0 * steps.least:
+                point, tangent = corrected.z, next_tangent
                 yield CurvePoint(point, tangent, step)
                 if corrected.steps <= _QUICK:
                     step = min(_GROWTH * step, steps.most)

@@ -1,14 +1,14 @@
 """One root-finder: Newton's method kept inside a bracket.
 
-Every caller proves its bracket (exactly one sign change between the two ends) and says so where it builds it. Newton's
-steps that leave the bracket are replaced by bisection; so the root is found whatever the guess, and in a few steps
-where the guess is good.
+Every caller proves its bracket (exactly one sign change between the two ends) and says so where it builds it. Where a
+Newton step leaves the bracket, bisection replaces it. So the root is found from any guess, and in a few steps from a
+good one.
 """
 
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 
 _NEWTON_STEPS = 60
-# From any bracket of doubles, some 60 + 11 halvings reach neighbouring numbers; the rest is margin.
+# Some 60 + 11 halvings lead from any bracket of doubles to neighbouring numbers; the rest is margin.
 _ALL_STEPS = 160
 _ROUNDING = 4.5e-16
 
@@ -16,7 +16,7 @@ _ROUNDING = 4.5e-16
 def root_finder(residual):
     """Build the compiled root-finder of one residual.
 
-    A factory rather than a function argument: Numba does not cache kernels into which compiled functions are passed.
+    This is a factory because Numba does not cache kernels that take compiled functions as arguments.
 
     Parameters
     ----------
@@ -26,11 +26,11 @@ def root_finder(residual):
     Returns
     -------
     compiled function
-        ``find_root(problem, negative, positive, guess)`` returns the root between `negative` (where the residual is <
-        0) and `positive` (where it is > 0), ends of a bracket in either order, and whether it was found to rounding.
+        ``find_root(problem, negative, positive, guess)`` returns the root and whether it was found to rounding. The
+        residual is < 0 at `negative` and > 0 at `positive`, the ends of the bracket in either order.
     """
 
-    @step
+    @inlined
     def find_root(problem, negative, positive, guess):
         x = guess
         if not (min(negative, positive) < x < max(negative, positive)):
@@ -41,14 +41,14 @@ def root_finder(residual):
                 negative = x
             else:
                 positive = x
-            following = x - value / slope
-            inside = min(negative, positive) <= following <= max(negative, positive)
-            # Past the Newton steps only round-off is left to fight (a nearly double root): halve until the ends meet.
+            next_x = x - value / slope
+            inside = min(negative, positive) <= next_x <= max(negative, positive)
+            # Past the Newton steps only rounding can be the obstacle (a nearly double root): halve until the ends meet.
             if not inside or iteration >= _NEWTON_STEPS:
-                following = 0.5 * (negative + positive)
-            if abs(following - x) <= _ROUNDING * abs(following):
-                return following, True
-            x = following
+                next_x = 0.5 * (negative + positive)
+            if abs(next_x - x) <= _ROUNDING * abs(next_x):
+                return next_x, True
+            x = next_x
         return x, False
 
     return find_root

@@ -14,6 +14,7 @@ import numpy as np
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
 from rattle_kernels.model.oscillator import PARAMETERS
 from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_kernels.numerics.phase import wrap
 from rattle_kernels.numerics.pseudo_arclength import Steps, System, follow_curve, solve
 from rattle_kernels.orbits.bifurcation_point import (
     SpecialKind,
@@ -170,5 +171,5 @@ def _curve(plane: _Plane, kind: SpecialKind, points: list[np.ndarray], ends: tup
     speeds = [float(z[1] * plane.space.scales[1]) if plane.space.with_speed else 0.0 for z in points]
     return SpecialCurve(
         kind, (plane.space.parameters[0], plane.space.parameters[1]), np.array([plane.values(z) for z in points]),
-        np.array([z[0] - math.floor(z[0]) for z in points]), np.array(speeds), np.array(residual), ends,
+        np.array([wrap(z[0]) for z in points]), np.array(speeds), np.array(residual), ends,
     )  # fmt: skip

@@ -13,11 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import PERMANENT_CONTACT, RETURNED, next_impact
+from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.chatter import descent_bound, is_captured
-from rattle_kernels.model.flight import fall_speed, part_turn
+from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import PARAMETERS, Oscillator, check_domain, eccentricity_bound_quiet
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
+from rattle_kernels.numerics.jit import inlined, kernel
+from rattle_kernels.numerics.phase import part_turn
 
 # The paper keeps the last twenty impacts.
 _KEPT = 20
@@ -55,7 +57,7 @@ class BifurcationDiagram(NamedTuple):
     period: np.ndarray
 
 
-@step
+@inlined
 def _settle(oscillator, t, v, transient):
     """Apply P `transient` times: outcome, phase and speed.
 
@@ -66,7 +68,7 @@ def _settle(oscillator, t, v, transient):
     marked_t, marked_v, marked_at, n = t, v, 0, 0
     while n < transient:
         impact = next_impact(oscillator, t, v)
-        if impact.outcome != RETURNED:
+        if impact.outcome != OUTCOME_RETURNED:
             return impact.outcome, t, v
         t, v = impact.t, impact.v
         n += 1
@@ -74,32 +76,32 @@ def _settle(oscillator, t, v, transient):
             n = transient - (transient - n) % (n - marked_at)
         elif n >= 2 * marked_at:
             marked_t, marked_v, marked_at = t, v, n
-    return RETURNED, t, v
+    return OUTCOME_RETURNED, t, v
 
 
-@step
+@inlined
 def _follow(oscillator, t, v, transient, times, speeds):
     """Apply P `transient` times, then keep one departure after the other; how it ended."""
     outcome, t, v = _settle(oscillator, t, v, transient)
-    if outcome != RETURNED:
+    if outcome != OUTCOME_RETURNED:
         return outcome
     for n in range(times.size):
         impact = next_impact(oscillator, t, v)
-        if impact.outcome != RETURNED:
+        if impact.outcome != OUTCOME_RETURNED:
             return impact.outcome
         t, v = impact.t, impact.v
         times[n], speeds[n] = t, v
-    return RETURNED
+    return OUTCOME_RETURNED
 
 
-@step
+@inlined
 def _bounces_ever_lower(oscillator, t, v, work):
     if v > _LOW_BOUNCE * fall_speed(oscillator):
         return False
     return is_captured(oscillator, descent_bound(oscillator, work[0], work[1]), t, v)
 
 
-@step
+@inlined
 def _impact_period(times, speeds, scale):
     """Shortest period after which the last departure had been there before, 0 where there is none."""
     last = times.size - 1
@@ -118,19 +120,19 @@ def _settle_along(fields, quiet, seed_t, seed_v, captured, transient, work, t, v
         scale = fall_speed(oscillator)
         for j in range(seed_t.size):
             if captured[j] and quiet[i]:
-                outcome[i, j] = PERMANENT_CONTACT
+                outcome[i, j] = OUTCOME_PERMANENT_CONTACT
                 continue
             if captured[j]:
                 seed_t[j], seed_v[j] = 0.0, _AT_REST * scale
             outcome[i, j] = _follow(oscillator, seed_t[j], seed_v[j], transient, t[i, j], v[i, j])
-            if outcome[i, j] == RETURNED:
+            if outcome[i, j] == OUTCOME_RETURNED:
                 seed_t[j], seed_v[j] = t[i, j, -1], v[i, j, -1]
                 period[i, j] = _impact_period(t[i, j], v[i, j], scale)
                 if period[i, j] == 0 and _bounces_ever_lower(oscillator, seed_t[j], seed_v[j], work):
-                    outcome[i, j] = PERMANENT_CONTACT
-            if outcome[i, j] != RETURNED:
+                    outcome[i, j] = OUTCOME_PERMANENT_CONTACT
+            if outcome[i, j] != OUTCOME_RETURNED:
                 t[i, j], v[i, j], period[i, j] = math.nan, math.nan, 0
-            captured[j] = outcome[i, j] == PERMANENT_CONTACT
+            captured[j] = outcome[i, j] == OUTCOME_PERMANENT_CONTACT
 
 
 class Motions(NamedTuple):

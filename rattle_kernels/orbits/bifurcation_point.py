@@ -25,8 +25,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import LOWER, UPPER, next_contact, next_impact
-from rattle_kernels.model.contact import enter_contact, motion_in_contact, stay_in_contact
+from rattle_kernels.impact_map.apply import FORWARDS, next_impact, walk
+from rattle_kernels.impact_map.flights import UPPER
+from rattle_kernels.model.contact import enter_contact, follow_contact, state_in_contact
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import (
     Oscillator,
@@ -34,7 +35,8 @@ from rattle_kernels.model.oscillator import (
     check_domain,
     eccentricity_bound_smooth_maxima,
 )
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
+from rattle_kernels.numerics.phase import wrap
 from rattle_kernels.numerics.pseudo_arclength import System, solve
 from rattle_kernels.orbits.closure import OrbitShape, closure, grazing_speed_at, orbit_from, stability_gap
 
@@ -180,22 +182,17 @@ def _special_equation(kind: SpecialKind, space: Unknowns, shape: OrbitShape) -> 
     return with_differences(value)
 
 
-@step
+@inlined
 def _entry_after(oscillator, t, v):
     """How long after a departure +beta is met again, at which phase and speed."""
-    contact = next_contact(oscillator, UPPER, t, -v, 1.0)
-    elapsed = contact.duration
-    if contact.wall == LOWER:
-        stay = stay_in_contact(oscillator, LOWER, contact.phase, -contact.velocity)
-        contact = next_contact(oscillator, LOWER, contact.phase + stay.duration, stay.speed, 1.0)
-        elapsed += stay.duration + contact.duration
-    return elapsed, contact.phase, contact.velocity
+    passage = walk(oscillator, t, v, FORWARDS, False, False)
+    return passage.flown, passage.rise.phase, passage.rise.velocity
 
 
 @kernel
 def _from_rest(oscillator, t):
     """Departure after rest on the wall at t, and the time until then."""
-    stay = stay_in_contact(oscillator, UPPER, t, 0.0)
+    stay = follow_contact(oscillator, UPPER, t, 0.0)
     return t + stay.duration, stay.speed, stay.duration
 
 
@@ -211,7 +208,7 @@ def _touch_gap(oscillator, shape, t):
         return math.nan, math.nan
     flight, phase, velocity = _entry_after(oscillator, here, speed)
     stay = enter_contact(oscillator, UPPER, phase, 0.0, velocity)
-    motion = motion_in_contact(stay, shape.forcing_periods - elapsed - flight)
+    motion = state_in_contact(stay, shape.forcing_periods - elapsed - flight)
     return motion.depth, motion.rate
 
 
@@ -225,7 +222,7 @@ def _shallowest(oscillator, t, v):
         stay = enter_contact(oscillator, UPPER, begins, 0.0, velocity)
         falling = False
         for n in range(1, _SAMPLES):
-            motion = motion_in_contact(stay, length * n / _SAMPLES)
+            motion = state_in_contact(stay, length * n / _SAMPLES)
             if falling and motion.rate >= 0.0 and motion.depth < least:
                 least, phase = motion.depth, begins + length * n / _SAMPLES
             falling = motion.rate < 0.0
@@ -359,7 +356,7 @@ def describe_point(
         here, speed, _ = _from_rest(oscillator, t)
         rest = shape._replace(upper_contacts=shape.upper_contacts - 1)
         times, speeds, lower = orbit_from(oscillator, rest, here, speed)
-        times, speeds = np.append(t - math.floor(t), times), np.append(0.0, speeds)
+        times, speeds = np.append(wrap(t), times), np.append(0.0, speeds)
     else:
         times, speeds, lower = orbit_from(oscillator, shape, t, v)
         closed = closure(oscillator, parameter, shape, t, v)

@@ -5,12 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import RETURNED
 from rattle_kernels.impact_map.jacobian import Jacobian, multiply
 from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
 from rattle_kernels.model.oscillator import PARAMETERS, Oscillator
+from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
+from rattle_kernels.numerics.phase import wrap
 
 
 class OrbitShape(NamedTuple):
@@ -46,7 +47,7 @@ def _closure(oscillator, parameter, shape, t, v, gap, derivative, sensitivity):
     for i in range(shape.upper_contacts):
         over = shape.over and i == 0
         impact, one, own = next_impact_with_sensitivity(oscillator, parameter, here, speed, over)
-        if impact.outcome != RETURNED or not impact.v > 0.0:
+        if impact.outcome != OUTCOME_RETURNED or not impact.v > 0.0:
             return -1
         later, faster = one.tt * later + one.tv * faster + own[0], one.vt * later + one.vv * faster + own[1]
         jacobian = multiply(one, jacobian)
@@ -116,7 +117,7 @@ def orbit_from(oscillator: Oscillator, shape: OrbitShape, t: float, v: float) ->
         Phases in [0, 1) and speeds, shape (upper_contacts,), and how many flights meet -beta, not counting one that
         passes over it.
     """
-    times, speeds = np.full(shape.upper_contacts, t - math.floor(t)), np.full(shape.upper_contacts, v)
+    times, speeds = np.full(shape.upper_contacts, wrap(t)), np.full(shape.upper_contacts, v)
     lower = _departures(oscillator, shape, times, speeds)
     return times, speeds, int(lower)
 

@@ -14,10 +14,12 @@ its name, with it on the same side the two meet and vanish (a nonsmooth fold).
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import LOWER, RETURNED, next_contact, next_impact
+from rattle_kernels.impact_map.apply import next_impact
+from rattle_kernels.impact_map.flights import LOWER, next_contact
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
 from rattle_kernels.model.oscillator import Oscillator, check_impacting
+from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.pseudo_arclength import solve
 from rattle_kernels.orbits.bifurcation_point import SpecialKind, SpecialPoint, unknowns, with_differences
@@ -33,7 +35,7 @@ def _meeting(oscillator, shape, t, u):
     here, speed, elapsed = up.phase, up.velocity, up.duration
     for _ in range(shape.upper_contacts - 1):
         impact = next_impact(oscillator, here, speed)
-        if impact.outcome != RETURNED:
+        if impact.outcome != OUTCOME_RETURNED:
             return np.nan, np.nan, np.nan, np.nan
         here, speed = impact.t, impact.v
         elapsed += impact.duration

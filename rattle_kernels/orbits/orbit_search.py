@@ -17,10 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import RETURNED, next_impact
+from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
 from rattle_kernels.model.flight import fall_speed, part_turn
 from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit, newton_orbit
 
@@ -63,7 +64,7 @@ def _recurrences(oscillator, t, v, longest, applications, best_t, best_v, best):
         past_t[0], past_v[0] = t[i], v[i]
         for n in range(1, applications + 1):
             impact = next_impact(oscillator, past_t[n - 1], past_v[n - 1])
-            if impact.outcome != RETURNED:
+            if impact.outcome != OUTCOME_RETURNED:
                 break
             past_t[n], past_v[n] = impact.t, impact.v
             for period in range(1, min(longest, n) + 1):

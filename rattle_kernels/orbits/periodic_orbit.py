@@ -16,7 +16,8 @@ import numpy as np
 
 from rattle_kernels.impact_map.jacobian import Jacobian, multiply, next_impact_with_jacobian
 from rattle_kernels.model.oscillator import Oscillator
-from rattle_kernels.numerics.jit import kernel, step
+from rattle_kernels.numerics.jit import inlined, kernel
+from rattle_kernels.numerics.phase import part_turn, wrap
 
 _NEWTON_STEPS = 40
 _RESIDUAL = 1e-11
@@ -58,7 +59,7 @@ class PeriodicOrbit(NamedTuple):
         return float(np.log(np.abs(self.multipliers).max()) / self.forcing_periods)
 
 
-@step
+@inlined
 def _iterate(oscillator, t, v, period):
     """P^p with its derivative, the time that passed, and the contacts with -beta."""
     jacobian = Jacobian(1.0, 0.0, 0.0, 1.0)
@@ -78,8 +79,7 @@ def newton_orbit(oscillator, t, v, period, speed_scale):
     residual = math.inf
     for _ in range(_NEWTON_STEPS):
         t1, v1, jacobian, _, _ = _iterate(oscillator, t, v, period)
-        f = t1 - t
-        f -= math.floor(f + 0.5)
+        f = part_turn(t1 - t)
         g = v1 - v
         residual = math.hypot(f, g / speed_scale)
         if not residual > 1e-15:
@@ -94,16 +94,16 @@ def newton_orbit(oscillator, t, v, period, speed_scale):
         t, v = t + dt, v + dv
         if math.hypot(dt, dv / speed_scale) < 1e-15:
             break
-    return t - math.floor(t), v, residual
+    return wrap(t), v, residual
 
 
-@step
+@inlined
 def _write(jacobian, matrix):
     matrix[0, 0], matrix[0, 1] = jacobian.tt, jacobian.tv
     matrix[1, 0], matrix[1, 1] = jacobian.vt, jacobian.vv
 
 
-@step
+@inlined
 def _read(matrix):
     return Jacobian(matrix[0, 0], matrix[0, 1], matrix[1, 0], matrix[1, 1])
 
@@ -195,8 +195,7 @@ def derivatives_along(oscillator: Oscillator, orbit: PeriodicOrbit) -> np.ndarra
 @kernel
 def _returns_after(oscillator, t, v, divisor, speed_scale):
     t1, v1, _, _, _ = _iterate(oscillator, t, v, divisor)
-    f = t1 - t
-    f -= math.floor(f + 0.5)
+    f = part_turn(t1 - t)
     return math.hypot(f, (v1 - v) / speed_scale)
 
 

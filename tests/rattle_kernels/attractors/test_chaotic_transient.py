@@ -18,7 +18,7 @@ IMPACTING, STIFF = Oscillator(), Oscillator(stiffness=1e5)
 
 def growth_by_products(oscillator, t, v, impacts):
     """The same by DP of the scalar map at every departure that the lanes pass."""
-    scale = lane_tables(oscillator).speed_scale
+    scale = lane_tables(oscillator).largest_grazing_speed
     vector, growth, elapsed = np.array([1.0, 0.0]), 0.0, 0.0
     for n in range(64 + impacts):
         impact, jacobian = next_impact_with_jacobian(oscillator, t, v)

@@ -14,7 +14,7 @@ from rattle_kernels import (
     next_impacts,
 )
 from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 from tests.rattle_kernels.reference import entries, oscillator_of
 
@@ -119,7 +119,7 @@ def test_a_point_of_an_unknown_motion_is_a_stranger():
     assert [attractor.name for attractor in grown] == ["permanent contact", "P(1,1,0)"]
 
 
-@step
+@inlined
 def _jacobian(oscillator, t, v):
     return next_impact_with_jacobian(oscillator, t, v)[1]
 

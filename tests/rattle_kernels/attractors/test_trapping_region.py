@@ -57,7 +57,7 @@ def test_images_at_the_machines_own_damping_are_those_of_the_plain_loop():
 @pytest.mark.parametrize(("speed", "period"), [(2.0 * np.pi, 1), (2.475, 2)])
 def test_traps_at_the_machines_damping_are_wide_and_contract(speed, period):
     orbit = orbit_near(speed, period)
-    trap = find_trap(MACHINE, orbit, lane_tables(MACHINE).speed_scale)
+    trap = find_trap(MACHINE, orbit, lane_tables(MACHINE).largest_grazing_speed)
     assert trap.radius > 3e-3
     angles = np.linspace(0.0, 2.0 * np.pi, 333, endpoint=False)
     dt, dv = np.linalg.inv(trap.frame) @ (0.5 * trap.radius * np.array([np.cos(angles), np.sin(angles)]))
@@ -75,7 +75,7 @@ def test_traps_at_the_machines_damping_are_wide_and_contract(speed, period):
 def test_an_orbit_with_real_multipliers_has_no_trap():
     # Between its saddle-node and where its multipliers meet on the real axis.
     oscillator = Oscillator(0.6, 0.0597, 0.6)
-    scale = lane_tables(oscillator).speed_scale
+    scale = lane_tables(oscillator).largest_grazing_speed
     orbits = (find_periodic_orbit(oscillator, phase, 1.2 * np.pi, 1, scale) for phase in np.linspace(0.0, 0.95, 20))
     orbit = next(found for found in orbits if found is not None and found.attracts)
     assert np.abs(orbit.multipliers.imag).max() == 0.0

@@ -81,7 +81,7 @@ def test_the_boundary_lies_on_the_stable_manifolds_of_the_papers_saddles(cells):
     quiet_edge = stable_pieces(oscillator, find_saddle(oscillator, 0.6, 3.77), limits)
     assert boundary_share(solution, grid, quiet_edge) == 1.0
     periodic_edge = stable_pieces(oscillator, find_saddle(oscillator, 0.89, 3.988), limits)
-    assert arclength(periodic_edge, lane_tables(oscillator).speed_scale) == pytest.approx(3.23, abs=0.01)
+    assert arclength(periodic_edge, lane_tables(oscillator).largest_grazing_speed) == pytest.approx(3.23, abs=0.01)
     assert boundary_share(solution == 1, grid, periodic_edge) == 1.0
     assert boundary_share(solution, grid, periodic_edge) < 0.4
 

@@ -12,10 +12,10 @@ from rattle_kernels.cell_mapping.iterations import (
     nearest_primes,
     settled_iterations,
 )
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 
 
-@step
+@inlined
 def number_of(grid, t, v):
     return cell_number(grid, t, v)
 

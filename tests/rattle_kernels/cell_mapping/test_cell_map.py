@@ -5,12 +5,13 @@ import pytest
 
 from rattle_kernels import PERMANENT_CONTACT, SINK, UNDECIDED, CellGrid, Oscillator, map_cells
 from rattle_kernels.cell_mapping.cell_grid import cell_number
-from rattle_kernels.impact_map.apply import RETURNED, next_impact
+from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.chatter import descent, is_captured
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.flight import rest_acceleration
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.model.outcome import OUTCOME_RETURNED
+from rattle_kernels.numerics.jit import inlined
 
 GRID = CellGrid(time_cells=28, velocity_cells=28)
 PANELS = [
@@ -31,7 +32,7 @@ def whole(oscillator, grid, iterations, **options):
     return map_cells(oscillator, grid, iterations, (0, grid.velocity_cells), (0, grid.time_cells), **options)
 
 
-@step
+@inlined
 def _plain_image(oscillator, bound, grid, t, v, iterations):
     """Image cell by the careful scalar path, all applications done; how far a displacement of 1e-9 ever grows."""
     near_t, near_v, grown = t + 1e-9, v, 0.0
@@ -117,7 +118,7 @@ def test_landing_points_are_missing_exactly_where_captured():
     np.testing.assert_array_equal(np.isnan(images.landing_velocity), captured)
 
 
-@step
+@inlined
 def _highest_bounce(oscillator, t, v, impacts):
     highest = 0.0
     for _ in range(impacts):
@@ -150,7 +151,7 @@ def test_a_pause_changes_nothing_and_what_is_raised_there_ends_the_work():
     assert len(pauses) >= 3 and run.applications <= 120_000 * 100
     half, _ = run_lanes(PANELS[0], t, v, 60_000, shortcuts=False)
     again, _ = run_lanes(PANELS[0], half.t, half.v, 60_000, shortcuts=False)
-    rattles = again.outcome == RETURNED
+    rattles = again.outcome == OUTCOME_RETURNED
     assert rattles.sum() > 30
     np.testing.assert_array_equal(whole.t[rattles], again.t[rattles])
 

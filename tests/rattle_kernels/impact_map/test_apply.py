@@ -18,12 +18,12 @@ from rattle_kernels import (
     previous_impacts,
 )
 from rattle_kernels.impact_map.apply import next_impact
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.numerics.jit import inlined
 from tests.rattle_kernels.reference import condition, entries, oscillator_of, phase_error, speed_error
 from tests.strategies import oscillators, phases, speeds
 
 
-@step
+@inlined
 def scalar_path(oscillator, t, v):
     return next_impact(oscillator, t, v)
 

@@ -16,8 +16,8 @@ from rattle_kernels import (
     grazing_velocity,
 )
 from rattle_kernels.impact_map.apply import LOWER, UPPER, next_impact
-from rattle_kernels.model.contact import stay_in_contact
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.model.contact import follow_contact
+from rattle_kernels.numerics.jit import inlined
 from tests.rattle_kernels.reference import entries, oscillator_of, phase_error, speed_error
 from tests.strategies import oscillators, phases
 
@@ -25,14 +25,14 @@ ENVELOPE, ONE_ROTATION = math.inf, 1.0
 _CASES = 45
 
 
-@step
+@inlined
 def departure(oscillator, t, v):
     return next_impact(oscillator, t, v)
 
 
-@step
-def stay_of(oscillator, side, phase, speed):
-    return stay_in_contact(oscillator, side, phase, speed)
+@inlined
+def contact_of(oscillator, side, phase, speed):
+    return follow_contact(oscillator, side, phase, speed)
 
 
 def graze_of(oscillator, t):
@@ -118,7 +118,7 @@ def _random_case(seed):
     part = rng.uniform(0.0, 0.95)
     oscillator = oscillator._replace(eccentricity=part * eccentricity_bound_smooth_maxima(oscillator))
     t = rng.random()
-    # Every third case so slow that it may stay for good.
+    # Every third case is so slow that contact may never end.
     factor = 10.0 ** rng.uniform(-3.0, -1.0) if seed % 3 == 0 else rng.uniform(0.1, 2.0)
     return oscillator, t, factor * graze_of(oscillator, t)
 
@@ -147,7 +147,7 @@ def test_next_departure_agrees_with_an_ode_integrator(seed):
 
 
 @st.composite
-def stays(draw, side=None):
+def contacts(draw, side=None):
     """Oscillator of any stiffness (the resonance at kappa = 2 pi^2 among them), side, phase and speed of entering."""
     oscillator = draw(oscillators(largest_part_of_bound=0.999))
     oscillator = oscillator._replace(stiffness=10.0 ** draw(st.floats(1.0, 7.0)))
@@ -171,27 +171,27 @@ def _sampled(oscillator, side, phase, speed, tau):
     return depth, abs(level) + abs(answer) + math.hypot(cosine, sine)
 
 
-@given(stays())
+@given(contacts())
 @settings(max_examples=300)
 def test_no_exit_before_the_one_found(case):
     oscillator, side, phase, speed = case
-    stay = stay_of(oscillator, side, phase, speed)
-    assert stay.outcome == Outcome.RETURNED or (stay.outcome == Outcome.PERMANENT_CONTACT and side == UPPER)
+    contact = contact_of(oscillator, side, phase, speed)
+    assert contact.outcome == Outcome.RETURNED or (contact.outcome == Outcome.PERMANENT_CONTACT and side == UPPER)
     radian = 1.0 / math.sqrt(2.0 * oscillator.stiffness)
-    duration = 300.0 * radian if stay.outcome == Outcome.PERMANENT_CONTACT else stay.duration
+    duration = 300.0 * radian if contact.outcome == Outcome.PERMANENT_CONTACT else contact.duration
     samples = int(min(10.0 * duration / radian, 100_000.0)) + 100
     depth, scale = _sampled(oscillator, side, phase, speed, duration * np.arange(1, samples) / samples)
     assert depth.min() > -1e-14 * scale
-    if stay.outcome == Outcome.RETURNED:
-        exit_depth, _ = _sampled(oscillator, side, phase, speed, stay.duration)
-        assert abs(exit_depth) < (1e-14 + 1e-15 * stay.duration / radian) * scale
-        assert stay.speed > 0.0
+    if contact.outcome == Outcome.RETURNED:
+        exit_depth, _ = _sampled(oscillator, side, phase, speed, contact.duration)
+        assert abs(exit_depth) < (1e-14 + 1e-15 * contact.duration / radian) * scale
+        assert contact.speed > 0.0
 
 
-@given(stays(side=UPPER))
+@given(contacts(side=UPPER))
 @settings(max_examples=300)
-def test_the_rule_of_one_rotation_calls_the_longer_stays_permanent(case):
-    exact, paper = stay_of(*case), stay_of(case[0]._replace(permanent_after=ONE_ROTATION), *case[1:])
+def test_the_rule_of_one_rotation_calls_the_longer_contacts_permanent(case):
+    exact, paper = contact_of(*case), contact_of(case[0]._replace(permanent_after=ONE_ROTATION), *case[1:])
     if exact.outcome == Outcome.RETURNED and exact.duration <= 1.0:
         assert paper == exact
     else:
@@ -199,38 +199,38 @@ def test_the_rule_of_one_rotation_calls_the_longer_stays_permanent(case):
         assert math.isnan(paper.duration) and math.isnan(paper.speed)
 
 
-@given(stays(side=UPPER))
+@given(contacts(side=UPPER))
 @settings(max_examples=200)
-def test_every_stay_ends_where_there_is_no_quiet_solution(case):
+def test_every_contact_ends_where_there_is_no_quiet_solution(case):
     oscillator, side, phase, speed = case
     quiet = eccentricity_bound_quiet(oscillator)
     between = 0.5 * (quiet + eccentricity_bound_smooth_maxima(oscillator))
     oscillator = oscillator._replace(eccentricity=between)
-    outcome = stay_of(oscillator, side, phase, speed).outcome
+    outcome = contact_of(oscillator, side, phase, speed).outcome
     assert outcome == Outcome.RETURNED or between <= quiet
 
 
-@given(stays(side=UPPER))
+@given(contacts(side=UPPER))
 @settings(max_examples=100)
-def test_without_eccentricity_a_stay_begun_at_rest_never_ends(case):
+def test_without_eccentricity_a_contact_begun_at_rest_never_ends(case):
     """It swings about the depth at rest, from 0 to a little less than twice that, and what is left of it decays."""
     oscillator, side, phase, _ = case
-    stay = stay_of(oscillator._replace(eccentricity=0.0), side, phase, 0.0)
-    assert stay.outcome == Outcome.PERMANENT_CONTACT
+    contact = contact_of(oscillator._replace(eccentricity=0.0), side, phase, 0.0)
+    assert contact.outcome == Outcome.PERMANENT_CONTACT
 
 
 @pytest.mark.parametrize("side", [UPPER, LOWER])
 @pytest.mark.parametrize("speed", [0.0, 5e-324, 1e-300, 1e-100, 1e-20, 1e-12])
-def test_stays_of_hardly_any_speed_end_or_are_permanent(side, speed):
+def test_contacts_of_hardly_any_speed_end_or_are_permanent(side, speed):
     for phase in np.linspace(0.0, 1.0, 41):
-        stay = stay_of(Oscillator(stiffness=1000.0), side, phase, speed)
+        contact = contact_of(Oscillator(stiffness=1000.0), side, phase, speed)
         if side == LOWER:
-            assert stay.outcome == Outcome.RETURNED
-            assert 0.0 <= stay.duration < 10.0 * max(speed, 1e-17) and abs(stay.speed - speed) < 1e-15
-        elif stay.outcome == Outcome.RETURNED:
-            assert stay.duration > 0.1 and stay.speed > 1e-3
+            assert contact.outcome == Outcome.RETURNED
+            assert 0.0 <= contact.duration < 10.0 * max(speed, 1e-17) and abs(contact.speed - speed) < 1e-15
+        elif contact.outcome == Outcome.RETURNED:
+            assert contact.duration > 0.1 and contact.speed > 1e-3
         else:
-            assert stay.outcome == Outcome.PERMANENT_CONTACT
+            assert contact.outcome == Outcome.PERMANENT_CONTACT
 
 
 def test_the_stiff_limit_is_the_impacting_map():
@@ -249,7 +249,7 @@ def test_the_stiff_limit_is_the_impacting_map():
 @given(st.data())
 @settings(max_examples=100)
 def test_the_map_commutes_with_a_shift_by_one_period(data):
-    oscillator, _, t, _ = data.draw(stays())
+    oscillator, _, t, _ = data.draw(contacts())
     v = data.draw(st.floats(0.01, 3.0)) * graze_of(oscillator, t)
     t = round(t * 2**20) / 2**20  # a phase that keeps all its digits when a period is added
     here, later = departure(oscillator, t, v), departure(oscillator, t + 1.0, v)

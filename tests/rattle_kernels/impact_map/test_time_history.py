@@ -10,40 +10,40 @@ from scipy.integrate import simpson, solve_ivp
 
 from rattle_kernels import Direction, Oscillator, Outcome, OutsideDomain, eccentricity_bound_quiet, time_history
 from rattle_kernels.impact_map.apply import next_impact
-from rattle_kernels.impact_map.motion_pieces import FREEPLAY, end_of_piece, fly_along, piece_from, stay_along
-from rattle_kernels.numerics.jit import step
+from rattle_kernels.impact_map.motion_pieces import FREEPLAY, contact_along, end_of_piece, flight_along, piece_from
+from rattle_kernels.numerics.jit import inlined
 from tests.rattle_kernels.reference import entries, oscillator_of, phase_error
 from tests.strategies import oscillators
 
 STIFF = Oscillator(stiffness=1000.0)
 
 
-@step
+@inlined
 def beginning(oscillator, phase, displacement, velocity):
     return piece_from(oscillator, phase, displacement, velocity)
 
 
-@step
+@inlined
 def ending(oscillator, piece):
     return end_of_piece(oscillator, piece)
 
 
-@step
+@inlined
 def along_flight(oscillator, piece, elapsed, displacement, velocity):
-    fly_along(oscillator, piece, elapsed, displacement, velocity)
+    flight_along(oscillator, piece, elapsed, displacement, velocity)
 
 
-@step
+@inlined
 def along_stay(oscillator, piece, elapsed, displacement, velocity):
-    stay_along(oscillator, piece, elapsed, displacement, velocity)
+    contact_along(oscillator, piece, elapsed, displacement, velocity)
 
 
-@step
+@inlined
 def impact_after(oscillator, t, v):
     return next_impact(oscillator, t, v)
 
 
-@step
+@inlined
 def departure_after(oscillator, t, v):
     return next_impact(oscillator, t, v)
 
@@ -97,11 +97,11 @@ def test_every_piece_ends_where_the_next_begins_and_not_before(case):
             if math.isfinite(end.duration):
                 # Phi at the end is off by what the rounding of its time makes of the speed there.
                 speed = np.abs(velocity).max()
-                assert abs(displacement[-1] - end.following.displacement) <= 1e-13 * (length + speed * duration)
-                assert abs(velocity[-1] - end.following.velocity) <= 1e-12 * (speed + math.sqrt(stiff) * length)
+                assert abs(displacement[-1] - end.next_piece.displacement) <= 1e-13 * (length + speed * duration)
+                assert abs(velocity[-1] - end.next_piece.velocity) <= 1e-12 * (speed + math.sqrt(stiff) * length)
         if math.isinf(end.duration):
             return
-        piece = end.following
+        piece = end.next_piece
 
 
 @given(starts(impacting=False))

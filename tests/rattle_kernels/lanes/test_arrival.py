@@ -19,7 +19,7 @@ def test_the_boxes_passed_are_those_of_the_map_impact_by_impact():
     tables, box = lane_tables(RATTLING), np.empty((t.size, 40), np.int64)
     boxes_passed(RATTLING, tables, t, v, box)
     for at in range(box.shape[1]):
-        expected = (v / tables.speed_scale * BOXES).astype(np.int64) * BOXES + (t * BOXES).astype(np.int64)
+        expected = (v / tables.largest_grazing_speed * BOXES).astype(np.int64) * BOXES + (t * BOXES).astype(np.int64)
         np.testing.assert_array_equal(box[:, at], expected)
         t, v = next_impacts(RATTLING, t, v)[:2]
 

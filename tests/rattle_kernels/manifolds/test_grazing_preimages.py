@@ -14,7 +14,7 @@ from tests.rattle_kernels.impact_map.scalar_map import apply
 from tests.strategies import oscillators
 
 PAPER = Oscillator()
-SCALE = lane_tables(PAPER).speed_scale
+SCALE = lane_tables(PAPER).largest_grazing_speed
 NUDGES = (-1e-11, -1e-12, 0.0, 1e-12, 1e-11)
 
 

@@ -36,7 +36,7 @@ RNG = np.random.default_rng(1)
 @functools.cache
 def saddle_of(name):
     oscillator, t, v, period = SADDLES[name]
-    return oscillator, find_saddle(oscillator, t, v, period), lane_tables(oscillator).speed_scale
+    return oscillator, find_saddle(oscillator, t, v, period), lane_tables(oscillator).largest_grazing_speed
 
 
 @functools.cache

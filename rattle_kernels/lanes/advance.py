@@ -1,0 +1,64 @@
+"""What every loop over lanes does: lanes depart, fly, and stay in contact.
+
+A flight of all lanes has three passes (`flight`), and so has the contact after it (`contact`). Here they are put
+together, for the loops that differ in what they do between: many applications (`run`), arrivals (`arrival`) and tangent
+vectors (`lyapunov`).
+"""
+
+from rattle_kernels.lanes.contact import follow_contacts_carefully, guess_contacts, refine_contacts
+from rattle_kernels.lanes.flight import (
+    END_PHASE,
+    END_VELOCITY,
+    LANES,
+    PHASE,
+    VELOCITY,
+    fly_carefully,
+    guess_durations,
+    refine_durations,
+)
+from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.phase import wrap
+
+# A lane without a point flies at so many times the largest grazing speed, where it is never unsure.
+_IDLE_SPEED = 1e6
+
+
+@inlined
+def fly(lanes, corners, oscillator, tables):
+    """Fly every lane to the next wall; return how many took the careful path."""
+    guess_durations(lanes, corners, tables, 2.0 * oscillator.half_backlash)
+    unsure = refine_durations(lanes, oscillator.damping, oscillator.eccentricity)
+    if unsure > 0:
+        fly_carefully(lanes, oscillator)
+    return unsure
+
+
+@inlined
+def stay(lanes, corners, oscillator, tables, slow):
+    """Follow the contact of every lane after its flight (finite stiffness); return how many took the careful path."""
+    guess_contacts(lanes, corners, tables)
+    unsure = refine_contacts(lanes, oscillator.damping, slow)
+    if unsure > 0:
+        follow_contacts_carefully(lanes, oscillator)
+    return unsure
+
+
+@inlined
+def begin_at_the_end(lanes):
+    """Make the end of every lane's flight or contact the state from which it goes on."""
+    for i in range(LANES):
+        lanes[PHASE + i] = lanes[END_PHASE + i]
+        lanes[VELOCITY + i] = lanes[END_VELOCITY + i]
+
+
+@inlined
+def depart(lanes, lane, phase, speed):
+    """Put a lane on +beta at a phase (any value), leaving it at a speed."""
+    lanes[PHASE + lane] = wrap(phase)
+    lanes[VELOCITY + lane] = -speed
+
+
+@inlined
+def idle(lanes, lane, largest_grazing_speed):
+    """Let a lane fly at a speed at which it is never unsure."""
+    depart(lanes, lane, 0.0, _IDLE_SPEED * largest_grazing_speed)
