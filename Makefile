@@ -1,11 +1,16 @@
-# The verbs of this project. Everything runs in .venv, made from the hashed lock by the first verb that needs it.
+# The verbs of this project. Everything runs in .venv, made from the hashed lock by the first verb that needs it,
+# with PYTHON or else the oldest Python here that will do.
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-PYTHON ?= $(shell command -v python3.11 || command -v python3)
+ifndef PYTHON
+PYTHON := $(or $(shell .ci/pythons --oldest | awk 'NF == 2 { print $$2 }'),python3)
+endif
+VERSION := $(shell $(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null)
 VENV := .venv
 BIN := $(VENV)/bin
-READY := $(VENV)/.ready
+# Of one version: asked for another, the environment is made anew.
+READY := $(VENV)/.ready-$(VERSION)
 # The environment belongs to this folder alone, so root may install into it.
 PIP_INSTALL := PIP_ROOT_USER_ACTION=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
@@ -16,14 +21,14 @@ install = { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install --yes 
 # Tests of one file share what they have built.
 ON_TWO_CORES := --numprocesses 2 --dist loadfile
 
-.PHONY: help demo test test-slow test-faults test-load test-backends test-containers test-hosts test-browser screenshots check bench serve openapi lock clean
+.PHONY: help demo test test-pythons test-slow test-faults test-load test-backends test-containers test-hosts test-browser screenshots check bench serve openapi lock clean
 
 help:  ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
 
 $(READY): requirements/lock.txt pyproject.toml
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' || \
-	  { echo "gear-rattle needs Python 3.11, and $(PYTHON) is another: set PYTHON=/path/to/python3.11"; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || \
+	  { echo "gear-rattle needs Python 3.11 or newer, and $(PYTHON) is none: set PYTHON=/path/to/python3.13, say"; exit 1; }
 	@echo "setting up $(VENV), the first time only: some 1.4 GB, a minute or two"
 	@$(PYTHON) -m venv --clear $(VENV)
 	@$(PIP_INSTALL) --require-hashes --only-binary=:all: -r requirements/lock.txt
@@ -33,8 +38,11 @@ $(READY): requirements/lock.txt pyproject.toml
 demo: $(READY)  ## Fig. 7 of the paper over REST: demo/basin.zarr, demo/basin.png, a table of solutions
 	@$(BIN)/python demo/run.py
 
-test: $(READY)  ## run the tests (minutes)
-	$(BIN)/python -m pytest $(ON_TWO_CORES)
+test: $(READY)  ## run the tests (minutes); PYTHON=python3.13 on that one
+	$(BIN)/python -m pytest $(ON_TWO_CORES) $(TESTS)
+
+test-pythons:  ## run the tests on every Python from 3.11 to 3.14 that is here
+	@.ci/test-pythons
 
 # In lanes a wrong index corrupts other lanes without a sign, unless it is checked.
 BOUNDS_CHECKED := $(addprefix tests/rattle_kernels/,numerics impact_map lanes cell_mapping attractors/test_classify.py)
@@ -86,7 +94,7 @@ serve: $(READY)  ## the service with two local workers on 127.0.0.1:8000
 openapi: $(READY)  ## write docs/openapi.yaml from the code
 	$(BIN)/python -m service.openapi > docs/openapi.yaml
 
-LOCK := uv pip compile --quiet --generate-hashes --no-emit-index-url --no-emit-find-links --no-header --no-annotate \
+LOCK := uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-emit-find-links --no-header --no-annotate \
   --no-emit-package gear-rattle --python-version 3.11
 
 lock: $(READY)  ## pin every dependency anew, and of those the ones that the container image has (needs uv)
@@ -94,4 +102,4 @@ lock: $(READY)  ## pin every dependency anew, and of those the ones that the con
 	$(LOCK) --extra image --constraint requirements/lock.txt --output-file requirements/image.txt pyproject.toml
 
 clean:  ## remove the environment, caches and the demo's results
-	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .hypothesis demo/basin.zarr demo/basin.png demo/data demo/service.log
+	rm -rf .venv .venv-* .mypy_cache .pytest_cache .ruff_cache .hypothesis demo/basin.zarr demo/basin.png demo/data demo/service.log

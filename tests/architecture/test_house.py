@@ -3,6 +3,8 @@
 import inspect
 import json
 import re
+import subprocess
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -62,11 +64,28 @@ def packages_of(name):
     assert "://" not in lock and "--index-url" not in lock
     packages = re.findall(r"^[a-z0-9].*?(?=^[a-z0-9]|\Z)", lock, re.MULTILINE | re.DOTALL)
     assert all("==" in package and "--hash=sha256:" in package for package in packages)
-    return set(packages)
+    return packages
+
+
+def without_markers(packages):
+    """A marker names whom a package is for: with other extras these are others."""
+    return {re.sub(r" ;.*", "", package) for package in packages}
 
 
 def test_locks_name_no_host_and_pin_every_package_by_hash_and_the_image_has_some_of_the_same():
     everything, of_image = packages_of("lock.txt"), packages_of("image.txt")
     assert len(everything) > len(of_image) > 60
-    assert of_image <= everything
+    assert without_markers(of_image) <= without_markers(everything)
     assert not any(package.startswith(("pytest", "mypy", "moto", "ruff")) for package in of_image)
+
+
+def test_every_python_named_in_the_metadata_is_looked_for_and_none_is_refused():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert project["requires-python"] == ">=3.11"
+    looked_for = subprocess.run([ROOT / ".ci" / "pythons"], capture_output=True, text=True, check=True, timeout=60)
+    found = dict(re.findall(r"^(3\.\d+) (.*)$", looked_for.stdout, re.MULTILINE))
+    assert [f"Programming Language :: Python :: {version}" for version in found] == project["classifiers"]
+    for version, path in found.items():
+        if path:
+            told = subprocess.run([path, "--version"], capture_output=True, text=True, check=True, timeout=60).stdout
+            assert told.startswith(f"Python {version}.")

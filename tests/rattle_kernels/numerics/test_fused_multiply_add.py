@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from tests.processors import NATIVE, ROOT, V2, V3, V4, environment_for, reason_against, run_on
-from tests.rattle_kernels.small_maps import OSCILLATORS
+from tests.rattle_kernels.numerics.small_maps import OSCILLATORS
 
 ASK = "from rattle_kernels import fuses_multiply_add; print(fuses_multiply_add())"
 
@@ -23,7 +23,7 @@ def maps(tmp_path_factory):
     """Files of the maps by target: of those that this machine can run."""
     folder = tmp_path_factory.mktemp("maps")
     targets = [target for target in (NATIVE, V3, V4) if not reason_against(target)]
-    run_on(targets, "tests.rattle_kernels.small_maps", folder)
+    run_on(targets, "tests.rattle_kernels.numerics.small_maps", folder)
     return {target: {file.name: file.read_bytes() for file in (folder / target).iterdir()} for target in targets}
 
 

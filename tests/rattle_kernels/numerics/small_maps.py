@@ -1,4 +1,4 @@
-"""Maps a small basin of each model: ``python -m tests.rattle_kernels.small_maps FOLDER``."""
+"""Maps a small basin of each model: ``python -m tests.rattle_kernels.numerics.small_maps FOLDER``."""
 
 import sys
 from pathlib import Path

@@ -4,7 +4,7 @@ import pytest
 
 from tests.processors import NATIVE, V2, V3, V4, reason_against, run_on
 from tests.store_content import content
-from tests.worker.small_basins import JOBS
+from tests.worker.basins.small_basins import JOBS
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
 
@@ -14,7 +14,7 @@ def stores(tmp_path_factory):
     """Files of the stores by target and basin: of those targets that this machine can run."""
     folder = tmp_path_factory.mktemp("stores")
     targets = [target for target in (NATIVE, V2, V3, V4) if not reason_against(target)]
-    run_on(targets, "tests.worker.small_basins", folder)
+    run_on(targets, "tests.worker.basins.small_basins", folder)
     return {target: {name: content(folder / target / name) for name in JOBS} for target in targets}
 
 

@@ -1,4 +1,4 @@
-"""Computes small basins in this process alone: ``python -m tests.worker.small_basins FOLDER``."""
+"""Computes small basins in this process alone: ``python -m tests.worker.basins.small_basins FOLDER``."""
 
 import sys
 import threading

@@ -1,0 +1,59 @@
+"""Stores written by one version of Zarr are read, and gone on with, by another."""
+
+import shutil
+import threading
+
+import pytest
+import xarray as xr
+
+from tests.worker.stores.zarr_stores.write import GRAZING, HERE, SWEEP, write_stores
+from worker.analyses.kinds import ANALYSES
+from worker.analyses.run import summarise_analysis
+from worker.basins.pipeline import run_basin
+from worker.stores.summary import summarise
+from worker.views.reading import open_basin
+
+
+@pytest.fixture(scope="module")
+def here(client, tmp_path_factory):
+    """Stores of the Zarr that is installed."""
+    folder = tmp_path_factory.mktemp("here")
+    write_stores(folder, client)
+    return folder
+
+
+@pytest.fixture(scope="module", params=sorted(HERE.glob("*.zip")), ids=lambda archive: archive.stem)
+def there(request, tmp_path_factory):
+    """Stores of another Zarr, or of the same."""
+    folder = tmp_path_factory.mktemp("there")
+    shutil.unpack_archive(request.param, folder)
+    return folder
+
+
+def assert_same(there, here):
+    """All arrays: kinds of numbers, dimensions and values; the last digits may be another processor's."""
+    with xr.open_zarr(there) as theirs, xr.open_zarr(here) as ours:
+        assert {name: array.dtype for name, array in theirs.variables.items()} == {
+            name: array.dtype for name, array in ours.variables.items()
+        }
+        xr.testing.assert_allclose(theirs.drop_attrs(deep=False), ours.drop_attrs(deep=False), rtol=1e-9)
+        assert theirs.attrs.keys() == ours.attrs.keys() and theirs.attrs["request"] == ours.attrs["request"]
+
+
+@pytest.mark.parametrize("name", ["sweep", "grazing"])
+def test_a_store_of_another_zarr_holds_what_is_computed_here(there, here, name):
+    assert_same(there / name, here / name)
+
+
+def test_a_store_of_another_zarr_is_summed_up(there, here):
+    names = [[each.name for each in summarise(str(folder / "sweep")).attractors] for folder in (there, here)]
+    assert names[0] == names[1] != []
+    assert summarise_analysis(ANALYSES[GRAZING.kind], str(there / "grazing")).complete
+
+
+def test_a_job_begun_with_another_zarr_goes_on_in_its_store(client, there, here):
+    begun = str(there / "begun")
+    with open_basin(begun) as basin:
+        assert not basin.attrs["complete"]
+    assert run_basin(SWEEP, begun, client, report=lambda _: None, cancel=threading.Event()).complete
+    assert_same(begun, here / "sweep")

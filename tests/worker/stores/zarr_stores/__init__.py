@@ -1,0 +1,1 @@
+"""Stores as several versions of Zarr write them, an archive each: `python -m tests.worker.stores.zarr_stores.write`."""
