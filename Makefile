@@ -50,8 +50,9 @@ test-containers: $(READY)  ## build the image and run it, without an engine; as 
 	@command -v buildah podman runc debootstrap >/dev/null || $(call install,buildah podman runc debootstrap)
 	$(BIN)/python -m pytest tests/containers -m containers --timeout 5400
 
-test-hosts: $(READY)  ## the compose file's commands as hosts of a network, one of which is cut off
+test-hosts: $(READY)  ## the compose file's commands as hosts of a network, and hostile clients of its proxy
 	@command -v initdb >/dev/null || ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || $(call install,postgresql)
+	@command -v nginx >/dev/null || ls /usr/sbin/nginx >/dev/null 2>&1 || $(call install,nginx-light)
 	$(BIN)/python -m pytest tests/hosts -m hosts --timeout 1200
 
 test-browser: $(READY)  ## the explorer in the system's Chromium

@@ -51,7 +51,7 @@ class Jobs:
 
     Guarantees. The same request gets the same job as long as that job can answer it. After a failure or a cancellation
     it gets a new job, which continues from the store of the old one. A state changes only from the expected state, and
-    a final state never. A job is leased to one claim at a time, and changes on behalf of any other claim have no effect.
+    a final state never. A job is leased to one claim at a time; changes on behalf of any other claim have no effect.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ class Jobs:
     def move(
         self, job_id: str, expected: JobState, state: JobState, *, owner: str | None = None, **values: Any
     ) -> bool:
-        """Change a state from the expected one; False if it was another, or if `owner` is given and is not the job's."""
+        """Change a state from the expected one; False if it was another, or if a given `owner` is not the job's."""
         if state not in _HELD:
             values |= {"lease_owner": None, "lease_until": None}
         if state.final:
