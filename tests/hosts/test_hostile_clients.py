@@ -39,7 +39,8 @@ def proxy(service, tmp_path_factory):
     certificates = make_certificates(folder / "certs", 1)
     text = (ROOT / "docker" / "nginx.conf").read_text()
     for old, new in (
-        ("30s", f"{SECONDS:g}s"), ("limit_conn clients 100", "limit_conn clients 10"), ("listen 8443", f"listen 127.0.0.1:{port}"), ("/tmp/", f"{folder}/"),
+        ("30s", f"{SECONDS:g}s"), ("limit_conn clients 100", "limit_conn clients 10"),
+        ("listen 8443", f"listen 127.0.0.1:{port}"), ("/tmp/", f"{folder}/"),
         ("http://service:8000", service.url), ("/run/secrets/site_certificate", str(certificates.certificate)),
         ("/run/secrets/site_key", str(certificates.key)),
     ):  # fmt: skip

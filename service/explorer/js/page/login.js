@@ -1,4 +1,4 @@
-/** The log-in: a field for a key, shown when the service asks for one. */
+/** The log-in: a field for a key, shown when the service requires one. */
 
 const dialog = document.getElementById("login");
 const note = document.getElementById("login-note");

@@ -1,4 +1,4 @@
-/** Following a job until it has ended, by its events, and through restarts of the service. */
+/** Follows a job by its events until it ends, also through restarts of the service. */
 
 import { get, Refusal, send, Unreachable } from "./api.js";
 

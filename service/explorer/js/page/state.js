@@ -1,6 +1,6 @@
 /** The state of a job in words. */
 
-import { grouped } from "./ticks.js";
+import { grouped } from "../charts/ticks.js";
 
 const DOING = {
   computing: "computing basins", mapping: "mapping cells", assembling: "finding the motions", labelling: "labelling cells",

@@ -1,7 +1,7 @@
-/** A sweep: a slider for each swept parameter, and the share of each solution over the last one. */
+/** A sweep: a slider for each swept parameter, and the share of each solution over the last parameter. */
 
-import { Chart } from "./chart.js";
-import { reading } from "./ticks.js";
+import { Chart } from "../charts/chart.js";
+import { reading } from "../charts/ticks.js";
 
 const SYMBOLS = { damping: "damping δ", eccentricity: "eccentricity ε", half_backlash: "half backlash β", stiffness: "stiffness κ" };
 

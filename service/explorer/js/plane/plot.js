@@ -1,7 +1,7 @@
-/** The frame of the basin: where time and velocity lie on the canvas, and its axes. */
+/** The frame of the basin: maps time and velocity to the canvas, and draws the axes. */
 
-import { colour } from "./theme.js";
-import { ticks } from "./ticks.js";
+import { colour } from "../page/theme.js";
+import { ticks } from "../charts/ticks.js";
 
 const MARGIN = { left: 58, right: 14, top: 10, bottom: 44 };
 

@@ -1,6 +1,6 @@
-/** The jobs that were asked for last, to be opened again. */
+/** The most recent jobs, to be opened again. */
 
-import { get } from "./api.js";
+import { get } from "../net/api.js";
 import { hasCells, kindInWords } from "./still.js";
 
 function told(job) {

@@ -1,6 +1,6 @@
-/** One basin as far as it is known: its labels in typed arrays, and a canvas with one pixel for each cell. */
+/** One basin as far as it is computed: its labels in typed arrays, and a canvas with one pixel per cell. */
 
-import { get, send } from "./api.js";
+import { get, send } from "../net/api.js";
 import { paintNumbers, paintSolutions, solutionPixels, specialPixel } from "./palette.js";
 
 // Cells each way that are fetched and drawn at the most; of more, every n-th stands for its neighbours.

@@ -1,6 +1,6 @@
-/** What can be drawn over a basin: each overlay with its name, its sign in the list, and how it is drawn. */
+/** Overlays of a basin: the name of each, its symbol in the list, and its drawing. */
 
-import { colour } from "./theme.js";
+import { colour } from "../page/theme.js";
 
 const SHIFTS = [-1, 0, 1];
 const HALO = "rgb(0 0 0 / 55%)";

@@ -1,4 +1,4 @@
-/** Light or dark, as the system says unless told otherwise. */
+/** Light or dark theme: the system's, unless the reader selects one. */
 
 const system = matchMedia("(prefers-color-scheme: dark)");
 

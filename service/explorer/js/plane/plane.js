@@ -1,9 +1,9 @@
-/** The plane of departures: pictures of basins, one over the other, and what a hand does to them. */
+/** The plane of departures: pictures of basins, one over the other, with panning, zooming and picking. */
 
 import { hatchMissing } from "./hatching.js";
 import { drawCrossHair, drawMotion, drawOverlay } from "./overlays.js";
 import { Plot } from "./plot.js";
-import { colour } from "./theme.js";
+import { colour } from "../page/theme.js";
 
 // Older pictures that stay underneath until a new one has arrived.
 const MOST_PICTURES = 8;

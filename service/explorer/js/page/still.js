@@ -1,6 +1,6 @@
-/** What has no cells to draw, a sample or an analysis: the service's own picture of it. */
+/** The service's own picture of a sample or an analysis, which have no cells to draw. */
 
-import { send } from "./api.js";
+import { send } from "../net/api.js";
 
 const KINDS = {
   basin: "Sample of a basin", sweep: "Samples of a sweep", bifurcation: "Bifurcation diagram", orbits: "Periodic orbits",

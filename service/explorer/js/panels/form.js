@@ -1,7 +1,7 @@
-/** The form: examples of the paper, fields with their bounds, and what the service would refuse, said before it is sent. */
+/** The form: the paper's examples, fields with their bounds, and errors that the service would report, shown beforehand. */
 
-import { post, Unreachable } from "./api.js";
-import { grouped } from "./ticks.js";
+import { post, Unreachable } from "../net/api.js";
+import { grouped } from "../charts/ticks.js";
 
 const OSCILLATOR = ["damping", "eccentricity", "half_backlash", "stiffness"];
 const GRID = ["time.start", "time.stop", "time.cells", "velocity.start", "velocity.stop", "velocity.cells"];

@@ -1,6 +1,6 @@
-/** Numbers for axes and for reading. */
+/** Numbers for axes and for readers. */
 
-/** Round steps between two ends, about so many. */
+/** About `count` round steps between two ends. */
 export function ticks(from, to, about) {
   const rough = (to - from) / about;
   const power = 10 ** Math.floor(Math.log10(rough));

@@ -1,4 +1,4 @@
-/** What the address of the page says: the job, the basin of a sweep, and the window that is looked at. */
+/** The address of the page: the job, the basin of a sweep, and the visible window. */
 
 /** @returns {{job: string|null, panel: number, view: object|null}} */
 export function readAddress() {

@@ -1,8 +1,8 @@
-/** The list of overlays: switched on and off, and fetched from the service where they have to be computed. */
+/** The list of overlays: switches them on and off, and fetches those that the service has to compute. */
 
-import { get } from "./api.js";
-import { element } from "./chart.js";
-import { OVERLAYS } from "./overlays.js";
+import { get } from "../net/api.js";
+import { element } from "../charts/chart.js";
+import { OVERLAYS } from "../plane/overlays.js";
 
 function signOf({ d, stroke }) {
   const sign = element("svg", { viewBox: "0 0 26 16", "aria-hidden": "true" });

@@ -1,8 +1,8 @@
-/** The motions that are followed: up to two, on the basin and under it. */
+/** Up to two followed motions, drawn on the basin and below it. */
 
-import { showHistories } from "./history.js";
-import { followMotion } from "./motion.js";
-import { attempt } from "./say.js";
+import { showHistories } from "../charts/history.js";
+import { followMotion } from "../net/motion.js";
+import { attempt } from "../page/say.js";
 
 export class Motions {
   /**

@@ -1,6 +1,6 @@
-/** Colours of cells, as the 32-bit pixels that an ImageData holds. */
+/** Colours of cells, as 32-bit pixels of an ImageData. */
 
-// Anchors of a scale whose lightness rises evenly, which the colour-blind read as others do.
+// Anchors of a scale whose lightness rises evenly, so that colour-blind readers can read it.
 const SCALE = ["#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"].map(channels);
 const STEPS = 256;
 

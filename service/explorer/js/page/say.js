@@ -1,4 +1,4 @@
-/** The line that says how it goes. */
+/** The status line. */
 
 const line = document.getElementById("state");
 

@@ -1,8 +1,8 @@
-/** The legend: solutions with colours and shares, to be picked out one by one; or the scale of one of Hsu's numbers. */
+/** The legend: solutions with colours and shares, which can be selected; or the scale of one of Hsu's numbers. */
 
-import { element } from "./chart.js";
-import { scaleColour } from "./palette.js";
-import { grouped, percent } from "./ticks.js";
+import { element } from "../charts/chart.js";
+import { scaleColour } from "../plane/palette.js";
+import { grouped, percent } from "../charts/ticks.js";
 
 const MEANINGS = {
   step: "Hsu's step: applications of P^k until the cycle of cells is reached.",

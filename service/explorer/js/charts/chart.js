@@ -1,4 +1,4 @@
-/** A small line chart as SVG: a frame with axes, to which lines and marks are added. */
+/** A small line chart as SVG: a frame with axes, and lines and marks in it. */
 
 import { ticks } from "./ticks.js";
 

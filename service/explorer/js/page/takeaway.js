@@ -1,6 +1,6 @@
-/** What a reader takes away: the picture, the data, the request. */
+/** Downloads: the picture, the data, the request. */
 
-import { pathOf, send } from "./api.js";
+import { pathOf, send } from "../net/api.js";
 import { hasCells } from "./still.js";
 
 function copyable(title, text) {

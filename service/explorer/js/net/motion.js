@@ -1,4 +1,4 @@
-/** One motion from a departure: its time history, where it ends, and after how many impacts. */
+/** One motion from a departure: its time history, its attractor, and the number of impacts until then. */
 
 import { post } from "./api.js";
 

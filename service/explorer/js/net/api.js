@@ -1,4 +1,4 @@
-/** The service's HTTP API: JSON in and out, errors in words, and the key, which lives in this module's memory alone. */
+/** The service's HTTP API: JSON in and out, readable errors, and the key, which is kept in this module's memory only. */
 
 let key = "";
 let askForKey = async () => "";
