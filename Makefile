@@ -14,7 +14,7 @@ install = { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install --yes 
 # Tests of one file share what they have built.
 ON_TWO_CORES := --numprocesses 2 --dist loadfile
 
-.PHONY: help demo test test-slow test-faults test-load test-backends test-containers test-hosts test-browser screenshots check bench serve openapi lock clean
+.PHONY: help demo test test-slow test-faults test-load test-backends test-containers test-hosts test-browser screenshots check bench serve openapi settings lock clean
 
 help:  ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -79,6 +79,10 @@ serve: $(READY)  ## the service with two local workers on 127.0.0.1:8000
 
 openapi: $(READY)  ## write docs/openapi.yaml from the code
 	$(BIN)/python -m service.openapi > docs/openapi.yaml
+
+settings: $(READY)  ## write the table of docs/operations/settings.md from the code
+	@sed -i '/^| variable/,$$d' docs/operations/settings.md
+	$(BIN)/python -m service.settings >> docs/operations/settings.md
 
 LOCK := uv pip compile --quiet --generate-hashes --no-emit-index-url --no-emit-find-links --no-header --no-annotate \
   --no-emit-package gear-rattle --python-version 3.11

@@ -21,7 +21,9 @@ def test_what_a_module_imports_is_exported(module):
     for names, path in IMPORT.findall(text):
         exported = (module.parent / path).read_text()
         for name in names.split(","):
-            assert re.search(rf"^export (async )?(function\*?|class|const|let) {name.strip()}\b", exported, re.MULTILINE)
+            assert re.search(
+                rf"^export (async )?(function\*?|class|const|let) {name.strip()}\b", exported, re.MULTILINE
+            )
 
 
 def test_every_module_is_imported_by_another():

@@ -1,6 +1,6 @@
 /** Numbers for axes and for readers. */
 
-/** About `count` round steps between two ends. */
+/** Round steps between two ends, roughly `about` of them. */
 export function ticks(from, to, about) {
   const rough = (to - from) / about;
   const power = 10 ** Math.floor(Math.log10(rough));

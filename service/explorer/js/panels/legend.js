@@ -65,7 +65,7 @@ function describeScale(picture, layer) {
 /**
  * Show the legend of a picture.
  * @param {HTMLElement} place
- * @param {import("./picture.js").Picture|null} picture
+ * @param {import("../plane/picture.js").Picture|null} picture
  * @param {object} look
  * @param {(solution: number|null) => void} pick
  */

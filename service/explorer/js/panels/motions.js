@@ -7,7 +7,7 @@ import { attempt } from "../page/say.js";
 export class Motions {
   /**
    * @param {HTMLElement} section
-   * @param {import("./plane.js").Plane} plane
+   * @param {import("../plane/plane.js").Plane} plane
    * @param {() => object} oscillator that of the basin that is looked at, as in a request
    */
   constructor(section, plane, oscillator) {

@@ -12,7 +12,7 @@ function signOf({ d, stroke }) {
 }
 
 export class OverlayList {
-  /** @param {HTMLElement} place @param {import("./plane.js").Plane} plane */
+  /** @param {HTMLElement} place @param {import("../plane/plane.js").Plane} plane */
   constructor(place, plane) {
     this.plane = plane;
     this.source = null;
