@@ -14,7 +14,7 @@ import pytest
 from fastapi import Response
 
 from tests.ports import free_port
-from tests.raw_http import connection, received, sent_endlessly
+from tests.raw_http import ANY_CERTIFICATE, connection, received, sent_endlessly
 from tests.service.idle_service import idle_service
 from worker.cluster.certificates import make_certificates
 
@@ -60,9 +60,7 @@ def proxy(service, tmp_path_factory):
 
 
 def answers(port):
-    context = ssl.create_default_context()
-    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
-    return httpx.get(f"https://127.0.0.1:{port}/healthz", verify=context, timeout=10).status_code == 200
+    return httpx.get(f"https://127.0.0.1:{port}/healthz", verify=ANY_CERTIFICATE, timeout=10).status_code == 200
 
 
 def connections_of(service):
