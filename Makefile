@@ -21,7 +21,7 @@ install = { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install --yes 
 # Tests of one file share what they have built.
 ON_TWO_CORES := --numprocesses 2 --dist loadfile
 
-.PHONY: help demo test test-pythons test-slow test-faults test-load test-backends test-containers test-hosts test-browser screenshots check bench serve openapi lock clean
+.PHONY: help demo test test-pythons test-slow test-faults test-load test-backends test-containers test-hosts test-browser screenshots check bench serve openapi settings lock clean
 
 help:  ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -65,8 +65,9 @@ test-containers: $(READY)  ## build the image and run it, without an engine; as 
 	@command -v buildah podman runc debootstrap >/dev/null || $(call install,buildah podman runc debootstrap)
 	$(BIN)/python -m pytest tests/containers -m containers --timeout 5400
 
-test-hosts: $(READY)  ## the compose file's commands as hosts of a network, one of which is cut off
+test-hosts: $(READY)  ## the compose file's commands as hosts of a network, and hostile clients of its proxy
 	@command -v initdb >/dev/null || ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || $(call install,postgresql)
+	@command -v nginx >/dev/null || ls /usr/sbin/nginx >/dev/null 2>&1 || $(call install,nginx-light)
 	$(BIN)/python -m pytest tests/hosts -m hosts --timeout 1200
 
 test-browser: $(READY)  ## the explorer in the system's Chromium
@@ -93,6 +94,10 @@ serve: $(READY)  ## the service with two local workers on 127.0.0.1:8000
 
 openapi: $(READY)  ## write docs/openapi.yaml from the code
 	$(BIN)/python -m service.openapi > docs/openapi.yaml
+
+settings: $(READY)  ## write the table of docs/operations/settings.md from the code
+	@sed -i '/^| variable/,$$d' docs/operations/settings.md
+	$(BIN)/python -m service.settings >> docs/operations/settings.md
 
 LOCK := uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-emit-find-links --no-header --no-annotate \
   --no-emit-package gear-rattle --python-version 3.11

@@ -1,17 +1,17 @@
-"""The OpenAPI document: FastAPI's, and what that does not know: problem documents, keys, what any request may meet."""
+"""The OpenAPI document: FastAPI's own, with problem documents, keys, and the errors that any request may meet."""
 
 from typing import Any
 
 from fastapi import FastAPI
 
-from service.middleware.authentication import OPEN_PATHS, demanded_scope
+from service.middleware.authentication import OPEN_PATHS, required_scope
 from service.models.models import EventView, Problem
 
 _ANYWHERE = {
     401: "no key, or none of this service's",
     403: "the key does not allow it",
     421: "without keys, the Host header has to name this machine",
-    503: "the database, the store or the cluster does not answer, or there are too many connections",
+    503: "the database, the store or the cluster does not answer",
 }
 _WITH_BODY = {
     400: "malformed JSON",
@@ -46,7 +46,7 @@ def describe(app: FastAPI) -> dict[str, Any]:
             _add_problems(operation, {} if method in _READING else _WITH_BODY)
             if path not in OPEN_PATHS:
                 _add_problems(operation, _ANYWHERE)
-                operation["security"] = [{"key": [str(demanded_scope(method.upper()))]}, {}]
+                operation["security"] = [{"key": [str(required_scope(method.upper()))]}, {}]
     return schema
 
 
@@ -61,7 +61,7 @@ def _problem(detail: str) -> dict[str, Any]:
 
 
 def _as_problem(response: dict[str, Any]) -> None:
-    """FastAPI declares its own body for 422; ours is a problem document like all others."""
+    """Replace FastAPI's own 422 body by the problem document that this service answers with."""
     content = response.get("content", {}).get("application/json", {})
     if content.get("schema", {}).get("$ref", "").endswith("/HTTPValidationError"):
         response |= _problem("what is wrong with the request, field by field")

@@ -1,4 +1,4 @@
-"""The FastAPI application: what it holds while it runs, and its routes."""
+"""The FastAPI application: its state while it runs, its middleware and its routes."""
 
 import contextlib
 import gc
@@ -13,17 +13,16 @@ from rattle_kernels import warm_up_curves
 from service.answers.event_feed import EventFeed
 from service.answers.job_views import JobViews
 from service.answers.readiness import Probe, Probes
-from service.answers.summaries import Summaries
 from service.api_document import describe
-from service.errors import install_error_handlers
 from service.middleware.access import Access
-from service.middleware.authentication import Doors
-from service.middleware.request_body import RequestBody
+from service.middleware.authentication import Authentication
 from service.middleware.security_headers import SecurityHeaders
+from service.problems import install_error_handlers
 from service.records.engine import open_database
 from service.records.events import Events
 from service.records.jobs import Jobs
 from service.records.keys import KeyRing, Keys
+from service.records.revisions import Revisions
 from service.records.threads import DatabaseThreads
 from service.routes import (
     checks,
@@ -40,19 +39,19 @@ from service.routes import (
 from service.runner.process import RunnerProcess
 from service.settings import Settings
 
-# Kernels are loaded in a third of a second; compiled, the first time, in twenty: too long for a service that stops.
+# Compiled kernels load in a third of a second. Compiling them takes ten, and a service that stops does not wait for it.
 _LOADED_SECONDS = 2.0
 
 _DESCRIPTION = """Basins of attraction of a rattling gear pair.
 
 Submit a basin, a sweep or an analysis, follow its job, read the result: a summary, a picture, or the Zarr store itself
-(`xarray.open_zarr(".../v1/jobs/ID/result.zarr")`). A single motion is answered at
-once. Time counts forcing periods; everything else is nondimensional.
+(`xarray.open_zarr(".../v1/jobs/ID/result.zarr")`). A single motion is computed while the client waits. Time counts
+forcing periods; everything else is nondimensional.
 """
 
 
 def create_app(settings: Settings) -> FastAPI:
-    """Application with its database and the process that runs jobs, which live as long as it runs.
+    """Application with its database and its runner process, which live as long as it runs.
 
     Parameters
     ----------
@@ -67,19 +66,18 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         engine, sessions = open_database(settings.database)
         app.state.jobs = Jobs(sessions, settings.quotas)
-        app.state.views = JobViews(engine, app.state.jobs)
+        app.state.views = JobViews(Revisions(engine), app.state.jobs)
         app.state.threads = DatabaseThreads(near=engine.dialect.name == "sqlite")
-        app.state.key_ring = KeyRing(Keys(sessions), settings.keys_demanded)
+        app.state.key_ring = KeyRing(Keys(sessions), settings.keys_required)
         app.state.events = Events(sessions)
         app.state.feed = EventFeed(app.state.events)
-        app.state.summaries = Summaries(settings.results)
         app.state.runner = RunnerProcess(settings)
         app.state.probes = Probes(Probe(app.state.jobs.answers, False), app.state.runner.workers)
         app.state.runner.start()
-        # Else the first outline that is asked for would wait for them.
+        # Otherwise the first request for an outline would wait for the kernels.
         loading = threading.Thread(target=warm_up_curves, name="rattle-kernels", daemon=True)
         loading.start()
-        # What has been loaded stays: to look through it all for garbage would hold answers up for 150 ms.
+        # What is loaded by now stays. Without this the garbage collector would search it and delay answers by 150 ms.
         gc.freeze()
         try:
             yield
@@ -94,14 +92,13 @@ def create_app(settings: Settings) -> FastAPI:
         license_info={"name": "BSD-3-Clause", "identifier": "BSD-3-Clause"},
     )  # fmt: skip
     app.state.settings = settings
-    # The last one that is added meets a request first.
-    app.add_middleware(RequestBody, most=settings.max_body_bytes)
-    app.add_middleware(Doors)
+    # The middleware added last sees a request first.
+    app.add_middleware(Authentication)
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)
     install_error_handlers(app)
-    asking = (submissions, checks, trajectories)
-    for each in (*asking, jobs, events, results, viewer, health, metrics, explorer):
+    with_body = (submissions, checks, trajectories)
+    for each in (*with_body, jobs, events, results, viewer, health, metrics, explorer):
         app.include_router(each.router)
     app.mount("/explorer", explorer.files)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]

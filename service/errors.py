@@ -1,41 +1,12 @@
-"""Every error that a client can see, in one table: exception -> status and stable kind, as problem+json (RFC 9457)."""
-
-import logging
-import uuid
-from collections.abc import Sequence
-from http import HTTPStatus
-from typing import Any
-
-from fastapi import FastAPI, Request
-from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
-from pydantic import ValidationError
-from sqlalchemy.exc import SQLAlchemyError
-from starlette.exceptions import HTTPException
-
-from rattle_kernels import OutsideDomain
-from worker.errors import (
-    ClusterFailed,
-    InvalidJob,
-    JobCancelled,
-    NotFound,
-    StoreConflict,
-    StoreFailed,
-    SweptOutsideDomain,
-    TileFailed,
-    UnlikeWorkers,
-)
-from worker.jobs.oscillator_request import IMPACTING, PIECEWISE_LINEAR
-
-_log = logging.getLogger("rattle.service")
+"""Errors that the service raises itself. `service.problems` turns them into answers."""
 
 
 class JobNotFound(Exception):
-    """There is no such job."""
+    """No job has this id."""
 
 
 class NotReady(Exception):
-    """What was asked for is not there yet."""
+    """The requested result does not exist yet."""
 
 
 class LimitExceeded(Exception):
@@ -48,7 +19,7 @@ class TooMuch(Exception):
     Attributes
     ----------
     seconds : int
-        When to ask again.
+        Time after which the client may try again.
     """
 
     def __init__(self, message: str, seconds: int) -> None:
@@ -61,124 +32,4 @@ class Unstoppable(Exception):
 
 
 class NotYours(Exception):
-    """The job is another caller's."""
-
-
-_TABLE: dict[type[Exception], tuple[int, str]] = {
-    OutsideDomain: (422, "outside-domain"),
-    InvalidJob: (422, "invalid-request"),
-    LimitExceeded: (422, "limit-exceeded"),
-    NotFound: (422, "nothing-found"),
-    TooMuch: (429, "too-much"),
-    JobNotFound: (404, "not-found"),
-    NotReady: (404, "not-ready"),
-    StoreConflict: (409, "store-conflict"),
-    Unstoppable: (409, "still-stopping"),
-    NotYours: (403, "not-yours"),
-    StoreFailed: (503, "store-failed"),
-    ClusterFailed: (503, "cluster-failed"),
-    TileFailed: (500, "tile-failed"),
-    UnlikeWorkers: (503, "unlike-workers"),
-    JobCancelled: (409, "cancelled"),
-}
-
-DATABASE_FAILED = "database-failed", "the database does not answer; try again later"
-"""Kind and detail of a problem."""
-_KIND_OF_STATUS = {
-    400: "malformed-request", 404: "not-found", 405: "method-not-allowed", 413: "body-too-large", 415:
-    "unsupported-media-type", 416: "range-not-satisfiable", 422: "invalid-request",
-}  # fmt: skip
-
-
-def kind_of(error: Exception) -> str:
-    """Stable kind of an error, as in ``type`` of a problem and in a failed job's record."""
-    return next((kind for known, (_, kind) in _TABLE.items() if isinstance(error, known)), "internal")
-
-
-def problem(
-    status: int, kind: str, detail: str, instance: str, errors: Sequence[dict[str, Any]] = (), headers: Any = None
-) -> JSONResponse:
-    """Problem document."""
-    body = {
-        "type": f"/problems/{kind}",
-        "title": HTTPStatus(status).phrase,
-        "status": status,
-        "detail": detail,
-        "instance": instance,
-        "errors": list(errors),
-    }
-    return JSONResponse(body, status, headers=headers, media_type="application/problem+json")
-
-
-def _place_of(error: Exception) -> tuple[str | int, ...]:
-    """Where in a request the fault lies; empty where that is no one field."""
-    if isinstance(error, InvalidJob | SweptOutsideDomain):
-        return error.place
-    return ("oscillator", error.parameter) if isinstance(error, OutsideDomain) else ()
-
-
-async def _known(request: Request, error: Exception) -> JSONResponse:
-    status, kind = next(entry for known, entry in _TABLE.items() if isinstance(error, known))
-    place = _place_of(error)
-    errors = [{"location": ["body", *place], "message": str(error)}] if place else []
-    headers = {"Retry-After": str(error.seconds)} if isinstance(error, TooMuch) else None
-    return problem(status, kind, str(error), request.url.path, errors, headers)
-
-
-def faults_of(error: Exception) -> list[dict[str, Any]]:
-    """What is wrong with a request that a submission would refuse with `error`, field by field."""
-    if isinstance(error, ValidationError):
-        return [_field_error({**item, "loc": ("body", *item["loc"])}) for item in error.errors()]
-    return [{"location": ["body", *_place_of(error)], "message": str(error)}]
-
-
-def _field_error(item: dict[str, Any]) -> dict[str, Any]:
-    message = item["msg"]
-    # Which of the oscillator's models was meant is said by its field, not by a step of the path.
-    location = [part for part in item["loc"] if part not in (IMPACTING, PIECEWISE_LINEAR)]
-    if item["type"] == "json_invalid":
-        return {"location": ["body"], "message": f"not valid JSON at character {item['loc'][-1]}"}
-    if tuple(item["loc"]) == ("body",):
-        message = "send a JSON object, with the header content-type: application/json"
-    # What this package's own checks say, without the name that pydantic puts before it.
-    return {"location": location, "message": message.removeprefix("Value error, ")}
-
-
-async def _invalid(request: Request, error: Exception) -> JSONResponse:
-    """Refuse what pydantic refused, without echoing the input: it may hold NaN, which JSON cannot carry."""
-    assert isinstance(error, RequestValidationError)
-    errors = [_field_error(item) for item in error.errors()]
-    detail = "; ".join(f"{'.'.join(str(part) for part in item['location'])}: {item['message']}" for item in errors)
-    malformed = any(item["type"] == "json_invalid" for item in error.errors())
-    status, kind = (400, "malformed-request") if malformed else (422, "invalid-request")
-    return problem(status, kind, detail, request.url.path, errors)
-
-
-async def _http(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, HTTPException)
-    detail = str(error.detail)
-    if error.status_code == 404 and detail == "Not Found":
-        detail = f"there is nothing at {request.url.path}; see /docs for what is there"
-    kind = _KIND_OF_STATUS.get(error.status_code, "error")
-    return problem(error.status_code, kind, detail, request.url.path, headers=error.headers)
-
-
-async def _database(request: Request, error: Exception) -> JSONResponse:
-    _log.error("the database does not answer at %s", request.url.path, exc_info=error)
-    return problem(503, *DATABASE_FAILED, request.url.path)
-
-
-async def _unexpected(request: Request, error: Exception) -> JSONResponse:
-    identifier = uuid.uuid4().hex
-    _log.error("unexpected error %s at %s", identifier, request.url.path, exc_info=error)
-    return problem(500, "internal", f"unexpected error; its identifier in the log is {identifier}", request.url.path)
-
-
-def install_error_handlers(app: FastAPI) -> None:
-    """Answer every error of `app` as a problem document."""
-    for known in _TABLE:
-        app.add_exception_handler(known, _known)
-    app.add_exception_handler(RequestValidationError, _invalid)
-    app.add_exception_handler(HTTPException, _http)
-    app.add_exception_handler(SQLAlchemyError, _database)
-    app.add_exception_handler(Exception, _unexpected)
+    """The job belongs to another caller."""

@@ -1,24 +1,23 @@
-"""Log lines that say which job they are about: readable ones, or JSON, one object a line."""
+"""Log lines that name the job they are about: plain text, or one JSON object a line."""
 
+import atexit
 import contextlib
 import contextvars
 import json
 import logging
-import logging.config
-import threading
-import time
+import queue
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from enum import StrEnum
+from logging.handlers import QueueHandler, QueueListener
 
 _job: contextvars.ContextVar[str | None] = contextvars.ContextVar("job", default=None)
 ACCESS_LOG = "rattle.access"
-_LATE_SECONDS = 0.25
 _FIELDS = ("method", "path", "status", "milliseconds", "key", "client")
 
 
 class LogFormat(StrEnum):
-    """How lines are written."""
+    """Format of the log lines."""
 
     PLAIN = "plain"
     JSON = "json"
@@ -26,7 +25,7 @@ class LogFormat(StrEnum):
 
 @contextlib.contextmanager
 def about_job(job_id: str) -> Iterator[None]:
-    """All that this thread logs in the meantime is about a job."""
+    """Mark everything that this thread logs within the context as being about a job."""
     token = _job.set(job_id)
     try:
         yield
@@ -58,52 +57,28 @@ class _Json(logging.Formatter):
         return json.dumps({name: value for name, value in line.items() if value is not None})
 
 
-class _Gathering(logging.StreamHandler):
-    """Writes the lines of answers a quarter of a second late, many at once, and all others with those before them.
+def write_logs(form: LogFormat, level: str) -> QueueListener:
+    """Write this service's log to standard error, from a thread of its own: the event loop does not wait for it.
 
-    To write each by itself would give up Python's lock in the loop that answers, three hundred times a second.
+    Parameters
+    ----------
+    form : LogFormat
+    level : str
+        Lowest level of the service's own lines. Of the libraries, warnings are logged.
+
+    Returns
+    -------
+    QueueListener
+        The thread. It is stopped when the interpreter exits; whatever leaves by `os._exit` stops it first.
     """
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._lines: list[str] = []
-        threading.Thread(target=self._write_now_and_then, name="rattle-log", daemon=True).start()
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Keep a line, and write what is kept unless it is that of an answer."""
-        try:
-            self._lines.append(self.format(record) + self.terminator)
-            if record.name != ACCESS_LOG:
-                self.flush()
-        except Exception:
-            self.handleError(record)
-
-    def flush(self) -> None:
-        """Write what is kept, in order.
-
-        Under the handler's own lock, which whoever logs has already: with another one beside it, a line that came while
-        the thread wrote would stop both for ever.
-        """
-        self.acquire()
-        try:
-            lines, self._lines = self._lines, []
-            if lines:
-                self.stream.write("".join(lines))
-            super().flush()
-        finally:
-            self.release()
-
-    def _write_now_and_then(self) -> None:
-        while True:
-            time.sleep(_LATE_SECONDS)
-            self.flush()
-
-
-def write_logs(form: LogFormat, level: str) -> None:
-    """Write to standard error what this service logs from some level on, and what is wrong with what it uses."""
-    handler = _Gathering()
+    handler = QueueHandler(queue.SimpleQueue())
+    # Lines are formatted in the thread that logs them, which knows its job.
     handler.setFormatter(_Json() if form is LogFormat.JSON else _Plain())
     logging.basicConfig(handlers=[handler], level=logging.WARNING, force=True)
     logging.getLogger("rattle").setLevel(level.upper())
-    # What clients send that is no HTTP is answered, and no fault of ours.
+    # Malformed HTTP from a client is answered with an error; it is no fault of the service.
     logging.getLogger("uvicorn.error").setLevel(logging.ERROR)
+    listener = QueueListener(handler.queue, logging.StreamHandler())
+    listener.start()
+    atexit.register(listener.stop)
+    return listener

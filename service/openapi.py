@@ -1,4 +1,4 @@
-"""Prints the API's OpenAPI document as YAML: ``python -m service.openapi > docs/openapi.yaml``."""
+"""Print the OpenAPI document of the API as YAML: ``python -m service.openapi > docs/openapi.yaml``."""
 
 import sys
 from typing import Any
@@ -10,12 +10,12 @@ from service.settings import Settings
 
 
 def document() -> dict[str, Any]:
-    """OpenAPI document, as the service itself answers it at ``/openapi.json``."""
+    """OpenAPI document, as at ``/openapi.json``."""
     return create_app(Settings.model_construct()).openapi()
 
 
 def as_yaml() -> str:
-    """Document as it is committed."""
+    """Document as committed in ``docs/openapi.yaml``."""
     return yaml.safe_dump(document(), sort_keys=False, allow_unicode=True, width=120)
 
 

@@ -1,17 +1,16 @@
-"""Uvicorn, with connections that are bounded, a word when it is ready, and streams that end when it stops."""
+"""Uvicorn with its own limits. It says when it is ready, and ends streams when the service stops."""
 
 import asyncio
 import socket
 from collections.abc import Callable
-from functools import partial
 
 import uvicorn
 from fastapi import FastAPI
 
-from service.middleware.bounded_connection import BoundedConnection, Bounds
 from service.settings import Settings
 
 _STOP_SECONDS = 2
+_HEAD_BYTES = 65_536
 
 
 def address(host: str, port: int) -> str:
@@ -41,6 +40,9 @@ def refusal_to_listen(host: str, port: int) -> OSError | None:
 class Server(uvicorn.Server):
     """A server of one application.
 
+    It bounds the heads of requests and the number of connections. Clients that send or read slowly are the proxy's
+    task: see `docs/operations/README.md`.
+
     Parameters
     ----------
     app : FastAPI
@@ -50,11 +52,11 @@ class Server(uvicorn.Server):
     """
 
     def __init__(self, app: FastAPI, settings: Settings, on_ready: Callable[[str], None] | None = None) -> None:
-        bounds = Bounds(settings.max_connections, settings.request_seconds, settings.max_body_bytes)
         super().__init__(
             uvicorn.Config(
                 app, host=settings.host, port=settings.port, ws="none", lifespan="on",
-                http=partial(BoundedConnection, bounds),  # type: ignore[arg-type]
+                # The parser that bounds heads, chunk headers and trailers; httptools keeps whatever is sent.
+                http="h11", h11_max_incomplete_event_size=_HEAD_BYTES, limit_concurrency=settings.max_connections,
                 log_config=None, access_log=False, server_header=False, proxy_headers=False,
                 timeout_graceful_shutdown=_STOP_SECONDS,
             )
@@ -74,7 +76,7 @@ class Server(uvicorn.Server):
         say(address(self.config.host, self.servers[0].sockets[0].getsockname()[1]))
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Stop; streams of events end first, and their clients come back with where they were."""
+        """Stop. Event streams end first; their clients reconnect and continue where they were."""
         if self._getting_ready is not None:
             self._getting_ready.cancel()
         self._app.state.feed.close()

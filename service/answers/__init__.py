@@ -1,1 +1,1 @@
-"""What routes answer with: jobs, results, files, events."""
+"""Contents of answers: jobs, results, files, events."""

@@ -1,4 +1,4 @@
-"""A file in answer to a request that may ask for a part of it (RFC 9110, section 14)."""
+"""Files of a store over HTTP, whole or in part (RFC 9110, section 14). Only the requested bytes are read."""
 
 import re
 
@@ -6,40 +6,57 @@ from fastapi import Response
 from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 
-from worker.stores.object_storage import StoredFile
+from worker.stores.result_files import read_file_of_store
 
 _BYTES = "application/octet-stream"
 
 
-def answer_range(file: StoredFile, headers: Headers) -> Response:
-    """Answer with a file, or with the part of it that ``Range`` asks for.
+def range_of_file(location: str, path: str, headers: Headers) -> Response | None:
+    """Answer with a file of a store, or with the part of it that ``Range`` requests.
 
     Parameters
     ----------
-    file : StoredFile
+    location : str
+        Of the store.
+    path : str
+        Within the store.
     headers : Headers
-        Of the request. Several ranges at once are answered with the whole file, as is a range of a file that is not the
-        one which ``If-Range`` names.
+        Of the request. A request for several ranges is answered with the whole file, as is a range where ``If-Range``
+        names another version of the file.
 
     Returns
     -------
-    Response
+    Response, optional
+        None where the store holds no such file.
 
     Raises
     ------
     HTTPException
-        416, where the range begins behind the end.
+        416, where the range begins after the end of the file.
     """
+
+    def part(size: int, tag: str) -> tuple[int, int]:
+        return _requested(headers, size, tag) or (0, size)
+
+    file = read_file_of_store(location, path, part)
+    if file is None:
+        return None
     own = {"accept-ranges": "bytes", "etag": f'"{file.tag}"'}
-    asked = re.fullmatch(r"bytes=(\d*)-(\d*)", headers.get("range", "").replace(" ", ""))
-    if not asked or not any(asked.groups()) or headers.get("if-range", own["etag"]) != own["etag"]:
+    if _requested(headers, file.size, file.tag) is None:
         return Response(file.content, media_type=_BYTES, headers=own)
-    size = len(file.content)
-    first, last = (int(number) if number else None for number in asked.groups())
+    own["content-range"] = f"bytes {file.start}-{file.start + len(file.content) - 1}/{file.size}"
+    return Response(file.content, 206, media_type=_BYTES, headers=own)
+
+
+def _requested(headers: Headers, size: int, tag: str) -> tuple[int, int] | None:
+    """First byte of the requested range and the one after its last; None for the whole file."""
+    match = re.fullmatch(r"bytes=(\d*)-(\d*)", headers.get("range", "").replace(" ", ""))
+    if not match or not any(match.groups()) or headers.get("if-range", f'"{tag}"') != f'"{tag}"':
+        return None
+    first, last = (int(number) if number else None for number in match.groups())
     if first is None:
         first, last = max(0, size - (last or 0)), None
     stop = size if last is None else min(size, last + 1)
     if first >= size or stop <= first:
         raise HTTPException(416, f"the file has {size} bytes", headers={"content-range": f"bytes */{size}"})
-    own["content-range"] = f"bytes {first}-{stop - 1}/{size}"
-    return Response(file.content[first:stop], 206, media_type=_BYTES, headers=own)
+    return first, stop

@@ -12,8 +12,9 @@ from rattle_kernels import (
     stiffness_bound,
 )
 from service.answers.limits import check_size
-from service.errors import LimitExceeded, faults_of
+from service.errors import LimitExceeded
 from service.models.models import BasinRequest, FieldError, SweepRequest
+from service.problems import faults_of
 from service.settings import Settings
 from worker.errors import InvalidJob
 from worker.jobs.oscillator_request import PIECEWISE_LINEAR

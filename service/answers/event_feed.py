@@ -1,7 +1,7 @@
-"""Brings the events of jobs to whoever follows them, from the database: a job may run in any replica.
+"""Passes the events of jobs on to their followers. They come from the database, as a job may run in any replica.
 
-One task of this process asks the database a few times a second, and only while somebody follows a job. It asks for the
-highest number of every job that is followed; what is new of a job is read once, however many follow it.
+One task of this process polls the database a few times a second while any job is followed. It reads the highest event
+number of every followed job. New events of a job are read once, however many follow it.
 """
 
 import asyncio
@@ -18,24 +18,24 @@ _POLL_SECONDS = 0.25
 
 
 class _Topic:
-    """A job that is followed: how far it was read, and a bell for each follower."""
+    """A followed job: the last event that was read, and an asyncio event that wakes each follower."""
 
     def __init__(self) -> None:
         self.sequence = 0
-        self.news: list[EventRecord] = []
+        self.recent: list[EventRecord] = []
         self.gone = False
-        self.bells: set[asyncio.Event] = set()
+        self.wakers: set[asyncio.Event] = set()
 
-    def ring(self) -> None:
-        for bell in self.bells:
-            bell.set()
+    def wake(self) -> None:
+        for waker in self.wakers:
+            waker.set()
 
 
 class EventFeed:
     """The events of jobs as they happen.
 
-    Guarantees. A follower gets every change of state after the number that he names, in order and once; of progress at
-    least the newest. He is told within half a second. What he holds here is freed when he leaves.
+    Guarantees. A follower gets every change of state after the number that it gives, in order and once, and at least
+    the newest progress. Each event arrives within half a second. A follower's memory is freed when it leaves.
 
     Parameters
     ----------
@@ -45,66 +45,66 @@ class EventFeed:
     def __init__(self, events: Events) -> None:
         self._events = events
         self._topics: dict[str, _Topic] = {}
-        self._asking: asyncio.Task[None] | None = None
+        self._polling: asyncio.Task[None] | None = None
         self._closed = False
 
     @property
     def followed(self) -> int:
-        """How many jobs are followed at the moment."""
+        """Number of jobs that are followed at the moment."""
         return len(self._topics)
 
     def close(self) -> None:
-        """End all streams, because the service stops."""
+        """End all streams, as the service stops."""
         self._closed = True
-        if self._asking is not None:
-            self._asking.cancel()
+        if self._polling is not None:
+            self._polling.cancel()
         for topic in self._topics.values():
-            topic.ring()
+            topic.wake()
 
     async def follow(self, job_id: str, sequence: int) -> AsyncGenerator[EventRecord]:
-        """Events of a job with higher numbers, until its last one, or until there is no such job."""
-        bell = asyncio.Event()
+        """Events of a job with higher numbers, until its last one, or until the job is deleted."""
+        waker = asyncio.Event()
         topic = self._topics.setdefault(job_id, _Topic())
-        topic.bells.add(bell)
+        topic.wakers.add(waker)
         try:
-            if self._asking is None or self._asking.done():
-                self._asking = asyncio.create_task(self._ask())
+            if self._polling is None or self._polling.done():
+                self._polling = asyncio.create_task(self._poll())
             while not (self._closed or topic.gone):
-                bell.clear()
+                waker.clear()
                 for event in await self._since(topic, job_id, sequence):
                     yield event
                     sequence = event.sequence
                     if event.state.final:
                         return
-                await bell.wait()
+                await waker.wait()
         finally:
-            topic.bells.discard(bell)
-            if not topic.bells and self._topics.get(job_id) is topic:
+            topic.wakers.discard(waker)
+            if not topic.wakers and self._topics.get(job_id) is topic:
                 del self._topics[job_id]
 
     async def _since(self, topic: _Topic, job_id: str, sequence: int) -> list[EventRecord]:
-        """What a follower has not had; from what was read last for all of them where that reaches back far enough."""
-        if topic.news and topic.news[0].sequence <= sequence + 1:
-            return [event for event in topic.news if event.sequence > sequence]
+        """Events that a follower has not had; those read last for all followers, if they reach back far enough."""
+        if topic.recent and topic.recent[0].sequence <= sequence + 1:
+            return [event for event in topic.recent if event.sequence > sequence]
         return await to_thread.run_sync(self._events.after, job_id, sequence)
 
-    async def _ask(self) -> None:
+    async def _poll(self) -> None:
         while self._topics and not self._closed:
             await asyncio.sleep(_POLL_SECONDS)
             topics = dict(self._topics)
             try:
                 newest = await to_thread.run_sync(self._events.newest, list(topics))
                 for job_id, topic in topics.items():
-                    await self._bring(topic, job_id, newest.get(job_id))
+                    await self._update(topic, job_id, newest.get(job_id))
             except Exception:
                 _log.exception("the events of jobs could not be read; trying again")
 
-    async def _bring(self, topic: _Topic, job_id: str, newest: int | None) -> None:
+    async def _update(self, topic: _Topic, job_id: str, newest: int | None) -> None:
         if newest is None:
             topic.gone = True
         elif newest > topic.sequence:
-            topic.news = await to_thread.run_sync(self._events.after, job_id, topic.sequence)
+            topic.recent = await to_thread.run_sync(self._events.after, job_id, topic.sequence)
             topic.sequence = newest
         else:
             return
-        topic.ring()
+        topic.wake()

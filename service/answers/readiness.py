@@ -1,4 +1,4 @@
-"""Whether what the service needs is there, asked so that nobody waits long for the answer."""
+"""Whether the service has what it needs, with an answer within seconds even where a part hangs."""
 
 import asyncio
 from collections.abc import Callable
@@ -8,20 +8,20 @@ from typing import Generic, TypeVar
 from anyio import to_thread
 
 _T = TypeVar("_T")
-_PATIENCE_SECONDS = 3.0
+_TIMEOUT_SECONDS = 3.0
 _PAUSE_SECONDS = 0.1
 
 
 class Probe(Generic[_T]):
-    """A question that may hang, as one to a scheduler that is there but stopped.
+    """A check that may hang, as that of a database which is there but stopped.
 
-    Guarantees. An answer comes within three seconds; one thread at the most is kept waiting, however often it is asked.
+    Guarantees. A call returns within three seconds. However many calls there are, at most one thread waits.
 
     Parameters
     ----------
     ask : callable
     failed : object
-        The answer in place of one that does not come.
+        Result in place of one that does not come.
     """
 
     def __init__(self, ask: Callable[[], _T], failed: _T) -> None:
@@ -29,11 +29,11 @@ class Probe(Generic[_T]):
         self._asking: asyncio.Task[_T] | None = None
 
     async def __call__(self) -> _T:
-        """Ask, or wait for the answer to who has asked before."""
+        """Run the check, or wait for the one that is already running."""
         if self._asking is None or self._asking.done():
             self._asking = asyncio.create_task(self._asked())
         try:
-            return await asyncio.wait_for(asyncio.shield(self._asking), _PATIENCE_SECONDS)
+            return await asyncio.wait_for(asyncio.shield(self._asking), _TIMEOUT_SECONDS)
         except TimeoutError:
             return self._failed
 
@@ -43,7 +43,7 @@ class Probe(Generic[_T]):
 
 @dataclass(frozen=True)
 class Probes:
-    """Whether the database answers, and how many workers there are."""
+    """Whether the database answers, and the number of workers."""
 
     database: Probe[bool]
     workers: Callable[[], int]

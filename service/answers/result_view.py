@@ -1,10 +1,13 @@
-"""Results of jobs of every kind: in short, and as a picture."""
+"""Results of jobs of every kind: summaries and pictures."""
 
 import dataclasses
+import threading
 from typing import IO
 
+from cachetools import TTLCache, cached
 from pydantic import TypeAdapter
 
+from service.answers.conditional import JsonAnswer, json_answer
 from service.errors import NotReady
 from service.models.analysis_requests import AnalysisResult
 from service.models.models import ResultView
@@ -18,14 +21,20 @@ from worker.stores.result_files import result_location
 from worker.stores.summary import fingerprint, summarise
 
 _ANALYSIS_RESULT: TypeAdapter[AnalysisResult] = TypeAdapter(AnalysisResult)
+# A driver writes down its progress as often. To read a summary costs as much as ten reads of a job's status.
+_SUMMARY_SECONDS, _SUMMARY_BYTES = 0.5, 1 << 25
+_SUMMARIES: TTLCache[tuple[str, int], JsonAnswer] = TTLCache(
+    _SUMMARY_BYTES, _SUMMARY_SECONDS, getsizeof=lambda answer: len(answer.body)
+)
 
 
-def place_of_result(record: JobRecord, results: str) -> str:
-    """Place of a job's store below the folder of all results, once there is one.
+def location_of_result(record: JobRecord, results: str) -> str:
+    """Location of a job's store below the folder of all results.
 
     Raises
     ------
     NotReady
+        While the job has no store.
     """
     location = result_location(results, record.store or record.id)
     if not holds_store(location):
@@ -33,13 +42,21 @@ def place_of_result(record: JobRecord, results: str) -> str:
     return location
 
 
-def result_view(kind: str, location: str, zarr: str) -> ResultView | AnalysisResult:
-    """View of the result of a job of a kind, whose store is at a location and over HTTP at a path.
+# The revision rises with each change of state: what was read before the end is not given as the result.
+@cached(_SUMMARIES, key=lambda record, results: (record.id, record.revision), condition=threading.Condition())
+def summary_of_result(record: JobRecord, results: str) -> JsonAnswer:
+    """Summary of a job's result, at most half a second old; of many threads that ask for one at once, one reads it.
 
     Raises
     ------
-    StoreConflict, StoreFailed
+    NotReady, StoreConflict, StoreFailed
     """
+    view = _result_view(record.kind, location_of_result(record, results), f"/v1/jobs/{record.id}/result.zarr")
+    return json_answer(view.model_dump_json())
+
+
+def _result_view(kind: str, location: str, zarr: str) -> ResultView | AnalysisResult:
+    """View of a result whose store is at a location and over HTTP at a path."""
     if kind not in ANALYSES:
         return ResultView.from_summary(summarise(location), zarr)
     fields = dataclasses.asdict(summarise_analysis(ANALYSES[kind], location))
@@ -47,7 +64,7 @@ def result_view(kind: str, location: str, zarr: str) -> ResultView | AnalysisRes
 
 
 def draw_result(kind: str, location: str, target: IO[bytes], layer: Layer) -> None:
-    """Draw the result of a job of a kind; the layer is that of a basin's cells."""
+    """Draw the result of a job; `layer` selects what is drawn of a basin's cells."""
     if kind in ANALYSES:
         draw_analysis(location, target)
     else:
@@ -55,5 +72,5 @@ def draw_result(kind: str, location: str, target: IO[bytes], layer: Layer) -> No
 
 
 def result_fingerprint(kind: str, location: str) -> bytes:
-    """What changes whenever a picture of the result does."""
+    """Bytes that change whenever the picture of the result does."""
     return fingerprint_of_analysis(location) if kind in ANALYSES else fingerprint(location)

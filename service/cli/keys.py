@@ -7,10 +7,9 @@ from typing import Annotated
 
 import typer
 from rich.table import Table
-from sqlalchemy.exc import SQLAlchemyError
 
 from service.cli.console import err, give_up, out
-from service.records.engine import open_database
+from service.records.engine import DatabaseError, open_database
 from service.records.key_record import KeyScope
 from service.records.keys import InvalidKeyName, Keys
 from service.settings import Settings
@@ -27,7 +26,7 @@ def opened_keys(settings: Settings) -> Iterator[Keys]:
     """Keys of the service with these settings."""
     try:
         engine, sessions = open_database(settings.database)
-    except SQLAlchemyError as error:
+    except DatabaseError as error:
         give_up(f"the database does not open: {str(error).splitlines()[0]}")
     try:
         yield Keys(sessions)

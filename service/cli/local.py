@@ -65,7 +65,7 @@ def _demand_port(settings: Settings) -> None:
 
 def _demand_keys(settings: Settings) -> None:
     """Refuse to start where keys are demanded and there is none that opens anything."""
-    if not settings.keys_demanded:
+    if not settings.keys_required:
         return
     if not _has_key(settings):
         why = "RATTLE_REQUIRE_KEYS is set" if settings.require_keys else f"{settings.host} is no loopback address"

@@ -1,4 +1,4 @@
-"""One line of the log and one observation of the metrics for every answer."""
+"""One log line and one observation of the metrics for every answer."""
 
 import logging
 import time
@@ -15,7 +15,7 @@ _METHODS = ("GET", "HEAD", "POST", "DELETE", "PUT", "PATCH", "OPTIONS")
 
 
 class Access:
-    """ASGI middleware that notes who asked what, and how that was answered.
+    """ASGI middleware that records each request with its caller and its answer.
 
     Parameters
     ----------
@@ -26,14 +26,14 @@ class Access:
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on and note its answer."""
+        """Pass a request on and record its answer."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
         begin = time.perf_counter()
         status = 0
 
-        async def noted(message: Message) -> None:
+        async def send_observed(message: Message) -> None:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
@@ -41,7 +41,7 @@ class Access:
             await send(message)
 
         try:
-            await self.app(scope, receive, noted)
+            await self.app(scope, receive, send_observed)
         except Exception:
             if not status:
                 status = 500
@@ -52,9 +52,9 @@ class Access:
 
 
 def _observe(scope: Scope, status: int, seconds: float) -> None:
-    # Of routes and methods there are few; of paths and of what clients call a method there is no end.
+    # Routes and methods are few. Paths, and what clients send as a method, are unbounded.
     route = getattr(scope.get("route"), "path", "none")
-    metrics.answered(scope["method"] if scope["method"] in _METHODS else "other", route, status, seconds)
+    metrics.record_answer(scope["method"] if scope["method"] in _METHODS else "other", route, status, seconds)
 
 
 def _write(scope: Scope, status: int, seconds: float) -> None:
@@ -62,11 +62,11 @@ def _write(scope: Scope, status: int, seconds: float) -> None:
     if not _log.isEnabledFor(level):
         return
     caller = scope.get("state", {}).get("caller")
-    # The path as it was sent: percent-encoded, so that no line break of a client's ends a line here.
+    # The path as sent, percent-encoded: a line break in it does not end the log line.
     path = scope.get("raw_path", b"").decode("latin-1")
-    told = {
+    fields = {
         "method": scope["method"], "path": path, "status": status, "milliseconds": round(1000 * seconds, 1),
         "key": caller.name if caller else None, "client": scope["client"][0] if scope.get("client") else None,
     }  # fmt: skip
-    who = told["key"] or "nobody"
-    _log.log(level, "%s %s %s %d in %.1f ms", who, told["method"], path, status, told["milliseconds"], extra=told)
+    who = fields["key"] or "nobody"
+    _log.log(level, "%s %s %s %d in %.1f ms", who, fields["method"], path, status, fields["milliseconds"], extra=fields)

@@ -1,4 +1,4 @@
-"""What Prometheus is told: of this process, of the one that runs jobs, and of the jobs in the database."""
+"""Metrics for Prometheus: of this process, of the runner process, and of the jobs in the database."""
 
 from collections.abc import Mapping
 
@@ -17,13 +17,13 @@ _REQUESTS = Histogram(
 )  # fmt: skip
 
 
-def answered(method: str, route: str, status: int, seconds: float) -> None:
-    """Note an answer: to which route of the API, and how long until it began."""
+def record_answer(method: str, route: str, status: int, seconds: float) -> None:
+    """Record an answer: the route, and the time until it began."""
     _REQUESTS.labels(method, route, status).observe(seconds)
 
 
 def exposition(jobs: Mapping[JobState, int], runner: bytes) -> bytes:
-    """All metrics as Prometheus reads them, given how many jobs there are, and what the runner's process counts."""
+    """All metrics in Prometheus' text format, from the number of jobs in each state and the runner's metrics."""
     for state in JobState:
         _JOBS.labels(state).set(jobs.get(state, 0))
     return generate_latest(_REGISTRY) + runner

@@ -1,17 +1,17 @@
-"""Headers that keep browsers from doing with answers what they are not for."""
+"""Headers that keep browsers from misusing answers."""
 
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 _NOTHING = "default-src 'none'; frame-ancestors 'none'"
-# FastAPI's pages load their scripts and styles from there.
+# FastAPI's pages load their scripts and styles from these hosts.
 _DOCS = (
     "default-src 'none'; connect-src 'self'; script-src 'unsafe-inline' https://cdn.jsdelivr.net; "
     "style-src 'unsafe-inline' https://cdn.jsdelivr.net https://fonts.googleapis.com; "
     "font-src https://fonts.gstatic.com; "
     "img-src data: https://fastapi.tiangolo.com https://cdn.redoc.ly; worker-src blob:; frame-ancestors 'none'"
 )
-# The explorer brings all that it needs; pictures it makes itself, and `style` attributes it has none.
+# The explorer brings its own files. It makes pictures itself (blob, data) and uses no `style` attributes.
 _EXPLORER = (
     "default-src 'self'; img-src 'self' blob: data:; style-src 'self'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'"
@@ -26,9 +26,10 @@ def _policy(path: str) -> str:
 
 
 class SecurityHeaders:
-    """ASGI middleware that adds them to every answer.
+    """ASGI middleware that adds the security headers to every answer.
 
-    Answers are private: kept by no cache, except by the client's own where they carry an ETag to ask again with.
+    Answers are private: no shared cache keeps them. A client's own cache may keep an answer that has
+    an ETag, and revalidates it.
 
     Parameters
     ----------
@@ -39,12 +40,12 @@ class SecurityHeaders:
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer with the headers."""
+        """Pass a request on and add the headers to its answer."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
 
-        async def guarded(message: Message) -> None:
+        async def send_guarded(message: Message) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
                 headers["x-content-type-options"] = "nosniff"
@@ -53,4 +54,4 @@ class SecurityHeaders:
                 headers.setdefault("cache-control", "private, no-cache" if "etag" in headers else "no-store")
             await send(message)
 
-        await self.app(scope, receive, guarded)
+        await self.app(scope, receive, send_guarded)

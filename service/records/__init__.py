@@ -1,1 +1,1 @@
-"""Records in the database: jobs, keys, events. The only folder that knows SQLAlchemy."""
+"""Records in the database: jobs, keys, events. No other folder knows SQLAlchemy."""

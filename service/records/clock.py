@@ -1,4 +1,4 @@
-"""The database's clock, as an expression: the one clock that all replicas of the service agree on."""
+"""The database's clock as an SQL expression: the one clock that all replicas share."""
 
 from typing import Any
 
@@ -7,8 +7,8 @@ from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.functions import FunctionElement
 
 
-class database_time(FunctionElement[float]):  # noqa: N801 - written like the SQL function that it is
-    """Seconds since 1970 at the moment the statement is executed."""
+class database_time(FunctionElement[float]):  # noqa: N801 - named like an SQL function
+    """Seconds since 1970 when the statement is executed."""
 
     type = Float()
     inherit_cache = True

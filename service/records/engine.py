@@ -1,4 +1,4 @@
-"""The database: connection, migration, and nothing that knows what a job is."""
+"""The database: its engine, its migration, its errors. Nothing here knows what a job is."""
 
 import sqlite3
 import time
@@ -10,14 +10,18 @@ from alembic import command
 from alembic.config import Config
 from sqlalchemy import Engine, create_engine, event, text
 from sqlalchemy.engine import make_url
+from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session, sessionmaker
 
+DatabaseError = SQLAlchemyError
+"""Any error of the database."""
+
 _BUSY_SECONDS = 30
-# Of PostgreSQL: how long a server that is gone is waited for; times of day in UTC, as SQLite keeps them; and a number
-# of our own, by which replicas that start together migrate one after another.
+# PostgreSQL: seconds to wait for a server that is gone; times in UTC, as SQLite has them. And a number of our own for
+# the lock by which replicas that start together migrate one after another.
 _POSTGRESQL = {"connect_timeout": 5, "options": "-c timezone=UTC", "application_name": "gear-rattle"}
 _MIGRATION_LOCK = 0x72617474
-# As many as threads may ask at once: to open one and tune it costs more than to ask.
+# As many connections as threads: to open and configure one costs more than a query.
 _SQLITE_CONNECTIONS = {"pool_size": 16, "max_overflow": 32}
 
 
@@ -25,23 +29,23 @@ _ONLY_READS = "rattle_only_reads"
 
 
 def to_read(session: Session) -> Session:
-    """Say of a new session that it only reads: then it waits for no writer, in SQLite neither.
+    """Mark a new session as read-only, so that it does not wait for writers in SQLite either.
 
-    There each of its statements sees the database as it is at that moment.
+    In SQLite each of its statements then sees the database as it is at that moment.
     """
     session.connection(execution_options={_ONLY_READS: True})
     return session
 
 
 def only_reads(engine: Engine) -> Engine:
-    """The same database, with connections for what `to_read` says of sessions."""
+    """The same engine with read-only connections, as `to_read` makes read-only sessions."""
     return engine.execution_options(**{_ONLY_READS: True})
 
 
 def _tune_sqlite(engine: Engine) -> None:
-    """WAL, and transactions that take the write lock at once.
+    """Use write-ahead logging, and transactions that take the write lock at once.
 
-    With SQLite's defaults four processes that read, changed and wrote lost 226 of 256 commits without an error.
+    With SQLite's defaults, four processes that read, changed and wrote lost 226 of 256 commits without an error.
     """
 
     @event.listens_for(engine, "connect")
@@ -58,30 +62,34 @@ def _tune_sqlite(engine: Engine) -> None:
 
 
 def _write_ahead(connection: Any) -> None:
-    """Switch to WAL: the one statement that SQLite refuses at once, timeout or not, while another does the same."""
-    patience = time.monotonic() + _BUSY_SECONDS
+    """Switch to WAL. SQLite refuses this statement at once, whatever the timeout, while another connection runs it."""
+    deadline = time.monotonic() + _BUSY_SECONDS
     while True:
         try:
             connection.execute("PRAGMA journal_mode=WAL")
             return
         except sqlite3.OperationalError:
-            if time.monotonic() > patience:
+            if time.monotonic() > deadline:
                 raise
             time.sleep(0.02)
 
 
 def open_database(url: str) -> tuple[Engine, Callable[[], Session]]:
-    """Open the database at a SQLAlchemy URL, brought to the newest schema.
+    """Open the database at a SQLAlchemy URL, and bring it to the newest schema.
 
     Parameters
     ----------
     url : str
-        SQLite or PostgreSQL.
+        Of SQLite or PostgreSQL.
 
     Returns
     -------
     (Engine, callable)
         The callable makes sessions.
+
+    Raises
+    ------
+    DatabaseError
     """
     engine = connect_database(url)
     migrate(engine)
@@ -89,10 +97,10 @@ def open_database(url: str) -> tuple[Engine, Callable[[], Session]]:
 
 
 def connect_database(url: str) -> Engine:
-    """Engine of the database at a SQLAlchemy URL, whatever its schema."""
+    """Engine of the database at a SQLAlchemy URL, whatever its schema is."""
     parsed = make_url(url)
     if parsed.get_backend_name() == "postgresql":
-        # A connection that the server has closed, as when it was started anew, is noticed before it is used.
+        # A connection that the server has closed, as at a restart, is replaced before it is used.
         return create_engine(parsed, pool_pre_ping=True, connect_args=_POSTGRESQL)
     if parsed.get_backend_name() == "sqlite" and parsed.database:
         Path(parsed.database).parent.mkdir(parents=True, exist_ok=True)
@@ -109,9 +117,9 @@ def migrate(engine: Engine, change: Callable[[Config, str], None] = command.upgr
     ----------
     engine : Engine
     change : callable
-        Alembic's ``upgrade``, or its ``downgrade``.
+        Alembic's ``upgrade`` or ``downgrade``.
     revision : str
-        Number of a migration; ``head`` is the newest, ``base`` is before the first.
+        Number of a migration, ``head`` for the newest, or ``base`` for an empty database.
     """
     config = Config()
     config.set_main_option("script_location", str(Path(__file__).parent / "migrations"))

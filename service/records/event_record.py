@@ -1,4 +1,4 @@
-"""What has happened to each job, numbered: what its stream of events replays."""
+"""Numbered events of each job, which its event stream replays."""
 
 from datetime import datetime
 from typing import Any
@@ -10,10 +10,10 @@ from service.records.job_record import Base, JobState
 
 
 class EventRecord(Base):
-    """One event of a job: it has changed its state, or it is further than before.
+    """One event of a job: a change of state, or progress.
 
-    Numbers rise by one from event to event of a job. All changes of state are kept as long as the job; of its progress
-    what is recent, and nothing once it has ended. So the table has a few rows a job, and some dozens for one that runs.
+    The events of a job are numbered from 1 without gaps. Changes of state are kept as long as the job. Of progress only
+    recent events are kept, and none once the job has ended. So a job has a few rows, and some dozens while it runs.
     """
 
     __tablename__ = "events"
@@ -23,8 +23,8 @@ class EventRecord(Base):
     state: Mapped[JobState] = mapped_column(
         Enum(JobState, native_enum=False, length=16, values_callable=lambda states: [state.value for state in states])
     )
-    # Set where the event is that the job is further.
+    # Set for progress.
     progress: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True))
-    # Set where the state is failed.
+    # Set for the state failed.
     error: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True))
     moment: Mapped[datetime] = mapped_column(DateTime(timezone=True))

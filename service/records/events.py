@@ -1,7 +1,7 @@
-"""Writing and reading the events of jobs.
+"""Writes and reads the events of jobs.
 
-An event is written in the transaction that changes the job, after the job's row has been changed: that row is locked
-until the transaction ends, so the numbers of a job's events have neither gaps nor twins, and appear in order.
+An event is written in the transaction that changes the job, after the job's row has been changed. That row is locked
+until the transaction ends, so the events of a job are numbered without gaps or duplicates, and appear in order.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -16,13 +16,13 @@ from service.records.event_record import EventRecord
 from service.records.job_record import JobState
 
 PROGRESS_KEPT = 64
-"""Events of progress that are kept for a job that runs: a quarter of a minute."""
+"""Progress events that are kept for a running job: a quarter of a minute."""
 
 
 def note_event(
     session: Session, job_id: str, state: JobState, progress: dict[str, Any] | None = None, error: Any = None
 ) -> None:
-    """Write an event of a job that this transaction has made or changed."""
+    """Write an event of a job that this transaction has created or changed."""
     of_job = EventRecord.job_id == job_id
     sequence = 1 + (session.scalar(select(func.max(EventRecord.sequence)).where(of_job)) or 0)
     session.add(
@@ -36,13 +36,13 @@ def note_event(
         session.execute(delete(EventRecord).where(*outdated))
 
 
-def forget_events(session: Session, job_id: str) -> None:
-    """Remove the events of a job that is being removed."""
+def delete_events(session: Session, job_id: str) -> None:
+    """Delete the events of a job that is being deleted."""
     session.execute(delete(EventRecord).where(EventRecord.job_id == job_id))
 
 
 class Events:
-    """The events of a service's database, for reading.
+    """Reads the events in a service's database.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class Events:
             return list(session.scalars(later.order_by(EventRecord.sequence)))
 
     def newest(self, job_ids: Collection[str]) -> Mapping[str, int]:
-        """Highest number of each of some jobs; a job that is no more is left out."""
+        """Highest event number of each of some jobs; jobs that no longer exist are left out."""
         newest = select(EventRecord.job_id, func.max(EventRecord.sequence)).where(EventRecord.job_id.in_(job_ids))
         with to_read(self._sessions()) as session:
             return dict(session.execute(newest.group_by(EventRecord.job_id)).all())

@@ -1,16 +1,15 @@
-"""Job records: the one truth about a job's life.
+"""Job records: the state of each job, and all that is known about it.
 
     queued --> running --> succeeded | failed
        |          |
        |          +--> cancelling --> cancelled
        +--> cancelled
 
-A running job goes back to queued when the service stops under it, or the cluster is lost, and is resumed from its
-store. The last three states never change again. Every change of state is a compare-and-swap in the database.
+A running job goes back to queued when the service stops or the cluster is lost, and later resumes from its store. The
+last three states are final. Every change of state is a compare-and-swap in the database.
 
-A job that runs is leased to the replica of the service that runs it, and stays so while that replica says in time that
-it lives. A job whose lease has run out is taken over by any replica; the one that lost it can change nothing of it any
-more.
+A running job is leased to the replica of the service that runs it. The replica renews the lease as long as it lives.
+Any replica may take over a job whose lease has run out. The former owner can then no longer change it.
 """
 
 from datetime import datetime
@@ -33,12 +32,12 @@ class JobState(StrEnum):
 
     @property
     def final(self) -> bool:
-        """Whether the state never changes again."""
+        """Whether the state can no longer change."""
         return self in (JobState.SUCCEEDED, JobState.FAILED, JobState.CANCELLED)
 
 
 SMALL_PLACES = 250_000
-"""A basin or sweep of up to so many cells or points is small: it waits for no place that large ones have taken."""
+"""Most cells or points of a small job. Small jobs need not wait for slots that large ones occupy."""
 LIVE = (JobState.QUEUED, JobState.RUNNING, JobState.CANCELLING)
 """States that are not final."""
 
@@ -60,8 +59,8 @@ class JobRecord(Base):
     id: Mapped[str] = mapped_column(String(32), unique=True)
     kind: Mapped[str] = mapped_column(String(16))
     digest: Mapped[str] = mapped_column(String(64), index=True)
-    # The digest while the job can still answer a request, NULL once it has failed or was cancelled: unique, so that the
-    # same request is the same job, whoever sends it at whatever moment.
+    # The digest while the job can answer a request, NULL once it has failed or was cancelled. It is unique: the same
+    # request is the same job, whoever sends it and when.
     answering: Mapped[str | None] = mapped_column(String(64), unique=True)
     state: Mapped[JobState] = mapped_column(
         Enum(JobState, native_enum=False, length=16, values_callable=lambda states: [state.value for state in states]),
@@ -70,23 +69,23 @@ class JobRecord(Base):
     request: Mapped[dict[str, Any]] = mapped_column(JSON)
     progress: Mapped[dict[str, Any] | None] = mapped_column(JSON)
     error: Mapped[dict[str, Any] | None] = mapped_column(JSON)
-    # Who asked first: the name of a key, or "local" where the doors are open.
+    # Who submitted it first: the name of a key, or "local" where no keys are required.
     submitter: Mapped[str] = mapped_column(String(64), index=True)
     created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
     started: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
     finished: Mapped[datetime | None] = mapped_column(DateTime(timezone=True), index=True)
-    # Which claim of which replica runs the job, and until when by the database's clock, in seconds since 1970.
+    # The claim under which the job runs, and the end of its lease: seconds since 1970 by the database's clock.
     lease_owner: Mapped[str | None] = mapped_column(String(64))
     lease_until: Mapped[float | None] = mapped_column(Float)
-    # Cells or points that it computes, which quotas count.
+    # Cells or points to compute, which quotas count.
     places: Mapped[int] = mapped_column(BigInteger, server_default="0")
-    # Counts its changes, whatever makes them: who has seen this one has seen all that stands here.
+    # Counts the changes of this row, whatever statement makes them.
     revision: Mapped[int] = mapped_column(default=0, server_default="0", onupdate=text("revision + 1"))
-    # Name of its result's store: its own id, or that of the failed or cancelled job whose result it goes on from; NULL
-    # while it is being deleted.
+    # Name of the store of its result: its own id, or that of the failed or cancelled job that it continues; NULL while
+    # it is being deleted.
     store: Mapped[str | None] = mapped_column(String(32), index=True)
 
     @property
     def small(self) -> bool:
-        """Whether it is over soon; of analyses, which have no places, nobody knows."""
+        """Whether the job is short. Of analyses, which have no cells, this is unknown, and they count as large."""
         return 1 <= self.places <= SMALL_PLACES

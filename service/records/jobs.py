@@ -1,4 +1,4 @@
-"""What happens to job records: submission, leases, changes of state, progress."""
+"""Changes of job records: submission, leases, states, progress."""
 
 import uuid
 from collections.abc import Callable, Collection
@@ -7,13 +7,13 @@ from enum import Enum
 from typing import Any
 
 from sqlalchemy import ColumnElement, and_, bindparam, delete, func, or_, select, text, true, update
-from sqlalchemy.exc import IntegrityError, SQLAlchemyError
+from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session, aliased
 
 from service.errors import JobNotFound
 from service.records.clock import database_time
-from service.records.engine import to_read
-from service.records.events import forget_events, note_event
+from service.records.engine import DatabaseError, to_read
+from service.records.events import delete_events, note_event
 from service.records.job_record import LIVE, SMALL_PLACES, JobRecord, JobState
 from service.records.quotas import check_quotas
 from service.records.replica import is_dead
@@ -21,12 +21,12 @@ from service.settings import Quotas
 from worker.job import Job
 
 LEASE_SECONDS = 20.0
-"""How long a replica need not be heard of before its jobs are taken over."""
+"""Time without a renewal after which a job may be taken over."""
 _HELD = (JobState.RUNNING, JobState.CANCELLING)
-# What is asked hundreds of times a second is built once.
+# Statements that run hundreds of times a second are built once.
 _BY_ID = select(JobRecord).where(JobRecord.id == bindparam("job_id"))
 _ANSWERING = select(JobRecord).where(JobRecord.answering == bindparam("digest"))
-# Any number, as long as every replica takes the same one.
+# Any number will do; every replica uses the same one.
 _SUBMISSION_LOCK = 6
 
 
@@ -38,44 +38,43 @@ def _lease_over() -> ColumnElement[bool]:
     return or_(JobRecord.lease_until.is_(None), JobRecord.lease_until < database_time())
 
 
-class Whose(Enum):
-    """Of which submitters."""
+class LargeJobsOf(Enum):
+    """Submitters whose large jobs may be claimed."""
 
-    ANYONES = "anyone's"
-    NEWCOMERS = "of who has nothing running"
-    NOBODYS = "nobody's"
+    ANYONE = "anyone"
+    IDLE = "submitters that have nothing running"
+    NOBODY = "nobody"
 
 
 class Jobs:
     """The job records.
 
-    Guarantees. The same request is answered with the same job as long as that job can answer it; after a failure or a
-    cancellation a new one is made, which goes on from what is in the store. A state changes only from the state it is
-    expected in, and a final state never. A job is leased to one claim at a time, and what is done in the name of
-    another one changes nothing.
+    Guarantees. The same request gets the same job as long as that job can answer it. After a failure or a cancellation
+    it gets a new job, which continues from the store of the old one. A state changes only from the expected state, and
+    a final state never. A job is leased to one claim at a time; changes on behalf of any other claim have no effect.
 
     Parameters
     ----------
     sessions : callable
         Makes database sessions.
     quotas : Quotas
-        What submissions are refused beyond.
+        Beyond which submissions are refused.
     """
 
     def __init__(self, sessions: Callable[[], Session], quotas: Quotas) -> None:
         self._sessions, self._quotas = sessions, quotas
 
     def submit(self, job: Job, submitter: str) -> tuple[JobRecord, bool]:
-        """Record of the job that answers a request, and whether it is new; `submitter` is noted where it is.
+        """Record of the job that answers a request, and whether it is new. A new job belongs to `submitter`.
 
         Raises
         ------
         TooMuch, LimitExceeded
-            Where a quota leaves no room for a new job.
+            If a new job would exceed a quota.
         """
         while True:
             with self._sessions() as session:
-                _one_at_a_time(session)
+                _lock_submissions(session)
                 known = session.scalar(_ANSWERING, {"digest": job.digest})
                 if known is not None:
                     return known, False
@@ -92,7 +91,7 @@ class Jobs:
                     note_event(session, record.id, record.state)
                     session.commit()
                 except IntegrityError:
-                    continue  # another replica recorded the same request in the meantime: take that one
+                    continue  # another replica has just recorded the same request: return that job
                 return record, True
 
     def get(self, job_id: str) -> JobRecord:
@@ -109,28 +108,30 @@ class Jobs:
         return record
 
     def records(self, ids: Collection[str]) -> list[JobRecord]:
-        """Those of these ids that there are, in any order."""
+        """Records with these ids, as far as they exist, in any order."""
         with to_read(self._sessions()) as session:
             return list(session.scalars(select(JobRecord).where(JobRecord.id.in_(ids))))
 
-    def claim(self, owner: str, *, but: Collection[str] = (), large: Whose = Whose.ANYONES) -> JobRecord | None:
-        """A job that is queued, or that a dead replica has left running: now leased, and running.
+    def claim(
+        self, owner: str, *, exclude: Collection[str] = (), large: LargeJobsOf = LargeJobsOf.ANYONE
+    ) -> JobRecord | None:
+        """Claim a job that is queued, or whose lease has run out; it is then leased and running. None if there is none.
 
-        It is of the submitter with the fewest jobs running, then the one who was served longest ago, and the oldest of
-        that submitter's.
+        It is the oldest job of the submitter with the fewest running jobs; among several such submitters, of the one
+        that was served longest ago.
 
         Parameters
         ----------
         owner : str
-            Who claims; unlike any other claim.
-        but : collection of str
-            Jobs that are not to be claimed.
-        large : Whose
-            Whose jobs may be claimed that are not small.
+            Name of the claim, different from that of any other.
+        exclude : collection of str
+            Jobs not to claim.
+        large : LargeJobsOf
+            Submitters whose large jobs may be claimed.
         """
         free = and_(
             or_(JobRecord.state == JobState.QUEUED, and_(JobRecord.state == JobState.RUNNING, _lease_over())),
-            JobRecord.id.not_in(but),
+            JobRecord.id.not_in(exclude),
             _allowed(large),
         )
         values = {
@@ -151,16 +152,16 @@ class Jobs:
                     return session.scalar(select(JobRecord).where(JobRecord.id == job_id))
 
     def renew(self, owners: Collection[str]) -> dict[str, JobState]:
-        """Renew the leases of some claims; those that still hold theirs, with the states of their jobs."""
-        ours = JobRecord.lease_owner.in_(owners), JobRecord.state.in_(_HELD)
+        """Renew the leases of some claims; states of the jobs whose claims still hold, by claim."""
+        held = JobRecord.lease_owner.in_(owners), JobRecord.state.in_(_HELD)
         with self._sessions() as session:
-            session.execute(update(JobRecord).where(*ours).values(lease_until=database_time() + LEASE_SECONDS))
+            session.execute(update(JobRecord).where(*held).values(lease_until=database_time() + LEASE_SECONDS))
             session.commit()
-            held = session.execute(select(JobRecord.lease_owner, JobRecord.state).where(*ours)).all()
-        return {str(owner): state for owner, state in held}
+            rows = session.execute(select(JobRecord.lease_owner, JobRecord.state).where(*held)).all()
+        return {str(owner): state for owner, state in rows}
 
-    def free_the_dead(self) -> None:
-        """End the leases of replicas that are seen to be dead, and cancel what nobody is left to cancel."""
+    def end_dead_leases(self) -> None:
+        """End the leases of replicas known to be dead, and complete cancellations that have no owner left."""
         with self._sessions() as session:
             owners = session.scalars(select(JobRecord.lease_owner).where(JobRecord.state.in_(_HELD)).distinct()).all()
             dead = [owner for owner in owners if owner is not None and is_dead(owner.partition("/")[0])]
@@ -176,7 +177,7 @@ class Jobs:
     def move(
         self, job_id: str, expected: JobState, state: JobState, *, owner: str | None = None, **values: Any
     ) -> bool:
-        """Change a state from the expected one; False where it was another, or the job is not `owner`'s (if given)."""
+        """Change a state from the expected one; False if it was another, or if a given `owner` is not the job's."""
         if state not in _HELD:
             values |= {"lease_owner": None, "lease_until": None}
         if state.final:
@@ -194,17 +195,17 @@ class Jobs:
         return done
 
     def record_progress(self, job_id: str, progress: dict[str, Any], owner: str) -> None:
-        """Note how far a running job is, where it is `owner`'s."""
-        noted = update(JobRecord).where(JobRecord.id == job_id, JobRecord.lease_owner == owner)
+        """Record the progress of a running job, if `owner` owns it."""
+        change = update(JobRecord).where(JobRecord.id == job_id, JobRecord.lease_owner == owner)
         with self._sessions() as session:
-            state = session.scalar(noted.values(progress=progress).returning(JobRecord.state))
+            state = session.scalar(change.values(progress=progress).returning(JobRecord.state))
             if state is not None and not state.final:
                 note_event(session, job_id, state, progress)
             session.commit()
 
     def request_cancel(self, job_id: str) -> JobRecord:
-        """Cancel a queued job at once, ask a running one to stop; a final one stays as it is."""
-        for _ in range(3):  # the state may move under us, forwards only: twice at most
+        """Cancel a queued job at once, or mark a running one to be stopped; a job that has ended is not changed."""
+        for _ in range(3):  # the state may change meanwhile, twice at most
             record = self.get(job_id)
             if record.state == JobState.QUEUED and not self.move(job_id, JobState.QUEUED, JobState.CANCELLED):
                 continue
@@ -213,74 +214,74 @@ class Jobs:
             break
         return self.get(job_id)
 
-    def give_up_store(self, job_id: str) -> str | None:
-        """Part an ended job from its store; the store's name, where no other job needs it.
+    def release_store(self, job_id: str) -> str | None:
+        """Detach an ended job from its store; the store's name, if no other job needs it.
 
-        Another one does that has gone on from there, or that may.
+        A job needs it that has continued from there.
         """
         with self._sessions() as session:
-            _one_at_a_time(session)
+            _lock_submissions(session)
             store = session.scalar(select(JobRecord.store).where(JobRecord.id == job_id))
-            ours = JobRecord.id == job_id, JobRecord.state.not_in(LIVE)
-            session.execute(update(JobRecord).where(*ours).values(store=None))
+            own = JobRecord.id == job_id, JobRecord.state.not_in(LIVE)
+            session.execute(update(JobRecord).where(*own).values(store=None))
             needed = JobRecord.store == store, JobRecord.answering.is_not(None)
             others = session.scalar(select(func.count()).where(*needed))
             session.commit()
         return None if others else store
 
     def delete(self, job_id: str) -> None:
-        """Remove the record of a job that has ended."""
+        """Delete the record of a job that has ended."""
         with self._sessions() as session:
-            gone = delete(JobRecord).where(JobRecord.id == job_id, JobRecord.state.not_in(LIVE))
-            if session.execute(gone).rowcount == 1:  # type: ignore[attr-defined]
-                forget_events(session, job_id)
+            deletion = delete(JobRecord).where(JobRecord.id == job_id, JobRecord.state.not_in(LIVE))
+            if session.execute(deletion).rowcount == 1:  # type: ignore[attr-defined]
+                delete_events(session, job_id)
             session.commit()
 
     def count(self) -> dict[JobState, int]:
-        """How many jobs are in each state."""
+        """Number of jobs in each state."""
         with self._sessions() as session:
             counts = select(JobRecord.state, func.count()).group_by(JobRecord.state)
             return dict(session.execute(counts).all())
 
     def answers(self) -> bool:
-        """Whether the database does."""
+        """Whether the database answers."""
         try:
             with to_read(self._sessions()) as session:
                 session.execute(select(1))
-        except SQLAlchemyError:
+        except DatabaseError:
             return False
         return True
 
 
-def _one_at_a_time(session: Session) -> None:
-    """Let no other submission count until this one is recorded; SQLite's transactions are so by themselves."""
+def _lock_submissions(session: Session) -> None:
+    """Hold off other submissions until this one is recorded. In SQLite every transaction does that by itself."""
     if session.get_bind().dialect.name == "postgresql":
         session.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": _SUBMISSION_LOCK})
 
 
 def _store_left(session: Session, digest: str) -> str | None:
-    """Store of the last job of this digest that failed or was cancelled."""
+    """Store of the last job with this digest that failed or was cancelled."""
     ended = JobRecord.digest == digest, JobRecord.store.is_not(None)
     return session.scalar(select(JobRecord.store).where(*ended).order_by(JobRecord.number.desc()).limit(1))
 
 
-def _allowed(large: Whose) -> ColumnElement[bool]:
-    """Jobs that there is a place for: small ones, and some of the others."""
-    if large is Whose.ANYONES:
+def _allowed(large: LargeJobsOf) -> ColumnElement[bool]:
+    """Condition for jobs that there is a slot for: small ones, and some of the large ones."""
+    if large is LargeJobsOf.ANYONE:
         return true()
     small = JobRecord.places.between(1, SMALL_PLACES)
-    return or_(small, _running_of(JobRecord.submitter) == 0) if large is Whose.NEWCOMERS else small
+    return or_(small, _running_of(JobRecord.submitter) == 0) if large is LargeJobsOf.IDLE else small
 
 
 def _running_of(submitter: Any) -> Any:
-    """Query for how many jobs of a submitter run."""
+    """Query for the number of running jobs of a submitter."""
     other = aliased(JobRecord)
     held = other.state.in_(_HELD), other.lease_until >= database_time()
     return select(func.count(other.number)).where(other.submitter == submitter, *held).scalar_subquery()
 
 
 def _next_in_turn(free: ColumnElement[bool]) -> Any:
-    """Query for the number of the job whose turn it is."""
+    """Query for the number of the next job in turn."""
     waiting = (
         select(JobRecord.submitter, func.min(JobRecord.number).label("number"))
         .where(free)

@@ -1,4 +1,4 @@
-"""Keys: making, listing, revoking, and knowing whose a key is."""
+"""Keys: adding, listing and revoking them, and finding the caller that a key belongs to."""
 
 import hashlib
 import hmac
@@ -16,33 +16,33 @@ from service.records.engine import to_read
 from service.records.key_record import KeyRecord, KeyScope
 
 LOCAL = "local"
-"""Who submits where the doors are open."""
+"""Name of all callers where no keys are required."""
 _MARK = "rattle_"
 _PREFIX = len(_MARK) + 8
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@-]{0,63}")
-# A revoked key opens nothing after this long, in any replica.
-_LOOK_AGAIN_SECONDS = 2.0
+# A revoked key is refused after this long, in every replica.
+_REFRESH_SECONDS = 2.0
 _NOTE_USE_SECONDS = 60.0
 
 
 class InvalidKeyName(ValueError):
-    """A name that no key can have."""
+    """A name that a key cannot have."""
 
 
 @dataclass(frozen=True)
 class Caller:
-    """Who speaks: the name of a key, and what it allows."""
+    """Sender of a request: the name of its key, and the scopes of that key."""
 
     name: str
     scopes: frozenset[KeyScope]
 
     def may(self, scope: KeyScope) -> bool:
-        """Whether the caller's key allows this."""
+        """Whether the caller's key has this scope."""
         return scope in self.scopes or KeyScope.ADMIN in self.scopes
 
 
-ANYONE_HERE = Caller(LOCAL, frozenset({KeyScope.ADMIN}))
-"""The caller where the doors are open."""
+LOCAL_CALLER = Caller(LOCAL, frozenset({KeyScope.ADMIN}))
+"""The caller where no keys are required."""
 
 
 def _digest(key: str) -> str:
@@ -66,7 +66,7 @@ class Keys:
         self._sessions = sessions
 
     def add(self, name: str, scopes: Iterable[KeyScope]) -> str:
-        """Make a key. It is told this once and kept nowhere.
+        """Make a key. It is returned this once and stored nowhere.
 
         Raises
         ------
@@ -92,12 +92,12 @@ class Keys:
         return key
 
     def all(self) -> Sequence[KeyRecord]:
-        """Every key there ever was, oldest first."""
+        """All keys, revoked ones too, oldest first."""
         with to_read(self._sessions()) as session:
             return session.scalars(select(KeyRecord).order_by(KeyRecord.number)).all()
 
     def revoke(self, which: str) -> list[KeyRecord]:
-        """Revoke the key of that prefix, or all keys of that name; returns those that were live until now."""
+        """Revoke the key with this prefix, or all keys of this name; the keys that were valid until now."""
         with self._sessions() as session:
             live = select(KeyRecord).where(
                 or_(KeyRecord.name == which, KeyRecord.prefix == which[:_PREFIX]), KeyRecord.revoked.is_(None)
@@ -109,59 +109,60 @@ class Keys:
         return found
 
     def live(self) -> tuple[list[KeyRecord], bool]:
-        """Keys that open something, and whether there ever was any."""
+        """Keys that are not revoked, and whether there is any key at all."""
         with to_read(self._sessions()) as session:
             live = list(session.scalars(select(KeyRecord).where(KeyRecord.revoked.is_(None))))
             return live, bool(live) or bool(session.scalar(select(func.count()).select_from(KeyRecord)))
 
     def note_use(self, numbers: Iterable[int]) -> None:
-        """Note that keys have been used just now."""
+        """Record that keys have just been used."""
         with self._sessions() as session:
             session.execute(update(KeyRecord).where(KeyRecord.number.in_(numbers)).values(last_used=_now()))
             session.commit()
 
 
 class KeyRing:
-    """The keys as this process saw them last, at most two seconds ago: looking a caller up asks nobody.
+    """The keys as this process read them last, at most two seconds ago. Looking up a caller needs no query.
 
-    Guarantees. Keys are demanded where the settings say so, or where the database holds any key, also a revoked one: to
-    revoke the last key opens no door. What an unknown key costs does not depend on how much of it is right.
+    Guarantees. Keys are required where the settings say so, and where the database holds any key, even a revoked one:
+    revoking the last key does not open the service. The time to refuse a key does not depend on how much of it is
+    right.
 
     Parameters
     ----------
     keys : Keys
-    demanded : bool
-        Whether keys are demanded also while there are none.
+    required : bool
+        Whether keys are required even while there are none.
     """
 
-    def __init__(self, keys: Keys, demanded: bool) -> None:
-        self._keys, self._demanded = keys, demanded
+    def __init__(self, keys: Keys, required: bool) -> None:
+        self._keys, self._required = keys, required
         self._known: dict[str, KeyRecord] = {}
         self._any = True
-        self._looked = self._noted = -_NOTE_USE_SECONDS
+        self._refreshed = self._noted = -_NOTE_USE_SECONDS
         self._used: set[int] = set()
 
     @property
     def stale(self) -> bool:
-        """Whether it is time to look again."""
-        return time.monotonic() - self._looked > _LOOK_AGAIN_SECONDS
+        """Whether the keys should be read again."""
+        return time.monotonic() - self._refreshed > _REFRESH_SECONDS
 
-    def look(self) -> None:
-        """Look at the database, and note there once a minute which keys have been used."""
+    def refresh(self) -> None:
+        """Read the keys again, and record once a minute which ones have been used."""
         if self._used and time.monotonic() - self._noted > _NOTE_USE_SECONDS:
             used, self._used, self._noted = self._used, set(), time.monotonic()
             self._keys.note_use(used)
         live, self._any = self._keys.live()
         self._known = {record.prefix: record for record in live}
-        self._looked = time.monotonic()
+        self._refreshed = time.monotonic()
 
     @property
-    def demanded(self) -> bool:
+    def required(self) -> bool:
         """Whether callers need a key."""
-        return self._demanded or self._any
+        return self._required or self._any
 
     def caller(self, key: str) -> Caller | None:
-        """Whose key this is, None where it is nobody's."""
+        """Caller that this key belongs to; None if the key is unknown or revoked."""
         record = self._known.get(key[:_PREFIX])
         given = _digest(key)
         if record is None or not hmac.compare_digest(record.digest, given):

@@ -1,30 +1,34 @@
-"""Which process a replica of the service is, told so that others on the same machine can see whether it still lives.
+"""Names of the service's replicas, by which others on the same machine can see whether a replica is still alive.
 
-A lease of a replica that was killed need not run out before its jobs go on: where the replica was a process that this
-one would see (same boot, same process namespace) and does not, it is dead.
+The lease of a killed replica need not run out before its jobs go on. Where the replica ran on this machine, since the
+same boot and in the same process namespace, and its process is gone, the replica is dead.
 """
 
 import os
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
+
+import psutil
 
 _PROC = Path("/proc")
 
 
-def _start_of(pid: int) -> str | None:
-    """When a process was started, in clock ticks since boot: it tells processes of the same number apart."""
-    try:
-        told = (_PROC / str(pid) / "stat").read_text()
-    except OSError:
-        return None
-    # The name, in parentheses, may hold blanks.
-    state, *fields = told.rpartition(")")[2].split()
-    return None if state in ("Z", "X") else fields[18]
+def _start_of(pid: int) -> int | None:
+    """Seconds from boot to the start of a process, which tell processes of the same number apart; None if it is gone.
+
+    `psutil` adds the kernel's time of boot, which moves when the system's clock is set. The difference does not.
+    """
+    with suppress(psutil.NoSuchProcess):
+        process = psutil.Process(pid)
+        if process.status() not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD):
+            return round(process.create_time() - psutil.boot_time())
+    return None
 
 
 @cache
 def _here() -> str:
-    """Machine and process namespace; empty where the system does not tell."""
+    """Machine and process namespace; empty where the system does not provide them."""
     try:
         boot = (_PROC / "sys/kernel/random/boot_id").read_text().strip()
         return f"{boot[:13]}.{os.stat(_PROC / 'self/ns/pid').st_ino}"
@@ -33,11 +37,15 @@ def _here() -> str:
 
 
 def replica_name() -> str:
-    """Name of this process, unlike any other's: machine, namespace, number, start."""
+    """Unique name of this process: machine, namespace, process number, start."""
     return f"{_here()}.{os.getpid()}.{_start_of(os.getpid())}"
 
 
 def is_dead(name: str) -> bool:
-    """Whether a replica is known to have ended; False where that cannot be seen from here."""
+    """Whether a replica is known to have ended; False where this machine cannot know."""
     here, pid, start = (name.rsplit(".", 2) + ["", ""])[:3]
-    return bool(here) and here == _here() and pid.isdigit() and _start_of(int(pid)) != start
+    if not here or here != _here() or not pid.isdigit():
+        return False
+    running = _start_of(int(pid))
+    # The kernel's time of boot may change by a second between the two readings.
+    return running is None or abs(running - int(start)) > 1

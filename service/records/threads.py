@@ -1,8 +1,8 @@
-"""Where the most frequent requests ask the database: in few threads, or in none.
+"""Threads in which the most frequent requests query the database: few of them, or none.
 
-FastAPI runs plain functions in forty threads. Once answers are late, forty of them ask at once, and spend more time on
-taking Python's lock from each other, and on opening connections, than on answers: a service that answered 300 requests
-a second fell to 200 at a hiccup, and stayed there (`docs/decisions/0025-reads-in-the-loop.md`).
+FastAPI runs plain functions in forty threads. Once answers are late, all forty query at once, and spend more time on
+Python's lock and on new connections than on answers. A service at 300 requests a second then fell to 200, and stayed
+there (`docs/decisions/0025-reads-in-the-loop.md`).
 """
 
 from collections.abc import Callable
@@ -16,15 +16,15 @@ _READING, _WRITING = 4, 4
 
 
 class DatabaseThreads:
-    """Runs functions in few threads, those that only read apart from those that may wait for a writer.
+    """Runs functions in few threads; those that only read in other threads than those that may wait for a writer.
 
-    To be made where an event loop runs.
+    It must be created where an event loop runs.
 
     Parameters
     ----------
     near : bool
-        Whether the database is a file of this process: SQLite's readers wait for nobody, and what is read there in half
-        a millisecond is read at once, as the way to a thread and back costs as much.
+        Whether the database is a local file. SQLite's readers wait for nobody, and a read takes half a millisecond, as
+        much as the way to a thread and back. So it is done in the event loop.
     """
 
     def __init__(self, near: bool) -> None:
@@ -32,11 +32,11 @@ class DatabaseThreads:
         self._reading, self._writing = CapacityLimiter(_READING), CapacityLimiter(_WRITING)
 
     async def read(self, function: Callable[[*_Ts], _T], *arguments: *_Ts) -> _T:
-        """What a function returns that only reads."""
+        """Result of a function that only reads the database."""
         if self._near:
             return function(*arguments)
         return await to_thread.run_sync(function, *arguments, limiter=self._reading)
 
     async def write(self, function: Callable[[*_Ts], _T], *arguments: *_Ts) -> _T:
-        """What a function returns that may write."""
+        """Result of a function that may write to the database."""
         return await to_thread.run_sync(function, *arguments, limiter=self._writing)

@@ -1,1 +1,1 @@
-"""Routes: validate, call one function, translate."""
+"""Routes of the API: validate, call one function, translate."""

@@ -6,8 +6,9 @@ from fastapi import APIRouter, Body
 
 from service.answers.checks import CheckView, check_request
 from service.routes.dependencies import SettingsHere, problems
+from service.routes.plain_json import PlainJsonRoute
 
-router = APIRouter(prefix="/v1", tags=["submit"])
+router = APIRouter(prefix="/v1", tags=["submit"], route_class=PlainJsonRoute)
 
 
 @router.post(

@@ -1,4 +1,4 @@
-"""The page on which basins are looked at, and the files that it is made of."""
+"""The explorer: its page, and the files that the page loads."""
 
 from pathlib import Path
 
@@ -14,5 +14,5 @@ files = StaticFiles(directory=_FILES)
 
 @router.get("/")
 def get_page() -> FileResponse:
-    """Page of the explorer; it asks again for its files at each visit, so that a new version is seen at once."""
+    """Page of the explorer. Browsers revalidate it at each visit, so a new version is seen at once."""
     return FileResponse(_FILES / "index.html", headers={"cache-control": "no-cache"})

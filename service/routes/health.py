@@ -9,13 +9,13 @@ router = APIRouter(tags=["health"])
 
 
 class Health(BaseModel):
-    """The process answers."""
+    """Liveness of the process."""
 
     status: str = "ok"
 
 
 class Readiness(BaseModel):
-    """What the service needs to compute."""
+    """Whether the service has what it needs to compute."""
 
     ready: bool
     database: bool

@@ -17,8 +17,8 @@ from service.routes.dependencies import (
     SettingsHere,
     ThreadsHere,
     ViewsHere,
-    demand_ownership,
     problems,
+    require_ownership,
 )
 from worker.stores.result_files import remove_result, result_location
 
@@ -48,8 +48,8 @@ async def get_job(job_id: JobId, views: ViewsHere, threads: ThreadsHere, if_none
 
 @router.post("/{job_id}/cancel", response_model=JobView, status_code=202, summary="Cancel a job", responses=_NO_JOB)
 def cancel_job(job_id: JobId, jobs: JobsHere, views: ViewsHere, runner: RunnerHere, caller: CallerHere) -> Response:
-    """Stop a job. What it has computed stays readable; a job that has ended stays as it is."""
-    demand_ownership(jobs.get(job_id), caller)
+    """Stop a job. What it has computed stays readable; a job that has ended is not changed."""
+    require_ownership(jobs.get(job_id), caller)
     record = jobs.request_cancel(job_id)
     runner.cancel(job_id)
     return Response(views.of_record(record).body, 202, media_type="application/json")
@@ -65,15 +65,15 @@ def delete_job(
     job_id: JobId, jobs: JobsHere, runner: RunnerHere, settings: SettingsHere, caller: CallerHere
 ) -> Response:
     """Stop a job if it is running, then remove its result and its record."""
-    demand_ownership(jobs.get(job_id), caller)
+    require_ownership(jobs.get(job_id), caller)
     jobs.request_cancel(job_id)
     runner.cancel(job_id)
-    patience = time.monotonic() + _STOP_SECONDS
+    deadline = time.monotonic() + _STOP_SECONDS
     while not jobs.get(job_id).state.final:
-        if time.monotonic() > patience:
+        if time.monotonic() > deadline:
             raise Unstoppable(f"job {job_id} has not stopped within {_STOP_SECONDS:.0f} s: try again")
         time.sleep(0.05)
-    if (store := jobs.give_up_store(job_id)) is not None:
+    if (store := jobs.release_store(job_id)) is not None:
         remove_result(result_location(settings.results, store))
     jobs.delete(job_id)
     return Response(status_code=204)

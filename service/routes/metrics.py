@@ -15,5 +15,5 @@ router = APIRouter(tags=["health"])
     responses={200: {"description": "Prometheus' text format", "content": {"text/plain": {}}}},
 )
 def get_metrics(jobs: JobsHere, runner: RunnerHere) -> Response:
-    """Of this process, of the one that runs jobs, and of the jobs in their database."""
+    """Metrics of this process, of the runner process, and of the jobs in the database."""
     return Response(metrics.exposition(jobs.count(), runner.metrics()), media_type=metrics.CONTENT_TYPE)

@@ -5,27 +5,19 @@ import re
 from importlib.metadata import version
 from typing import Annotated
 
-from anyio import to_thread
 from fastapi import APIRouter, Request, Response
 from pydantic import AfterValidator
 
-from service.answers.byte_range import answer_range
-from service.answers.conditional import (
-    NOT_MODIFIED,
-    IfNoneMatch,
-    etag_of,
-    json_or_not_modified,
-    not_modified,
-)
-from service.answers.result_view import draw_result, place_of_result, result_fingerprint
+from service.answers.byte_range import range_of_file
+from service.answers.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, json_or_not_modified, not_modified
+from service.answers.result_view import draw_result, location_of_result, result_fingerprint, summary_of_result
 from service.errors import JobNotFound, NotReady
 from service.models.analysis_requests import AnalysisResult
 from service.models.models import ResultView
-from service.routes.dependencies import JobId, JobsHere, SettingsHere, SummariesHere, ThreadsHere, problems
+from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems
 from worker.errors import InvalidJob
 from worker.pictures.panel_picture import Layer
 from worker.pictures.share_chart import draw_shares
-from worker.stores.result_files import file_of_store
 from worker.stores.summary import fingerprint
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
@@ -35,12 +27,17 @@ _NOTHING_YET = problems(s404="there is no such job, or it has not begun")
 
 
 def location_of(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
-    """Place of a job's store, once there is one."""
-    return place_of_result(jobs.get(job_id), settings.results)
+    """Location of a job's store.
+
+    Raises
+    ------
+    JobNotFound, NotReady
+    """
+    return location_of_result(jobs.get(job_id), settings.results)
 
 
 def _store_path(path: str) -> str:
-    # Whatever is no place in a store ends here, before anything makes a path of it.
+    # Anything that is not a path within a store ends here, before it reaches the file system.
     if not re.fullmatch(r"[A-Za-z0-9._/-]{1,512}", path) or {"", ".", ".."} & set(path.split("/")):
         raise JobNotFound(f"a store holds no {path!r}")
     return path
@@ -52,18 +49,12 @@ def _store_path(path: str) -> str:
     summary="Summary of a result",
     responses=_NOTHING_YET | NOT_MODIFIED,
 )
-async def get_result(
-    job_id: JobId, jobs: JobsHere, threads: ThreadsHere, summaries: SummariesHere, if_none_match: IfNoneMatch = None
-) -> Response:
+def get_result(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
     """Solutions, shares and attractors, or what an analysis has found.
 
-    Also while the job runs, and then it says that it is not complete.
+    Also while the job runs; `complete` is then false.
     """
-    record = await threads.read(jobs.get, job_id)
-    summary = summaries.at_hand(record)
-    if summary is None:
-        summary = await to_thread.run_sync(summaries.of, record)
-    return json_or_not_modified(summary, if_none_match)
+    return json_or_not_modified(summary_of_result(jobs.get(job_id), settings.results), if_none_match)
 
 
 @router.get(
@@ -79,9 +70,9 @@ def get_picture(
     layer: Layer = Layer.SOLUTION,
     if_none_match: IfNoneMatch = None,
 ) -> Response:
-    """Draw the basin, also while tiles are still coming: what is missing is hatched. Or what an analysis has found."""
+    """Draw a basin, or what an analysis has found. While a basin is computed, missing tiles are hatched."""
     location, kind = location_of(job_id, jobs, settings), jobs.get(job_id).kind
-    # Asked before the picture is drawn: a tile that comes meanwhile is in the picture, and changes the next ETag.
+    # Taken before the picture is drawn: a tile that arrives meanwhile is in the picture and changes the next ETag.
     etag = etag_of(result_fingerprint(kind, location), layer, _VERSION)
     known = not_modified(etag, if_none_match)
     if known is not None:
@@ -102,7 +93,7 @@ def get_picture(
     },
 )
 def get_shares(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
-    """Draw the share of each solution over the swept parameter, or maps of them over two, also while a sweep runs."""
+    """Draw the share of each solution over one swept parameter, or as maps over two, also while the sweep runs."""
     location, buffer = location_of(job_id, jobs, settings), io.BytesIO()
     kind = jobs.get(job_id).kind
     if kind != "sweep":
@@ -132,8 +123,8 @@ def get_store(
     jobs: JobsHere,
     settings: SettingsHere,
 ) -> Response:
-    """One file of the store; `xarray.open_zarr` reads it by the URL that ends in `result.zarr`, also while it grows."""
-    file = file_of_store(location_of(job_id, jobs, settings), path)
-    if file is None:
+    """One file of the store. `xarray.open_zarr` opens the URL that ends in `result.zarr`, also while the job runs."""
+    answer = range_of_file(location_of(job_id, jobs, settings), path, request.headers)
+    if answer is None:
         raise JobNotFound(f"the store of job {job_id} holds no {path!r}")
-    return answer_range(file, request.headers)
+    return answer

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from fastapi import Depends, Response
 
-from service.answers.conditional import Told
+from service.answers.conditional import JsonAnswer
 from service.answers.job_views import JobViews
 from service.answers.limits import JobRequest, check_size
 from service.records.jobs import Jobs
@@ -48,7 +48,7 @@ class Submission:
         job_id, view = known or await self._record(job)
         return Response(view.body, 202, {"location": f"/v1/jobs/{job_id}"}, "application/json")
 
-    async def _record(self, job: Job) -> tuple[str, Told]:
+    async def _record(self, job: Job) -> tuple[str, JsonAnswer]:
         record, new = await self.threads.write(self.jobs.submit, job, self.submitter)
         if new:
             self.runner.ring()

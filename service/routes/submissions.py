@@ -16,9 +16,10 @@ from service.models.analysis_requests import (
 )
 from service.models.models import BasinRequest, JobView, SweepRequest
 from service.routes.dependencies import problems
+from service.routes.plain_json import PlainJsonRoute
 from service.routes.submission import SubmissionHere
 
-router = APIRouter(prefix="/v1", tags=["submit"])
+router = APIRouter(prefix="/v1", tags=["submit"], route_class=PlainJsonRoute)
 
 _ACCEPTED: dict[str, Any] = {
     "status_code": 202,

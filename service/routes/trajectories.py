@@ -1,12 +1,13 @@
-"""Time histories, answered at once."""
+"""Time histories, computed while the client waits."""
 
 from fastapi import APIRouter
 
 from service.errors import LimitExceeded
 from service.models.trajectory import TrajectoryRequest, TrajectoryView
 from service.routes.dependencies import SettingsHere, problems
+from service.routes.plain_json import PlainJsonRoute
 
-router = APIRouter(prefix="/v1", tags=["trajectories"])
+router = APIRouter(prefix="/v1", tags=["trajectories"], route_class=PlainJsonRoute)
 
 
 @router.post(
@@ -17,7 +18,7 @@ router = APIRouter(prefix="/v1", tags=["trajectories"])
     ),
 )
 def follow_trajectory(request: TrajectoryRequest, settings: SettingsHere) -> TrajectoryView:
-    """Answer with the time history from an initial condition, of either model, and with its contacts."""
+    """Compute the time history from an initial condition, of either model, and list its contacts."""
     samples = request.periods * request.samples_per_period
     if samples > settings.max_samples:
         raise LimitExceeded(

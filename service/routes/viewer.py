@@ -1,4 +1,4 @@
-"""What a viewer draws a basin from: its outline, and its labels tile by tile."""
+"""Data from which a viewer draws a basin: its outline, its overlays, and its labels tile by tile."""
 
 import gzip
 import threading
@@ -10,8 +10,9 @@ from service.answers.conditional import (
     NOT_MODIFIED,
     IfNoneMatch,
     etag_of,
+    json_answer,
+    json_or_not_modified,
     not_modified,
-    view_or_not_modified,
 )
 from service.errors import NotReady
 from service.models.viewer import OutlineView, OverlaysView, OverlayView
@@ -26,10 +27,10 @@ from worker.views.tile_labels import read_tile_labels
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["viewer"])
 
 _NOTHING_YET = problems(s404="there is no such job, or what was asked for is not there yet")
-# Overlays of one request at a time: they are computed here, beside everything else that is asked.
+# Overlays are computed in this process, beside all other answers: one request at a time.
 _COMPUTING = threading.Lock()
 Panel = Annotated[int, Query(ge=0, description="Which basin of a sweep, the last swept parameter fastest")]
-_FOR_GOOD, _ASK_AGAIN = "private, max-age=604800, immutable", "private, no-cache"
+_IMMUTABLE, _REVALIDATE = "private, max-age=604800, immutable", "private, no-cache"
 
 
 @router.get(
@@ -45,9 +46,9 @@ def get_outline(
     panel: Panel = 0,
     if_none_match: IfNoneMatch = None,
 ) -> Response:
-    """Window, tiles and what is in them, solutions with their colours and points, the grazing curve."""
+    """Window, tiles and their states, solutions with their colours and points, the grazing curve."""
     view = OutlineView.from_outline(outline_basin(location_of(job_id, jobs, settings), panel))
-    return view_or_not_modified(view, if_none_match)
+    return json_or_not_modified(json_answer(view.model_dump_json()), if_none_match)
 
 
 @router.get(
@@ -64,9 +65,9 @@ def get_overlays(
     panel: Panel = 0,
     if_none_match: IfNoneMatch = None,
 ) -> Response:
-    """Curves and marks of one kind, computed when they are asked for: saddles and manifolds take seconds.
+    """Curves and marks of one kind, computed on request: saddles and manifolds take seconds.
 
-    Saddles and manifolds need the catalogue of motions: before it is there, the list is empty.
+    Saddles and manifolds need the catalogue of motions. Until it exists, the list is empty.
     """
     location = location_of(job_id, jobs, settings)
     etag = etag_of(fingerprint(location), kind, str(panel))
@@ -99,7 +100,7 @@ def get_tile(
 ) -> Response:
     """Step, group and period as int32, then solution as int16: little endian, each row by row from the lowest speed.
 
-    The header `rattle-shape` has the rows and columns.
+    The header `rattle-shape` holds the numbers of rows and columns.
     """
     labels = read_tile_labels(location_of(job_id, jobs, settings), number, every)
     if labels is None:
@@ -108,7 +109,7 @@ def get_tile(
     if (known := not_modified(etag, if_none_match)) is not None:
         return known
     headers = {
-        "etag": etag, "cache-control": _FOR_GOOD if labels.final else _ASK_AGAIN, "vary": "accept-encoding",
+        "etag": etag, "cache-control": _IMMUTABLE if labels.final else _REVALIDATE, "vary": "accept-encoding",
         "rattle-shape": f"{labels.rows} {labels.columns}",
     }  # fmt: skip
     content = labels.content

@@ -1,4 +1,4 @@
-"""What the process that runs jobs counts, for Prometheus; the service passes it on with its own."""
+"""Metrics of the runner process, for Prometheus. The service passes them on with its own."""
 
 from collections.abc import Iterator
 
@@ -24,10 +24,10 @@ _LEASES = Counter("rattle_leases_lost", "Jobs that another replica took over fro
 
 
 class _Retries(Collector):
-    """Counted by the worker, which knows of no metrics."""
+    """Counted by the worker, which knows nothing of metrics."""
 
     def collect(self) -> Iterator[Metric]:
-        """As Prometheus asks for them."""
+        """Current count, as Prometheus collects it."""
         yield CounterMetricFamily("rattle_task_retries", "Tasks submitted again after they were lost", tasks_retried())
 
 
@@ -35,36 +35,36 @@ _REGISTRY.register(_Retries())
 
 
 def job_started(waited: float) -> None:
-    """Note that a job has started for the first time, and how many seconds it had waited."""
+    """Record that a job has started for the first time, and the seconds it was queued."""
     _WAIT.observe(max(0.0, waited))
 
 
 def job_ended(state: JobState) -> None:
-    """Note that a job has ended."""
+    """Record that a job has ended."""
     _ENDED.labels(state).inc()
 
 
 def lease_lost() -> None:
-    """Note that another replica has taken over a job of this one."""
+    """Record that another replica has taken over a job of this one."""
     _LEASES.inc()
 
 
 def exposition() -> bytes:
-    """All of it as Prometheus reads it."""
+    """All metrics in Prometheus' text format."""
     return generate_latest(_REGISTRY)
 
 
 class Pace:
-    """Counts the tiles and cells of one run of a job, from what it reports.
+    """Counts the tiles and cells of one run of a job, from its progress reports.
 
-    Tiles that were in the store when a job was resumed count as done in its first report, and not here.
+    Tiles that a resumed job finds in its store are in its first report and are not counted.
     """
 
     def __init__(self) -> None:
         self._last: Progress | None = None
 
     def __call__(self, progress: Progress) -> None:
-        """Count what has been done since the last report."""
+        """Count the tiles and cells since the last report."""
         last, self._last = self._last, progress
         if last is None or last.stage != progress.stage:
             return

@@ -1,8 +1,8 @@
-"""The process that runs jobs, beside the one that answers.
+"""The runner process, which runs jobs beside the process that answers requests.
 
-Creating stores and driving tasks cost a processor for as long as small jobs come, and Python lets one thread of a
-process compute at a time: in one process with the answers, fifteen small jobs a second made each answer wait for
-seconds. Both know the jobs from the database; between the two processes there are only hints, two pipes of them.
+Creating stores and driving tasks keep a processor busy while small jobs arrive, and Python lets one thread of a process
+compute at a time. In a single process, fifteen small jobs a second delayed every answer by seconds. Both processes know
+the jobs from the database. Two pipes between them carry hints only.
 """
 
 import contextlib
@@ -24,21 +24,22 @@ from service.settings import Settings
 from worker.cluster.reconnecting_cluster import LastingCluster
 
 _log = logging.getLogger("rattle.runner")
-# Whoever asks is answered first: a small job's store takes a processor for half a second, and at 2 the one that answers
-# got little more than half of its core meanwhile. A process that yields more takes long to stop on a busy machine.
+# Answers come first. A small job's store takes a processor for half a second; at niceness 2 the answering process got
+# little more than half of its core meanwhile. At a higher niceness the runner takes long to stop on a busy machine.
 _NICENESS = 7
-_TELL_SECONDS = 0.5
-# News that are older tell of a process that hangs.
-_NEWS_SECONDS = 3.0
+_REPORT_SECONDS = 0.5
+# An older report means that the process hangs.
+_REPORT_VALID_SECONDS = 3.0
 _STOP_SECONDS = 10.0
 _PAUSE_SECONDS = 1.0
 
 
 class RunnerProcess:
-    """Keeps a process that runs jobs, as one of the service that answers.
+    """Keeps a runner process alive, from the process that answers.
 
-    Guarantees. One that ends is started again, and goes on with its jobs at once: its leases are seen to be a dead
-    one's. When this process ends, however it does, the other one stops and gives its jobs back. No call waits for it.
+    Guarantees. A runner that ends is started again and continues its jobs at once, as it sees that the owner of their
+    leases is dead. When this process ends, in whatever way, the runner stops and its jobs go back to the queue. No call
+    waits for the runner.
 
     Parameters
     ----------
@@ -48,18 +49,18 @@ class RunnerProcess:
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
         self._stopping = threading.Event()
-        self._orders: Connection | None = None
+        self._commands: Connection | None = None
         self._process: SpawnProcess | None = None
-        self._news: tuple[int, bytes] = (0, b"")
-        self._told = -_NEWS_SECONDS
+        self._report: tuple[int, bytes] = (0, b"")
+        self._reported = -_REPORT_VALID_SECONDS
         self._keeping = threading.Thread(target=self._keep, name="rattle-runner", daemon=True)
 
     def start(self) -> None:
-        """Begin."""
+        """Start the process."""
         self._keeping.start()
 
     def stop(self) -> None:
-        """Stop: running jobs go back to queued."""
+        """Stop the process. Running jobs go back to the queue."""
         self._stopping.set()
         self._hang_up()
         self._keeping.join(_STOP_SECONDS)
@@ -67,84 +68,88 @@ class RunnerProcess:
             process.kill()
 
     def ring(self) -> None:
-        """Say that a job has been submitted."""
-        self._order(None)
+        """Announce that a job has been submitted."""
+        self._send(None)
 
     def cancel(self, job_id: str) -> None:
-        """Say that a job was cancelled; where it runs elsewhere, it is noticed there."""
-        self._order(job_id)
+        """Announce that a job was cancelled. If it runs in another replica, that one reads it from the database."""
+        self._send(job_id)
 
     def workers(self) -> int:
-        """Workers that the scheduler knows; 0 where it, or the process, does not answer."""
-        return self._news[0] if time.monotonic() - self._told < _NEWS_SECONDS else 0
+        """Number of workers that the scheduler knows; 0 if it or the runner process does not answer."""
+        return self._report[0] if time.monotonic() - self._reported < _REPORT_VALID_SECONDS else 0
 
     def metrics(self) -> bytes:
-        """What the process counts, as Prometheus reads it; half a second old."""
-        return self._news[1]
+        """The runner's metrics in Prometheus' text format, at most half a second old."""
+        return self._report[1]
 
-    def _order(self, job_id: str | None) -> None:
-        # A hint that is lost, as where the process hangs and the pipe is full, is made up for by the database.
+    def _send(self, job_id: str | None) -> None:
+        # A hint may be lost, as when the process hangs and the pipe is full: the runner polls the database, too.
         with contextlib.suppress(OSError):
-            if (orders := self._orders) is not None:
-                orders.send(job_id)
+            if (commands := self._commands) is not None:
+                commands.send(job_id)
 
     def _hang_up(self) -> None:
-        orders, self._orders = self._orders, None
-        if orders is not None:
-            orders.close()
+        commands, self._commands = self._commands, None
+        if commands is not None:
+            commands.close()
 
     def _keep(self) -> None:
         while not self._stopping.is_set():
             try:
                 self._run_once()
             except OSError:
-                _log.exception("no process for jobs could be started")
+                _log.exception("the runner process could not be started")
             if not self._stopping.is_set():
-                _log.error("the process that runs jobs has ended; starting it again")
+                _log.error("the runner process has ended; starting it again")
                 self._stopping.wait(_PAUSE_SECONDS)
 
     def _run_once(self) -> None:
         """Run one process to its end."""
         context = multiprocessing.get_context("spawn")
-        orders_there, orders = context.Pipe(duplex=False)
-        news, news_there = context.Pipe(duplex=False)
-        # What is shorter than a page is written whole or not at all, and never waited for.
-        os.set_blocking(orders.fileno(), False)
-        process = context.Process(target=_run_jobs, args=(self._settings, orders_there, news_there), name="rattle-runs")
+        commands_there, commands = context.Pipe(duplex=False)
+        reports, reports_there = context.Pipe(duplex=False)
+        # A message shorter than a page is written as a whole or not at all, without waiting.
+        os.set_blocking(commands.fileno(), False)
+        process = context.Process(
+            target=_run_jobs, args=(self._settings, commands_there, reports_there), name="rattle-runs"
+        )
         process.start()
         self._process = process
-        for theirs in (orders_there, news_there):
+        for theirs in (commands_there, reports_there):
             theirs.close()
-        self._orders = orders
+        self._commands = commands
         if self._stopping.is_set():
             self._hang_up()
-        with news, contextlib.suppress(EOFError, OSError):
+        with reports, contextlib.suppress(EOFError, OSError):
             while True:
-                self._news, self._told = news.recv(), time.monotonic()
+                self._report, self._reported = reports.recv(), time.monotonic()
         self._hang_up()
         process.join()
 
 
-def _run_jobs(settings: Settings, orders: Connection, news: Connection) -> None:
-    """Run jobs until the other end of `orders` is closed, as it is when the process that holds it dies."""
-    for asked in (signal.SIGTERM, signal.SIGINT):  # told to the whole group, and passed on by the process that answers
-        signal.signal(asked, lambda *_: None)
+def _run_jobs(settings: Settings, commands: Connection, reports: Connection) -> None:
+    """Run jobs until the other end of `commands` is closed, as it is when its process dies."""
+    # Signals reach the whole process group. The answering process handles them, and closes the pipe.
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: None)
     os.nice(_NICENESS)
-    write_logs(settings.log_format, settings.log_level)
+    log = write_logs(settings.log_format, settings.log_level)
     engine, sessions = open_database(settings.database)
     cluster = LastingCluster(settings.scheduler, settings.workers, settings.certificates, _Compiling())
     cluster.open()
     runner = Runner(Jobs(sessions, settings.quotas), cluster, settings.results, settings.concurrent_jobs)
     runner.start()
-    threading.Thread(target=_tell, args=(runner, news), name="rattle-news", daemon=True).start()
+    threading.Thread(target=_report, args=(runner, reports), name="rattle-reports", daemon=True).start()
     with contextlib.suppress(EOFError):
         while True:
-            job_id = orders.recv()
+            job_id = commands.recv()
             runner.ring() if job_id is None else runner.cancel(job_id)
     runner.stop()
     cluster.drop()
     engine.dispose()
-    os._exit(0)  # all that matters is in order; what Dask would still wait for is not
+    log.stop()
+    os._exit(0)  # everything that matters is closed; closing Dask as well would take seconds
 
 
 class _Compiling:
@@ -159,8 +164,8 @@ class _Compiling:
             _log.info("compiling kernels, the first time only: %d of %d", done, total)
 
 
-def _tell(runner: Runner, news: Connection) -> None:
-    with contextlib.suppress(OSError):  # nobody listens any more
+def _report(runner: Runner, reports: Connection) -> None:
+    with contextlib.suppress(OSError):  # the other process has ended
         while True:
-            news.send((runner.workers(), run_metrics.exposition()))
-            time.sleep(_TELL_SECONDS)
+            reports.send((runner.workers(), run_metrics.exposition()))
+            time.sleep(_REPORT_SECONDS)

@@ -1,4 +1,4 @@
-"""Runs jobs on the cluster: several at once, by turns of their submitters, under leases."""
+"""Runs jobs on the cluster: several at a time, by turns of their submitters, under leases."""
 
 import collections
 import dataclasses
@@ -9,12 +9,11 @@ import time
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy.exc import SQLAlchemyError
-
-from service.errors import kind_of
 from service.logs import about_job
+from service.problems import kind_of
+from service.records.engine import DatabaseError
 from service.records.job_record import JobRecord, JobState
-from service.records.jobs import Jobs, Whose
+from service.records.jobs import Jobs, LargeJobsOf
 from service.records.lease import Lease
 from service.records.replica import replica_name
 from service.runner import metrics as run_metrics
@@ -26,32 +25,32 @@ from worker.progress import Progress, Stage
 from worker.stores.result_files import result_location
 
 _log = logging.getLogger("rattle.runner")
-# Other replicas submit to the same database, and nobody rings here for them.
+# Jobs submitted to other replicas are found by polling.
 _POLL_SECONDS = 0.5
-# How soon a cancellation that another replica was told of is noticed; a lease lasts many times longer.
-_BEAT_SECONDS = 0.5
-_LOOK_FOR_DEAD_SECONDS = 2.0
+# How soon a cancellation sent to another replica is noticed. A lease lasts many times longer.
+_RENEW_SECONDS = 0.5
+_CHECK_DEAD_SECONDS = 2.0
 _PROGRESS_SECONDS = 0.25
 _STOP_SECONDS = 4.0
-# A job that loses the cluster so often without having come any further is to blame itself.
+# A job that loses the cluster this often without progress is itself the cause.
 _LOSSES = 5
 
 
 Ends = dict[JobState, JobState]
-"""What becomes of a job that ends in some way: the state it is in, and the one it then has."""
+"""For each state that a job can be in when it ends, the state that it then gets."""
 _STOPPED: Ends = {JobState.CANCELLING: JobState.CANCELLED, JobState.RUNNING: JobState.QUEUED}
 _FAILED: Ends = {each: JobState.FAILED for each in (JobState.RUNNING, JobState.CANCELLING)}
-# Somebody may have asked for cancellation after the last tile: the result is there, and that is what counts.
+# A cancellation may arrive after the last tile. The result is complete, so the job has succeeded.
 _SUCCEEDED: Ends = {each: JobState.SUCCEEDED for each in (JobState.RUNNING, JobState.CANCELLING)}
 
 
 class Runner:
-    """Threads that run jobs: one that claims them, one that keeps their leases, and one for each job.
+    """Threads that run jobs: one claims them, one renews their leases, and each job has its own.
 
-    Guarantees. A job that this runner has claimed ends in a final state, or goes back to queued when the runner is
-    stopped or the cluster is lost under it, or is left to another replica when its lease is lost; then nothing more is
-    written. Cancelling is noticed within half a second, and tiles stop between two bands. Replicas share the jobs of
-    one database; those of a dead one are taken over when its leases run out, or at once where it is seen to be dead.
+    Guarantees. A claimed job ends in a final state; or it goes back to the queue, if the runner stops or the cluster is
+    lost; or it is left to another replica, if its lease is lost, and nothing more is written. A cancellation is noticed
+    within half a second, and tiles stop between two bands. Replicas share the jobs of one database. The jobs of a dead
+    replica are taken over when its leases run out, or at once where this machine can see that it is dead.
 
     Parameters
     ----------
@@ -60,52 +59,52 @@ class Runner:
     results : str
         Folder of the Zarr stores.
     most : int
-        Jobs that run at once. Of several places the last one is kept for small jobs, the one before it for those and
-        for submitters that have nothing running.
+        Jobs that run at a time. Of several slots, the last one is kept for small jobs, and the one before it for small
+        jobs and for submitters that have nothing running.
     """
 
     def __init__(self, jobs: Jobs, cluster: LastingCluster, results: str, most: int) -> None:
         self.jobs, self.cluster, self.results, self.most = jobs, cluster, results, most
         self._name = replica_name()
         self._claims = itertools.count(1)
-        self._bell = threading.Event()
+        self._wake = threading.Event()
         self._stopping = threading.Event()
         self._lock = threading.Lock()
         self._leases: dict[str, Lease] = {}
         self._threads: dict[str, threading.Thread] = {}
         self._losses: collections.Counter[str] = collections.Counter()
-        self._looked_for_dead = -_LOOK_FOR_DEAD_SECONDS
+        self._checked_dead = -_CHECK_DEAD_SECONDS
         self._claiming = threading.Thread(target=self._claim_jobs, name="rattle-claims", daemon=True)
-        self._beating = threading.Thread(target=self._keep_leases, name="rattle-leases", daemon=True)
+        self._renewing = threading.Thread(target=self._keep_leases, name="rattle-leases", daemon=True)
 
     def start(self) -> None:
-        """Begin."""
+        """Start the threads."""
         self._claiming.start()
-        self._beating.start()
+        self._renewing.start()
 
     def stop(self) -> None:
-        """Stop: running jobs go back to queued."""
+        """Stop the threads. Running jobs go back to the queue."""
         self._stopping.set()
-        self._bell.set()
-        patience = time.monotonic() + _STOP_SECONDS
+        self._wake.set()
+        deadline = time.monotonic() + _STOP_SECONDS
         self._claiming.join(_STOP_SECONDS)
         for lease in self._held():
             lease.cancel.set()
         for thread in list(self._threads.values()):
-            thread.join(max(0.0, patience - time.monotonic()))
+            thread.join(max(0.0, deadline - time.monotonic()))
 
     def ring(self) -> None:
-        """Say that a job has been submitted."""
-        self._bell.set()
+        """Announce that a job has been submitted."""
+        self._wake.set()
 
     def cancel(self, job_id: str) -> None:
-        """Tell a job to stop, if it runs here; if elsewhere, it is noticed there."""
+        """Stop a job if it runs here. If it runs elsewhere, that replica reads the cancellation from the database."""
         with self._lock:
             if job_id in self._leases:
                 self._leases[job_id].cancel.set()
 
     def workers(self) -> int:
-        """Workers that the scheduler knows; 0 where it does not answer."""
+        """Number of workers that the scheduler knows; 0 if it does not answer."""
         return self.cluster.workers()
 
     def _held(self) -> list[Lease]:
@@ -114,29 +113,29 @@ class Runner:
 
     def _claim_jobs(self) -> None:
         while not self._stopping.is_set():
-            self._bell.clear()
+            self._wake.clear()
             try:
                 claimed = self._claim()
-            except SQLAlchemyError:
+            except DatabaseError:
                 _log.exception("the database did not answer; trying again")
                 claimed = False
             if not claimed:
-                self._bell.wait(_POLL_SECONDS)
+                self._wake.wait(_POLL_SECONDS)
 
     def _claim(self) -> bool:
-        """Begin one more job, if there is room, a cluster, and a job."""
+        """Start one more job, if there is a free slot, a cluster, and a job; whether one was started."""
         running = [lease.record for lease in self._held()]
-        if time.monotonic() - self._looked_for_dead >= _LOOK_FOR_DEAD_SECONDS:
-            self.jobs.free_the_dead()
-            self._looked_for_dead = time.monotonic()
+        if time.monotonic() - self._checked_dead >= _CHECK_DEAD_SECONDS:
+            self.jobs.end_dead_leases()
+            self._checked_dead = time.monotonic()
         if len(running) >= self.most > 0:
             return False
         client = self.cluster.client()
         if client is None or self.most == 0:
             return False
         asked = time.monotonic()
-        owner, ours = f"{self._name}/{next(self._claims)}", [record.id for record in running]
-        record = self.jobs.claim(owner, but=ours, large=self._large(running))
+        owner, own = f"{self._name}/{next(self._claims)}", [record.id for record in running]
+        record = self.jobs.claim(owner, exclude=own, large=self._large(running))
         if record is None:
             return False
         lease = Lease(record, asked)
@@ -146,23 +145,23 @@ class Runner:
         thread.start()
         return True
 
-    def _large(self, running: list[JobRecord]) -> Whose:
-        """Whose large jobs there is a place for, beside those that run."""
+    def _large(self, running: list[JobRecord]) -> LargeJobsOf:
+        """Submitters whose large jobs there is a slot for, beside the jobs that run."""
         left = self.most - sum(not record.small for record in running)
         if left <= 1 < self.most:
-            return Whose.NOBODYS
-        return Whose.NEWCOMERS if left == 2 < self.most else Whose.ANYONES
+            return LargeJobsOf.NOBODY
+        return LargeJobsOf.IDLE if left == 2 < self.most else LargeJobsOf.ANYONE
 
     def _keep_leases(self) -> None:
-        while not self._stopping.wait(_BEAT_SECONDS):
+        while not self._stopping.wait(_RENEW_SECONDS):
             leases, asked = self._held(), time.monotonic()
             try:
                 states = self.jobs.renew([lease.owner for lease in leases]) if leases else {}
-            except SQLAlchemyError:
+            except DatabaseError:
                 _log.exception("leases could not be renewed; trying again")
                 continue
             for lease in leases:
-                # One that has run out is not taken up again: its driver may have stopped already.
+                # A lease that has run out is not renewed: its driver may have stopped already.
                 if lease.owner in states and not lease.lost:
                     lease.renewed(asked, states[lease.owner])
                 elif not lease.ending:
@@ -170,11 +169,11 @@ class Runner:
 
     def _run(self, lease: Lease, client: Client) -> None:
         with about_job(lease.record.id):
-            self._run_told(lease, client)
+            self._run_claimed(lease, client)
 
-    def _run_told(self, lease: Lease, client: Client) -> None:
+    def _run_claimed(self, lease: Lease, client: Client) -> None:
         record = lease.record
-        _log.info("runs: %s of %s", record.kind, record.submitter)
+        _log.info("started: %s of %s", record.kind, record.submitter)
         if record.progress is None:
             run_metrics.job_started((datetime.now(UTC) - record.created.replace(tzinfo=UTC)).total_seconds())
         try:
@@ -183,11 +182,13 @@ class Runner:
                 self._record_end(lease, ends, values)
             if lease.lost:
                 run_metrics.lease_lost()
-                _log.warning("job %s was taken over by another replica, or may be: it is left alone", lease.record.id)
+                _log.warning(
+                    "job %s may have been taken over by another replica: its end is not recorded here", lease.record.id
+                )
         finally:
             with self._lock:
                 del self._leases[lease.record.id], self._threads[lease.record.id]
-            self._bell.set()
+            self._wake.set()
 
     def _compute(self, lease: Lease, client: Client) -> tuple[Ends, dict[str, Any]]:
         record, report = lease.record, _Throttled(self.jobs, lease)
@@ -200,18 +201,18 @@ class Runner:
             return _STOPPED, {}
         except Exception as error:
             lost = isinstance(error, ClusterFailed) or client.status != "running"
-            if lost and self._may_go_on(record.id, report.came_further):
+            if lost and self._may_retry(record.id, report.advanced):
                 _log.warning("job %s is queued again: %s", record.id, error)
                 return _STOPPED, {}
             if not isinstance(error, WorkerError):
                 _log.exception("job failed")
-            told = {"kind": kind_of(error), "detail": f"{error}" if isinstance(error, WorkerError) else repr(error)}
-            return _FAILED, {"error": told}
+            detail = str(error) if isinstance(error, WorkerError) else repr(error)
+            return _FAILED, {"error": {"kind": kind_of(error), "detail": detail}}
         return _SUCCEEDED, {}
 
-    def _may_go_on(self, job_id: str, came_further: bool) -> bool:
-        """Whether a job that has lost the cluster is queued again."""
-        self._losses[job_id] = 1 if came_further else self._losses[job_id] + 1
+    def _may_retry(self, job_id: str, advanced: bool) -> bool:
+        """Whether a job that has lost the cluster goes back to the queue."""
+        self._losses[job_id] = 1 if advanced else self._losses[job_id] + 1
         return self._losses[job_id] < _LOSSES
 
     def _record_end(self, lease: Lease, ends: Ends, values: dict[str, Any]) -> None:
@@ -220,41 +221,41 @@ class Runner:
             try:
                 for expected, state in ends.items():
                     if self.jobs.move(lease.record.id, expected, state, owner=lease.owner, **values):
-                        self._tell_end(lease, state)
+                        self._note_end(lease, state)
                         return
                 lease.lose()
-            except SQLAlchemyError:
+            except DatabaseError:
                 _log.exception("the end of job %s could not be recorded; trying again", lease.record.id)
                 time.sleep(_POLL_SECONDS)
 
-    def _tell_end(self, lease: Lease, state: JobState) -> None:
+    def _note_end(self, lease: Lease, state: JobState) -> None:
         if state.final:
-            _log.info("ends: %s", state)
+            _log.info("ended: %s", state)
             self._losses.pop(lease.record.id, None)
             run_metrics.job_ended(state)
 
 
 class _Throttled:
-    """Writes progress to the job's record a few times a second; a new stage at once."""
+    """Writes a job's progress to its record, a few times a second, and each new stage at once."""
 
     def __init__(self, jobs: Jobs, lease: Lease) -> None:
         self.jobs, self.lease = jobs, lease
         self.stage: Stage | None = None
         self.written = 0.0
-        self.begun: tuple[Stage, int] | None = None
-        self.came_further = False
+        self.first: tuple[Stage, int] | None = None
+        self.advanced = False
         self.pace = run_metrics.Pace()
 
     def __call__(self, progress: Progress) -> None:
         self.pace(progress)
         reached = progress.stage, progress.tiles_done
-        self.begun = self.begun or reached
-        self.came_further |= reached != self.begun
+        self.first = self.first or reached
+        self.advanced |= reached != self.first
         now = time.monotonic()
         if progress.stage == self.stage and now - self.written < _PROGRESS_SECONDS:
             return
         self.stage, self.written = progress.stage, now
         try:
             self.jobs.record_progress(self.lease.record.id, dataclasses.asdict(progress), self.lease.owner)
-        except SQLAlchemyError:  # the next one will do; and if the database stays away, the lease runs out
+        except DatabaseError:  # the next report will do; if the database stays away, the lease runs out
             _log.exception("progress of job %s could not be recorded", self.lease.record.id)

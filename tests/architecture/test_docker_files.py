@@ -34,7 +34,9 @@ def test_the_image_has_a_user_of_its_own_and_a_health_check():
 
 
 def test_there_is_everything_that_a_cluster_needs():
-    assert COMPOSE["services"].keys() == {"service", "scheduler", "worker", "database", "objects", "bucket"}
+    assert COMPOSE["services"].keys() == {
+        "proxy", "service", "scheduler", "worker", "database", "objects", "bucket",
+    }  # fmt: skip
     assert PARTS == ["service", "scheduler", "worker"]
 
 
@@ -47,9 +49,9 @@ def test_every_part_is_restarted_whatever_its_code_and_can_do_little(name):
     assert "privileged" not in part and "network_mode" not in part
 
 
-def test_only_the_service_is_published_and_on_loopback_unless_asked_otherwise():
+def test_only_the_proxy_is_published_and_on_loopback_unless_asked_otherwise():
     published = {name: part["ports"] for name, part in COMPOSE["services"].items() if "ports" in part}
-    assert published == {"service": ["${RATTLE_PUBLISH:-127.0.0.1:8000}:8000"]}
+    assert published == {"proxy": ["${RATTLE_PUBLISH:-127.0.0.1:8000}:8443"]}
 
 
 def test_parts_of_the_cluster_speak_tls_and_show_no_dashboard():

@@ -7,8 +7,8 @@ import time
 import httpx2 as httpx
 import pytest
 
+from tests.analysis_requests import ROUTES as ANALYSES
 from tests.ports import free_port
-from tests.service.routes.test_analyses_over_http import ROUTES as ANALYSES
 
 pytestmark = pytest.mark.containers
 

@@ -110,3 +110,13 @@ def wait_for(condition, seconds, step=0.05):
         assert time.monotonic() < patience, "waited in vain"
         time.sleep(step)
     return said
+
+
+def begun(service, job):
+    """Wait until a job has mapped a tile."""
+    service.wait(job["id"], lambda job: job["progress"] and job["progress"]["tiles_done"] >= 1)
+
+
+def store_of(service, job):
+    """Folder of a job's store."""
+    return service.data / "results" / f"{job['id']}.zarr"

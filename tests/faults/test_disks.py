@@ -6,7 +6,7 @@ import subprocess
 import pytest
 
 from tests.faults.conftest import BASIN
-from tests.faults.test_workers_and_schedulers_killed import store_of
+from tests.faults.farm import store_of
 
 pytestmark = pytest.mark.skipif(os.geteuid() != 0, reason="mounting a small disk needs root")
 

@@ -8,8 +8,7 @@ import time
 import pytest
 
 from tests.faults.conftest import BASIN
-from tests.faults.farm import wait_for
-from tests.faults.test_workers_and_schedulers_killed import begun
+from tests.faults.farm import begun, wait_for
 from tests.store_content import content
 
 

@@ -6,8 +6,7 @@ import time
 import pytest
 
 from tests.faults.conftest import BASIN, SWEEP
-from tests.faults.farm import wait_for
-from tests.faults.test_workers_and_schedulers_killed import begun, store_of
+from tests.faults.farm import begun, store_of, wait_for
 from tests.running_service import RunningService
 
 # Tiles in flight, and those whose receipts came after the ledger was last written.

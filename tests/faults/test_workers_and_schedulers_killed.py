@@ -6,15 +6,7 @@ import time
 import pytest
 
 from tests.faults.conftest import BASIN
-from tests.faults.farm import Farm, kill, local_workers, wait_for
-
-
-def store_of(service, job):
-    return service.data / "results" / f"{job['id']}.zarr"
-
-
-def begun(service, job):
-    service.wait(job["id"], lambda job: job["progress"] and job["progress"]["tiles_done"] >= 1)
+from tests.faults.farm import Farm, begun, kill, local_workers, store_of, wait_for
 
 
 @pytest.mark.parametrize(("at_once", "seed"), [(1, 1), (2, 2)], ids=["a worker", "all workers"])

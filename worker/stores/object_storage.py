@@ -53,10 +53,21 @@ _ENDPOINTS = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT")
 
 @dataclass(frozen=True)
 class StoredFile:
-    """One file of a store, whole, and a tag that changes with its content."""
+    """Bytes of a file of a store from `start` on, the size of the whole, and a tag that changes with its content."""
 
     content: bytes
+    start: int
+    size: int
     tag: str
+
+
+Part = Callable[[int, str], tuple[int, int]]
+"""First byte to read of a file and the one after the last, from its size and tag."""
+
+
+def whole(size: int, tag: str) -> tuple[int, int]:
+    """Part of a file that is all of it."""
+    return 0, size
 
 
 class Place(Protocol):
@@ -72,8 +83,8 @@ class Place(Protocol):
     def taken(self) -> bool:
         """Whether something lies there that is not even the beginning of a store."""
 
-    def read(self, path: str) -> StoredFile | None:
-        """One file by its path within; None where there is none, or the path leads out."""
+    def read(self, path: str, part: Part) -> StoredFile | None:
+        """Part of a file by its path within; None where there is none, or the path leads out."""
 
     def folders(self, path: str) -> list[str]:
         """Names of what lies below a path within and has something below itself, ascending."""
@@ -125,7 +136,7 @@ class _Folder:
         begun = (self.path / "zarr.json").exists()
         return not begun and any(each.suffix != ".partial" for each in self.path.iterdir())
 
-    def read(self, path: str) -> StoredFile | None:
+    def read(self, path: str, part: Part) -> StoredFile | None:
         root = self.path.resolve()
         try:
             file = (root / path).resolve()
@@ -133,7 +144,10 @@ class _Folder:
                 return None
             with file.open("rb") as opened:  # one file, even where it is replaced in the meantime
                 status = os.fstat(opened.fileno())
-                return StoredFile(opened.read(), f"{status.st_mtime_ns:x}-{status.st_size:x}")
+                tag = f"{status.st_mtime_ns:x}-{status.st_size:x}"
+                start, stop = part(status.st_size, tag)
+                opened.seek(start)
+                return StoredFile(opened.read(stop - start), start, status.st_size, tag)
         except (FileNotFoundError, ValueError):  # removed in the meantime, or a name that no file can have
             return None
 
@@ -223,12 +237,16 @@ class _Objects:
         paths = self._paths()
         return bool(paths) and "zarr.json" not in paths
 
-    def read(self, path: str) -> StoredFile | None:
+    def read(self, path: str, part: Part) -> StoredFile | None:
         try:
-            answer = obstore.get(self._store, path)
+            answer = obstore.get(self._store, path)  # the content is sent when it is read
         except (FileNotFoundError, ValueError):  # none there, or a path with steps such as ".."
             return None
-        return StoredFile(bytes(answer.bytes()), re.sub(r"\W", "", answer.meta["e_tag"] or ""))
+        size, tag = answer.meta["size"], re.sub(r"\W", "", answer.meta["e_tag"] or "")
+        start, stop = part(size, tag)
+        if (start, stop) == (0, size):
+            return StoredFile(bytes(answer.bytes()), start, size, tag)
+        return StoredFile(bytes(obstore.get_range(self._store, path, start=start, end=stop)), start, size, tag)
 
     def folders(self, path: str) -> list[str]:
         found = obstore.list_with_delimiter(self._store, f"{path}/")

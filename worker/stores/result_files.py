@@ -1,7 +1,7 @@
 """Where results lie, and their files."""
 
 from worker.errors import told_as_store_failure
-from worker.stores.object_storage import StoredFile, place_at
+from worker.stores.object_storage import Part, StoredFile, place_at, whole
 
 
 def result_location(root: str, job_id: str) -> str:
@@ -21,8 +21,17 @@ def remove_result(location: str) -> None:
         place_at(location).remove()
 
 
-def file_of_store(location: str, path: str) -> StoredFile | None:
-    """File of a store by its path within, or none; a path that leads out of the store is none of its files.
+def read_file_of_store(location: str, path: str, part: Part = whole) -> StoredFile | None:
+    """Read a file of a store, or a part of it; None where there is none, or the path leads out of the store.
+
+    Parameters
+    ----------
+    location : str
+        Of the store.
+    path : str
+        Within the store.
+    part : callable
+        Which bytes to read, from the size of the file and its tag.
 
     Raises
     ------
@@ -30,4 +39,4 @@ def file_of_store(location: str, path: str) -> StoredFile | None:
         Where it cannot be read.
     """
     with told_as_store_failure(location):
-        return place_at(location).read(path)
+        return place_at(location).read(path, part)

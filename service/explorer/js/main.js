@@ -1,23 +1,23 @@
-/** The page: what belongs to what. */
+/** The page: connects its parts. */
 
-import { get, pathOf, post, send, whenKeyIsNeeded } from "./api.js";
-import { readAddress, writeAddress } from "./address.js";
-import { ended, follow } from "./follow.js";
-import { Form } from "./form.js";
-import { showLegend } from "./legend.js";
-import { askForKey } from "./login.js";
-import { Motions } from "./motions.js";
-import { OverlayList } from "./overlay_list.js";
-import { Picture } from "./picture.js";
-import { Plane } from "./plane.js";
-import { listRecent } from "./recent.js";
-import { attempt, inWords, say } from "./say.js";
-import { stateInWords, showProgress } from "./state.js";
-import { hasCells, Still } from "./still.js";
-import { Sweep } from "./sweep.js";
-import { showTakeaway } from "./takeaway.js";
-import { colour, setUpTheme } from "./theme.js";
-import { reading } from "./ticks.js";
+import { get, pathOf, post, send, whenKeyIsNeeded } from "./net/api.js";
+import { readAddress, writeAddress } from "./net/address.js";
+import { ended, follow } from "./net/follow.js";
+import { Form } from "./panels/form.js";
+import { showLegend } from "./panels/legend.js";
+import { askForKey } from "./page/login.js";
+import { Motions } from "./panels/motions.js";
+import { OverlayList } from "./panels/overlay_list.js";
+import { Picture } from "./plane/picture.js";
+import { Plane } from "./plane/plane.js";
+import { listRecent } from "./page/recent.js";
+import { attempt, inWords, say } from "./page/say.js";
+import { stateInWords, showProgress } from "./page/state.js";
+import { hasCells, Still } from "./page/still.js";
+import { Sweep } from "./panels/sweep.js";
+import { showTakeaway } from "./page/takeaway.js";
+import { colour, setUpTheme } from "./page/theme.js";
+import { reading } from "./charts/ticks.js";
 
 const FIRST_PRESET = "fig7bottom";
 const ZOOM_REST_MS = 350;

@@ -1,4 +1,4 @@
-"""Alembic's entry point: migrations run on the connection that `service.records.engine` opened."""
+"""Alembic's entry point. Migrations run on the connection that `service.records.engine` has opened."""
 
 from alembic import context
 
@@ -6,7 +6,7 @@ from service.records.event_record import EventRecord
 from service.records.job_record import JobRecord
 from service.records.key_record import KeyRecord
 
-# A table that has been imported is known to the metadata that they share.
+# Importing a table adds it to the metadata that all tables share.
 TABLES = JobRecord, KeyRecord, EventRecord
 
 context.configure(connection=context.config.attributes["connection"], target_metadata=TABLES[0].metadata)

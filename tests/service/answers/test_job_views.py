@@ -1,4 +1,4 @@
-"""Jobs are told as the database holds them, and read anew only where they have changed."""
+"""Views of jobs are what the database holds, and are read again only where a job has changed."""
 
 import pytest
 
@@ -36,8 +36,8 @@ def readings(service, monkeypatch):
     return counted
 
 
-def told(service, job):
-    """The job, as it is told alone and in a page."""
+def view_of(service, job):
+    """View of a job, the same alone and in a page."""
     alone = service.request("GET", f"/v1/jobs/{job.id}").json()
     paged = [each for each in service.request("GET", "/v1/jobs").json()["jobs"] if each["id"] == job.id]
     assert paged == [alone] and alone == JobView.from_record(service.jobs.get(job.id)).model_dump(
@@ -46,19 +46,19 @@ def told(service, job):
     return alone
 
 
-def test_a_change_is_told_at_once_whoever_has_made_it(service, elsewhere):
+def test_a_change_is_seen_at_once_whichever_replica_has_made_it(service, elsewhere):
     job = service.add_job()
-    assert told(service, job)["state"] == "queued"
+    assert view_of(service, job)["state"] == "queued"
     claimed = elsewhere.claim("other/1")
-    assert claimed.id == job.id and told(service, job)["state"] == "running"
+    assert claimed.id == job.id and view_of(service, job)["state"] == "running"
     elsewhere.record_progress(job.id, PROGRESS, "other/1")
-    assert told(service, job)["progress"]["tiles_done"] == 1
+    assert view_of(service, job)["progress"]["tiles_done"] == 1
     elsewhere.record_progress(job.id, PROGRESS | {"tiles_done": 2}, "other/1")
-    assert told(service, job)["progress"]["tiles_done"] == 2
+    assert view_of(service, job)["progress"]["tiles_done"] == 2
     elsewhere.request_cancel(job.id)
-    assert told(service, job)["state"] == "cancelling"
+    assert view_of(service, job)["state"] == "cancelling"
     elsewhere.move(job.id, JobState.CANCELLING, JobState.CANCELLED)
-    assert told(service, job)["finished"] is not None
+    assert view_of(service, job)["finished"] is not None
     elsewhere.delete(job.id)
     assert service.request("GET", f"/v1/jobs/{job.id}").status_code == 404
     assert service.request("GET", "/v1/jobs").json()["jobs"] == []
@@ -67,14 +67,14 @@ def test_a_change_is_told_at_once_whoever_has_made_it(service, elsewhere):
 def test_what_has_not_changed_is_not_read_again(service, readings):
     jobs = [service.add_job(cells) for cells in (4, 5, 6)]
     for _ in range(3):
-        told(service, jobs[0])
+        view_of(service, jobs[0])
     assert sorted(readings) == sorted(job.id for job in jobs)
     assert service.jobs.move(jobs[1].id, JobState.QUEUED, JobState.CANCELLED)
-    told(service, jobs[0])
+    view_of(service, jobs[0])
     assert readings[3:] == [jobs[1].id]
 
 
-def test_a_submission_and_the_same_one_again_are_answered_as_the_job_is_told(service):
+def test_a_submission_and_the_same_one_again_are_answered_as_the_job_is_view_of(service):
     body = {"grid": {"time": {"cells": 4}, "velocity": {"cells": 4}}, "iterations": 1}
     first, again = (service.request("POST", "/v1/basins", json=body) for _ in range(2))
     assert first.content == again.content == service.request("GET", first.headers["location"]).content

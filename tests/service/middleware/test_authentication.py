@@ -1,4 +1,4 @@
-"""Who may come in, and what for."""
+"""Which requests are let through, and for what."""
 
 import re
 import time
@@ -18,8 +18,8 @@ from worker.stores.new_store import create_store
 
 
 @pytest.fixture(autouse=True)
-def looks_at_once(monkeypatch):
-    monkeypatch.setattr(keys_module, "_LOOK_AGAIN_SECONDS", 0.05)
+def refreshes_at_once(monkeypatch):
+    monkeypatch.setattr(keys_module, "_REFRESH_SECONDS", 0.05)
     monkeypatch.setattr(keys_module, "_NOTE_USE_SECONDS", 0.0)
 
 
@@ -47,7 +47,7 @@ def command(*arguments):
     return CliRunner().invoke(rattle, arguments)
 
 
-def test_on_loopback_nobody_needs_a_key(open_service):
+def test_on_loopback_no_key_is_needed(open_service):
     assert open_service.request("GET", "/v1/jobs").status_code == 200
     assert open_service.request("GET", "/metrics").status_code == 200
     # A key that a client happens to send anyway does no harm.
@@ -61,7 +61,7 @@ def test_without_keys_a_web_page_that_has_its_name_point_here_reads_nothing(open
         assert open_service.request("GET", "/v1/jobs", headers={"host": name}).status_code == 200
 
 
-def test_the_first_key_closes_the_doors_and_revoking_it_does_not_open_them(open_service):
+def test_the_first_key_closes_the_service_and_revoking_it_does_not_open_it(open_service):
     key = keys_of(open_service).add("ann", [KeyScope.READ])
     time.sleep(0.1)
     assert open_service.request("GET", "/v1/jobs").status_code == 401
@@ -173,7 +173,9 @@ def test_a_revoked_key_does_not_start_it_either(tmp_path):
     data = ("--data", str(tmp_path))
     command("keys", "add", "ann", *data)
     command("keys", "revoke", "ann", *data)
-    assert command("serve", "--host", "0.0.0.0", *data).exit_code == 2
+    refused = command("serve", "--host", "0.0.0.0", *data)
+    assert refused.exit_code == 2
+    assert "0.0.0.0 is no loopback address" in refused.stderr and "rattle keys add" in refused.stderr
 
 
 def test_answers_carry_headers_that_keep_browsers_from_misusing_them(open_service):

@@ -193,7 +193,7 @@ def test_many_followers_cost_one_question_at_a_time_and_leave_nothing_behind(ser
         start(service.jobs, job)
         assert [next(events)[0] for events in streams] == [2] * 20
     patiently(lambda: feed.followed == 0)
-    patiently(lambda: feed._asking.done())
+    patiently(lambda: feed._polling.done())
 
 
 def test_a_service_stops_at_once_with_open_streams(monkeypatch, tmp_path):

@@ -10,7 +10,7 @@ from rattle_kernels import CellGrid
 from service.errors import JobNotFound, LimitExceeded, TooMuch
 from service.records.engine import open_database
 from service.records.job_record import JobState
-from service.records.jobs import Jobs, Whose
+from service.records.jobs import Jobs, LargeJobsOf
 from service.records.replica import replica_name
 from service.settings import Quotas
 from worker.jobs.basin_job import BasinJob
@@ -107,10 +107,10 @@ def test_what_nobody_is_left_to_cancel_is_cancelled(jobs, monkeypatch):
     record, _ = jobs.submit(a_job(), "local")
     jobs.claim("first")
     assert jobs.request_cancel(record.id).state == JobState.CANCELLING
-    jobs.free_the_dead()
+    jobs.end_dead_leases()
     assert jobs.get(record.id).state == JobState.CANCELLING
     run_out(jobs, monkeypatch, "first")
-    jobs.free_the_dead()
+    jobs.end_dead_leases()
     assert jobs.get(record.id).state == JobState.CANCELLED
 
 
@@ -125,7 +125,7 @@ def test_leases_of_a_process_that_is_seen_to_be_dead_end_at_once(jobs):
     jobs.claim(f"{replica_name()}/1")
     far, _ = jobs.submit(a_job(12), "local")
     jobs.claim("of.another.machine.1.2/1")
-    jobs.free_the_dead()
+    jobs.end_dead_leases()
     assert jobs.claim("mine").id == left.id
     assert jobs.claim("mine") is None
 
@@ -153,13 +153,13 @@ def test_who_was_served_longest_ago_is_next_where_jobs_end_at_once(jobs):
 
 def test_places_for_newcomers_and_for_small_jobs_are_not_for_large_jobs_of_who_has_some_running(jobs):
     large = [jobs.submit(a_job(cells), "many")[0].id for cells in (600, 601)]
-    assert jobs.claim("first", large=Whose.NOBODYS) is None
-    assert jobs.claim("first", large=Whose.NEWCOMERS).id == large[0]
-    assert jobs.claim("second", large=Whose.NEWCOMERS) is None
+    assert jobs.claim("first", large=LargeJobsOf.NOBODY) is None
+    assert jobs.claim("first", large=LargeJobsOf.IDLE).id == large[0]
+    assert jobs.claim("second", large=LargeJobsOf.IDLE) is None
     small, _ = jobs.submit(a_job(10), "many")
     new, _ = jobs.submit(a_job(602), "new")
-    assert jobs.claim("second", large=Whose.NEWCOMERS).id == new.id
-    assert jobs.claim("third", large=Whose.NOBODYS).id == small.id
+    assert jobs.claim("second", large=LargeJobsOf.IDLE).id == new.id
+    assert jobs.claim("third", large=LargeJobsOf.NOBODY).id == small.id
     assert jobs.claim("fourth").id == large[1]
 
 
@@ -205,10 +205,10 @@ def test_a_new_job_goes_on_from_the_store_of_the_one_that_failed(jobs):
     jobs.move(first.id, JobState.RUNNING, JobState.FAILED, error={"kind": "store-failed", "detail": "full"})
     second, _ = jobs.submit(a_job(), "local")
     assert second.id != first.id and second.store == first.store == first.id
-    assert jobs.give_up_store(first.id) is None
+    assert jobs.release_store(first.id) is None
     jobs.delete(first.id)
     jobs.request_cancel(second.id)
-    assert jobs.give_up_store(second.id) == first.id
+    assert jobs.release_store(second.id) == first.id
     third, _ = jobs.submit(a_job(), "local")
     assert third.store == third.id
 

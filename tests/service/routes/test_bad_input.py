@@ -4,6 +4,8 @@ import itertools
 
 import pytest
 
+from tests.service.routes.problems import assert_problem, left_behind
+
 REFUSED = [
     ({"colour": 1}, 422, "body.colour: Extra inputs are not permitted"),
     ({"oscillator": {"dampnig": 0.5}}, 422, "dampnig"),
@@ -56,22 +58,6 @@ RAW = [
     ('{"oscillator": "\\ud800"}', 422, "body.oscillator"),
     ("[" * 100_000, 400, "nested too deeply"),
 ]
-
-
-def left_behind(service):
-    """Everything that a refused request could have left."""
-    jobs = service.request("GET", "/v1/jobs?size=200").json()["jobs"]
-    results = service.data / "results"
-    return [job["id"] for job in jobs], sorted(path.name for path in results.iterdir()) if results.exists() else []
-
-
-def assert_problem(answer, status, told):
-    assert answer.status_code == status, answer.text
-    assert answer.headers["content-type"] == "application/problem+json"
-    problem = answer.json()
-    assert problem.keys() == {"type", "title", "status", "detail", "instance", "errors"}
-    assert problem["status"] == status
-    assert told in problem["detail"], problem["detail"]
 
 
 @pytest.mark.parametrize(("request_", "status", "told"), REFUSED, ids=lambda part: str(part)[:50])

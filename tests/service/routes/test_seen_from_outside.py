@@ -1,12 +1,11 @@
 """What can be seen of a service without asking its jobs: metrics, logs, readiness."""
 
+import atexit
 import io
 import json
 import logging
-import sys
 import threading
 import time
-from functools import partial
 
 import pytest
 
@@ -69,26 +68,22 @@ def test_metrics_time_requests_by_route_and_not_by_path(service):
     assert "/nothing" not in text and "0" * 20 not in text
 
 
-def written(form, what, least="info"):
-    """Lines that the log has of what a function logs."""
+def written(form, what, until="", least="info"):
+    """Lines that the log has of what a function logs, once a word is among them."""
     root, handlers, level = logging.getLogger(), logging.getLogger().handlers[:], logging.getLogger().level
+    listener = write_logs(form, least)
+    listener.handlers[0].stream = stream = io.StringIO()
+    atexit.unregister(listener.stop)
     try:
-        write_logs(form, least)
-        root.handlers[0].stream = stream = io.StringIO()
         what(logging.getLogger("rattle.test"))
-        root.handlers[0].flush()
+        patience = time.monotonic() + 10.0
+        while until not in stream.getvalue() and time.monotonic() < patience:
+            time.sleep(0.01)
+        listener.stop()
         return stream.getvalue().splitlines()
     finally:
         root.handlers[:] = handlers
         root.setLevel(level)
-
-
-def wait_for(word):
-    """Wait for a line in the log: those of answers come a little later than these."""
-    patience = time.monotonic() + 10.0
-    while word not in logging.getLogger().handlers[0].stream.getvalue() and time.monotonic() < patience:
-        time.sleep(0.01)
-    assert word in logging.getLogger().handlers[0].stream.getvalue()
 
 
 def test_log_lines_are_json_and_say_which_job_they_are_about():
@@ -123,9 +118,8 @@ def test_answers_are_logged_with_who_asked_and_no_client_breaks_a_line(service):
     def work(_):
         service.request("GET", "/v1/jobs?size=1")
         service.request("GET", "/nothing/%0d%0aINFO forged")
-        wait_for("forged")
 
-    lines = [json.loads(line) for line in written(LogFormat.JSON, work)]
+    lines = [json.loads(line) for line in written(LogFormat.JSON, work, until="forged")]
     first, second = (line for line in lines if line["logger"] == "rattle.access")
     assert (first["method"], first["path"], first["status"], first["key"]) == ("GET", "/v1/jobs", 200, "local")
     assert first["client"] == "127.0.0.1" and first["milliseconds"] >= 0
@@ -136,47 +130,13 @@ def test_what_monitors_ask_for_is_logged_for_debugging_alone(service):
     def work(_):
         for path in ("/healthz", "/readyz", "/metrics", "/v1/jobs?size=2"):
             service.request("GET", path)
-        wait_for("/v1/jobs")
 
     def paths(level):
-        lines = [json.loads(line) for line in written(LogFormat.JSON, work, level)]
+        lines = [json.loads(line) for line in written(LogFormat.JSON, work, "/v1/jobs", level)]
         return [line["path"] for line in lines if line["logger"] == "rattle.access"]
 
     assert paths("info") == ["/v1/jobs"]
     assert paths("debug") == ["/healthz", "/readyz", "/metrics", "/v1/jobs"]
-
-
-def test_lines_of_answers_are_written_soon_and_in_order_with_others():
-    def work(log):
-        logging.getLogger("rattle.access").info("one")
-        log.info("two")
-        logging.getLogger("rattle.access").info("three")
-        wait_for("three")
-
-    assert [line[-5:].split()[-1] for line in written(LogFormat.PLAIN, work)] == ["one", "two", "three"]
-
-
-def test_lines_that_come_while_others_are_written_stop_nobody(request):
-    request.addfinalizer(partial(sys.setswitchinterval, sys.getswitchinterval()))
-    sys.setswitchinterval(1e-6)
-
-    def work(log):
-        def flush():
-            for _ in range(2000):
-                logging.getLogger().handlers[0].flush()
-
-        def tell():
-            for _ in range(2000):
-                log.info("a line")
-
-        threads = [threading.Thread(target=each, daemon=True) for each in (flush, tell)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join(30.0)
-        assert not any(thread.is_alive() for thread in threads)
-
-    assert len(written(LogFormat.PLAIN, work)) == 2000
 
 
 def test_a_service_is_ready_with_a_database_and_a_worker_alone(service):

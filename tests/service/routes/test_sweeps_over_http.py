@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from tests.running_service import running_service
-from tests.service.routes.test_bad_input import assert_problem, left_behind
+from tests.service.routes.problems import assert_problem, left_behind
 
 REQUEST = {
     "oscillator": {"eccentricity": 0.1, "half_backlash": 0.6},

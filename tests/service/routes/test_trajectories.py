@@ -5,7 +5,7 @@ import pytest
 
 from rattle_kernels import Oscillator, Outcome, time_history
 from tests.rattle_kernels.reference import entries
-from tests.service.routes.test_bad_input import assert_problem
+from tests.service.routes.problems import assert_problem
 
 STIFF = {"model": "piecewise_linear", "stiffness": 100}
 START = {"time": 0.3, "velocity": 4}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from service.models.models import BasinRequest, SweepRequest
-from tests.service.routes.test_bad_input import assert_problem
+from tests.service.routes.problems import assert_problem
 from worker.paper.papers_oscillator import papers_oscillator
 from worker.views.reading import open_basin
 
@@ -120,7 +120,7 @@ def test_the_page_comes_with_a_policy_that_lets_nothing_else_in(service):
     assert "default-src 'self'" in policy and "unsafe" not in policy and "http" not in policy
     linked = re.findall(r'(?:src|href)="(explorer/[^"]+)"', page.text)
     # All modules are asked for at once, not one level of imports after another.
-    modules = {f"explorer/js/{path.name}" for path in (EXPLORER / "js").glob("*.js")}
+    modules = {f"explorer/{path.relative_to(EXPLORER)}" for path in (EXPLORER / "js").rglob("*.js")}
     assert set(linked) == modules | {"explorer/icon.svg", "explorer/explorer.css"}
     for path in linked:
         assert service.request("GET", f"/{path}").status_code == 200

@@ -18,7 +18,7 @@ from worker.jobs.swept_parameter import SweptParameter
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import holds_store
-from worker.stores.result_files import file_of_store, remove_result
+from worker.stores.result_files import read_file_of_store, remove_result
 from worker.stores.summary import summarise
 from worker.views.reading import open_basin
 
@@ -56,7 +56,7 @@ def test_objects_are_the_files_of_a_folder_to_the_byte(client, object_store, fol
     assert_same_bytes(object_store, name, folders / name)
     with open_basin(in_s3(name)) as remote, open_basin(folders / name) as local:
         assert remote.drop_attrs(deep=False).identical(local.drop_attrs(deep=False))
-    file = file_of_store(in_s3(name), "zarr.json")
+    file = read_file_of_store(in_s3(name), "zarr.json")
     assert file.content == object_store.objects(f"worker/{name}")["zarr.json"] and file.tag
 
 
@@ -132,8 +132,8 @@ def root(request, object_store, tmp_path_factory):
 
 @pytest.mark.parametrize("path", ["../other.zarr/zarr.json", "group/../../other.zarr/zarr.json", "", "group", "no\0"])
 def test_no_path_leads_out_of_a_store(root, path):
-    assert file_of_store(f"{root}/one.zarr", "group/zarr.json").content.startswith(b"{")
-    assert file_of_store(f"{root}/one.zarr", path) is None
+    assert read_file_of_store(f"{root}/one.zarr", "group/zarr.json").content.startswith(b"{")
+    assert read_file_of_store(f"{root}/one.zarr", path) is None
 
 
 def test_a_part_that_is_lost_is_a_failure_and_no_data(tmp_path):

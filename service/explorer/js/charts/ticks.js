@@ -1,0 +1,32 @@
+/** Numbers for axes and for readers. */
+
+/** Round steps between two ends, roughly `about` of them. */
+export function ticks(from, to, about) {
+  const rough = (to - from) / about;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * [1, 2, 5, 10].find((factor) => factor * power >= rough * 0.999);
+  const first = Math.ceil(from / step - 1e-9);
+  const last = Math.floor(to / step + 1e-9);
+  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  return Array.from({ length: last - first + 1 }, (_, i) => {
+    const at = (first + i) * step;
+    return { at, label: at.toFixed(Math.min(digits, 12)) };
+  });
+}
+
+/** A coordinate with the digits that a window of this width shows. */
+export function reading(value, width) {
+  return value.toFixed(Math.min(12, Math.max(3, 3 - Math.floor(Math.log10(width)))));
+}
+
+/** A share in words. */
+export function percent(share) {
+  if (share === 0) return "0 %";
+  if (share < 0.0001) return "< 0.01 %";
+  return `${(100 * share).toFixed(2)} %`;
+}
+
+/** A count with thin spaces. */
+export function grouped(count) {
+  return String(Math.round(count)).replace(/\B(?=(\d{3})+$)/g, "\u202f");
+}

@@ -1,0 +1,80 @@
+/** The service's HTTP API: JSON in and out, readable errors, and the key, which is kept in this module's memory only. */
+
+let key = "";
+let askForKey = async () => "";
+
+/** Say how a key is asked for: a function that is told what is wrong with the last one and resolves to a new one. */
+export function whenKeyIsNeeded(asker) {
+  askForKey = asker;
+}
+
+/** A request that the service did not fulfil, in its own words. */
+export class Refusal extends Error {
+  constructor(status, problem) {
+    super(problem.detail || `the service answered ${status}`);
+    this.status = status;
+    this.errors = problem.errors || [];
+    this.kind = (problem.type || "").split("/").pop();
+  }
+}
+
+/** The service could not be reached at all. */
+export class Unreachable extends Error {
+  constructor() {
+    super("the service does not answer");
+  }
+}
+
+async function problemOf(answer) {
+  try {
+    return await answer.json();
+  } catch {
+    return {};
+  }
+}
+
+/**
+ * Send a request; a 401 asks for the key and tries again.
+ * @param {string} path
+ * @param {RequestInit} [options]
+ * @returns {Promise<Response>}
+ */
+export async function send(path, options = {}) {
+  for (let told = ""; ; ) {
+    const used = key;
+    const headers = { ...options.headers, ...(used && { authorization: `Bearer ${used}` }) };
+    let answer;
+    try {
+      answer = await fetch(path, { ...options, headers });
+    } catch (error) {
+      if (error.name === "AbortError") throw error;
+      throw new Unreachable();
+    }
+    if (answer.ok) return answer;
+    const problem = await problemOf(answer);
+    if (answer.status !== 401) throw new Refusal(answer.status, problem);
+    // Another request may have been given a key in the meantime.
+    if (used === key) key = await askForKey(used ? problem.detail || "this key is not known" : told);
+  }
+}
+
+/** Answer to a GET, as JSON. */
+export async function get(path, options) {
+  return (await send(path, options)).json();
+}
+
+/** Answer to a POST of JSON, as JSON. */
+export async function post(path, body, options) {
+  const headers = { "content-type": "application/json" };
+  return (await send(path, { ...options, method: "POST", headers, body: JSON.stringify(body) })).json();
+}
+
+const PATHS = {
+  basin: "/v1/basins", sweep: "/v1/sweeps", bifurcation: "/v1/bifurcations", orbits: "/v1/orbits",
+  manifold: "/v1/manifolds", grazing_curve: "/v1/grazing-curves",
+};
+
+/** Where the request of a job is sent. */
+export function pathOf({ kind }) {
+  return PATHS[kind];
+}

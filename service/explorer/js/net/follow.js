@@ -1,0 +1,94 @@
+/** Follows a job by its events until it ends, also through restarts of the service. */
+
+import { get, Refusal, send, Unreachable } from "./api.js";
+
+const FINAL = ["succeeded", "failed", "cancelled"];
+const PATIENT_MS = 1000;
+const NOTHING_MORE = 204;
+
+/** Whether a job will never change again. */
+export function ended(job) {
+  return FINAL.includes(job.state);
+}
+
+function pause(signal) {
+  return new Promise((resolve) => {
+    const timer = setTimeout(resolve, PATIENT_MS);
+    signal.addEventListener("abort", () => (clearTimeout(timer), resolve()), { once: true });
+  });
+}
+
+async function placeInQueue(job) {
+  const queued = await get("/v1/jobs?state=queued&size=200");
+  return queued.jobs.filter((other) => other.created < job.created).length + 1;
+}
+
+/** Fields of one Server-Sent Event; null for a comment. */
+function parse(text) {
+  const fields = Object.fromEntries(text.split("\n").map((line) => {
+    const at = line.indexOf(":");
+    return [line.slice(0, at), line.slice(at + 1).trimStart()];
+  }));
+  return fields.data ? { id: fields.id, ...JSON.parse(fields.data) } : null;
+}
+
+/**
+ * The newest event of each lot that arrives; read by fetch, as an EventSource cannot carry the key.
+ * @param {object} job
+ * @param {{id: string|null}} seen the last event that has been seen, kept up to date
+ */
+async function* eventsOf(job, seen, signal) {
+  const headers = seen.id ? { "last-event-id": seen.id } : {};
+  const answer = await send(job.links.events, { headers, signal });
+  if (answer.status === NOTHING_MORE) return;
+  const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+  for (let rest = ""; ; ) {
+    const { done, value } = await reader.read();
+    if (done) return;
+    const whole = (rest + value).replaceAll("\r\n", "\n").split("\n\n");
+    rest = whole.pop();
+    const newest = whole.map(parse).filter(Boolean).at(-1);
+    if (newest) {
+      seen.id = newest.id;
+      yield newest;
+    }
+  }
+}
+
+/** Whether an error passes by itself: the service is away, or the connection was cut in mid-stream. */
+function passes(error) {
+  return error instanceof Unreachable || error instanceof TypeError || (error instanceof Refusal && error.status >= 500);
+}
+
+/**
+ * Report a job's state, now and as it changes, the last one being final; a service that is away is waited for.
+ * @param {object} job as it was a moment ago
+ * @param {(job: object, place: number|null) => Promise<void>|void} report job, and its place in the queue while it waits
+ * @param {(error: Error) => void} lost called while the service does not answer
+ * @param {AbortSignal} signal
+ */
+export async function follow(job, report, lost, signal) {
+  const seen = { id: null };
+  for (let fresh = true; !signal.aborted; ) {
+    try {
+      if (!fresh) job = await get(job.links.self);
+      fresh = false;
+      await report(job, job.state === "queued" ? await placeInQueue(job) : null);
+      if (ended(job)) return;
+      if (job.state === "queued") {
+        await pause(signal);
+        continue;
+      }
+      for await (const { state, progress } of eventsOf(job, seen, signal)) {
+        if (FINAL.includes(state)) break;
+        job = { ...job, state, progress: progress ?? job.progress };
+        await report(job, null);
+      }
+    } catch (error) {
+      if (signal.aborted) return;
+      if (!passes(error)) throw error;
+      lost(error instanceof TypeError ? new Unreachable() : error);
+      await pause(signal);
+    }
+  }
+}

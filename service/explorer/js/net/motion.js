@@ -1,0 +1,78 @@
+/** One motion from a departure: its time history, its attractor, and the number of impacts until then. */
+
+import { post } from "./api.js";
+
+export const SHOWN_PERIODS = 15;
+const SAMPLES = 120;
+const LONG_PERIODS = 300;
+// On an orbit: departures this close to its points from then on.
+const CLOSE_TIME = 1e-3;
+const CLOSE_SPEED = 5e-3;
+const SURE = 3;
+
+function ask(oscillator, { t, v }, periods, samples) {
+  return post("/v1/trajectories", { oscillator, start: { time: t, velocity: v }, periods, samples_per_period: samples });
+}
+
+/** Departures from +beta, the first one among them. */
+function departuresOf(start, history) {
+  const later = history.contacts.filter(({ wall, direction }) => wall === 1 && direction !== "in");
+  return [start, ...later.map(({ time, speed }) => ({ t: time, v: speed }))];
+}
+
+function impactsBefore(history, time) {
+  return history.contacts.filter((contact) => contact.direction !== "out" && contact.time <= time).length;
+}
+
+function isOn(points, { t, v }) {
+  return points.some(([time, velocity]) => {
+    const away = Math.abs(t - time - Math.round(t - time));
+    return away < CLOSE_TIME && Math.abs(v - velocity) < CLOSE_SPEED;
+  });
+}
+
+/** When a history has settled: the time from which it stays what its solution is; null where it has not yet. */
+function settledAt(solution, start, history) {
+  if (solution.kind === "permanent_contact") return history.permanent_from;
+  if (solution.kind !== "periodic") return null;
+  const departures = departuresOf(start, history);
+  let from = departures.length;
+  while (from > 0 && isOn(solution.points, departures[from - 1])) from--;
+  return departures.length - from >= SURE ? departures[from].t : null;
+}
+
+const STAYS = {
+  periodic: "stays within 0.001 of it",
+  impacting: "then bounces ever lower",
+  piecewise_linear: "contact never ends",
+};
+
+function ending(model, solution, start, history, periods) {
+  if (solution.kind === "chaotic") {
+    return `rattles chaotically without end, with ${impactsBefore(history, Infinity)} impacts in ${periods} forcing periods`;
+  }
+  if (solution.kind === "chaotic_transient") {
+    return "rattles chaotically for longer than it was followed; such motions have been seen to settle in the end";
+  }
+  if (solution.kind === "undecided") return "could not be decided";
+  const time = settledAt(solution, start, history);
+  if (time === null) return `ends in ${solution.name}, later than the ${periods} forcing periods followed`;
+  const impacts = impactsBefore(history, time);
+  const after = `after ${impacts} ${impacts === 1 ? "impact" : "impacts"}, ${(time - start.t).toFixed(2)} forcing periods`;
+  return `ends in ${solution.name} ${after} (${STAYS[solution.kind === "periodic" ? "periodic" : model]})`;
+}
+
+/**
+ * Follow the motion from the centre of a cell.
+ * @param {object} oscillator as in a request
+ * @param {{t: number, v: number, solution?: object}} start
+ */
+export async function followMotion(oscillator, start) {
+  const shown = await ask(oscillator, start, SHOWN_PERIODS, SAMPLES);
+  const departures = departuresOf(start, shown);
+  if (!start.solution) return { start, shown, departures, told: "starts where the basin is not known yet" };
+  const waits = ["periodic", "permanent_contact"].includes(start.solution.kind);
+  const early = waits && settledAt(start.solution, start, shown) === null;
+  const [history, periods] = early ? [await ask(oscillator, start, LONG_PERIODS, 1), LONG_PERIODS] : [shown, SHOWN_PERIODS];
+  return { start, shown, departures, told: ending(oscillator.model, start.solution, start, history, periods) };
+}

@@ -1,0 +1,23 @@
+/** The log-in: a field for a key, shown when the service requires one. */
+
+const dialog = document.getElementById("login");
+const note = document.getElementById("login-note");
+const field = document.getElementById("key");
+const greeting = note.textContent;
+let asking = null;
+
+/** Ask for a key; many requests that need one at a time share one question. */
+export function askForKey(wrong) {
+  note.textContent = wrong ? `${wrong}. ${greeting}` : greeting;
+  asking ??= new Promise((resolve) => {
+    dialog.addEventListener("cancel", (event) => event.preventDefault());
+    dialog.addEventListener("close", () => {
+      asking = null;
+      const key = field.value.trim();
+      field.value = "";
+      resolve(key);
+    }, { once: true });
+    dialog.showModal();
+  });
+  return asking;
+}

@@ -1,0 +1,79 @@
+/** The legend: solutions with colours and shares, which can be selected; or the scale of one of Hsu's numbers. */
+
+import { element } from "../charts/chart.js";
+import { scaleColour } from "../plane/palette.js";
+import { grouped, percent } from "../charts/ticks.js";
+
+const MEANINGS = {
+  step: "Hsu's step: applications of P^k until the cycle of cells is reached.",
+  group: "Hsu's group: the cycle of cells that is reached, by number.",
+  period: "Hsu's period: cells in that cycle; 0 where there is none.",
+};
+
+function swatch(colour) {
+  const drawn = element("svg", { class: "swatch", viewBox: "0 0 16 16", "aria-hidden": "true" });
+  drawn.append(element("rect", { width: 16, height: 16, rx: 3, fill: colour, stroke: "rgb(128 128 128)" }));
+  return drawn;
+}
+
+function entry(solution, share, known, look, pick) {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.dataset.solution = solution.number;
+  button.setAttribute("aria-pressed", String(look.highlight === solution.number));
+  const name = document.createElement("span");
+  name.textContent = solution.name;
+  if (solution.lyapunov_exponent !== null && solution.kind.startsWith("chaotic")) {
+    const life = solution.mean_life === null ? "" : `; left after some ${solution.mean_life.toPrecision(1)} impacts`;
+    button.title = `largest Lyapunov exponent ${solution.lyapunov_exponent.toFixed(3)} per forcing period${life}`;
+  }
+  const part = document.createElement("span");
+  part.className = "share";
+  part.textContent = known ? percent(share) : `${percent(share)} so far`;
+  button.append(swatch(solution.colours[look.palette]), name, part);
+  button.addEventListener("click", () => pick(look.highlight === solution.number ? null : solution.number));
+  const item = document.createElement("li");
+  item.append(button);
+  return item;
+}
+
+function listSolutions(picture, look, pick) {
+  const { outline } = picture;
+  const counted = outline.complete ? outline.solutions.map(({ share }) => share ?? 0) : picture.shares();
+  const there = outline.solutions.filter(({ number }) => counted[number] > 0 || outline.solutions[number].share === 0);
+  there.sort((a, b) => counted[b.number] - counted[a.number]);
+  const list = document.createElement("ul");
+  list.append(...there.map((each) => entry(each, counted[each.number], outline.complete, look, pick)));
+  return list;
+}
+
+function describeScale(picture, layer) {
+  const bar = element("svg", { class: "scale", viewBox: "0 0 100 8", preserveAspectRatio: "none", "aria-hidden": "true" });
+  for (let i = 0; i < 50; i++) {
+    bar.append(element("rect", { x: 2 * i, width: 2.1, height: 8, fill: `rgb(${scaleColour(i / 49).join(" ")})` }));
+  }
+  const ends = document.createElement("div");
+  ends.className = "ends";
+  for (const text of ["0", "logarithmic", grouped(Math.max(picture.highest(layer), 1))]) {
+    ends.append(Object.assign(document.createElement("span"), { textContent: text }));
+  }
+  const note = Object.assign(document.createElement("p"), { className: "note", textContent: MEANINGS[layer] });
+  if (layer === "group") note.textContent += " 0 is the sink; grey are permanent contact and what is undecided.";
+  return [bar, ends, note];
+}
+
+/**
+ * Show the legend of a picture.
+ * @param {HTMLElement} place
+ * @param {import("../plane/picture.js").Picture|null} picture
+ * @param {object} look
+ * @param {(solution: number|null) => void} pick
+ */
+export function showLegend(place, picture, look, pick) {
+  const focused = place.contains(document.activeElement) ? document.activeElement.dataset.solution : null;
+  if (!picture) place.replaceChildren();
+  else if (picture.empty) place.textContent = "No solutions are known yet.";
+  else if (look.layer === "solution") place.replaceChildren(listSolutions(picture, look, pick));
+  else place.replaceChildren(...describeScale(picture, look.layer));
+  if (focused !== null) place.querySelector(`[data-solution="${focused}"]`)?.focus();
+}

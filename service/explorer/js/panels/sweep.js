@@ -1,0 +1,113 @@
+/** A sweep: a slider for each swept parameter, and the share of each solution over the last parameter. */
+
+import { Chart } from "../charts/chart.js";
+import { reading } from "../charts/ticks.js";
+
+const SYMBOLS = { damping: "damping δ", eccentricity: "eccentricity ε", half_backlash: "half backlash β", stiffness: "stiffness κ" };
+
+/** Place of a panel along each swept parameter, the last one running fastest. */
+function placesOf(vary, panel) {
+  const places = [];
+  for (const { values } of [...vary].reverse()) {
+    places.unshift(panel % values.length);
+    panel = Math.floor(panel / values.length);
+  }
+  return places;
+}
+
+function panelAt(vary, places) {
+  return vary.reduce((panel, { values }, axis) => panel * values.length + places[axis], 0);
+}
+
+function slider({ parameter, values }, at, moved) {
+  const line = document.createElement("label");
+  line.className = "slider";
+  const name = Object.assign(document.createElement("span"), { textContent: SYMBOLS[parameter] });
+  const input = Object.assign(document.createElement("input"), { type: "range", min: 0, max: values.length - 1, step: 1 });
+  input.value = at;
+  const value = document.createElement("output");
+  const tell = () => {
+    value.textContent = Number(values[input.value].toPrecision(6));
+    input.setAttribute("aria-valuetext", value.textContent);
+  };
+  tell();
+  input.addEventListener("input", () => (tell(), moved(Number(input.value))));
+  line.append(name, input, value);
+  return line;
+}
+
+export class Sweep {
+  /** @param {HTMLElement} section @param {(panel: number) => void} open */
+  constructor(section, open) {
+    this.section = section;
+    this.open = open;
+  }
+
+  hide() {
+    this.section.hidden = true;
+    this.vary = null;
+  }
+
+  /** Show the sliders of a sweep at one of its panels. */
+  show(vary, panel) {
+    this.section.hidden = false;
+    [this.vary, this.panel, this.drawn] = [vary, panel, null];
+    const places = placesOf(vary, panel);
+    const sliders = vary.map((swept, axis) => slider(swept, places[axis], (at) => this.open(panelAt(vary, places.with(axis, at)))));
+    this.section.querySelector("#sliders").replaceChildren(...sliders);
+  }
+
+  /** Move to a panel that was opened elsewhere; sliders keep the focus. */
+  moveTo(panel) {
+    this.panel = panel;
+    const places = placesOf(this.vary, panel);
+    this.section.querySelectorAll("input").forEach((input, axis) => {
+      if (Number(input.value) === places[axis]) return;
+      input.value = places[axis];
+      input.dispatchEvent(new Event("input"));
+    });
+  }
+
+  /**
+   * Draw shares over the last parameter, at the places of the others.
+   * @param {object} result as `/result` tells it
+   * @param {object} outline whose colours are used
+   * @param {string} palette
+   */
+  draw(result, outline, palette) {
+    // A chart that is replaced under the pointer loses the click.
+    const drawn = [this.panel, palette, result.basins.filter(({ complete }) => complete).length, this.section.clientWidth].join();
+    if (drawn === this.drawn) return;
+    this.drawn = drawn;
+    const { parameter, values } = this.vary.at(-1);
+    const places = placesOf(this.vary, this.panel);
+    const row = values.map((_, at) => result.basins[panelAt(this.vary, places.with(-1, at))]);
+    const ends = [Math.min(...values), Math.max(...values)];
+    const place = this.section.querySelector("#shares");
+    const chart = new Chart(place, {
+      height: 190, x: ends, y: [0, 1], xLabel: SYMBOLS[parameter], yLabel: "share",
+      label: `Share of each solution over ${SYMBOLS[parameter]}; a click opens the nearest basin`,
+    });
+    for (const solution of outline.solutions) {
+      const shares = row.map(({ complete, shares: known }) =>
+        complete ? known.find((each) => each.solution === solution.number)?.share ?? null : null);
+      if (shares.every((share) => share === null)) continue;
+      const stroke = solution.colours[palette];
+      chart.line(values, shares, { class: "halo" });
+      const line = chart.line(values, shares, { class: "line", stroke });
+      shares.forEach((share, i) => {
+        if (share !== null) chart.add("circle", { cx: chart.x(values[i]), cy: chart.y(share), r: 3.5, fill: stroke, stroke: "rgb(128 128 128)" });
+      });
+      line.setAttribute("aria-label", solution.name);
+    }
+    const here = chart.x(values[places.at(-1)]);
+    chart.add("path", { class: "here", d: `M${here} ${chart.y(0)}V${chart.y(1)}` });
+    chart.add("text", { x: here + 5, y: chart.y(1) + 12 }, reading(values[places.at(-1)], ends[1] - ends[0]));
+    const target = chart.add("rect", { class: "target", x: chart.x(ends[0]) - 8, y: chart.y(1), width: chart.x(ends[1]) - chart.x(ends[0]) + 16, height: chart.y(0) - chart.y(1) });
+    target.addEventListener("click", (event) => {
+      const wanted = chart.valueAt(event);
+      const distances = values.map((value) => Math.abs(value - wanted));
+      this.open(panelAt(this.vary, places.with(-1, distances.indexOf(Math.min(...distances)))));
+    });
+  }
+}

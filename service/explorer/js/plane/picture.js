@@ -1,0 +1,187 @@
+/** One basin as far as it is computed: its labels in typed arrays, and a canvas with one pixel per cell. */
+
+import { get, send } from "../net/api.js";
+import { paintNumbers, paintSolutions, solutionPixels, specialPixel } from "./palette.js";
+
+// Cells each way that are fetched and drawn at the most; of more, every n-th stands for its neighbours.
+const MOST_CELLS = 1500;
+const LABELLED = 3;
+const SHIFTS = [-1, 0, 1];
+
+function share(cells, every) {
+  return Math.ceil(cells / every);
+}
+
+export class Picture {
+  /**
+   * @param {string} job
+   * @param {number} panel
+   * @param {object} outline as `/outline` tells it
+   */
+  constructor(job, panel, outline) {
+    this.job = job;
+    this.panel = panel;
+    this.outline = outline;
+    const { time, velocity } = outline;
+    this.every = Math.ceil(Math.max(time.cells, velocity.cells) / MOST_CELLS);
+    this.width = share(time.cells, this.every);
+    this.height = share(velocity.cells, this.every);
+    // A cell of the picture is `every` cells wide; the last may reach beyond the window.
+    this.cellTime = ((time.stop - time.start) / time.cells) * this.every;
+    this.cellVelocity = ((velocity.stop - velocity.start) / velocity.cells) * this.every;
+    const cells = this.width * this.height;
+    this.solution = new Int16Array(cells).fill(-1);
+    this.step = new Int32Array(cells);
+    this.group = new Int32Array(cells);
+    this.period = new Int32Array(cells);
+    this.there = new Set();
+    this.settled = new Set();
+    this.fresh = true;
+    this.canvas = document.createElement("canvas");
+    this.canvas.width = this.width;
+    this.canvas.height = this.height;
+    this.context = this.canvas.getContext("2d");
+    this.image = this.context.createImageData(this.width, this.height);
+    this.pixels = new Int32Array(this.image.data.buffer);
+  }
+
+  /** Basin of a job, or of one panel of it, with no cells yet. */
+  static async open(job, panel) {
+    return new Picture(job, panel, await get(`/v1/jobs/${job}/outline?panel=${panel}`));
+  }
+
+  get view() {
+    const { time, velocity } = this.outline;
+    return { t0: time.start, t1: time.stop, v0: velocity.start, v1: velocity.stop };
+  }
+
+  get empty() {
+    return this.there.size === 0;
+  }
+
+  /** Whether every tile is here, as it will remain. */
+  get whole() {
+    return this.outline.complete && this.settled.size === this.outline.tiles.states.length;
+  }
+
+  /**
+   * Ask what has changed, and fetch what is new.
+   * @param {boolean} final the job has ended: what was fetched before may have been labelled anew, and is asked for again
+   * @param {(tile: object) => void} arrived
+   */
+  async refresh(final, arrived, signal) {
+    const before = this.outline.solutions.length;
+    if (!this.fresh) this.outline = await get(`/v1/jobs/${this.job}/outline?panel=${this.panel}`, { signal });
+    this.fresh = false;
+    if (this.outline.solutions.length !== before) this.there.clear();
+    const settled = final && this.outline.complete;
+    const wanted = this.outline.tiles.states.flatMap((state, tile) =>
+      state === LABELLED && !(settled ? this.settled : this.there).has(tile) ? [tile] : []);
+    await Promise.all(wanted.map(async (tile) => {
+      await this.#fetch(tile, signal);
+      this.there.add(tile);
+      if (settled) this.settled.add(tile);
+      arrived(tile);
+    }));
+  }
+
+  /** Rectangle of cells of the picture that a tile covers. */
+  rectangle(tile) {
+    const { rows, columns, across } = this.outline.tiles;
+    const row = Math.floor(tile / across), column = tile % across;
+    const top = share(row * rows, this.every), left = share(column * columns, this.every);
+    return {
+      left, top,
+      right: Math.min(share((column + 1) * columns, this.every), this.width),
+      bottom: Math.min(share((row + 1) * rows, this.every), this.height),
+    };
+  }
+
+  async #fetch(tile, signal) {
+    const number = this.outline.tiles.first + tile;
+    const answer = await send(`/v1/jobs/${this.job}/tiles/${number}?every=${this.every}`, { signal });
+    const [rows, columns] = answer.headers.get("rattle-shape").split(" ").map(Number);
+    const bytes = await answer.arrayBuffer();
+    const cells = rows * columns;
+    const parts = [
+      [this.step, new Int32Array(bytes, 0, cells)],
+      [this.group, new Int32Array(bytes, 4 * cells, cells)],
+      [this.period, new Int32Array(bytes, 8 * cells, cells)],
+      [this.solution, new Int16Array(bytes, 12 * cells, cells)],
+    ];
+    const { left, top } = this.rectangle(tile);
+    for (const [whole, part] of parts) {
+      for (let row = 0; row < rows; row++) {
+        // Speeds grow upwards, pixels run down.
+        const at = (this.height - 1 - top - row) * this.width + left;
+        whole.set(part.subarray(row * columns, (row + 1) * columns), at);
+      }
+    }
+  }
+
+  /** Largest of one of Hsu's numbers so far. */
+  highest(layer) {
+    return this[layer].reduce((most, value) => (value > most ? value : most), 0);
+  }
+
+  /** Paint one tile, or all, in the colours of a look. */
+  paint(look, tile = null) {
+    const everything = { left: 0, top: 0, right: this.width, bottom: this.height };
+    const { left, top, right, bottom } = tile === null ? everything : this.rectangle(tile);
+    const numbers = look.layer !== "solution";
+    const table = numbers ? null : solutionPixels(this.outline, look);
+    const highest = numbers ? this.highest(look.layer) : 0;
+    const kinds = this.outline.speckle.length;
+    for (let row = top; row < bottom; row++) {
+      const from = (this.height - 1 - row) * this.width + left;
+      const to = from + right - left;
+      if (numbers) paintNumbers(this.pixels, this[look.layer], this.solution, highest, specialPixel("#8a8f98"), from, to);
+      else paintSolutions(this.pixels, this.solution, this.group, table, kinds, from, to);
+    }
+    this.context.putImageData(this.image, 0, 0, left, this.height - bottom, right - left, bottom - top);
+  }
+
+  /** Draw what is known into a plot; phases repeat. */
+  draw(plot) {
+    const { t0, t1, v0, v1 } = this.view;
+    const width = this.width * this.cellTime, height = this.height * this.cellVelocity;
+    const low = Math.max(plot.view.v0, v0), high = Math.min(plot.view.v1, v1);
+    for (const shift of SHIFTS) {
+      const early = Math.max(plot.view.t0, t0 + shift), late = Math.min(plot.view.t1, t1 + shift);
+      if (!(early < late && low < high)) continue;
+      const source = [
+        ((early - t0 - shift) / width) * this.width, this.height - ((high - v0) / height) * this.height,
+        ((late - early) / width) * this.width, ((high - low) / height) * this.height,
+      ];
+      plot.context.drawImage(this.canvas, ...source, plot.x(early), plot.y(high), plot.x(late) - plot.x(early), plot.y(low) - plot.y(high));
+    }
+  }
+
+  /** What is known of the cell at a point; null outside, or where it is missing. */
+  at(t, v) {
+    const { t0, v0 } = this.view;
+    const column = Math.floor((t - t0 - Math.floor(t - t0 + 1e-12)) / this.cellTime);
+    const row = Math.floor((v - v0) / this.cellVelocity);
+    if (column < 0 || row < 0 || column >= this.width || row >= this.height) return null;
+    const i = (this.height - 1 - row) * this.width + column;
+    if (this.solution[i] < 0) return null;
+    const solution = this.outline.solutions[this.solution[i]];
+    // Of a thinned picture, the cell that is shown is the first of its neighbours.
+    const t1 = t0 + column * this.cellTime + this.cellTime / this.every / 2;
+    const v1 = v0 + row * this.cellVelocity + this.cellVelocity / this.every / 2;
+    return { solution, step: this.step[i], group: this.group[i], period: this.period[i], t: t1, v: v1 };
+  }
+
+  /** Share of each solution among the cells that are here. */
+  shares() {
+    const counts = new Float64Array(this.outline.solutions.length);
+    let known = 0;
+    for (const number of this.solution) {
+      if (number >= 0) {
+        counts[number]++;
+        known++;
+      }
+    }
+    return Array.from(counts, (count) => (known ? count / known : 0));
+  }
+}

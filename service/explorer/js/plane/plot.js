@@ -1,0 +1,95 @@
+/** The frame of the basin: maps time and velocity to the canvas, and draws the axes. */
+
+import { colour } from "../page/theme.js";
+import { ticks } from "../charts/ticks.js";
+
+const MARGIN = { left: 58, right: 14, top: 10, bottom: 44 };
+
+export class Plot {
+  /** @param {HTMLCanvasElement} canvas @param {{t0: number, t1: number, v0: number, v1: number}} view */
+  constructor(canvas, view) {
+    this.view = view;
+    const ratio = window.devicePixelRatio || 1;
+    this.size = { width: canvas.clientWidth, height: canvas.clientHeight };
+    const [wide, high] = [Math.round(this.size.width * ratio), Math.round(this.size.height * ratio)];
+    if (canvas.width !== wide || canvas.height !== high) [canvas.width, canvas.height] = [wide, high];
+    this.context = canvas.getContext("2d");
+    this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.context.imageSmoothingEnabled = false;
+    this.left = MARGIN.left;
+    this.top = MARGIN.top;
+    this.width = Math.max(1, this.size.width - MARGIN.left - MARGIN.right);
+    this.height = Math.max(1, this.size.height - MARGIN.top - MARGIN.bottom);
+  }
+
+  x(t) {
+    return this.left + ((t - this.view.t0) / (this.view.t1 - this.view.t0)) * this.width;
+  }
+
+  y(v) {
+    return this.top + ((this.view.v1 - v) / (this.view.v1 - this.view.v0)) * this.height;
+  }
+
+  /** Time and velocity of a place on the canvas. */
+  point(x, y) {
+    const { t0, t1, v0, v1 } = this.view;
+    return { t: t0 + ((x - this.left) / this.width) * (t1 - t0), v: v1 - ((y - this.top) / this.height) * (v1 - v0) };
+  }
+
+  contains(x, y) {
+    return x >= this.left && x <= this.left + this.width && y >= this.top && y <= this.top + this.height;
+  }
+
+  /** Draw with everything outside the frame cut off. */
+  clipped(draw) {
+    this.context.save();
+    this.context.beginPath();
+    this.context.rect(this.left, this.top, this.width, this.height);
+    this.context.clip();
+    draw();
+    this.context.restore();
+  }
+
+  clear() {
+    this.context.clearRect(0, 0, this.size.width, this.size.height);
+    this.context.fillStyle = colour("plot");
+    this.context.fillRect(this.left, this.top, this.width, this.height);
+  }
+
+  axes() {
+    const { context } = this;
+    const { t0, t1, v0, v1 } = this.view;
+    context.strokeStyle = colour("quiet");
+    context.fillStyle = colour("quiet");
+    context.lineWidth = 1;
+    context.font = '12px system-ui, "DejaVu Sans", sans-serif';
+    context.strokeRect(this.left - 0.5, this.top - 0.5, this.width + 1, this.height + 1);
+    context.textAlign = "center";
+    context.textBaseline = "top";
+    const bottom = this.top + this.height;
+    for (const { at, label } of ticks(t0, t1, this.width / 90)) {
+      this.#tick(this.x(at), bottom, 0, 5);
+      context.fillText(label, this.x(at), bottom + 8);
+    }
+    context.fillText("time t of departure (forcing periods)", this.left + this.width / 2, bottom + 26);
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    for (const { at, label } of ticks(v0, v1, this.height / 60)) {
+      this.#tick(this.left, this.y(at), -5, 0);
+      context.fillText(label, this.left - 8, this.y(at));
+    }
+    context.save();
+    context.translate(11, this.top + this.height / 2);
+    context.rotate(-Math.PI / 2);
+    context.textAlign = "center";
+    context.fillText("velocity v of departure", 0, 0);
+    context.restore();
+  }
+
+  #tick(x, y, dx, dy) {
+    this.context.beginPath();
+    this.context.moveTo(Math.round(x) + 0.5, Math.round(y) + 0.5);
+    this.context.lineTo(Math.round(x) + 0.5 + dx, Math.round(y) + 0.5 + dy);
+    this.context.stroke();
+  }
+}

@@ -1,0 +1,166 @@
+"""Every error that a client can see: one table of exception, status and kind, answered as problem+json (RFC 9457)."""
+
+import logging
+import uuid
+from collections.abc import Sequence
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import ValidationError
+from starlette.exceptions import HTTPException
+
+from rattle_kernels import OutsideDomain
+from service.errors import JobNotFound, LimitExceeded, NotReady, NotYours, TooMuch, Unstoppable
+from service.records.engine import DatabaseError
+from worker.errors import (
+    ClusterFailed,
+    InvalidJob,
+    JobCancelled,
+    NotFound,
+    StoreConflict,
+    StoreFailed,
+    SweptOutsideDomain,
+    TileFailed,
+    UnlikeWorkers,
+)
+from worker.jobs.oscillator_request import IMPACTING, PIECEWISE_LINEAR
+
+_log = logging.getLogger("rattle.service")
+
+_TABLE: dict[type[Exception], tuple[int, str]] = {
+    OutsideDomain: (422, "outside-domain"),
+    InvalidJob: (422, "invalid-request"),
+    LimitExceeded: (422, "limit-exceeded"),
+    NotFound: (422, "nothing-found"),
+    TooMuch: (429, "too-much"),
+    JobNotFound: (404, "not-found"),
+    NotReady: (404, "not-ready"),
+    StoreConflict: (409, "store-conflict"),
+    Unstoppable: (409, "still-stopping"),
+    NotYours: (403, "not-yours"),
+    StoreFailed: (503, "store-failed"),
+    ClusterFailed: (503, "cluster-failed"),
+    TileFailed: (500, "tile-failed"),
+    UnlikeWorkers: (503, "unlike-workers"),
+    JobCancelled: (409, "cancelled"),
+}
+
+DATABASE_FAILED = "database-failed", "the database does not answer; try again later"
+"""Kind and detail of a problem."""
+_KIND_OF_STATUS = {
+    400: "malformed-request", 404: "not-found", 405: "method-not-allowed", 413: "body-too-large", 415:
+    "unsupported-media-type", 416: "range-not-satisfiable", 422: "invalid-request",
+}  # fmt: skip
+
+
+class MalformedBody(HTTPException):
+    """A request body that no route accepts.
+
+    Parameters
+    ----------
+    status_code : int
+    message : str
+        What is wrong with the body as a whole.
+    """
+
+    def __init__(self, status_code: int, message: str) -> None:
+        super().__init__(status_code, f"body: {message}")
+        self.errors = [{"location": ["body"], "message": message}]
+
+
+def kind_of(error: Exception) -> str:
+    """Stable kind of an error, as in ``type`` of a problem and in a failed job's record."""
+    return next((kind for known, (_, kind) in _TABLE.items() if isinstance(error, known)), "internal")
+
+
+def problem(
+    status: int, kind: str, detail: str, instance: str, errors: Sequence[dict[str, Any]] = (), headers: Any = None
+) -> JSONResponse:
+    """Problem document."""
+    body = {
+        "type": f"/problems/{kind}",
+        "title": HTTPStatus(status).phrase,
+        "status": status,
+        "detail": detail,
+        "instance": instance,
+        "errors": list(errors),
+    }
+    return JSONResponse(body, status, headers=headers, media_type="application/problem+json")
+
+
+def _path_to_field(error: Exception) -> tuple[str | int, ...]:
+    """Path to the field at fault; empty where no single field is."""
+    if isinstance(error, InvalidJob | SweptOutsideDomain):
+        return error.place
+    return ("oscillator", error.parameter) if isinstance(error, OutsideDomain) else ()
+
+
+async def _known(request: Request, error: Exception) -> JSONResponse:
+    status, kind = next(entry for known, entry in _TABLE.items() if isinstance(error, known))
+    path = _path_to_field(error)
+    errors = [{"location": ["body", *path], "message": str(error)}] if path else []
+    headers = {"Retry-After": str(error.seconds)} if isinstance(error, TooMuch) else None
+    return problem(status, kind, str(error), request.url.path, errors, headers)
+
+
+def faults_of(error: Exception) -> list[dict[str, Any]]:
+    """What is wrong with a request that its submission would refuse with `error`, field by field."""
+    if isinstance(error, ValidationError):
+        return [_field_error({**item, "loc": ("body", *item["loc"])}) for item in error.errors()]
+    return [{"location": ["body", *_path_to_field(error)], "message": str(error)}]
+
+
+def _field_error(item: dict[str, Any]) -> dict[str, Any]:
+    message = item["msg"]
+    # The field `model` names the oscillator's model; it is not a step of the path.
+    location = [part for part in item["loc"] if part not in (IMPACTING, PIECEWISE_LINEAR)]
+    if item["type"] == "json_invalid":
+        return {"location": ["body"], "message": f"not valid JSON at character {item['loc'][-1]}"}
+    if tuple(item["loc"]) == ("body",):
+        message = "send a JSON object, with the header content-type: application/json"
+    # Pydantic puts this prefix before the messages of our own checks.
+    return {"location": location, "message": message.removeprefix("Value error, ")}
+
+
+async def _invalid(request: Request, error: Exception) -> JSONResponse:
+    """Answer a validation error. The input is not echoed: it may hold NaN, which JSON cannot carry."""
+    assert isinstance(error, RequestValidationError)
+    errors = [_field_error(item) for item in error.errors()]
+    detail = "; ".join(f"{'.'.join(str(part) for part in item['location'])}: {item['message']}" for item in errors)
+    malformed = any(item["type"] == "json_invalid" for item in error.errors())
+    status, kind = (400, "malformed-request") if malformed else (422, "invalid-request")
+    return problem(status, kind, detail, request.url.path, errors)
+
+
+async def _http(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, HTTPException)
+    detail = str(error.detail)
+    if error.status_code == 404 and detail == "Not Found":
+        detail = f"there is nothing at {request.url.path}; see /docs for what is there"
+    kind = _KIND_OF_STATUS.get(error.status_code, "error")
+    errors = error.errors if isinstance(error, MalformedBody) else ()
+    return problem(error.status_code, kind, detail, request.url.path, errors, error.headers)
+
+
+async def _database(request: Request, error: Exception) -> JSONResponse:
+    _log.error("the database does not answer at %s", request.url.path, exc_info=error)
+    return problem(503, *DATABASE_FAILED, request.url.path)
+
+
+async def _unexpected(request: Request, error: Exception) -> JSONResponse:
+    identifier = uuid.uuid4().hex
+    _log.error("unexpected error %s at %s", identifier, request.url.path, exc_info=error)
+    return problem(500, "internal", f"unexpected error; its identifier in the log is {identifier}", request.url.path)
+
+
+def install_error_handlers(app: FastAPI) -> None:
+    """Answer every error of `app` with a problem document."""
+    for known in _TABLE:
+        app.add_exception_handler(known, _known)
+    app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(DatabaseError, _database)
+    app.add_exception_handler(Exception, _unexpected)

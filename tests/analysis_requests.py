@@ -1,0 +1,20 @@
+"""A small request of each kind of analysis."""
+
+OSCILLATOR = {"damping": 0.575, "eccentricity": 0.1, "half_backlash": 0.6}
+DIAGRAM = {
+    "oscillator": OSCILLATOR,
+    "vary": {"parameter": "damping", "start": 0.59, "stop": 0.6, "count": 11},
+    "seeds": [{"time": 0.47, "velocity": 2.2}, {"time": 0.9, "velocity": 3.7}],
+    "direction": "both",
+    "transient": 300,
+}
+ORBITS = {
+    "oscillator": OSCILLATOR,
+    "longest": 2,
+    "region": {"time": {"start": 0, "stop": 1}, "velocity": {"start": 1, "stop": 4.5}},
+    "cells": 12,
+    "continuation": {"parameter": "damping", "start": 0.55, "stop": 0.65},
+}
+MANIFOLD = {"saddles": [{"time": 0.6, "velocity": 3.77}], "side": "both", "arclength": 3}
+GRAZING = {"order": 1}
+ROUTES = {"bifurcations": DIAGRAM, "orbits": ORBITS, "manifolds": MANIFOLD, "grazing-curves": GRAZING}
