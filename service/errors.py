@@ -9,13 +9,13 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
-from pydantic import ValidationError
 from sqlalchemy.exc import SQLAlchemyError
 from starlette.exceptions import HTTPException
 
 from rattle_kernels import OutsideDomain
 from worker.errors import (
     ClusterFailed,
+    InvalidFields,
     InvalidJob,
     JobCancelled,
     NotFound,
@@ -24,7 +24,7 @@ from worker.errors import (
     SweptOutsideDomain,
     TileFailed,
 )
-from worker.jobs.oscillator_request import IMPACTING, PIECEWISE_LINEAR
+from worker.jobs.request import fault_of
 
 _log = logging.getLogger("rattle.service")
 
@@ -108,48 +108,59 @@ def problem(
     return JSONResponse(body, status, headers=headers, media_type="application/problem+json")
 
 
-def _place_of(error: Exception) -> tuple[str | int, ...]:
-    """Where in a request the fault lies; empty where that is no one field."""
+def faults_of(error: Exception) -> list[dict[str, Any]]:
+    """What is wrong with a request, field by field.
+
+    Parameters
+    ----------
+    error : Exception
+        With which a submission refuses it.
+
+    Returns
+    -------
+    list of dict
+        Locations and messages.
+    """
+    if isinstance(error, InvalidFields):
+        return [_fault(place, message) for place, message in error.faults]
     if isinstance(error, InvalidJob | SweptOutsideDomain):
-        return error.place
-    return ("oscillator", error.parameter) if isinstance(error, OutsideDomain) else ()
+        return [_fault(error.place, str(error))]
+    return [_fault(("oscillator", error.parameter) if isinstance(error, OutsideDomain) else (), str(error))]
+
+
+def _fault(place: tuple[str | int, ...], message: str) -> dict[str, Any]:
+    return {"location": ["body", *place], "message": message}
+
+
+def _all_faults(faults: list[dict[str, Any]]) -> str:
+    return "; ".join(f"{'.'.join(str(part) for part in each['location'])}: {each['message']}" for each in faults)
 
 
 async def _known(request: Request, error: Exception) -> JSONResponse:
     status, kind = next(entry for known, entry in _TABLE.items() if isinstance(error, known))
-    place = _place_of(error)
-    errors = [{"location": ["body", *place], "message": str(error)}] if place else []
+    faults = faults_of(error)
+    detail = _all_faults(faults) if isinstance(error, InvalidFields) else str(error)
+    errors = [each for each in faults if each["location"] != ["body"]]
     headers = {"Retry-After": str(error.seconds)} if isinstance(error, TooMuch) else None
-    return problem(status, kind, str(error), request.url.path, errors, headers)
-
-
-def faults_of(error: Exception) -> list[dict[str, Any]]:
-    """What is wrong with a request that a submission would refuse with `error`, field by field."""
-    if isinstance(error, ValidationError):
-        return [_field_error({**item, "loc": ("body", *item["loc"])}) for item in error.errors()]
-    return [{"location": ["body", *_place_of(error)], "message": str(error)}]
+    return problem(status, kind, detail, request.url.path, errors, headers)
 
 
 def _field_error(item: dict[str, Any]) -> dict[str, Any]:
-    message = item["msg"]
-    # Which of the oscillator's models was meant is said by its field, not by a step of the path.
-    location = [part for part in item["loc"] if part not in (IMPACTING, PIECEWISE_LINEAR)]
+    place, message = fault_of(item)
     if item["type"] == "json_invalid":
-        return {"location": ["body"], "message": f"not valid JSON at character {item['loc'][-1]}"}
-    if tuple(item["loc"]) == ("body",):
+        return {"location": ["body"], "message": f"not valid JSON at character {place[-1]}"}
+    if place == ("body",):
         message = "send a JSON object, with the header content-type: application/json"
-    # What this package's own checks say, without the name that pydantic puts before it.
-    return {"location": location, "message": message.removeprefix("Value error, ")}
+    return {"location": list(place), "message": message}
 
 
 async def _invalid(request: Request, error: Exception) -> JSONResponse:
-    """Refuse what pydantic refused, without echoing the input: it may hold NaN, which JSON cannot carry."""
+    """Refuse what FastAPI refused, without echoing the input: it may hold NaN, which JSON cannot carry."""
     assert isinstance(error, RequestValidationError)
     errors = [_field_error(item) for item in error.errors()]
-    detail = "; ".join(f"{'.'.join(str(part) for part in item['location'])}: {item['message']}" for item in errors)
     malformed = any(item["type"] == "json_invalid" for item in error.errors())
     status, kind = (400, "malformed-request") if malformed else (422, "invalid-request")
-    return problem(status, kind, detail, request.url.path, errors)
+    return problem(status, kind, _all_faults(errors), request.url.path, errors)
 
 
 async def _http(request: Request, error: Exception) -> JSONResponse:

@@ -9,11 +9,11 @@ from sqlalchemy import Engine, Row, Select, bindparam, select
 from service.answers.conditional import Told, told
 from service.answers.kept_answers import KeptAnswers
 from service.errors import JobNotFound
-from service.models.models import JobView
+from service.models.job import JobView
 from service.records.engine import only_reads
 from service.records.job_record import JobRecord, JobState
 from service.records.jobs import Jobs
-from worker.job import Job
+from worker.jobs.job import Job
 
 _Edition = Row[int, str, int]
 """Number, id and revision of a job."""

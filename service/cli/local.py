@@ -12,8 +12,9 @@ from service.cli.keys import opened_keys
 from service.logs import write_logs
 from service.server import Server
 from service.settings import Settings
-from worker.analyses.kinds import ANALYSES, draw_analysis
+from worker.analyses.kinds import draw_analysis
 from worker.errors import InvalidJob, WorkerError
+from worker.kinds import KINDS
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
 from worker.pictures.panel_picture import Layer
 from worker.pictures.picture import draw_basin
@@ -72,7 +73,7 @@ def plot(
     """Draw a basin in the paper's colours, a sweep side by side, or what an analysis has found."""
     try:
         overlays = parse_overlays(overlay)
-        if kind_of_store(store) in ANALYSES:
+        if KINDS[kind_of_store(store)].analysis is not None:
             draw_analysis(store, out_)
         elif shares:
             draw_shares(store, out_)

@@ -1,4 +1,4 @@
-"""A job that a command computes here, without a service: refused in a line, with progress, stopped in order."""
+"""Compute a job on this machine: errors take one line, progress is shown, Ctrl-C stops it in order."""
 
 from collections.abc import Callable
 from typing import Any
@@ -6,37 +6,30 @@ from typing import Any
 from rattle_kernels import OutsideDomain
 from service.cli.console import announce_compiling, give_up, out, progress_line
 from service.cli.interruptible import run_interruptibly
-from service.models.oscillator import demand_quiet
 from service.settings import Settings
-from worker.analyses.kinds import ANALYSES
 from worker.cluster.connection import connect
 from worker.errors import InvalidJob, JobCancelled, WorkerError
 from worker.fence import unfenced
-from worker.job import Job
-from worker.kinds import JOB_KINDS
+from worker.jobs.job import Job
+from worker.kinds import KINDS
 from worker.progress import Progress
 
 
-def run_here(
-    describe: Callable[[], Job], location: str, workers: int, tell: Callable[[Any], None], *, quiet_or_not: bool
-) -> None:
-    """Compute a job into a store and tell what it has found.
+def run_here(describe: Callable[[], Job], location: str, workers: int, report: Callable[[Any], None]) -> None:
+    """Compute a job into a store and print what it has found.
 
     Parameters
     ----------
     describe : callable
-        Makes the job, or raises what is wrong with the command's options.
+        Makes the job, or raises an error that says what is wrong with the command's options.
     location : str
         The store; an unfinished one is resumed.
     workers : int
-    tell : callable
+    report : callable
         Prints the job's summary.
-    quiet_or_not : bool
-        Whether a job is taken that has no quiet solution.
     """
     try:
         job = describe()
-        demand_quiet(job.demand_quiet, unless=quiet_or_not)
     except (OutsideDomain, InvalidJob) as error:
         give_up(str(error), 2)
     try:
@@ -45,7 +38,7 @@ def run_here(
         give_up(f"stopped; the same command goes on from what is in {location}")
     except WorkerError as error:
         give_up(str(error))
-    tell(summary)
+    report(summary)
     out.print(
         f"{location} is complete; draw it with: rattle plot {location} --out picture.png",
         highlight=False, soft_wrap=True,
@@ -55,9 +48,10 @@ def run_here(
 def _compute(job: Job, location: str, settings: Settings, workers: int) -> object:
     announce_compiling()
     cluster = connect(settings.scheduler, workers, settings.certificates)
-    with cluster as client, progress_line("pieces" if job.kind in ANALYSES else "tiles") as line:
+    kind = KINDS[job.kind]
+    with cluster as client, progress_line("tiles" if kind.analysis is None else "pieces") as line:
 
-        def report(progress: Progress) -> None:
+        def show(progress: Progress) -> None:
             line.show(
                 progress.stage,
                 (progress.tiles_done, progress.tiles_total),
@@ -65,7 +59,6 @@ def _compute(job: Job, location: str, settings: Settings, workers: int) -> objec
                 progress.cells_per_second,
             )
 
-        run = JOB_KINDS[job.kind].run
         return run_interruptibly(
-            lambda cancel: run(job, location, client, report=report, cancel=cancel, fence=unfenced)
+            lambda cancel: kind.run(job, location, client, report=show, cancel=cancel, fence=unfenced)
         )

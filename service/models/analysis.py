@@ -1,43 +1,8 @@
-"""What the requests and results of analyses have in common."""
+"""What results of analyses have in common over HTTP."""
 
 from typing import Any
 
 from pydantic import BaseModel, Field
-
-from service.models.oscillator import ImpactingOscillator, OscillatorRequest
-from service.strict import Real, Request
-from worker.jobs.analysis_job import Region
-
-
-class SeedRequest(Request):
-    """A departure from +beta to start from."""
-
-    time: Real = Field(description="Phase t, forcing periods")
-    velocity: Real = Field(description="Speed v of the departure, above 0")
-
-
-class Interval(Request):
-    """From where to where."""
-
-    start: Real
-    stop: Real
-
-
-class RegionRequest(Request):
-    """Window of the (t, v) plane in which something is looked for."""
-
-    time: Interval = Field(default_factory=lambda: Interval(start=0.0, stop=1.0), description="Phases within 0 and 1")
-    velocity: Interval = Field(default_factory=lambda: Interval(start=0.0, stop=7.0), description="Speeds of departure")
-
-    def to_region(self) -> Region:
-        """Region of the worker, not checked yet."""
-        return Region(self.time.start, self.time.stop, self.velocity.start, self.velocity.stop)
-
-
-class OscillatorsRequest(Request):
-    """A request about one oscillator."""
-
-    oscillator: OscillatorRequest = Field(default_factory=ImpactingOscillator)
 
 
 class AnalysisView(BaseModel):

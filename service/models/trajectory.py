@@ -1,6 +1,5 @@
 """Shapes of one time history over HTTP."""
 
-import math
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -15,9 +14,10 @@ from rattle_kernels import (
     check_quiet,
     time_history,
 )
-from service.models.oscillator import ImpactingOscillator, OscillatorRequest, demand_quiet
-from service.strict import Count, Real, Request
+from service.models.numbers import FiniteOrNone
 from worker.errors import InvalidJob
+from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, demand_quiet
+from worker.jobs.request import Count, Real, Request
 
 _OUTCOMES: dict[Outcome, Literal["rattling", "permanent_contact", "undecided"]] = {
     Outcome.RETURNED: "rattling",
@@ -130,7 +130,7 @@ class TrajectoryView(BaseModel):
         "bounces that never rattle again; undecided: a root-finder gave up where the history ends"
     )
     truncated: bool = Field(description="The history ends before its span, at the most contacts allowed")
-    permanent_from: float | None = Field(description="Contact from which on it counts as permanent; null where none")
+    permanent_from: FiniteOrNone = Field(description="Contact from which on it counts as permanent; null where none")
 
     @classmethod
     def from_history(cls, history: TimeHistory) -> "TrajectoryView":
@@ -143,5 +143,5 @@ class TrajectoryView(BaseModel):
         return cls(
             time=history.time.tolist(), displacement=history.displacement.tolist(), velocity=history.velocity.tolist(),
             contacts=contacts, outcome=_OUTCOMES[history.outcome], truncated=history.truncated,
-            permanent_from=history.permanent_from if math.isfinite(history.permanent_from) else None,
+            permanent_from=history.permanent_from,
         )  # fmt: skip

@@ -19,8 +19,7 @@ from service.answers.conditional import (
 )
 from service.answers.result_view import draw_result, place_of_result, result_fingerprint
 from service.errors import JobNotFound, NotReady
-from service.models.analysis_requests import AnalysisResult
-from service.models.models import ResultView
+from service.models.results import AnyResult
 from service.routes.dependencies import JobId, JobsHere, SettingsHere, SummariesHere, ThreadsHere, problems
 from worker.errors import InvalidJob
 from worker.pictures.panel_picture import Layer
@@ -48,7 +47,7 @@ def _store_path(path: str) -> str:
 
 @router.get(
     "/result",
-    response_model=ResultView | AnalysisResult,
+    response_model=AnyResult,
     summary="Summary of a result",
     responses=_NOTHING_YET | NOT_MODIFIED,
 )

@@ -6,9 +6,9 @@ import re
 from pathlib import Path
 
 import pytest
+from service.models.models import BasinRequest
 
 import rattle_kernels
-from service.models.models import BasinRequest
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text()

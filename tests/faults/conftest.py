@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-
 from service.models.models import BasinRequest, SweepRequest
+
 from tests.faults.farm import ENVIRONMENT, starts
 from tests.running_service import running_service
 from tests.store_content import content

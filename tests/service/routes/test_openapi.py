@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import yaml
+from service.models.oscillator import ImpactingOscillator, PiecewiseLinearOscillator
 
 from rattle_kernels import Oscillator
-from service.models.oscillator import ImpactingOscillator, PiecewiseLinearOscillator
 from service.openapi import as_yaml, document
 
 

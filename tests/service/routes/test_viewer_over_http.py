@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from service.models.models import BasinRequest, SweepRequest
+
 from tests.service.routes.test_bad_input import assert_problem
 from worker.paper.papers_oscillator import papers_oscillator
 from worker.views.reading import open_basin

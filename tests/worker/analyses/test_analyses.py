@@ -10,7 +10,6 @@ import pytest
 import xarray as xr
 
 from rattle_kernels import (
-    ManifoldLimits,
     Oscillator,
     bifurcation_diagram,
     find_orbits,
@@ -26,25 +25,25 @@ from worker.analyses.orbit_table import orbits_of
 from worker.analyses.run import run_analysis, summarise_analysis
 from worker.basins.pipeline import run_basin
 from worker.errors import InvalidJob, JobCancelled, NotFound, StoreConflict
-from worker.jobs.analysis_job import Region
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.bifurcation_job import BifurcationJob, Direction
 from worker.jobs.grazing_curve_job import GrazingCurveJob
 from worker.jobs.manifold_job import Itinerary, ManifoldJob, Side
 from worker.jobs.orbits_job import Continuation, OrbitSeed, OrbitsJob
+from worker.jobs.region import Departure, Interval, Region
 from worker.jobs.swept_parameter import Spacing, SweptParameter
 from worker.kinds import JOB_KINDS
 from worker.progress import Stage
 from worker.stores.analysis_store import AnalysisStore, kind_of_store
 
 DAMPING = SweptParameter.spaced("damping", 0.59, 0.6, 120, Spacing.LINEAR)
-SEEDS = ((0.9, 3.7), (0.553, 4.703))
+SEEDS = (Departure(0.9, 3.7), Departure(0.553, 4.703))
 DIAGRAM = BifurcationJob(vary=DAMPING, seeds=SEEDS, direction=Direction.BOTH, transient=10_000)
 ORBITS = OrbitsJob(
-    Oscillator(damping=0.575), longest=2, region=Region(0.0, 1.0, 1.0, 4.5), cells=12,
+    oscillator=Oscillator(damping=0.575), longest=2, region=Region(velocity=Interval(1.0, 4.5)), cells=12,
     continuation=Continuation("damping", 0.55, 0.65),
 )  # fmt: skip
-MANIFOLD = ManifoldJob(saddles=(OrbitSeed(0.6, 3.77), OrbitSeed(0.89, 3.988)), limits=ManifoldLimits(3.0, 0.0, 7.0))
+MANIFOLD = ManifoldJob(saddles=(OrbitSeed(0.6, 3.77), OrbitSeed(0.89, 3.988)), arclength=3.0)
 GRAZING = GrazingCurveJob(order=2)
 JOBS = [DIAGRAM, ORBITS, MANIFOLD, GRAZING]
 each_kind = pytest.mark.parametrize("job", JOBS, ids=lambda job: job.kind)
@@ -156,7 +155,12 @@ def test_cancelling_is_noticed_while_a_piece_is_computed(client, tmp_path):
 
 def test_a_diagram_is_that_of_the_kernels_whatever_the_stretches(stores):
     direct = bifurcation_diagram(
-        Oscillator(), "damping", DAMPING.values, *np.array(SEEDS).T, direction="both", transient=10_000
+        Oscillator(),
+        "damping",
+        DAMPING.values,
+        *np.array([(seed.time, seed.velocity) for seed in SEEDS]).T,
+        direction="both",
+        transient=10_000,
     )
     with xr.open_zarr(stores / "bifurcation") as store:
         np.testing.assert_array_equal(store.damping, direct.values)
@@ -167,7 +171,7 @@ def test_a_diagram_is_that_of_the_kernels_whatever_the_stretches(stores):
 
 def test_orbits_are_those_of_the_undivided_search(stores):
     region = ORBITS.region
-    direct = find_orbits(ORBITS.oscillator, 2, region[:2], region[2:], cells=12)
+    direct = find_orbits(ORBITS.oscillator, 2, region.time.ends, region.velocity.ends, cells=12)
     with xr.open_zarr(stores / "orbits") as store:
         found = orbits_of(store)
         assert [each.orbit.name for each in found] == [each.orbit.name for each in direct]
@@ -206,7 +210,7 @@ def test_an_order_that_needs_too_many_points_says_that_it_is_incomplete(client, 
 
 
 def test_saddles_of_an_itinerary_are_found_and_other_orbits_are_named(client, tmp_path):
-    asked = ManifoldJob(saddles=(Itinerary(1, 1, 0),), cells=12, limits=ManifoldLimits(0.5, 0.0, 7.0))
+    asked = ManifoldJob(saddles=(Itinerary(1, 1, 0),), cells=12, arclength=0.5)
     told = run(asked, tmp_path / "store", client).told
     assert [saddle["departures"][0]["velocity"] for saddle in told["saddles"]] == [pytest.approx(3.7699111843)]
     missing = ManifoldJob(saddles=(Itinerary(1, 1, 3),), cells=12)
@@ -229,14 +233,14 @@ def test_another_kinds_store_is_not_touched(client, stores, tmp_path):
 @pytest.mark.parametrize(
     ("job", "changes", "told"),
     [
-        (BifurcationJob, {"seeds": ((0.1, 0.0),)}, "section of departures"),
+        (BifurcationJob, {"vary": DAMPING, "seeds": ({"time": 0.1, "velocity": 0.0},)}, "section of departures"),
         (BifurcationJob, {"vary": SweptParameter("damping", ())}, "at least one value"),
         (BifurcationJob, {"vary": SweptParameter("stiffness", (1.0,))}, "in the impacting model"),
-        (OrbitsJob, {"seeds": (OrbitSeed(0.1, 1.0, 0),)}, "period must be 1 or more"),
-        (OrbitsJob, {"region": Region(0.5, 0.2)}, "phases of the region"),
+        (OrbitsJob, {"seeds": ({"time": 0.1, "velocity": 1.0, "period": 0},)}, "period must be 1 or more"),
+        (OrbitsJob, {"region": {"time": {"start": 0.5, "stop": 0.2}}}, "phases of the region"),
         (OrbitsJob, {"continuation": Continuation("stiffness", 1.0, 10.0)}, "hold its value inf"),
-        (ManifoldJob, {}, "at least one saddle"),
-        (ManifoldJob, {"saddles": (OrbitSeed(0.1, 1.0),), "limits": ManifoldLimits(float("inf"), 0, 7)}, "fin"),
+        (ManifoldJob, {"saddles": ()}, "saddles: .*at least 1 item"),
+        (ManifoldJob, {"saddles": (OrbitSeed(0.1, 1.0),), "arclength": float("inf")}, "arclength: .*finite"),
         (GrazingCurveJob, {"order": -1}, "order must be 0"),
     ],
 )  # fmt: skip
