@@ -1,5 +1,6 @@
 """The OpenAPI document: FastAPI's, and what that does not know: problem documents, keys, what any request may meet."""
 
+from collections import Counter
 from typing import Any
 
 from fastapi import FastAPI
@@ -53,10 +54,13 @@ def describe(app: FastAPI) -> dict[str, Any]:
 
 
 def _named_by_title(schema: dict[str, Any]) -> dict[str, Any]:
-    """The document with every component under its title: the request for a `BasinJob` is a BasinRequest."""
+    """The document with each component named by its title, if that is unique: a `BasinJob` is a BasinRequest."""
     components = schema["components"]["schemas"]
-    titles = {name: each.get("title", name) for name, each in components.items()}
-    schema["components"]["schemas"] = {titles[name]: components[name] for name in sorted(components, key=titles.__getitem__)}
+    known = Counter(each.get("title") for each in components.values())
+    titles = {name: each["title"] if known[each.get("title")] == 1 else name for name, each in components.items()}
+    schema["components"]["schemas"] = {
+        titles[name]: components[name] for name in sorted(components, key=titles.__getitem__)
+    }
     return _with_references(schema, {f"{_COMPONENTS}{name}": f"{_COMPONENTS}{title}" for name, title in titles.items()})
 
 

@@ -27,7 +27,8 @@ def described_as(model: Any) -> Any:
     type
     """
     described = TypeAdapter(model).core_schema
-    metadata = {"pydantic_js_functions": [lambda _schema, handler: handler(described)]}
+    # As pydantic's own `SkipValidation` describes what it does not check.
+    metadata = {"pydantic_js_annotation_functions": [lambda _schema, handler: handler(described)]}
     schema = core_schema.dict_schema(core_schema.str_schema(), core_schema.any_schema(), metadata=metadata)
     return Annotated[dict[str, Any], GetPydanticSchema(lambda _source, _handler: schema)]
 

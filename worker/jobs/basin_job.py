@@ -210,7 +210,7 @@ class SweepJob(BasinJob):
 
     model_config = ConfigDict(title="SweepRequest", json_schema_extra={"examples": [_SWEEP_EXAMPLE]})
 
-    vary_: Annotated[tuple[Vary, ...], Field(min_length=1, max_length=MOST_SWEPT)] = Field(
+    vary_: Annotated[list[Vary], Field(min_length=1, max_length=MOST_SWEPT)] = Field(
         description="Swept parameters; the last one runs fastest"
     )
 
@@ -235,7 +235,7 @@ class SweepJob(BasinJob):
         return min((each.least for each in self.vary_ if each.parameter == "damping"), default=super()._least_damping)
 
     def _settled(self) -> dict[str, Any]:
-        settled = {"vary_": tuple(vary_request(swept) for swept in self.vary)}
+        settled = {"vary_": [vary_request(swept) for swept in self.vary]}
         return super()._settled() | settled
 
 

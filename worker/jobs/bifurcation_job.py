@@ -40,7 +40,7 @@ class BifurcationJob(AnalysisJob):
 
     kind_: Literal["bifurcation"] = "bifurcation"
     vary_: Vary = Field(description="The parameter and its values")
-    seeds: Annotated[tuple[Departure, ...], Field(min_length=1, max_length=100)] | None = Field(
+    seeds: Annotated[list[Departure], Field(min_length=1, max_length=100)] | None = Field(
         None, description="Departures to begin with; without them, the attractors found at the first value visited"
     )
     region: Region | None = Field(None, description="Where those attractors are looked for")

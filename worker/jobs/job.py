@@ -90,9 +90,9 @@ class Job(Request, ABC):
         if info.context is not None:
             info.context(self)
         allowed = self.oscillator_.allow_no_quiet_solution
-        settled = self._settled()
+        settled, oscillator = self._settled(), self.oscillator
         demand_quiet(self.demand_quiet, unless=allowed)
-        settled["oscillator_"] = oscillator_request(self.oscillator, quiet=not allowed or self.quiet)
+        settled["oscillator_"] = oscillator_request(oscillator, quiet=not allowed or self.quiet)
         fields = type(self).model_fields.items()
         unused = {name: field.get_default(call_default_factory=True) for name, field in fields if name not in settled}
         self.__dict__.update(unused | settled)

@@ -134,7 +134,7 @@ class ManifoldJob(AnalysisJob):
     impacting_only = True
 
     kind_: Literal["manifold"] = "manifold"
-    saddles_: Annotated[tuple[Saddle, ...], Field(min_length=1, max_length=100)]
+    saddles_: Annotated[list[Saddle], Field(min_length=1, max_length=100)]
     side: Side = Field(Side.STABLE, description="Which manifolds")
     arclength: Real = Field(ManifoldLimits().arclength, description="Of each branch, within the window of speeds")
     velocity: Interval = Field(default_factory=papers_speeds, description="Speeds to keep")
@@ -164,7 +164,7 @@ class ManifoldJob(AnalysisJob):
         if any(isinstance(saddle, Itinerary) for saddle in self.saddles):
             names += ["region", "cells"]
         settled = {name: getattr(self, name) for name in names}
-        settled["saddles_"] = tuple(saddle_request(saddle) for saddle in self.saddles)
+        settled["saddles_"] = [saddle_request(saddle) for saddle in self.saddles]
         return settled | {"resolution_": resolution_request(self.resolution)}
 
     @cached_property

@@ -88,7 +88,7 @@ class OrbitsJob(AnalysisJob):
     longest: Count = Field(4, description="Greatest n+ that is searched for")
     region: Region = Field(default_factory=Region, description="Where it is searched")
     cells: Count = Field(SEARCH_CELLS, description="The search starts from the centres of so many cells each way")
-    seeds: Annotated[tuple[OrbitSeed, ...], Field(min_length=1, max_length=1000)] | None = Field(
+    seeds: Annotated[list[OrbitSeed], Field(min_length=1, max_length=1000)] | None = Field(
         None, description="Start from these alone; leave out longest, region and cells then"
     )
     continuation: Continuation | None = Field(

@@ -72,6 +72,8 @@ def fault_of(item: Any) -> tuple[Place, str]:
     place = tuple(part for part in item["loc"] if part not in UNION_TAGS)
     if isinstance(error, InvalidJob):
         place += error.place
+    if item["type"] == "unexpected_keyword_argument":
+        return place, "Extra inputs are not permitted"  # a dataclass says it in Python's words
     return place, item["msg"].removeprefix("Value error, ")
 
 

@@ -4,12 +4,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from rattle_kernels import Oscillator
 from worker.errors import InvalidJob, Place
 from worker.jobs.oscillator_request import with_swept_stiffness
 from worker.jobs.request import Real, Request, accepting
@@ -27,7 +26,7 @@ class Spacing(StrEnum):
 
 @dataclass(frozen=True)
 class SweptParameter:
-    """A field of `Oscillator` and its values, in the order in which basins follow one another."""
+    """A parameter of the oscillator and its values, in the order in which basins follow one another."""
 
     parameter: str
     values: tuple[float, ...]
@@ -142,14 +141,14 @@ def without_stiffness(request: Any) -> Any:
     -------
     object
     """
-    if not isinstance(request, dict):
+    if not isinstance(request, dict) or "oscillator" not in request:
         return request
     vary = request.get("vary")
     asked = vary if isinstance(vary, list | tuple) else [vary]
     names = [each.get("parameter") if isinstance(each, dict) else getattr(each, "parameter", None) for each in asked]
     if "stiffness" not in names:
         return request
-    return request | {"oscillator": with_swept_stiffness(request.get("oscillator"))}
+    return request | {"oscillator": with_swept_stiffness(request["oscillator"])}
 
 
 def check_swept(vary: Sequence[SweptParameter], *, impacting: bool) -> tuple[SweptParameter, ...]:
@@ -173,8 +172,8 @@ def check_swept(vary: Sequence[SweptParameter], *, impacting: bool) -> tuple[Swe
     names = [swept.parameter for swept in vary]
     for axis, name in enumerate(names):
         place = ("vary", axis, "parameter")
-        if name not in Oscillator._fields:
-            raise InvalidJob(f"{name} cannot be swept; these can: {', '.join(Oscillator._fields)}", place)
+        if name not in get_args(Parameter):
+            raise InvalidJob(f"{name} cannot be swept; these can: {', '.join(get_args(Parameter))}", place)
         if name in names[:axis]:
             raise InvalidJob(f"{name} is swept twice", place)
         if name == "stiffness" and impacting:

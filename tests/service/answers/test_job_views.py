@@ -1,8 +1,8 @@
 """Jobs are told as the database holds them, and read anew only where they have changed."""
 
 import pytest
-from service.models.models import JobPage, JobView
 
+from service.models.job import JobPage, JobView
 from service.records.engine import open_database
 from service.records.job_record import JobState
 from service.records.jobs import Jobs

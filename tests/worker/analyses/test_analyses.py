@@ -19,7 +19,7 @@ from rattle_kernels import (
 )
 from tests.worker.basins.test_pipeline import content
 from worker.analyses.grazing_curves import orders_of
-from worker.analyses.kinds import ANALYSES, draw_analysis
+from worker.analyses.kinds import draw_analysis
 from worker.analyses.manifolds import branches_of
 from worker.analyses.orbit_table import orbits_of
 from worker.analyses.run import run_analysis, summarise_analysis
@@ -32,7 +32,7 @@ from worker.jobs.manifold_job import Itinerary, ManifoldJob, Side
 from worker.jobs.orbits_job import Continuation, OrbitSeed, OrbitsJob
 from worker.jobs.region import Departure, Interval, Region
 from worker.jobs.swept_parameter import Spacing, SweptParameter
-from worker.kinds import JOB_KINDS
+from worker.kinds import KINDS
 from worker.progress import Stage
 from worker.stores.analysis_store import AnalysisStore, kind_of_store
 
@@ -51,7 +51,7 @@ each_kind = pytest.mark.parametrize("job", JOBS, ids=lambda job: job.kind)
 
 def run(job, location, client, *, report=lambda _: None, cancel=None):
     cancel = cancel or threading.Event()
-    return run_analysis(ANALYSES[job.kind], job, str(location), client, report=report, cancel=cancel)
+    return run_analysis(KINDS[job.kind].loaded_analysis, job, str(location), client, report=report, cancel=cancel)
 
 
 @pytest.fixture(scope="session")
@@ -65,7 +65,7 @@ def stores(client, tmp_path_factory):
 
 @each_kind
 def test_a_job_is_its_request(job):
-    again = JOB_KINDS[job.kind].from_request(json.loads(json.dumps(job.request())))
+    again = KINDS[job.kind].job_class.from_request(json.loads(json.dumps(job.request())))
     assert again == job and again.digest == job.digest
     assert len({each.digest for each in JOBS}) == len(JOBS)
 
@@ -80,7 +80,7 @@ def test_a_cancelled_job_says_what_is_missing_and_resumes_to_the_same_bytes(clie
 
     with pytest.raises(JobCancelled):
         run(job, location, client, report=cancel_soon, cancel=cancel)
-    partial = summarise_analysis(ANALYSES[job.kind], str(location))
+    partial = summarise_analysis(KINDS[job.kind].loaded_analysis, str(location))
     assert not partial.complete and partial.pieces_done >= 1
     draw_analysis(str(location), tmp_path / "partial.png")
     with xr.open_zarr(location) as store:
@@ -122,9 +122,9 @@ def test_who_reads_while_the_driver_finishes_is_told_the_end(client, stores, tmp
     with pytest.raises(JobCancelled):
         run(job, location, client, report=lambda progress: progress.tiles_done and cancel.set(), cancel=cancel)
     monkeypatch.setattr(AnalysisStore, "parts", finish_first)
-    told = summarise_analysis(ANALYSES[job.kind], str(location))
+    told = summarise_analysis(KINDS[job.kind].loaded_analysis, str(location))
     assert finished and told.complete
-    assert told.told == summarise_analysis(ANALYSES[job.kind], str(stores / job.kind)).told
+    assert told.told == summarise_analysis(KINDS[job.kind].loaded_analysis, str(stores / job.kind)).told
 
 
 @each_kind
