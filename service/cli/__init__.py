@@ -27,8 +27,8 @@ _OTHER_COMMANDS = {
     "submit": ("remote", "Submit a request to a service; the same request again is the same job."),
     "jobs": ("remote", "List the service's jobs, newest first."),
     "cancel": ("remote", "Stop a job; what it has computed stays readable."),
-    "keys": ("keys", "Make, list and revoke the keys to a service's doors."),
-    "certs": ("certs", "Make the certificates by which the parts of a Dask cluster know each other."),
+    "keys": ("keys", "Make, list and revoke the API keys of a service."),
+    "certs": ("certs", "Make certificates for the parts of a Dask cluster."),
     "plot": (
         "local",
         "Draw a basin in the paper's colours, a sweep side by side, or what an analysis has found.",

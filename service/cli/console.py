@@ -1,4 +1,4 @@
-"""What commands say: progress bars on a terminal, plain lines elsewhere; errors in one line, with the next step."""
+"""Output of commands: progress bars on a terminal, plain lines elsewhere; errors take one line and name a next step."""
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,7 +17,7 @@ _MOST_CHANGES = 20
 
 
 def give_up(message: str, code: int = 1) -> NoReturn:
-    """Say what is wrong and leave: code 2 where the command was at fault, 1 where the work was."""
+    """Print an error and exit: with code 2 if the command was wrong, 1 if the work failed."""
     err.print(f"[bold red]error:[/] {message}", highlight=False, soft_wrap=True)
     raise typer.Exit(code)
 
@@ -41,7 +41,7 @@ class ProgressLine:
     def show(
         self, stage: str, done: tuple[int, int], basins: tuple[int, int] = (1, 1), cells_per_second: float = 0.0
     ) -> None:
-        """Show how far a stage is; of its units and of the basins, how many are done, of how many."""
+        """Show the progress of a stage: units and basins that are done, and their totals."""
         pace = f"{cells_per_second / 1e3:,.0f} thousand cells/s" if cells_per_second else ""
         if basins[1] > 1:
             pace = f"{basins[0]} of {basins[1]} basins {pace}"
@@ -55,7 +55,7 @@ class ProgressLine:
 
 @contextmanager
 def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
-    """Progress bar on a terminal, a plain line every other second elsewhere; it counts units of that name."""
+    """Progress bar on a terminal, a plain line every other second elsewhere; `unit` names what is counted."""
     if not out.is_terminal:
         yield ProgressLine(None, unit)
         return
@@ -70,7 +70,7 @@ def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
 def print_solutions(
     rows: Sequence[tuple[str, float | None, float | None, float | None, Sequence[tuple[float, float]]]],
 ) -> None:
-    """Table of solutions: name, share, Lyapunov exponent, mean life of what does not last, first point."""
+    """Print a table of solutions: name, share, Lyapunov exponent, mean life of a chaotic transient, first point."""
     table = Table("", "solution", "share", "Lyapunov exponent", "a departure (t, v)")
     for number, (name, share, exponent, life, points) in enumerate(rows):
         table.add_row(
@@ -84,7 +84,7 @@ def print_solutions(
 
 
 def print_changes(rows: Sequence[tuple[str, int, str, str, float, float]]) -> None:
-    """Say where solutions are born and die: what, number and name of which, parameter, its values before and after."""
+    """Print births and deaths of solutions: kind, number, name, parameter, its values before and after."""
     for kind, number, name, parameter, before, after in rows[:_MOST_CHANGES]:
         out.print(f"{kind} of {number}: {name} between {parameter} {before:g} and {after:g}", highlight=False)
     if len(rows) > _MOST_CHANGES:
@@ -92,7 +92,7 @@ def print_changes(rows: Sequence[tuple[str, int, str, str, float, float]]) -> No
 
 
 def print_seconds(seconds: Mapping[str, Any]) -> None:
-    """Say how long each stage took."""
+    """Print how long each stage took."""
     if seconds:
         stages = ", ".join(f"{name.replace('_', ' ')} {value:.2f} s" for name, value in seconds.items())
         out.print(stages, highlight=False, soft_wrap=True)

@@ -24,7 +24,7 @@ from worker.stores.analysis_store import kind_of_store
 
 def serve(
     host: Annotated[
-        str | None, typer.Option(help="Address to listen on; any but loopback demands keys  [default: 127.0.0.1]")
+        str | None, typer.Option(help="Address to listen on; any but loopback requires keys  [default: 127.0.0.1]")
     ] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on  [default: 8000]")] = None,
     data: Annotated[Path | None, typer.Option(help="Folder of database and results  [default: rattle-data]")] = None,
@@ -45,7 +45,7 @@ def serve(
 
 
 def _demand_keys(settings: Settings) -> None:
-    """Refuse to start where keys are demanded and there is none that opens anything."""
+    """Refuse to start if keys are required and there is no valid one."""
     if not settings.keys_demanded:
         return
     if not _has_key(settings):

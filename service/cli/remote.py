@@ -17,17 +17,17 @@ from worker.kinds import KINDS
 
 Url = Annotated[str, typer.Option(envvar="RATTLE_URL", help="Address of the service")]
 Key = Annotated[
-    str | None, typer.Option(envvar="RATTLE_KEY", show_envvar=True, help="Key of a service that demands one")
+    str | None, typer.Option(envvar="RATTLE_KEY", show_envvar=True, help="Key, if the service requires one")
 ]
 _HERE = "http://127.0.0.1:8000"
-# A stream that has nothing to tell says so every 15 s.
+# An idle stream sends a comment every 15 s.
 _SILENCE_SECONDS = 40.0
 _PATIENCE_SECONDS = 60.0
 _PAUSE_SECONDS = 0.5
 
 
 def _ask(method: str, url: str, path: str, key: str | None, **options: Any) -> Any:
-    """JSON answer of the service; an error in words where there is none."""
+    """JSON answer of the service. If there is none, print an error and exit."""
     headers = options.pop("headers", {}) | ({"authorization": f"Bearer {key}"} if key else {})
     try:
         response = httpx.request(method, url.rstrip("/") + path, timeout=30.0, headers=headers, **options)
@@ -85,7 +85,7 @@ def _follow(url: str, job_id: str, key: str | None) -> None:
 
 
 def _until_the_end(url: str, job_id: str, key: str | None, line: ProgressLine) -> dict[str, Any]:
-    """The job when it has ended; its events are shown as they come, and asked for again where the stream is cut."""
+    """The job once it has ended. Its events are shown as they come; a stream that breaks is opened again."""
     seen, patience = "0", time.monotonic() + _PATIENCE_SECONDS
     while True:
         try:

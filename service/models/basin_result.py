@@ -11,7 +11,7 @@ from worker.stores.summary import BasinSummary, Change, SweptBasinSummary
 
 
 class SolutionView(BaseModel):
-    """One motion and its share of the cells: of all basins of a sweep together, and as the first that has it has it."""
+    """One motion and its share of the cells. In a sweep: the share of all basins, the points of the first that has it."""
 
     name: str = Field(examples=["P(1,1,0)"])
     kind: Literal["periodic", "chaotic", "chaotic_transient", "permanent_contact", "undecided"]
@@ -21,7 +21,7 @@ class SolutionView(BaseModel):
     lower_contacts: int
     lyapunov_exponent: FiniteOrNone = Field(description="Per forcing period")
     mean_life: FiniteOrNone = Field(
-        description="Of chaos that motions leave again: impacts until one does, on average; null where none was seen to"
+        description="Mean number of impacts until a motion leaves a chaotic transient; null if none was seen to leave"
     )
     points: list[tuple[float, float]] = Field(
         description="(t, v) of its departures; the first hundred of a chaotic one"
@@ -44,7 +44,7 @@ class ShareView(BaseModel):
 
     solution: int = Field(description="Which: index into `solutions`")
     share: float
-    standard_error: float | None = Field(description="Binomial; of samples, else null")
+    standard_error: float | None = Field(description="Binomial, for samples; otherwise null")
 
 
 class BasinView(BaseModel):
@@ -52,7 +52,7 @@ class BasinView(BaseModel):
 
     parameters: dict[str, float] = Field(description="Values of the swept parameters")
     complete: bool
-    shares: list[ShareView] = Field(description="Of the solutions that it has; empty until it is complete")
+    shares: list[ShareView] = Field(description="Shares of its solutions; empty until it is complete")
 
     @classmethod
     def from_swept(cls, swept: SweptBasinSummary) -> "BasinView":
@@ -81,7 +81,7 @@ class ChangeView(BaseModel):
 
 
 class ResultView(BaseModel):
-    """Summary of a basin or a sweep; a result that is not complete says so."""
+    """Summary of a basin or a sweep, complete or not."""
 
     complete: bool
     request: dict[str, Any]
@@ -89,9 +89,9 @@ class ResultView(BaseModel):
     tiles_computed: int
     tiles_assembled: int
     solutions: list[SolutionView]
-    basins: list[BasinView] = Field(description="Basin by basin, the last swept parameter fastest; one without `vary`")
+    basins: list[BasinView] = Field(description="All basins, the last swept parameter fastest; one if nothing is swept")
     changes: list[ChangeView] = Field(description="Births and deaths of solutions along the swept parameters so far")
-    image_counts: dict[str, int] = Field(description="Cells with each reserved image; empty until all are mapped")
+    image_counts: dict[str, int] = Field(description="Cells with each reserved image; empty until all cells are mapped")
     seconds: dict[str, float] = Field(
         description="Wall time of each stage, and the kernels' own time summed over tiles"
     )

@@ -8,7 +8,7 @@ from service.records.job_record import JobState
 
 
 class EventView(BaseModel):
-    """Something that has happened to a job: it has changed its state, or it is further than before."""
+    """An event of a job: a change of state, or progress."""
 
     state: JobState
     at: Moment

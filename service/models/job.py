@@ -16,7 +16,7 @@ else:
 
 
 class Links(BaseModel):
-    """Where to go from a job."""
+    """Addresses that belong to a job."""
 
     self: str
     cancel: str
@@ -24,7 +24,7 @@ class Links(BaseModel):
     result: str
     zarr: str
     picture: str
-    shares: str | None = Field(None, description="Chart of shares over the swept parameters, of sweeps")
+    shares: str | None = Field(None, description="Chart of shares over the swept parameters; sweeps only")
 
 
 class JobView(BaseModel):

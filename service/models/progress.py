@@ -1,4 +1,4 @@
-"""How far a job is, over HTTP."""
+"""Progress of jobs over HTTP."""
 
 from datetime import UTC, datetime
 from typing import Annotated
@@ -12,7 +12,7 @@ Moment = Annotated[datetime, AfterValidator(lambda moment: moment if moment.tzin
 
 
 class BasinProgressView(BaseModel):
-    """How far one basin of a sweep is."""
+    """Progress of one basin of a sweep."""
 
     basin: int = Field(description="Its number: the last swept parameter runs fastest")
     stage: Stage
@@ -21,19 +21,19 @@ class BasinProgressView(BaseModel):
 
 
 class ProgressView(BaseModel):
-    """How far a job is; counts are those of the stage, of a sweep those of its complete basins."""
+    """Progress of a job. Counts are those of the stage; for a sweep, those of its complete basins."""
 
     stage: Stage
-    tiles_done: int = Field(description="Tiles of basins; pieces of what has no tiles")
+    tiles_done: int = Field(description="Tiles of basins, or pieces of an analysis")
     tiles_total: int
     cells_done: int
     cells_total: int
     cells_per_second: float
     seconds_left: float | None = Field(description="Estimate for this stage, null until there is one")
     basins_done: int = Field(0, description="Basins of a sweep that are complete")
-    basins_total: int = Field(1, description="Basins of the job: one where nothing is swept, none of an analysis")
+    basins_total: int = Field(1, description="Basins of the job: 1 if nothing is swept, 0 for an analysis")
     under_way: tuple[BasinProgressView, ...] = Field(
-        (), description="Basins of a sweep that are begun and not complete"
+        (), description="Basins of a sweep that have begun and are not complete"
     )
 
 
