@@ -11,7 +11,7 @@ from worker.stores.summary import BasinSummary, Change, SweptBasinSummary
 
 
 class SolutionView(BaseModel):
-    """One motion and its share of the cells. In a sweep: the share of all basins, the points of the first that has it."""
+    """One motion and its share of the cells. In a sweep: the share of all basins, the points of the first with it."""
 
     name: str = Field(examples=["P(1,1,0)"])
     kind: Literal["periodic", "chaotic", "chaotic_transient", "permanent_contact", "undecided"]
