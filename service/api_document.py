@@ -1,11 +1,13 @@
 """The OpenAPI document: FastAPI's own, with problem documents, keys, and the errors that any request may meet."""
 
+from collections import Counter
 from typing import Any
 
 from fastapi import FastAPI
 
 from service.middleware.authentication import OPEN_PATHS, required_scope
-from service.models.models import EventView, Problem
+from service.models.event import EventView
+from service.models.problems import Problem
 
 _ANYWHERE = {
     401: "no key, or none of this service's",
@@ -19,16 +21,17 @@ _WITH_BODY = {
     422: "what is wrong with the request, field by field",
 }
 _READING = ("get", "head")
+_COMPONENTS = "#/components/schemas/"
 
 
 def describe(app: FastAPI) -> dict[str, Any]:
     """OpenAPI document of the application."""
     if app.openapi_schema is not None:
         return app.openapi_schema
-    schema = FastAPI.openapi(app)
+    schema = app.openapi_schema = _named_by_title(FastAPI.openapi(app))
     schemas = schema["components"]["schemas"]
     for model in (Problem, EventView):
-        described = model.model_json_schema(ref_template="#/components/schemas/{model}", mode="serialization")
+        described = model.model_json_schema(ref_template=_COMPONENTS + "{model}", mode="serialization")
         schemas |= described.pop("$defs", {}) | {model.__name__: described}
     for unused in ("HTTPValidationError", "ValidationError"):
         schemas.pop(unused, None)
@@ -50,13 +53,32 @@ def describe(app: FastAPI) -> dict[str, Any]:
     return schema
 
 
+def _named_by_title(schema: dict[str, Any]) -> dict[str, Any]:
+    """The document with each component named by its title, if that is unique: a `BasinJob` is a BasinRequest."""
+    components = schema["components"]["schemas"]
+    known = Counter(each.get("title") for each in components.values())
+    titles = {name: each["title"] if known[each.get("title")] == 1 else name for name, each in components.items()}
+    schema["components"]["schemas"] = {
+        titles[name]: components[name] for name in sorted(components, key=titles.__getitem__)
+    }
+    return _with_references(schema, {f"{_COMPONENTS}{name}": f"{_COMPONENTS}{title}" for name, title in titles.items()})
+
+
+def _with_references(part: Any, renamed: dict[str, str]) -> Any:
+    if isinstance(part, dict):
+        return {name: _with_references(value, renamed) for name, value in part.items()}
+    if isinstance(part, list):
+        return [_with_references(value, renamed) for value in part]
+    return renamed.get(part, part) if isinstance(part, str) else part
+
+
 def _add_problems(operation: dict[str, Any], problems: dict[int, str]) -> None:
     for status, detail in problems.items():
         operation["responses"].setdefault(str(status), _problem(detail))
 
 
 def _problem(detail: str) -> dict[str, Any]:
-    content = {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}
+    content = {"application/problem+json": {"schema": {"$ref": f"{_COMPONENTS}Problem"}}}
     return {"description": detail, "content": content}
 
 

@@ -32,10 +32,10 @@ from service.routes import (
     jobs,
     metrics,
     results,
-    submissions,
     trajectories,
     viewer,
 )
+from service.routes.submissions import submission_router
 from service.runner.process import RunnerProcess
 from service.settings import Settings
 
@@ -97,8 +97,8 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)
     install_error_handlers(app)
-    with_body = (submissions, checks, trajectories)
-    for each in (*with_body, jobs, events, results, viewer, health, metrics, explorer):
+    app.include_router(submission_router())
+    for each in (checks, trajectories, jobs, events, results, viewer, health, metrics, explorer):
         app.include_router(each.router)
     app.mount("/explorer", explorer.files)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]

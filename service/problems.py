@@ -9,7 +9,6 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
-from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 
 from rattle_kernels import OutsideDomain
@@ -17,6 +16,7 @@ from service.errors import JobNotFound, LimitExceeded, NotReady, NotYours, TooMu
 from service.records.engine import DatabaseError
 from worker.errors import (
     ClusterFailed,
+    InvalidFields,
     InvalidJob,
     JobCancelled,
     NotFound,
@@ -26,7 +26,7 @@ from worker.errors import (
     TileFailed,
     UnlikeWorkers,
 )
-from worker.jobs.oscillator_request import IMPACTING, PIECEWISE_LINEAR
+from worker.jobs.request import fault_of
 
 _log = logging.getLogger("rattle.service")
 
@@ -91,48 +91,59 @@ def problem(
     return JSONResponse(body, status, headers=headers, media_type="application/problem+json")
 
 
-def _path_to_field(error: Exception) -> tuple[str | int, ...]:
-    """Path to the field at fault; empty where no single field is."""
+def faults_of(error: Exception) -> list[dict[str, Any]]:
+    """What is wrong with a request, field by field.
+
+    Parameters
+    ----------
+    error : Exception
+        With which a submission refuses it.
+
+    Returns
+    -------
+    list of dict
+        Locations and messages.
+    """
+    if isinstance(error, InvalidFields):
+        return [_fault(path, message) for path, message in error.faults]
     if isinstance(error, InvalidJob | SweptOutsideDomain):
-        return error.place
-    return ("oscillator", error.parameter) if isinstance(error, OutsideDomain) else ()
+        return [_fault(error.place, str(error))]
+    return [_fault(("oscillator", error.parameter) if isinstance(error, OutsideDomain) else (), str(error))]
+
+
+def _fault(path: tuple[str | int, ...], message: str) -> dict[str, Any]:
+    return {"location": ["body", *path], "message": message}
+
+
+def _in_words(faults: list[dict[str, Any]]) -> str:
+    return "; ".join(f"{'.'.join(str(part) for part in each['location'])}: {each['message']}" for each in faults)
 
 
 async def _known(request: Request, error: Exception) -> JSONResponse:
     status, kind = next(entry for known, entry in _TABLE.items() if isinstance(error, known))
-    path = _path_to_field(error)
-    errors = [{"location": ["body", *path], "message": str(error)}] if path else []
+    faults = faults_of(error)
+    detail = _in_words(faults) if isinstance(error, InvalidFields) else str(error)
+    errors = [each for each in faults if each["location"] != ["body"]]
     headers = {"Retry-After": str(error.seconds)} if isinstance(error, TooMuch) else None
-    return problem(status, kind, str(error), request.url.path, errors, headers)
-
-
-def faults_of(error: Exception) -> list[dict[str, Any]]:
-    """What is wrong with a request that its submission would refuse with `error`, field by field."""
-    if isinstance(error, ValidationError):
-        return [_field_error({**item, "loc": ("body", *item["loc"])}) for item in error.errors()]
-    return [{"location": ["body", *_path_to_field(error)], "message": str(error)}]
+    return problem(status, kind, detail, request.url.path, errors, headers)
 
 
 def _field_error(item: dict[str, Any]) -> dict[str, Any]:
-    message = item["msg"]
-    # The field `model` names the oscillator's model; it is not a step of the path.
-    location = [part for part in item["loc"] if part not in (IMPACTING, PIECEWISE_LINEAR)]
+    path, message = fault_of(item)
     if item["type"] == "json_invalid":
-        return {"location": ["body"], "message": f"not valid JSON at character {item['loc'][-1]}"}
-    if tuple(item["loc"]) == ("body",):
+        return {"location": ["body"], "message": f"not valid JSON at character {path[-1]}"}
+    if path == ("body",):
         message = "send a JSON object, with the header content-type: application/json"
-    # Pydantic puts this prefix before the messages of our own checks.
-    return {"location": location, "message": message.removeprefix("Value error, ")}
+    return {"location": list(path), "message": message}
 
 
 async def _invalid(request: Request, error: Exception) -> JSONResponse:
     """Answer a validation error. The input is not echoed: it may hold NaN, which JSON cannot carry."""
     assert isinstance(error, RequestValidationError)
     errors = [_field_error(item) for item in error.errors()]
-    detail = "; ".join(f"{'.'.join(str(part) for part in item['location'])}: {item['message']}" for item in errors)
     malformed = any(item["type"] == "json_invalid" for item in error.errors())
     status, kind = (400, "malformed-request") if malformed else (422, "invalid-request")
-    return problem(status, kind, detail, request.url.path, errors)
+    return problem(status, kind, _in_words(errors), request.url.path, errors)
 
 
 async def _http(request: Request, error: Exception) -> JSONResponse:

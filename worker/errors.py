@@ -20,6 +20,9 @@ from obstore.exceptions import BaseError as ObjectStoreError
 
 from rattle_kernels import OutsideDomain
 
+Place = tuple[str | int, ...]
+"""Where something stands in a request: names of fields and numbers of items, from the outside in."""
+
 
 class WorkerError(Exception):
     """Anything that work can fail with."""
@@ -31,12 +34,29 @@ class InvalidJob(WorkerError, ValueError):
     Attributes
     ----------
     place : tuple of str and int
-        What is at fault in the request, empty where that is no single field.
+        The field at fault in the request; empty where no single field is.
     """
 
-    def __init__(self, message: str, place: tuple[str | int, ...] = ()) -> None:
+    def __init__(self, message: str, place: Place = ()) -> None:
         super().__init__(message)
         self.place = place
+
+
+class InvalidFields(InvalidJob):
+    """Fields of a request have wrong types or values, or are unknown.
+
+    Attributes
+    ----------
+    faults : list of (tuple of str and int, str)
+        Each field at fault, and what is wrong with it.
+    """
+
+    def __init__(self, faults: list[tuple[Place, str]]) -> None:
+        super().__init__("; ".join(f"{'.'.join(map(str, place))}: {message}" for place, message in faults))
+        self.faults = faults
+
+    def __reduce__(self) -> tuple[type, tuple[list[tuple[Place, str]]]]:
+        return type(self), (self.faults,)
 
 
 class SweptOutsideDomain(OutsideDomain):
@@ -48,7 +68,7 @@ class SweptOutsideDomain(OutsideDomain):
         Which value, in the request.
     """
 
-    def __init__(self, error: OutsideDomain, place: tuple[str | int, ...], where: str) -> None:
+    def __init__(self, error: OutsideDomain, place: Place, where: str) -> None:
         super().__init__(error.parameter, error.value, error.bound, error.limit, f"{where}: {error}")
         self.place = place
 

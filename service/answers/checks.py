@@ -1,8 +1,8 @@
-"""What would become of a request, without recording it: the same checks as a submission, and the bounds that hold."""
+"""Check a request without recording it: the checks of a submission, and the bounds that apply."""
 
 from typing import Any
 
-from pydantic import BaseModel, Field, ValidationError
+from pydantic import BaseModel, Field
 
 from rattle_kernels import (
     Oscillator,
@@ -11,17 +11,18 @@ from rattle_kernels import (
     eccentricity_bound_smooth_maxima,
     stiffness_bound,
 )
-from service.answers.limits import check_size
+from service.answers.limits import job_from
 from service.errors import LimitExceeded
-from service.models.models import BasinRequest, FieldError, SweepRequest
+from service.models.problems import FieldError
 from service.problems import faults_of
 from service.settings import Settings
 from worker.errors import InvalidJob
+from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.oscillator_request import PIECEWISE_LINEAR
 
 
 class BoundView(BaseModel):
-    """Bound of one field of the oscillator, the others being as they are."""
+    """Bound of one field of the oscillator, given the values of the others."""
 
     field: str
     above: float | None = Field(None, description="The value must be above this")
@@ -34,21 +35,29 @@ class CheckView(BaseModel):
 
     accepted: bool
     errors: list[FieldError]
-    applications: int | None = Field(description="Applications of the impact map at the most; null where refused")
+    applications: int | None = Field(description="Most applications of the impact map; null if the request is refused")
     bounds: list[BoundView]
 
 
 def check_request(body: dict[str, Any], settings: Settings) -> CheckView:
-    """Check a request for a basin, or with ``vary`` for a sweep, as its submission would."""
-    model = SweepRequest if "vary" in body else BasinRequest
+    """Check a request for a basin, or with ``vary`` for a sweep, as its submission would.
+
+    Parameters
+    ----------
+    body : dict
+    settings : Settings
+
+    Returns
+    -------
+    CheckView
+    """
     errors: list[FieldError] = []
     applications = None
     try:
-        request = model.model_validate(body)
-        check_size(request, settings)
-        job = request.to_job()
-        applications = request.places * job.basins * job.iterations
-    except (ValidationError, LimitExceeded, OutsideDomain, InvalidJob) as error:
+        job = job_from(SweepJob if "vary" in body else BasinJob, body, settings)
+        assert isinstance(job, BasinJob)
+        applications = job.places * job.iterations
+    except (LimitExceeded, OutsideDomain, InvalidJob) as error:
         errors = [FieldError(**fault) for fault in faults_of(error)]
     return CheckView(
         accepted=not errors, errors=errors, applications=applications, bounds=_bounds(body.get("oscillator"))
@@ -56,7 +65,7 @@ def check_request(body: dict[str, Any], settings: Settings) -> CheckView:
 
 
 def _bounds(oscillator: Any) -> list[BoundView]:
-    """Bounds that follow from what is known of the oscillator; the defaults stand for what is not a number."""
+    """Bounds that follow from the fields that are numbers; for the others the defaults are used."""
     given = oscillator if isinstance(oscillator, dict) else {}
     stiff = given.get("model") == PIECEWISE_LINEAR
     names = ("damping", "half_backlash", "stiffness") if stiff else ("damping", "half_backlash")

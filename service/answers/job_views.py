@@ -8,11 +8,11 @@ from cachetools import LRUCache
 
 from service.answers.conditional import JsonAnswer, json_answer
 from service.errors import JobNotFound
-from service.models.models import JobView
+from service.models.job import JobView
 from service.records.job_record import JobRecord, JobState
 from service.records.jobs import Jobs
 from service.records.revisions import Revision, Revisions
-from worker.job import Job
+from worker.jobs.job import Job
 
 _CACHE_BYTES = 1 << 25
 # An entry takes this much besides its text.

@@ -1,31 +1,38 @@
 """Requests that are too large are refused before anything is done that takes time in proportion to them."""
 
-from typing import Any, Protocol
+from functools import partial
+from typing import Any
 
 from service.errors import LimitExceeded
 from service.settings import Settings
-from worker.job import Job
+from worker.jobs.job import Job
 
 
-class JobRequest(Protocol):
-    """A request for a job, of any kind."""
+def job_from(job_class: type[Job], body: dict[str, Any], settings: Settings) -> Job:
+    """Job that a body describes, if it is within the limits.
 
-    def sizes(self) -> tuple[tuple[str, float, str], ...]:
-        """What is large about the request: in words, how large, and the setting that bounds it."""
+    Parameters
+    ----------
+    job_class : type
+        Class of its kind.
+    body : dict
+        As JSON.
+    settings : Settings
 
-    def to_job(self) -> Job:
-        """Job that it asks for."""
-
-
-def check_size(request: JobRequest, settings: Settings) -> None:
-    """Refuse a request that exceeds a limit.
+    Returns
+    -------
+    Job
 
     Raises
     ------
-    LimitExceeded
-        Naming the limit, by its setting.
+    InvalidJob, OutsideDomain, LimitExceeded
+        Naming the field at fault, or the limit.
     """
-    for what, size, limit in request.sizes():
+    return job_class.from_request(body, partial(_check_size, settings=settings))
+
+
+def _check_size(job: Job, settings: Settings) -> None:
+    for what, size, limit in job.sizes():
         most: Any = getattr(settings, limit)
         if size > most:
             raise LimitExceeded(f"{size} {what} are more than the limit of {most} (RATTLE_{limit.upper()})")

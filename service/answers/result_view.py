@@ -5,22 +5,21 @@ import threading
 from typing import IO
 
 from cachetools import TTLCache, cached
-from pydantic import TypeAdapter
 
 from service.answers.conditional import JsonAnswer, json_answer
 from service.errors import NotReady
-from service.models.analysis_requests import AnalysisResult
-from service.models.models import ResultView
+from service.models.basin_result import ResultView
+from service.models.results import ANALYSIS_VIEWS, AnyAnalysisView, AnyResult
 from service.records.job_record import JobRecord
-from worker.analyses.kinds import ANALYSES, draw_analysis
+from worker.analyses.kinds import draw_analysis
 from worker.analyses.run import fingerprint_of_analysis, summarise_analysis
+from worker.kinds import KINDS
 from worker.pictures.panel_picture import Layer
 from worker.pictures.picture import draw_basin
 from worker.stores.opening import holds_store
 from worker.stores.result_files import result_location
 from worker.stores.summary import fingerprint, summarise
 
-_ANALYSIS_RESULT: TypeAdapter[AnalysisResult] = TypeAdapter(AnalysisResult)
 # A driver writes down its progress as often. To read a summary costs as much as ten reads of a job's status.
 _SUMMARY_SECONDS, _SUMMARY_BYTES = 0.5, 1 << 25
 _SUMMARIES: TTLCache[tuple[str, int], JsonAnswer] = TTLCache(
@@ -55,22 +54,22 @@ def summary_of_result(record: JobRecord, results: str) -> JsonAnswer:
     return json_answer(view.model_dump_json())
 
 
-def _result_view(kind: str, location: str, zarr: str) -> ResultView | AnalysisResult:
+def _result_view(kind: str, location: str, zarr: str) -> AnyResult:
     """View of a result whose store is at a location and over HTTP at a path."""
-    if kind not in ANALYSES:
+    if KINDS[kind].analysis is None:
         return ResultView.from_summary(summarise(location), zarr)
-    fields = dataclasses.asdict(summarise_analysis(ANALYSES[kind], location))
-    return _ANALYSIS_RESULT.validate_python(fields | fields.pop("told") | {"zarr": zarr})
+    fields = dataclasses.asdict(summarise_analysis(KINDS[kind].loaded_analysis, location))
+    return ANALYSIS_VIEWS.get(kind, AnyAnalysisView)(**fields | fields.pop("told"), zarr=zarr)
 
 
 def draw_result(kind: str, location: str, target: IO[bytes], layer: Layer) -> None:
     """Draw the result of a job; `layer` selects what is drawn of a basin's cells."""
-    if kind in ANALYSES:
-        draw_analysis(location, target)
-    else:
+    if KINDS[kind].analysis is None:
         draw_basin(location, target, layer=layer)
+    else:
+        draw_analysis(location, target)
 
 
 def result_fingerprint(kind: str, location: str) -> bytes:
     """Bytes that change whenever the picture of the result does."""
-    return fingerprint_of_analysis(location) if kind in ANALYSES else fingerprint(location)
+    return fingerprint(location) if KINDS[kind].analysis is None else fingerprint_of_analysis(location)

@@ -1,17 +1,47 @@
-"""Tables of what analyses have found: of their results as the service tells them."""
+"""Tables of results of every kind, as the service answers them."""
 
 from typing import Any
 
 from rich.table import Column, Table
 
-from service.cli.console import out
+from service.cli.console import out, print_changes, print_seconds, print_solutions
 
 _MOST_ROWS = 40
+_OF_ALL_KINDS = {"complete", "request", "pieces_done", "seconds", "zarr", "kind"}
 
 
-def print_analysis(result: dict[str, Any]) -> None:
-    """Tables of a result, of whatever kind."""
-    _PRINTERS[result["kind"]](result)
+def print_result(kind: str, result: dict[str, Any]) -> None:
+    """Print a result as tables.
+
+    Parameters
+    ----------
+    kind : str
+        Of the job.
+    result : dict
+        As JSON.
+    """
+    _PRINTERS.get(kind, _print_other)(result)
+    print_seconds(result["seconds"])
+
+
+def _print_other(result: dict[str, Any]) -> None:
+    out.print_json(data={name: value for name, value in result.items() if name not in _OF_ALL_KINDS})
+
+
+def _print_basins(result: dict[str, Any]) -> None:
+    print_solutions(
+        [
+            (each["name"], each["share"], each["lyapunov_exponent"], each["mean_life"], each["points"][:1])
+            for each in result["solutions"]
+        ]
+    )
+    names = [solution["name"] for solution in result["solutions"]]
+    print_changes(
+        [
+            (each["kind"], each["solution"], names[each["solution"]], each["parameter"], each["before"], each["after"])
+            for each in result["changes"]
+        ]
+    )
 
 
 def _more(total: int) -> None:
@@ -42,10 +72,10 @@ def _complex(pair: list[float]) -> str:
     return f"{pair[0]:.4g}{pair[1]:+.4g}i" if pair[1] else f"{pair[0]:.6g}"
 
 
-def print_orbits(orbits: list[dict[str, Any]]) -> None:
+def _print_table_of_orbits(orbits: list[dict[str, Any]]) -> None:
     """Table of periodic orbits, each by its slowest departure."""
-    told = (Column(name, no_wrap=True) for name in ("orbit", "t", "v", "multipliers"))
-    table = Table("", *told, "grazing", "residual")
+    columns = (Column(name, no_wrap=True) for name in ("orbit", "t", "v", "multipliers"))
+    table = Table("", *columns, "grazing", "residual")
     for number, orbit in enumerate(orbits[:_MOST_ROWS]):
         first = orbit["departures"][0]
         table.add_row(
@@ -58,7 +88,7 @@ def print_orbits(orbits: list[dict[str, Any]]) -> None:
 
 
 def _print_orbits(result: dict[str, Any]) -> None:
-    print_orbits(result["orbits"])
+    _print_table_of_orbits(result["orbits"])
     for number, branch in enumerate(result["branches"]):
         name = result["orbits"][branch["orbit"]]["name"]
         ends = "; ".join(end["message"] for end in branch["ends"])
@@ -74,12 +104,12 @@ def _print_orbits(result: dict[str, Any]) -> None:
         _more(len(result["special_points"]))
     for curve in result["curves"]:
         ends = "; ".join(curve["ends"])
-        told = f"curve of special point {curve['special_point']}, {curve['points']} points: {ends}"
-        out.print(told, highlight=False, soft_wrap=True)
+        line = f"curve of special point {curve['special_point']}, {curve['points']} points: {ends}"
+        out.print(line, highlight=False, soft_wrap=True)
 
 
 def _print_manifold(result: dict[str, Any]) -> None:
-    print_orbits(result["saddles"])
+    _print_table_of_orbits(result["saddles"])
     for branch in result["branches"][:_MOST_ROWS]:
         name = f"{branch['saddle']}: {result['saddles'][branch['saddle']]['name']}"
         where = f"departure {branch['departure']}, {'later' if branch['side'] > 0 else 'earlier'} phases"
@@ -93,13 +123,15 @@ def _print_manifold(result: dict[str, Any]) -> None:
 def _print_grazing_curve(result: dict[str, Any]) -> None:
     table = Table("order", "pieces", "vertices", "arclength", "")
     for order in result["orders"]:
-        told = "" if order["complete"] else "incomplete: it needs more points than allowed"
-        sizes = (f"{order['arclength']:.4f}", told)
+        note = "" if order["complete"] else "incomplete: it needs more points than allowed"
+        sizes = (f"{order['arclength']:.4f}", note)
         table.add_row(*(str(order[name]) for name in ("order", "pieces", "vertices")), *sizes)
     out.print(table)
 
 
 _PRINTERS = {
+    "basin": _print_basins,
+    "sweep": _print_basins,
     "bifurcation": _print_bifurcation,
     "orbits": _print_orbits,
     "manifold": _print_manifold,

@@ -1,4 +1,4 @@
-"""``rattle certs DIR``: certificates for a Dask cluster of one's own."""
+"""``rattle certs DIR``: certificates for your own Dask cluster."""
 
 from pathlib import Path
 from typing import Annotated
@@ -13,7 +13,7 @@ def certs(
     folder: Annotated[Path, typer.Argument(help="Folder to write them to")],
     days: Annotated[int, typer.Option(min=1, max=3650, help="How long they are valid")] = 825,
 ) -> None:
-    """Make the certificates by which the parts of a Dask cluster know each other."""
+    """Make certificates for the parts of a Dask cluster."""
     try:
         files = make_certificates(folder, days)
     except FileExistsError as error:

@@ -1,4 +1,4 @@
-"""What commands say: progress bars on a terminal, plain lines elsewhere; errors in one line, with the next step."""
+"""Output of commands: progress bars on a terminal, plain lines elsewhere; errors take one line and name a next step."""
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,7 +19,7 @@ _MOST_CHANGES = 20
 
 
 def give_up(message: str, code: int = 1) -> NoReturn:
-    """Say what is wrong and leave: code 2 where the command was at fault, 1 where the work was."""
+    """Print an error and exit: with code 2 if the command was wrong, 1 if the work failed."""
     err.print(f"[bold red]error:[/] {message}", highlight=False, soft_wrap=True)
     raise typer.Exit(code)
 
@@ -67,7 +67,7 @@ class ProgressLine:
         cells_per_second: float = 0.0,
         unit: str | None = None,
     ) -> None:
-        """Show how far a stage is; of its units and of the basins, how many are done, of how many."""
+        """Show the progress of a stage: units and basins that are done, and their totals."""
         unit = self.unit if unit is None else unit
         pace = f"{cells_per_second:,.0f} cells/s" if cells_per_second else ""
         if basins[1] > 1:
@@ -93,7 +93,7 @@ class ProgressLine:
 
 @contextmanager
 def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
-    """Progress bar on a terminal, a plain line now and then elsewhere; it counts units of that name."""
+    """Progress bar on a terminal, a plain line now and then elsewhere; `unit` names what is counted."""
     if not out.is_terminal:
         yield ProgressLine(None, unit)
         return
@@ -108,7 +108,7 @@ def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
 def print_solutions(
     rows: Sequence[tuple[str, float | None, float | None, float | None, Sequence[tuple[float, float]]]],
 ) -> None:
-    """Table of solutions: name, share, Lyapunov exponent, mean life of what does not last, first point."""
+    """Print a table of solutions: name, share, Lyapunov exponent, mean life of a chaotic transient, first point."""
     table = Table("", "solution", "share", "Lyapunov exponent", "a departure (t, v)")
     for number, (name, share, exponent, life, points) in enumerate(rows):
         table.add_row(
@@ -122,7 +122,7 @@ def print_solutions(
 
 
 def print_changes(rows: Sequence[tuple[str, int, str, str, float, float]]) -> None:
-    """Say where solutions are born and die: what, number and name of which, parameter, its values before and after."""
+    """Print births and deaths of solutions: kind, number, name, parameter, its values before and after."""
     for kind, number, name, parameter, before, after in rows[:_MOST_CHANGES]:
         out.print(f"{kind} of {number}: {name} between {parameter} {before:g} and {after:g}", highlight=False)
     if len(rows) > _MOST_CHANGES:
@@ -130,7 +130,7 @@ def print_changes(rows: Sequence[tuple[str, int, str, str, float, float]]) -> No
 
 
 def print_seconds(seconds: Mapping[str, Any]) -> None:
-    """Say how long each stage took."""
+    """Print how long each stage took."""
     if seconds:
         stages = ", ".join(f"{name.replace('_', ' ')} {value:.2f} s" for name, value in seconds.items())
         out.print(stages, highlight=False, soft_wrap=True)

@@ -1,4 +1,4 @@
-"""Long work that Ctrl-C stops in order."""
+"""Long work that Ctrl-C stops cleanly."""
 
 import threading
 from collections.abc import Callable
@@ -8,7 +8,7 @@ _T = TypeVar("_T")
 
 
 def run_interruptibly(work: Callable[[threading.Event], _T]) -> _T:
-    """Run work in a thread, so that Ctrl-C reaches this one, which then sets the event that cancels it.
+    """Run work in another thread. Ctrl-C reaches this one, which then sets the event that cancels the work.
 
     Returns what the work returns, and raises what it raises.
     """

@@ -1,4 +1,4 @@
-"""``rattle keys add | list | revoke``: the keys to a service's doors, in its database."""
+"""``rattle keys add | list | revoke``: the API keys of a service, in its database."""
 
 import contextlib
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ Data = Annotated[
     Path | None, typer.Option(help="Folder of the service's database, unless RATTLE_DATABASE_URL names another")
 ]
 
-keys = typer.Typer(no_args_is_help=True, help="Make, list and revoke the keys to a service's doors.")
+keys = typer.Typer(no_args_is_help=True, help="Make, list and revoke the API keys of a service.")
 
 
 @contextlib.contextmanager
@@ -40,11 +40,11 @@ def _settings(data: Path | None) -> Settings:
 
 @keys.command()
 def add(
-    name: Annotated[str, typer.Argument(help="Whose key it is; jobs and log lines say so")],
+    name: Annotated[str, typer.Argument(help="Name of its owner, shown in jobs and log lines")],
     scope: Annotated[list[KeyScope] | None, typer.Option(help="What it allows; read and submit by default")] = None,
     data: Data = None,
 ) -> None:
-    """Make a key and print it, once; a service of this database demands keys from then on."""
+    """Make a key and print it once; from then on a service with this database requires keys."""
     scopes = scope or [KeyScope.READ, KeyScope.SUBMIT]
     with opened_keys(_settings(data)) as here:
         try:
@@ -57,13 +57,13 @@ def add(
 
 @keys.command("list")
 def list_keys(data: Data = None) -> None:
-    """List all keys by their beginnings, revoked ones too."""
+    """List all keys by their first characters, including revoked ones."""
     table = Table("name", "key", "scopes", "created", "last used", "revoked")
     with opened_keys(_settings(data)) as here:
         for record in here.all():
             moments = (record.created, record.last_used, record.revoked)
-            told = [f"{moment:%Y-%m-%d %H:%M}" if moment else "" for moment in moments]
-            table.add_row(record.name, f"{record.prefix}...", record.scopes, *told)
+            cells = [f"{moment:%Y-%m-%d %H:%M}" if moment else "" for moment in moments]
+            table.add_row(record.name, f"{record.prefix}...", record.scopes, *cells)
     out.print(table)
 
 
@@ -72,7 +72,7 @@ def revoke(
     which: Annotated[str, typer.Argument(help="The beginning of a key, or the name of all that are to be revoked")],
     data: Data = None,
 ) -> None:
-    """Revoke keys: within two seconds they open nothing."""
+    """Revoke keys; they stop working within two seconds."""
     with opened_keys(_settings(data)) as here:
         revoked = here.revoke(which)
     if not revoked:

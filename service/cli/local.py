@@ -14,8 +14,9 @@ from service.cli.keys import opened_keys
 from service.logs import write_logs
 from service.server import Server, address, refusal_to_listen
 from service.settings import Settings
-from worker.analyses.kinds import ANALYSES, draw_analysis
+from worker.analyses.kinds import draw_analysis
 from worker.errors import InvalidJob, WorkerError
+from worker.kinds import KINDS
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
 from worker.pictures.panel_picture import Layer
 from worker.pictures.picture import draw_basin
@@ -25,7 +26,7 @@ from worker.stores.analysis_store import kind_of_store
 
 def serve(
     host: Annotated[
-        str | None, typer.Option(help="Address to listen on; any but loopback demands keys  [default: 127.0.0.1]")
+        str | None, typer.Option(help="Address to listen on; any but loopback requires keys  [default: 127.0.0.1]")
     ] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on  [default: 8000]")] = None,
     data: Annotated[Path | None, typer.Option(help="Folder of database and results  [default: rattle-data]")] = None,
@@ -64,7 +65,7 @@ def _demand_port(settings: Settings) -> None:
 
 
 def _demand_keys(settings: Settings) -> None:
-    """Refuse to start where keys are demanded and there is none that opens anything."""
+    """Refuse to start if keys are required and there is no valid one."""
     if not settings.keys_required:
         return
     if not _has_key(settings):
@@ -92,7 +93,7 @@ def plot(
     """Draw a basin in the paper's colours, a sweep side by side, or what an analysis has found."""
     try:
         overlays = parse_overlays(overlay)
-        if kind_of_store(store) in ANALYSES:
+        if KINDS[kind_of_store(store)].analysis is not None:
             draw_analysis(store, out_)
         elif shares:
             draw_shares(store, out_)

@@ -11,29 +11,23 @@ import httpx2 as httpx
 import typer
 from rich.table import Table
 
-from service.cli.analysis_tables import print_analysis
-from service.cli.console import ProgressLine, give_up, out, print_changes, print_seconds, print_solutions, progress_line
+from service.cli.analysis_tables import print_result
+from service.cli.console import ProgressLine, give_up, out, progress_line
+from worker.kinds import KINDS
 
 Url = Annotated[str, typer.Option(envvar="RATTLE_URL", help="Address of the service")]
 Key = Annotated[
-    str | None, typer.Option(envvar="RATTLE_KEY", show_envvar=True, help="Key of a service that demands one")
+    str | None, typer.Option(envvar="RATTLE_KEY", show_envvar=True, help="Key, if the service requires one")
 ]
 _HERE = "http://127.0.0.1:8000"
-# A stream that has nothing to tell says so every 15 s.
+# An idle stream sends a comment every 15 s.
 _SILENCE_SECONDS = 40.0
 _PATIENCE_SECONDS = 60.0
 _PAUSE_SECONDS = 0.5
-_ROUTES = {
-    "bifurcation": "bifurcations",
-    "orbits": "orbits",
-    "manifold": "manifolds",
-    "grazing_curve": "grazing-curves",
-}
-"""Of the kinds of requests that name theirs."""
 
 
 def _ask(method: str, url: str, path: str, key: str | None, **options: Any) -> Any:
-    """JSON answer of the service; an error in words where there is none."""
+    """JSON answer of the service. If there is none, print an error and exit."""
     headers = options.pop("headers", {}) | ({"authorization": f"Bearer {key}"} if key else {})
     try:
         response = httpx.request(method, url.rstrip("/") + path, timeout=30.0, headers=headers, **options)
@@ -57,19 +51,20 @@ def submit(
         body = typer.get_text_stream("stdin").read() if str(request) == "-" else request.read_text()
     except OSError as error:
         give_up(f"{request} cannot be read: {error.strerror}", 2)
-    job = _ask("POST", url, f"/v1/{_kind_of(body)}", key, content=body, headers={"content-type": "application/json"})
+    job = _ask("POST", url, f"/v1/{_route_of(body)}", key, content=body, headers={"content-type": "application/json"})
     out.print(f"job {job['id']} is {job['state']}", highlight=False)
     if wait:
         _follow(url, job["id"], key)
 
 
-def _kind_of(body: str) -> str:
-    """Route of what a request asks for: that of the kind it names, else a sweep where it varies something."""
+def _route_of(body: str) -> str:
+    """Route of a request: that of the kind it names, else of a sweep if it varies something, else of a basin."""
+    request: Any = {}
     with contextlib.suppress(ValueError):
         request = json.loads(body)
-        if isinstance(request, dict):
-            return _ROUTES.get(str(request.get("kind")), "sweeps" if "vary" in request else "basins")
-    return "basins"
+    request = request if isinstance(request, dict) else {}
+    unnamed = KINDS["sweep" if "vary" in request else "basin"]
+    return KINDS.get(str(request.get("kind")), unnamed).path
 
 
 def _follow(url: str, job_id: str, key: str | None) -> None:
@@ -85,33 +80,12 @@ def _follow(url: str, job_id: str, key: str | None) -> None:
         detail = f": {job['error']['detail']}" if job["error"] else ""
         give_up(f"job {job_id} is {job['state']}{detail}")
     result = _ask("GET", url, f"/v1/jobs/{job_id}/result", key)
-    if job["kind"] in _ROUTES:
-        print_analysis(result)
-    else:
-        print_basins(result)
-    print_seconds(result["seconds"])
+    print_result(job["kind"], result)
     out.print(f"xarray.open_zarr({(url.rstrip('/') + result['zarr'])!r})", highlight=False, soft_wrap=True)
 
 
-def print_basins(result: dict[str, Any]) -> None:
-    """Print the solutions of a basin's result, or of a sweep's with their births and deaths."""
-    print_solutions(
-        [
-            (each["name"], each["share"], each["lyapunov_exponent"], each["mean_life"], each["points"][:1])
-            for each in result["solutions"]
-        ]
-    )
-    names = [solution["name"] for solution in result["solutions"]]
-    print_changes(
-        [
-            (each["kind"], each["solution"], names[each["solution"]], each["parameter"], each["before"], each["after"])
-            for each in result["changes"]
-        ]
-    )
-
-
 def until_the_end(url: str, job_id: str, key: str | None, line: ProgressLine) -> dict[str, Any]:
-    """Wait for a job's end; its events are shown as they come, and asked for again where the stream is cut.
+    """Wait for a job's end. Its events are shown as they come; a stream that breaks is opened again.
 
     Parameters
     ----------
@@ -119,7 +93,7 @@ def until_the_end(url: str, job_id: str, key: str | None, line: ProgressLine) ->
         Address of the service.
     job_id : str
     key : str or None
-        Key of a service that demands one.
+        Key of a service that requires one.
     line : ProgressLine
 
     Returns

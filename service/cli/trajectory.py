@@ -2,23 +2,15 @@
 
 import csv
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory, check_domain, check_quiet, time_history
 from service.cli.console import announced_compiling, give_up, out
-from service.cli.oscillator import (
-    AllowNoQuietSolution,
-    Damping,
-    Eccentricity,
-    HalfBacklash,
-    Rule,
-    Stiffness,
-    oscillator_of,
-)
-from service.models.oscillator import PermanentContact, demand_quiet
-from service.models.trajectory import initial_state
+from service.cli.options import oscillator_group, with_options
+from service.models.trajectory import StartRequest, TrajectoryRequest, initial_state
+from worker.jobs.oscillator_request import demand_quiet
 from worker.pictures.history_picture import draw_history
 
 _OUTCOMES = {
@@ -27,6 +19,18 @@ _OUTCOMES = {
     Outcome.NOT_CONVERGED: "undecided: a root-finder gave up at the end",
 }
 _MOST_SAMPLES = 2_000_000
+_START, _FIELDS = StartRequest.model_fields, TrajectoryRequest.model_fields
+
+
+def _oscillator(values: dict[str, Any]) -> Oscillator:
+    """Oscillator that the options name, unchecked."""
+    names = ("damping", "eccentricity", "half_backlash")
+    oscillator = Oscillator(**{name: values[name] for name in names})
+    if values["stiffness"] is None:
+        return oscillator
+    return oscillator._replace(
+        stiffness=values["stiffness"], permanent_after=values["permanent_contact"].permanent_after
+    )
 
 
 def _write(oscillator: Oscillator, history: TimeHistory, target: Path) -> None:
@@ -48,19 +52,17 @@ def _print_contacts(history: TimeHistory) -> None:
         typer.echo(f"{time:11.6f}  {wall:+4d}  {Direction(direction).name.lower():<6}  {speed:.6g}")
 
 
+@with_options(oscillator_group().options)
 def trajectory(
     velocity: Annotated[float, typer.Option(help="Speed of a departure from +beta; with --displacement, Phi'")],
     out_: Annotated[Path, typer.Option("--out", help="Picture (.png) or table (.csv) to write")],
-    damping: Damping = 0.6,
-    eccentricity: Eccentricity = 0.1,
-    half_backlash: HalfBacklash = 0.6,
-    stiffness: Stiffness = None,
-    rule: Rule = PermanentContact.ENVELOPE,
-    allow_no_quiet_solution: AllowNoQuietSolution = False,
-    time: Annotated[float, typer.Option(help="Initial time t, forcing periods")] = 0.0,
+    time: Annotated[float, typer.Option(help="Initial time t, forcing periods")] = _START["time"].default,
     displacement: Annotated[float | None, typer.Option(help="Initial Phi; without it, +beta is left")] = None,
-    periods: Annotated[float, typer.Option(help="Span, forcing periods")] = 20.0,
-    samples_per_period: Annotated[int, typer.Option(min=1, help="Samples beside the contacts")] = 200,
+    periods: Annotated[float, typer.Option(help="Span, forcing periods")] = _FIELDS["periods"].default,
+    samples_per_period: Annotated[int, typer.Option(min=1, help="Samples beside the contacts")] = _FIELDS[
+        "samples_per_period"
+    ].default,
+    **values: Any,
 ) -> None:
     """Follow one motion of either model: draw Phi(t) or write it down, and list its contacts."""
     if out_.suffix not in (".png", ".csv"):
@@ -68,8 +70,8 @@ def trajectory(
     if not periods * samples_per_period <= _MOST_SAMPLES:
         give_up(f"{periods * samples_per_period:.0f} samples are more than the limit of {_MOST_SAMPLES}", 2)
     try:
-        oscillator = check_domain(oscillator_of(damping, eccentricity, half_backlash, stiffness, rule))
-        demand_quiet(lambda: check_quiet(oscillator), unless=allow_no_quiet_solution)
+        oscillator = check_domain(_oscillator(values))
+        demand_quiet(lambda: check_quiet(oscillator), unless=values["allow_no_quiet_solution"])
         state = initial_state(oscillator, time, velocity, displacement)
         with announced_compiling():
             history = time_history(oscillator, *state, periods=periods, samples_per_period=samples_per_period)

@@ -1,95 +1,11 @@
-"""Shapes of periodic orbits, branches and special points over HTTP."""
+"""Results of searches for periodic orbits over HTTP."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
-from service.models.analysis import AnalysisView, OscillatorsRequest, RegionRequest, SeedRequest
-from service.models.oscillator import demand_quiet
-from service.models.vary import Parameter
-from service.strict import Count, Real, Request
-from worker.errors import InvalidJob
-from worker.jobs.orbits_job import Continuation, OrbitSeed, OrbitsJob
-
-
-class OrbitSeedRequest(SeedRequest):
-    """A departure close to a periodic orbit."""
-
-    period: Annotated[int, Field(strict=True)] = Field(
-        1, description="Impact period: n+ of P(m, n+, n-), or a multiple of it"
-    )
-
-
-class ContinuationRequest(Request):
-    """A parameter to follow something in."""
-
-    parameter: Parameter
-    start: Real = Field(description="Lowest value")
-    stop: Real = Field(description="Highest value")
-    most_points: Count = Field(2000, description="Points each way at the most")
-
-    def to_continuation(self) -> Continuation:
-        """Continuation of the worker, not checked yet."""
-        return Continuation(self.parameter, self.start, self.stop, self.most_points)
-
-
-class OrbitsRequest(OscillatorsRequest):
-    """Periodic orbits, stable or not: those of a region, or those near seeds; on request with their branches."""
-
-    model_config = ConfigDict(
-        extra="forbid",
-        json_schema_extra={
-            "examples": [
-                {
-                    "kind": "orbits",
-                    "oscillator": {"model": "impacting", "damping": 0.575, "eccentricity": 0.1, "half_backlash": 0.6},
-                    "longest": 4,
-                    "continuation": {"parameter": "damping", "start": 0.45, "stop": 0.7},
-                }
-            ]
-        },
-    )
-
-    kind: Literal["orbits"] = "orbits"
-    longest: Count = Field(4, description="Greatest n+ that is searched for")
-    region: RegionRequest = Field(default_factory=RegionRequest, description="Where it is searched")
-    cells: Count = Field(40, description="The search starts from the centres of so many cells each way")
-    seeds: Annotated[list[OrbitSeedRequest], Field(min_length=1, max_length=1000)] | None = Field(
-        None, description="Start from these alone; leave out longest, region and cells then"
-    )
-    continuation: ContinuationRequest | None = Field(
-        None, description="Follow every orbit in a parameter, through folds, and locate special points"
-    )
-    curves: ContinuationRequest | None = Field(
-        None, description="Follow every special point in a second parameter, too"
-    )
-
-    def sizes(self) -> tuple[tuple[str, float, str], ...]:
-        """What is large about the request: in words, how large, and the setting that bounds it."""
-        points = max((each.most_points for each in (self.continuation, self.curves) if each), default=0)
-        return (
-            ("cells times cells times longest", self.cells**2 * self.longest, "max_orbit_starts"),
-            ("points each way", points, "max_branch_points"),
-        )
-
-    def to_job(self) -> OrbitsJob:
-        """Job that this asks for.
-
-        Raises
-        ------
-        OutsideDomain, InvalidJob
-            Saying what is wrong.
-        """
-        for name in ("longest", "region", "cells"):
-            if self.seeds and name in self.model_fields_set:
-                raise InvalidJob(f"give seeds, or a region to search, not both: leave out {name}", (name,))
-        seeds = tuple(OrbitSeed(seed.time, seed.velocity, seed.period) for seed in self.seeds or ())
-        asked = self.continuation, self.curves
-        continuation, curves = (None if each is None else each.to_continuation() for each in asked)
-        oscillator, region = self.oscillator.to_oscillator(), self.region.to_region()
-        job = OrbitsJob(oscillator, self.longest, region, self.cells, seeds, continuation, curves)
-        demand_quiet(job.demand_quiet, unless=self.oscillator.allow_no_quiet_solution)
-        return job
+from service.models.analysis import AnalysisView
+from worker.jobs.swept_parameter import Parameter
 
 
 class OrbitDeparture(BaseModel):

@@ -1,6 +1,5 @@
-"""Shapes of one time history over HTTP."""
+"""One time history over HTTP: the request and the answer."""
 
-import math
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -15,9 +14,10 @@ from rattle_kernels import (
     check_quiet,
     time_history,
 )
-from service.models.oscillator import ImpactingOscillator, OscillatorRequest, demand_quiet
-from service.strict import Count, Real, Request
+from service.models.numbers import FiniteOrNone
 from worker.errors import InvalidJob
+from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, demand_quiet
+from worker.jobs.request import Count, Real, Request
 
 _OUTCOMES: dict[Outcome, Literal["rattling", "permanent_contact", "undecided"]] = {
     Outcome.RETURNED: "rattling",
@@ -36,10 +36,20 @@ def initial_state(
 ) -> tuple[float, float, float]:
     """Initial t, Phi, Phi'; without a displacement, those of a departure from +beta with speed `velocity`.
 
+    Parameters
+    ----------
+    oscillator : Oscillator
+    time, velocity : float
+    displacement : float or None
+
+    Returns
+    -------
+    tuple of float
+
     Raises
     ------
     InvalidJob
-        Where a departure's speed is not positive.
+        If a departure's speed is not positive.
     """
     if displacement is not None:
         return time, displacement, velocity
@@ -56,7 +66,7 @@ class StartRequest(Request):
 
     time: Real = Field(0.0, ge=-1e6, le=1e6, description="t, forcing periods")
     displacement: Real | None = Field(
-        None, ge=-1e6, le=1e6, description="Phi; within the backlash in the impacting model. Left out: +beta, leaving"
+        None, ge=-1e6, le=1e6, description="Phi; within the backlash in the impacting model. Without it, +beta is left"
     )
     velocity: Real = Field(
         ge=-1e6, le=1e6, description="Signed velocity Phi'; without a displacement, the speed v > 0 of the departure"
@@ -86,12 +96,21 @@ class TrajectoryRequest(Request):
     samples_per_period: Count = 200
 
     def follow(self, most_contacts: int) -> TimeHistory:
-        """History that this asks for.
+        """Compute the history.
+
+        Parameters
+        ----------
+        most_contacts : int
+            The history is truncated there.
+
+        Returns
+        -------
+        TimeHistory
 
         Raises
         ------
         OutsideDomain, InvalidJob
-            Saying what is wrong.
+            Naming what is wrong.
         """
         oscillator = check_domain(self.oscillator.to_oscillator())
         demand_quiet(lambda: check_quiet(oscillator), unless=self.oscillator.allow_no_quiet_solution)
@@ -129,8 +148,10 @@ class TrajectoryView(BaseModel):
         description="permanent_contact: within the span a contact has begun that counts as permanent, or ever lower "
         "bounces that never rattle again; undecided: a root-finder gave up where the history ends"
     )
-    truncated: bool = Field(description="The history ends before its span, at the most contacts allowed")
-    permanent_from: float | None = Field(description="Contact from which on it counts as permanent; null where none")
+    truncated: bool = Field(description="The history ends early, at the largest number of contacts allowed")
+    permanent_from: FiniteOrNone = Field(
+        description="When the contact begins that counts as permanent; null if there is none"
+    )
 
     @classmethod
     def from_history(cls, history: TimeHistory) -> "TrajectoryView":
@@ -143,5 +164,5 @@ class TrajectoryView(BaseModel):
         return cls(
             time=history.time.tolist(), displacement=history.displacement.tolist(), velocity=history.velocity.tolist(),
             contacts=contacts, outcome=_OUTCOMES[history.outcome], truncated=history.truncated,
-            permanent_from=history.permanent_from if math.isfinite(history.permanent_from) else None,
+            permanent_from=history.permanent_from,
         )  # fmt: skip

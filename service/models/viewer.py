@@ -1,11 +1,11 @@
-"""What a viewer is told of one basin: all that it needs to draw it, except the cells."""
+"""One basin for a viewer: everything needed to draw it, except the cells."""
 
-import math
 from typing import Literal
 
 from pydantic import BaseModel, Field
 
 from rattle_kernels import Attractor
+from service.models.numbers import FiniteOrNone
 from worker.pictures.colours import MISSING, SPECKLE, Colour, Palette, colours_of
 from worker.pictures.overlay import Lines, Overlay
 from worker.views.outline import PanelOutline
@@ -26,7 +26,7 @@ class WindowView(BaseModel):
 
 
 class TilingView(BaseModel):
-    """How the basin is cut: tiles of so many rows and columns of cells; those at the upper edges may be smaller."""
+    """Tiles of the basin, of `rows` by `columns` cells; tiles at the upper edges may be smaller."""
 
     rows: int
     columns: int
@@ -39,16 +39,14 @@ class TilingView(BaseModel):
 
 
 class DrawnSolution(BaseModel):
-    """One solution as it is drawn."""
+    """One solution, as drawn."""
 
     number: int
     name: str
     kind: Literal["periodic", "chaotic", "chaotic_transient", "permanent_contact", "undecided"]
-    share: float | None = Field(
-        description="In this basin; null until it is complete, or where it has no such solution"
-    )
-    lyapunov_exponent: float | None
-    mean_life: float | None = Field(description="Impacts until a motion leaves chaos, on average; null where it lasts")
+    share: FiniteOrNone = Field(description="In this basin; null until it is complete, or if it has no such solution")
+    lyapunov_exponent: FiniteOrNone
+    mean_life: FiniteOrNone = Field(description="Mean number of impacts until a motion leaves chaos; null if it lasts")
     colours: dict[Palette, str]
     points: list[tuple[float, float]] = Field(description="(t, v) of its departures in this basin")
 
@@ -57,13 +55,11 @@ class DrawnSolution(BaseModel):
         cls, number: int, attractor: Attractor, share: float, colours: dict[Palette, str]
     ) -> "DrawnSolution":
         """View of an attractor."""
-        exponent, life = attractor.lyapunov_exponent, attractor.mean_life
         points = zip(attractor.time.tolist(), attractor.velocity.tolist(), strict=True)
         return cls(
             number=number, name=attractor.name, kind=attractor.kind.name.lower(),
-            share=share if math.isfinite(share) else None,
-            lyapunov_exponent=exponent if math.isfinite(exponent) else None,
-            mean_life=life if math.isfinite(life) else None, colours=colours, points=list(points),
+            share=share, lyapunov_exponent=attractor.lyapunov_exponent, mean_life=attractor.mean_life,
+            colours=colours, points=list(points),
         )  # fmt: skip
 
 
@@ -101,7 +97,7 @@ class OverlaysView(BaseModel):
 
 
 class OutlineView(BaseModel):
-    """All that a viewer needs to draw one basin, except its cells, which come tile by tile."""
+    """Everything needed to draw one basin, except its cells, which are fetched tile by tile."""
 
     parameters: dict[str, float] = Field(description="Values of the swept parameters in this basin")
     time: WindowView

@@ -18,7 +18,7 @@ from service.records.job_record import LIVE, SMALL_PLACES, JobRecord, JobState
 from service.records.quotas import check_quotas
 from service.records.replica import is_dead
 from service.settings import Quotas
-from worker.job import Job
+from worker.jobs.job import Job
 
 LEASE_SECONDS = 20.0
 """Time without a renewal after which a job may be taken over."""

@@ -17,8 +17,8 @@ router = APIRouter(prefix="/v1", tags=["submit"], route_class=PlainJsonRoute)
     responses=problems(s400="malformed JSON", s413="body too large", s422="the body is no JSON object"),
 )
 def check(body: Annotated[dict[str, Any], Body()], settings: SettingsHere) -> CheckView:
-    """Say whether a basin, or with `vary` a sweep, would be accepted, why not, and what bounds hold.
+    """Check whether a basin, or with `vary` a sweep, would be accepted; if not, why not; and which bounds apply.
 
-    Nothing is recorded. The errors are those that the submission would be refused with.
+    Nothing is recorded. The errors are those of the submission.
     """
     return check_request(body, settings)

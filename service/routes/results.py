@@ -12,8 +12,7 @@ from service.answers.byte_range import range_of_file
 from service.answers.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, json_or_not_modified, not_modified
 from service.answers.result_view import draw_result, location_of_result, result_fingerprint, summary_of_result
 from service.errors import JobNotFound, NotReady
-from service.models.analysis_requests import AnalysisResult
-from service.models.models import ResultView
+from service.models.results import AnyResult
 from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems
 from worker.errors import InvalidJob
 from worker.pictures.panel_picture import Layer
@@ -45,7 +44,7 @@ def _store_path(path: str) -> str:
 
 @router.get(
     "/result",
-    response_model=ResultView | AnalysisResult,
+    response_model=AnyResult,
     summary="Summary of a result",
     responses=_NOTHING_YET | NOT_MODIFIED,
 )

@@ -1,13 +1,13 @@
-"""What every submission does, whatever it asks for."""
+"""What every submission does, whatever its kind."""
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import Depends, Response
 
 from service.answers.conditional import JsonAnswer
 from service.answers.job_views import JobViews
-from service.answers.limits import JobRequest, check_size
+from service.answers.limits import job_from
 from service.records.jobs import Jobs
 from service.records.threads import DatabaseThreads
 from service.routes.dependencies import (
@@ -20,12 +20,12 @@ from service.routes.dependencies import (
 )
 from service.runner.process import RunnerProcess
 from service.settings import Settings
-from worker.job import Job
+from worker.jobs.job import Job
 
 
 @dataclass(frozen=True)
 class Submission:
-    """What a submission needs: the records, how they are told, threads to ask them, the runner, limits, who asks."""
+    """What a submission needs: records and their views, database threads, the runner, limits and the client's name."""
 
     jobs: Jobs
     views: JobViews
@@ -34,16 +34,26 @@ class Submission:
     settings: Settings
     submitter: str
 
-    async def accept(self, request: JobRequest) -> Response:
-        """Record a request as a job, wake the runner where it is a new one, and say where the job is.
+    async def accept(self, job_class: type[Job], body: dict[str, Any]) -> Response:
+        """Record a request as a job, wake the runner if the job is new, and answer with its address.
+
+        Parameters
+        ----------
+        job_class : type
+            Class of the kind that is submitted.
+        body : dict
+            The request, as JSON.
+
+        Returns
+        -------
+        Response
 
         Raises
         ------
-        LimitExceeded, OutsideDomain, InvalidJob
-            Saying what is wrong with the request.
+        LimitExceeded, OutsideDomain, InvalidJob, TooMuch
+            Naming what is wrong with the request.
         """
-        check_size(request, self.settings)
-        job = request.to_job()
+        job = job_from(job_class, body, self.settings)
         known = await self.threads.read(self.views.answering, job)
         job_id, view = known or await self._record(job)
         return Response(view.body, 202, {"location": f"/v1/jobs/{job_id}"}, "application/json")

@@ -20,7 +20,7 @@ from service.runner import metrics as run_metrics
 from worker.cluster.connection import Client
 from worker.cluster.reconnecting_cluster import LastingCluster
 from worker.errors import ClusterFailed, JobCancelled, LeaseLost, WorkerError
-from worker.kinds import JOB_KINDS
+from worker.kinds import KINDS
 from worker.progress import Progress, Stage
 from worker.stores.result_files import result_location
 
@@ -193,9 +193,9 @@ class Runner:
     def _compute(self, lease: Lease, client: Client) -> tuple[Ends, dict[str, Any]]:
         record, report = lease.record, _Throttled(self.jobs, lease)
         try:
-            kind = JOB_KINDS[record.kind]
+            kind = KINDS[record.kind]
             location = result_location(self.results, record.store or record.id)
-            job = kind.from_request(record.request)
+            job = kind.job_class.from_request(record.request)
             kind.run(job, location, client, report=report, cancel=lease.cancel, fence=lease.check)
         except (JobCancelled, LeaseLost):
             return _STOPPED, {}

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import rattle_kernels
-from service.models.models import BasinRequest
+from worker.jobs.basin_job import BasinJob
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text()
@@ -37,7 +37,7 @@ def test_the_readmes_request_is_one_that_the_service_takes():
     bodies = [json.loads(found.group(1)) for found in requests if found]
     assert bodies
     for body in bodies:
-        BasinRequest.model_validate(body).to_job()
+        BasinJob.from_request(body)
 
 
 def test_every_verb_that_the_readme_names_is_there():

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from service.models.models import BasinRequest, SweepRequest
 from tests.faults.farm import ENVIRONMENT, starts
 from tests.running_service import running_service
 from tests.store_content import content
 from worker.basins.pipeline import run_basin
 from worker.cluster.connection import local_cluster
+from worker.jobs.basin_job import basin_job
 
 BASIN = {"grid": {"time": {"cells": 300}, "velocity": {"cells": 300}}, "iterations": 15013}
 SWEEP = {
@@ -41,7 +41,7 @@ def undisturbed(tmp_path_factory):
     """By kind of request."""
     folder, found = tmp_path_factory.mktemp("undisturbed"), {}
     with local_cluster(workers=2) as client:
-        for name, job in (("basin", BasinRequest(**BASIN).to_job()), ("sweep", SweepRequest(**SWEEP).to_job())):
+        for name, job in (("basin", basin_job(BASIN)), ("sweep", basin_job(SWEEP))):
             place = str(folder / f"{name}.zarr")
             summary = run_basin(job, place, client, report=lambda _: None, cancel=threading.Event())
             found[name] = Expected(content(place), summary.tiles)

@@ -4,6 +4,7 @@ A stretch begins where the one before it has ended, so chains cannot be cut in p
 the attractors at the first value are found, and each becomes one.
 """
 
+from dataclasses import astuple
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,8 @@ from rattle_kernels.numerics.pausing import Pause
 from worker.analyses.analysis import Analysis, Parts, Piece, Plan
 from worker.analyses.bifurcation_picture import draw_diagram
 from worker.errors import NotFound
-from worker.jobs.analysis_job import Region
 from worker.jobs.bifurcation_job import BifurcationJob
+from worker.jobs.region import Region
 from worker.progress import Stage
 from worker.stores.layout import MISSING, PERIODS, SPEED, Columns, Variable, flags
 
@@ -47,8 +48,7 @@ def find_seeds(oscillator: Oscillator, region: Region, *, pause: Pause) -> Colum
     """
     middles = (np.arange(_STARTS) + 0.5) / _STARTS
     t, v = np.meshgrid(
-        region.time_start + (region.time_stop - region.time_start) * middles,
-        region.velocity_start + (region.velocity_stop - region.velocity_start) * middles,
+        *(axis.start + (axis.stop - axis.start) * middles for axis in (region.time, region.velocity)),
     )
     landed = next_impacts(oscillator, t.ravel(), v.ravel(), _SETTLING)
     pause()
@@ -57,7 +57,7 @@ def find_seeds(oscillator: Oscillator, region: Region, *, pause: Pause) -> Colum
     moving = [each for each in found if each.kind == AttractorKind.PERIODIC or each.wanders]
     if not moving:
         raise NotFound(
-            f"all motions from v = {region.velocity_start:g} to {region.velocity_stop:g} end in permanent contact at "
+            f"all motions from v = {region.velocity.start:g} to {region.velocity.stop:g} end in permanent contact at "
             f"the first value visited: give seeds, another region, or another direction ({oscillator})"
         )
     return {
@@ -87,7 +87,7 @@ def follow_stretch(
 def _seeds(job: BifurcationJob, parts: Parts) -> Columns:
     if not job.seeds:
         return parts["seeds"] if "seeds" in parts else {name: np.empty(0) for name in _SEED_COLUMNS}
-    t, v = np.array(job.seeds).T
+    t, v = np.array([astuple(seed) for seed in job.seeds]).T
     return {"seed_time": t, "seed_velocity": v, "seed_name": np.full(t.size, "given")}
 
 

@@ -52,4 +52,4 @@ def draw_grazing_curves(job: GrazingCurveJob, columns: Columns, figure: Figure) 
         label = "grazing curve" if order == 0 else f"pre-image of order {order}"
         missing = "" if columns["order_complete"][order] else ", incomplete"
         Lines(label + missing, f"C{order % 10}", tuple(pieces[own]), _THIN).draw(axes)
-    _finish(axes, oscillator_told(job.oscillator), job.velocity)
+    _finish(axes, oscillator_told(job.oscillator), job.velocity.ends)

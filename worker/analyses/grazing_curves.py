@@ -55,7 +55,7 @@ def plan(job: GrazingCurveJob, parts: Parts) -> Plan:
     most = -(-job.most_points // STRETCHES)
     pieces = [
         analysis.Piece(
-            _name(stretch), map_stretch, (job.oscillator, job.order, stretch, job.velocity, job.resolution, most)
+            _name(stretch), map_stretch, (job.oscillator, job.order, stretch, job.velocity.ends, job.resolution, most)
         )
         for stretch in range(STRETCHES)
     ]
@@ -85,7 +85,7 @@ def assemble(job: GrazingCurveJob, parts: Parts) -> Columns:
         stretches, whole = _pieces_of_order(parts, order)
         orders.append(join_stretches(stretches))
         complete.append(whole)
-    return join_pieces([piece_columns(pieces, job.velocity) for pieces in orders]) | {
+    return join_pieces([piece_columns(pieces, job.velocity.ends) for pieces in orders]) | {
         "order_complete": np.array(complete, np.int8),
         "order_arclength": np.array([arclength(pieces, scale) for pieces in orders]),
         "order_size": np.array([len(pieces) for pieces in orders], np.int64),

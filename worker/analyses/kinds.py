@@ -1,4 +1,4 @@
-"""The analyses there are, by the kind of their jobs, and their pictures."""
+"""Pictures of analyses, whatever their kind."""
 
 from pathlib import Path
 from typing import IO
@@ -6,24 +6,13 @@ from typing import IO
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from worker.analyses.analysis import Analysis
-from worker.analyses.bifurcation import BIFURCATION
-from worker.analyses.grazing_curves import GRAZING_CURVE
-from worker.analyses.manifolds import MANIFOLD
-from worker.analyses.orbits import ORBITS_ANALYSIS
 from worker.analyses.run import read_analysis
+from worker.kinds import KINDS
 from worker.stores.analysis_store import kind_of_store
-
-ANALYSES: dict[str, Analysis] = {
-    "bifurcation": BIFURCATION,
-    "orbits": ORBITS_ANALYSIS,
-    "manifold": MANIFOLD,
-    "grazing_curve": GRAZING_CURVE,
-}
 
 
 def draw_analysis(location: str, target: str | Path | IO[bytes]) -> None:
-    """Draw what the store of an analysis holds, complete or not, as a PNG.
+    """Draw the store of an analysis, complete or not, as a PNG.
 
     Parameters
     ----------
@@ -35,9 +24,9 @@ def draw_analysis(location: str, target: str | Path | IO[bytes]) -> None:
     Raises
     ------
     StoreConflict, StoreFailed
-        Where there is no store of an analysis, or it cannot be read.
+        If there is no store of an analysis, or it cannot be read.
     """
-    analysis = ANALYSES[kind_of_store(location)]
+    analysis = KINDS[kind_of_store(location)].loaded_analysis
     job, columns, _ = read_analysis(analysis, location)
     figure = Figure(figsize=(10.0, 6.5), dpi=110, layout="constrained")
     FigureCanvasAgg(figure)

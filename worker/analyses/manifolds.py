@@ -1,6 +1,7 @@
 """Manifolds as an analysis: saddles side by side, then every branch by itself."""
 
 from collections.abc import Mapping
+from dataclasses import astuple
 from typing import Any
 
 import numpy as np
@@ -28,9 +29,9 @@ from worker.analyses.curve_picture import draw_manifolds
 from worker.analyses.curve_table import PIECES, PieceEnd, join_pieces, piece_columns, pieces_of
 from worker.analyses.orbit_table import ORBITS, orbit_columns, orbits_of, tell_orbits
 from worker.errors import NotFound
-from worker.jobs.analysis_job import Region
 from worker.jobs.manifold_job import Itinerary, ManifoldJob, Side
 from worker.jobs.orbits_job import OrbitSeed
+from worker.jobs.region import Region
 from worker.progress import Stage
 from worker.stores.layout import MISSING, Columns, Variable
 
@@ -64,7 +65,7 @@ def saddle_of_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, paus
     """
     pause()
     try:
-        saddle = find_saddle(oscillator, *seed)
+        saddle = find_saddle(oscillator, *astuple(seed))
     except NotASaddle as error:
         raise NotFound(f"saddles.{number}: {error}") from error
     found = find_orbit(oscillator, saddle.t[0], saddle.v[0], saddle.upper_contacts)
@@ -86,7 +87,7 @@ def saddles_named(
     edges = np.linspace(0, cells, min(_BANDS, cells) + 1).round().astype(int).tolist()
     for rows in zip(edges[:-1], edges[1:], strict=True):
         pause()
-        found += find_orbits(oscillator, itinerary.upper_contacts, region[:2], region[2:], cells, rows)
+        found += find_orbits(oscillator, itinerary.upper_contacts, region.time.ends, region.velocity.ends, cells, rows)
     orbits = merge_orbits(oscillator, found)
     saddles = [each for each in orbits if each.orbit.name == itinerary.name and _is_saddle(each.orbit)]
     if not saddles:

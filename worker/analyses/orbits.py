@@ -4,6 +4,7 @@ Orbits that a fold or a closed loop joins lie on one branch; it is computed from
 """
 
 from collections.abc import Sequence
+from dataclasses import astuple
 from typing import Any
 
 import numpy as np
@@ -58,7 +59,7 @@ def search_band(oscillator: Oscillator, job: OrbitsJob, rows: tuple[int, int], *
     """Orbits that the search finds from some rows of cells."""
     pause()
     region = job.region
-    found = find_orbits(oscillator, job.longest, region[:2], region[2:], job.cells, rows)
+    found = find_orbits(oscillator, job.longest, region.time.ends, region.velocity.ends, job.cells, rows)
     return orbit_columns(found)
 
 
@@ -71,7 +72,7 @@ def search_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: 
         Where there is none.
     """
     pause()
-    found = find_orbit(oscillator, *seed)
+    found = find_orbit(oscillator, *astuple(seed))
     if found is None:
         raise NotFound(
             f"Newton's method on P^{seed.period} found no periodic orbit from seed {number}, t = {seed.time:g}, "

@@ -18,7 +18,7 @@ from worker.cluster.driver import run_tasks
 from worker.cluster.task import Task, stop_if_cancelled
 from worker.errors import StoreConflict, StoreFailed
 from worker.fence import Fence, unfenced
-from worker.jobs.analysis_job import AnalysisJob
+from worker.jobs.job import AnalysisJob
 from worker.progress import Progress, Report, Stage
 from worker.stores.analysis_store import AnalysisStore, StoredParts
 from worker.stores.layout import Columns

@@ -1,12 +1,11 @@
 """What to compute: a basin, or one for each combination of swept parameters, on a grid of cells or on a sample."""
 
-import hashlib
-import json
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any, ClassVar
+
+from pydantic import ConfigDict, Field
 
 from rattle_kernels import (
     CellGrid,
@@ -15,92 +14,120 @@ from rattle_kernels import (
     check_domain,
     check_grid,
     check_iterations,
-    check_quiet,
     expected_applications,
     settled_iterations,
 )
 from worker.errors import InvalidJob, SweptOutsideDomain
-from worker.jobs.oscillator_request import oscillator_from, oscillator_request
+from worker.jobs.grid_request import Grid, GridRequest, grid_request
+from worker.jobs.job import Job, Sizes
+from worker.jobs.request import Count
 from worker.jobs.sample import Sample
-from worker.jobs.swept_parameter import SweptParameter, check_swept
+from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, Vary, check_swept, vary_request
 
-# Part of every digest: a store of another layout, or of kernels that answer otherwise, is another result.
-RESULT_VERSION = 4
+_BASIN_EXAMPLE: dict[str, Any] = {
+    "oscillator": {"model": "impacting", "damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6},
+    "grid": {"time": {"start": 0, "stop": 1, "cells": 1000}, "velocity": {"start": 0, "stop": 7, "cells": 1000}},
+    "iterations": 1499,
+}
+_SWEEP_EXAMPLE: dict[str, Any] = {
+    "oscillator": {"model": "impacting", "eccentricity": 0.1, "half_backlash": 0.6},
+    "vary": [{"parameter": "damping", "start": 0.5, "stop": 0.7, "count": 21}],
+    "grid": {"time": {"cells": 200}, "velocity": {"cells": 200}},
+}
 
-SETTLED = -1
-"""In place of k: the one of `settled_iterations`."""
 
+class BasinJob(Job):
+    """One basin of attraction."""
 
-@dataclass(frozen=True)
-class BasinJob:
-    """Basins of attraction: oscillator, grid of cells, and k of ``P_corr o P^k``.
+    model_config = ConfigDict(title="BasinRequest", json_schema_extra={"examples": [_BASIN_EXAMPLE]})
+    result_version: ClassVar[int] = 4
 
-    Each combination of the swept parameters' values is a *basin*, numbered with the last parameter running fastest; one
-    basin is the sweep of no parameter, of one basin.
+    grid_: Grid = Field(default_factory=GridRequest)
+    iterations_: Count | None = Field(
+        None,
+        description="k of P_corr o P^k: 1 or a prime. By default 1499 where the least damping is 0.5 or more, else the "
+        "first prime from 900/damping",
+    )
+    sample: Sample | None = Field(None, description="Points in place of cells; leave out `cells` then")
 
-    Parameters
-    ----------
-    oscillator : Oscillator
-        Of either model, with its rule for permanent contact. Its swept fields count for nothing: they become the first
-        value.
-    grid : CellGrid
-        The paper's by default. With a sample it becomes one row of as many cells as there are points.
-    iterations : int
-        k: 1 or a prime; SETTLED for the one that gives a settled picture at the least damping (`settled_iterations`).
-    vary : tuple of SweptParameter
-        None, one or two.
-    sample : Sample or None
-        Points to start from in place of the grid's cell centres.
+    @property
+    def kind(self) -> str:
+        """``basin``; a sweep is of another kind."""
+        return "basin"
 
-    Raises
-    ------
-    InvalidJob, OutsideDomain
-        Saying which parameter is at fault and what would be right.
-    """
+    @cached_property
+    def vary(self) -> tuple[SweptParameter, ...]:
+        """Swept parameters: none. One basin is the sweep of no parameter."""
+        return ()
 
-    oscillator: Oscillator = field(default_factory=Oscillator)
-    grid: CellGrid = field(default_factory=CellGrid)
-    iterations: int = SETTLED
-    vary: tuple[SweptParameter, ...] = ()
-    sample: Sample | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "vary", check_swept(self.vary, self.oscillator))
-        object.__setattr__(self, "oscillator", self.oscillator._replace(**self.values_of(0)))
+    @cached_property
+    def grid(self) -> CellGrid:
+        """Grid of the kernels. A sample is one row of as many cells as there are points."""
+        grid = self.grid_.to_grid()
         if self.sample is not None:
-            row = self.grid._replace(time_cells=self.sample.points, velocity_cells=1)
-            object.__setattr__(self, "grid", row)
+            grid = grid._replace(time_cells=self.sample.points, velocity_cells=1)
+        return check_grid(grid)
+
+    @cached_property
+    def iterations(self) -> int:
+        """k: as requested, or the one that gives a settled picture at the least damping."""
+        return self.iterations_ or settled_iterations(self._least_damping)
+
+    @cached_property
+    def oscillator(self) -> Oscillator:
+        """Oscillator of the first basin, checked."""
+        return self.oscillator_of(0)
+
+    def sizes(self) -> Sizes:
+        """What is large about the request."""
+        cells = self.places // self.basins if self.basins else 0
+        # Where damping is weak, no cell takes all k iterations. A float cannot hold every integer.
+        applications = round(cells * expected_applications(self._least_damping, min(self.iterations, 10**18)))
+        return (
+            ("cells or points", cells, "max_cells"),
+            ("iterations", self.iterations, "max_iterations"),
+            ("cells times iterations", applications, "max_applications"),
+            ("basins", self.basins, "max_basins"),
+            ("cells times iterations of all basins", self.basins * applications, "max_sweep_applications"),
+        )
+
+    def _settled(self) -> dict[str, Any]:
+        for name, window in (("time", self.grid_.time), ("velocity", self.grid_.velocity)):
+            if self.sample and "cells" in window.model_fields_set:
+                raise InvalidJob(f"a sample has no cells: leave out grid.{name}.cells", ("grid", name, "cells"))
         try:
-            object.__setattr__(self, "grid", check_grid(self.grid))
-            if self.iterations != SETTLED:
-                check_iterations(self.iterations)
+            grid = self.grid
+            check_iterations(self.iterations)
         except ValueError as error:
             raise InvalidJob(str(error)) from error
-        self._check_basins(check_domain)
-        object.__setattr__(self, "oscillator", check_domain(self.oscillator))
-        if self.iterations == SETTLED:
-            object.__setattr__(self, "iterations", settled_iterations(self._least_damping))
+        self.check_oscillators(check_domain)
+        settled = {"grid_": grid_request(grid, names_cells=self.sample is None), "iterations_": self.iterations}
+        return settled if self.sample is None else settled | {"sample": self.sample}
 
-    def demand_quiet(self) -> None:
-        """Refuse a job in which some basin has no quiet solution (Eq. 3).
+    def check_oscillators(self, check: Callable[[Oscillator], Oscillator]) -> None:
+        """Check the oscillator of every basin.
+
+        Parameters
+        ----------
+        check : callable
+            Raises `OutsideDomain`.
 
         Raises
         ------
-        OutsideDomain
+        OutsideDomain, SweptOutsideDomain
+            The latter names the swept value at fault.
         """
-        self._check_basins(check_quiet)
-
-    def _check_basins(self, check: Callable[[Oscillator], Oscillator]) -> None:
+        oscillator = self.oscillator_.to_oscillator()
         for basin in range(self.basins):
             try:
-                check(self.oscillator._replace(**self.values_of(basin)))
+                check(oscillator._replace(**self.values_of(basin)))
             except OutsideDomain as error:
                 if not self.vary:
                     raise
-                axis, place = self._at_fault(basin, error.parameter)
-                where = ", ".join(f"{name} = {value:g}" for name, value in self.values_of(basin).items())
-                where = f"value {place} of {self.vary[axis].parameter} (at {where})"
-                raise SweptOutsideDomain(error, ("vary", axis, "values", place), where) from error
+                axis, number = self._at_fault(basin, error.parameter)
+                values = ", ".join(f"{name} = {value:g}" for name, value in self.values_of(basin).items())
+                where = f"value {number} of {self.vary[axis].parameter} (at {values})"
+                raise SweptOutsideDomain(error, ("vary", axis, "values", number), where) from error
 
     def _at_fault(self, basin: int, parameter: str) -> tuple[int, int]:
         """Which swept parameter, and which of its values, is to blame for a basin outside the domain."""
@@ -110,18 +137,17 @@ class BasinJob:
 
     @property
     def _least_damping(self) -> float:
-        swept = [value for each in self.vary if each.parameter == "damping" for value in each.values]
-        return min(swept, default=self.oscillator.damping)
+        return self.oscillator_.damping
 
     @property
     def applications(self) -> int:
-        """About how many applications of P a place takes at the least damping."""
+        """About how many applications of P one cell takes at the least damping."""
         return round(expected_applications(self._least_damping, self.iterations))
 
     @property
     def sweep_shape(self) -> tuple[int, ...]:
-        """Values of each swept parameter; empty for one basin."""
-        return tuple(len(swept.values) for swept in self.vary)
+        """Number of values of each swept parameter; empty for one basin."""
+        return ()
 
     @property
     def basins(self) -> int:
@@ -131,15 +157,20 @@ class BasinJob:
     @property
     def places(self) -> int:
         """Cells, or points of samples, of all basins."""
-        return self.grid.cells * self.basins
-
-    @property
-    def kind(self) -> str:
-        """``basin``, or ``sweep`` where something is swept."""
-        return "sweep" if self.vary else "basin"
+        time, velocity = self.grid_.time, self.grid_.velocity
+        return (self.sample.points if self.sample else time.cells * velocity.cells) * self.basins
 
     def place_of(self, basin: int) -> tuple[int, ...]:
-        """Index of a panel's value in each swept parameter."""
+        """Number of a basin's value in each swept parameter; the last parameter runs fastest.
+
+        Parameters
+        ----------
+        basin : int
+
+        Returns
+        -------
+        tuple of int
+        """
         place = []
         for count in reversed(self.sweep_shape):
             basin, at = divmod(basin, count)
@@ -147,50 +178,82 @@ class BasinJob:
         return tuple(reversed(place))
 
     def values_of(self, basin: int) -> dict[str, float]:
-        """Values of the swept parameters in a basin."""
+        """Values of the swept parameters in a basin.
+
+        Parameters
+        ----------
+        basin : int
+
+        Returns
+        -------
+        dict
+            By the parameter's name.
+        """
         return {swept.parameter: swept.values[at] for swept, at in zip(self.vary, self.place_of(basin), strict=True)}
 
     def oscillator_of(self, basin: int) -> Oscillator:
-        """Oscillator of a basin, checked."""
-        return check_domain(self.oscillator._replace(**self.values_of(basin)))
+        """Oscillator of a basin, checked.
+
+        Parameters
+        ----------
+        basin : int
+
+        Returns
+        -------
+        Oscillator
+        """
+        return check_domain(self.oscillator_.to_oscillator()._replace(**self.values_of(basin)))
+
+
+class SweepJob(BasinJob):
+    """Basins over one or two parameters: one for each combination of their values."""
+
+    model_config = ConfigDict(title="SweepRequest", json_schema_extra={"examples": [_SWEEP_EXAMPLE]})
+
+    vary_: Annotated[list[Vary], Field(min_length=1, max_length=MOST_SWEPT)] = Field(
+        description="Swept parameters; the last one runs fastest"
+    )
 
     @property
-    def quiet_everywhere(self) -> bool:
-        """Whether every basin has a quiet solution (Eq. 3)."""
-        try:
-            self.demand_quiet()
-        except OutsideDomain:
-            return False
-        return True
-
-    def request(self) -> dict[str, Any]:
-        """Request that asks for this job, in the JSON shape of ``POST /v1/basins`` or ``POST /v1/sweeps``."""
-        oscillator = oscillator_request(self.oscillator, quiet=self.quiet_everywhere)
-        grid = self.grid
-        time: dict[str, Any] = {"start": grid.time_start, "stop": grid.time_stop}
-        velocity: dict[str, Any] = {"start": grid.velocity_start, "stop": grid.velocity_stop}
-        asked: dict[str, Any] = {"oscillator": oscillator, "grid": {"time": time, "velocity": velocity}}
-        asked["iterations"] = self.iterations
-        if self.sample is None:
-            time["cells"], velocity["cells"] = grid.time_cells, grid.velocity_cells
-        else:
-            asked["sample"] = {"points": self.sample.points, "seed": self.sample.seed}
-        if self.vary:
-            asked["vary"] = [{"parameter": swept.parameter, "values": list(swept.values)} for swept in self.vary]
-        return asked
+    def kind(self) -> str:
+        """``sweep``."""
+        return "sweep"
 
     @cached_property
-    def digest(self) -> str:
-        """Hash of the request and of the version of the result: equal digests, equal bytes."""
-        text = json.dumps({"request": self.request(), "version": RESULT_VERSION}, sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()
+    def vary(self) -> tuple[SweptParameter, ...]:
+        """Swept parameters with their values, checked."""
+        swept = [each.to_swept(("vary", axis)) for axis, each in enumerate(self.vary_)]
+        return check_swept(swept, impacting=math.isinf(self.oscillator_.to_oscillator().stiffness))
 
-    @classmethod
-    def from_request(cls, request: dict[str, Any]) -> "BasinJob":
-        """Job that a request in the shape of `request` asks for."""
-        time, velocity = request["grid"]["time"], request["grid"]["velocity"]
-        cells = time.get("cells", 1), velocity.get("cells", 1)
-        grid = CellGrid(time["start"], time["stop"], cells[0], velocity["start"], velocity["stop"], cells[1])
-        vary = tuple(SweptParameter(each["parameter"], tuple(each["values"])) for each in request.get("vary", ()))
-        sample = Sample(**request["sample"]) if "sample" in request else None
-        return cls(oscillator_from(request["oscillator"]), grid, request["iterations"], vary, sample)
+    @property
+    def sweep_shape(self) -> tuple[int, ...]:
+        """Number of values of each swept parameter."""
+        return tuple(each.size for each in self.vary_)
+
+    @property
+    def _least_damping(self) -> float:
+        return min((each.least for each in self.vary_ if each.parameter == "damping"), default=super()._least_damping)
+
+    def _settled(self) -> dict[str, Any]:
+        settled = {"vary_": [vary_request(swept) for swept in self.vary]}
+        return super()._settled() | settled
+
+
+def basin_job(request: dict[str, Any]) -> BasinJob:
+    """Job of a basin, or of a sweep if the request varies something.
+
+    Parameters
+    ----------
+    request : dict
+        As JSON, of either kind.
+
+    Returns
+    -------
+    BasinJob
+
+    Raises
+    ------
+    InvalidJob, OutsideDomain
+        Naming the field at fault.
+    """
+    return (SweepJob if "vary" in request else BasinJob).from_request(request)

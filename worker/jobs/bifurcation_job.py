@@ -1,16 +1,27 @@
 """What to compute: a bifurcation diagram, by following motions from value to value of one parameter."""
 
-from dataclasses import dataclass, field, replace
+import math
+from collections.abc import Callable
 from enum import StrEnum
-from typing import Any, ClassVar
+from functools import cached_property
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import ConfigDict, Field
 
-from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_quiet
+from rattle_kernels import Oscillator, OutsideDomain, check_domain
 from worker.errors import InvalidJob, SweptOutsideDomain
-from worker.jobs.analysis_job import AnalysisJob, Region, check_departure, check_region
-from worker.jobs.oscillator_request import oscillator_from
-from worker.jobs.swept_parameter import SweptParameter, check_swept
+from worker.jobs.job import AnalysisJob, Sizes
+from worker.jobs.region import Departure, Region
+from worker.jobs.request import Count
+from worker.jobs.swept_parameter import SweptParameter, Vary, check_swept, vary_request
+
+_EXAMPLE: dict[str, Any] = {
+    "kind": "bifurcation",
+    "oscillator": {"model": "impacting", "eccentricity": 0.1, "half_backlash": 0.6},
+    "vary": {"parameter": "damping", "start": 0.5, "stop": 0.6, "count": 1000},
+    "direction": "both",
+}
 
 
 class Direction(StrEnum):
@@ -22,75 +33,90 @@ class Direction(StrEnum):
     """Up and then, from where that ends, down again."""
 
 
-@dataclass(frozen=True)
 class BifurcationJob(AnalysisJob):
-    """A diagram as in Figs. 10(a) and 11, several motions side by side.
+    """A bifurcation diagram: at each value the last departures after a transient, the very last seeding the next."""
 
-    Parameters
-    ----------
-    oscillator : Oscillator
-        Its own value of the parameter that varies counts for nothing: it becomes the first value.
-    vary : SweptParameter
-        The values, visited in ascending order going up.
-    seeds : tuple of (float, float)
-        Departures (t, v) to begin with at the first value visited. None: the attractors found there by starting from
-        `region`, permanent contact aside.
-    region : Region
-        Where attractors are looked for if there are no seeds.
-    direction : Direction
-    transient, kept : int
-        Impacts at each value before any departure is kept, and departures kept.
-    """
+    model_config = ConfigDict(title="BifurcationRequest", json_schema_extra={"examples": [_EXAMPLE]})
 
-    kind: ClassVar[str] = "bifurcation"
+    kind_: Literal["bifurcation"] = "bifurcation"
+    vary_: Vary = Field(description="The parameter and its values")
+    seeds: Annotated[list[Departure], Field(min_length=1, max_length=100)] | None = Field(
+        None, description="Departures to begin with; without them, the attractors found at the first value visited"
+    )
+    region: Region | None = Field(None, description="Where those attractors are looked for")
+    direction: Direction = Field(Direction.UP, description="both: up and then, from where that ends, down again")
+    transient: Annotated[int, Field(strict=True, ge=0)] = Field(
+        1000, description="Impacts at each value before any departure is kept"
+    )
+    kept: Count = Field(20, description="Departures kept at each value")
 
-    vary: SweptParameter = field(default=SweptParameter("damping", (0.6,)))
-    seeds: tuple[tuple[float, float], ...] = ()
-    region: Region = Region()
-    direction: Direction = Direction.UP
-    transient: int = 1000
-    kept: int = 20
+    def sizes(self) -> Sizes:
+        """What is large about the request."""
+        # Seeds that are still to be found count as one.
+        visits = self.vary_.size * (2 if self.direction == Direction.BOTH else 1) * len(self.seeds or [None])
+        return (
+            ("impacts", visits * (self.transient + self.kept), "max_diagram_applications"),
+            ("departures kept", visits * self.kept, "max_diagram_points"),
+        )
 
-    def __post_init__(self) -> None:
-        values = tuple(sorted(self.vary.values))
+    def _settled(self) -> dict[str, Any]:
+        if self.seeds and self.region:
+            raise InvalidJob("give seeds, or a region to look for attractors in, not both", ("region",))
+        self.check_oscillators(check_domain)
+        names = ("direction", "transient", "kept")
+        settled = {"kind_": self.kind_, "vary_": vary_request(self.vary)} | {
+            name: getattr(self, name) for name in names
+        }
+        return settled | ({"seeds": self.seeds} if self.seeds else {"region": self.region or Region()})
+
+    @cached_property
+    def vary(self) -> SweptParameter:
+        """The parameter and its values in ascending order, checked."""
+        swept = self.vary_.to_swept(("vary",))
+        ascending = SweptParameter(swept.parameter, tuple(sorted(swept.values)))
         try:
-            (swept,) = check_swept((replace(self.vary, values=values),), self.oscillator)
+            return check_swept((ascending,), impacting=math.isinf(self.oscillator_.to_oscillator().stiffness))[0]
         except InvalidJob as error:
+            # Here `vary` is no list.
             raise InvalidJob(str(error), tuple(part for part in error.place if part != 0)) from error
-        object.__setattr__(self, "vary", swept)
-        self._check_values(check_domain)
-        object.__setattr__(self, "oscillator", self.oscillator_at(swept.values[0]))
-        seeds = tuple(check_departure(*seed, ("seeds", i)) for i, seed in enumerate(self.seeds))
-        object.__setattr__(self, "seeds", seeds)
-        object.__setattr__(self, "region", check_region(self.region))
-        object.__setattr__(self, "direction", Direction(self.direction))
-        if self.transient < 0 or self.kept < 1:
-            place = "transient" if self.transient < 0 else "kept"
-            raise InvalidJob(
-                f"transient must be 0 or more and kept 1 or more, not {self.transient} and {self.kept}", (place,)
-            )
-        super().__post_init__()
+
+    @cached_property
+    def oscillator(self) -> Oscillator:
+        """Oscillator at the lowest value, checked."""
+        return check_domain(self.oscillator_at(self.vary.values[0]))
 
     def oscillator_at(self, value: float) -> Oscillator:
-        """Oscillator with a value of the parameter."""
-        return self.oscillator._replace(**{self.vary.parameter: value})
+        """Oscillator with a value of the parameter.
 
-    def _check_values(self, check: Any) -> None:
+        Parameters
+        ----------
+        value : float
+
+        Returns
+        -------
+        Oscillator
+        """
+        return self.oscillator_.to_oscillator()._replace(**{self.vary.parameter: value})
+
+    def check_oscillators(self, check: Callable[[Oscillator], Oscillator]) -> None:
+        """Check the oscillator at every value.
+
+        Parameters
+        ----------
+        check : callable
+            Raises `OutsideDomain`.
+
+        Raises
+        ------
+        SweptOutsideDomain
+            Naming the value.
+        """
         for index, value in enumerate(self.vary.values):
             try:
                 check(self.oscillator_at(value))
             except OutsideDomain as error:
                 where = f"{self.vary.parameter} = {value:g}"
                 raise SweptOutsideDomain(error, ("vary", "values", index), where) from error
-
-    def demand_quiet(self) -> None:
-        """Refuse a diagram of which some value has no quiet solution (Eq. 3).
-
-        Raises
-        ------
-        OutsideDomain
-        """
-        self._check_values(check_quiet)
 
     @property
     def visits(self) -> np.ndarray:
@@ -99,27 +125,3 @@ class BifurcationJob(AnalysisJob):
         return {Direction.UP: up, Direction.DOWN: up[::-1], Direction.BOTH: np.concatenate([up, up[::-1]])}[
             self.direction
         ]
-
-    def asked(self) -> dict[str, Any]:
-        """What is asked about the oscillator, as JSON."""
-        start: dict[str, Any] = {"region": self.region.request()}
-        if self.seeds:
-            start = {"seeds": [{"time": t, "velocity": v} for t, v in self.seeds]}
-        return {
-            "vary": {"parameter": self.vary.parameter, "values": list(self.vary.values)},
-            **start,
-            "direction": self.direction.value,
-            "transient": self.transient,
-            "kept": self.kept,
-        }
-
-    @classmethod
-    def from_request(cls, request: dict[str, Any]) -> "BifurcationJob":
-        """Job that a request in the shape of `request` asks for."""
-        vary = SweptParameter(request["vary"]["parameter"], tuple(request["vary"]["values"]))
-        seeds = tuple((seed["time"], seed["velocity"]) for seed in request.get("seeds", ()))
-        region = Region.from_request(request["region"]) if "region" in request else Region()
-        return cls(
-            oscillator_from(request["oscillator"]), vary, seeds, region, Direction(request["direction"]),
-            request["transient"], request["kept"],
-        )  # fmt: skip

@@ -1,66 +1,57 @@
 """What to compute: the grazing curve and its pre-images."""
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from functools import cached_property
+from typing import Annotated, Any, Literal
 
-from rattle_kernels import CurveResolution, check_impacting, check_resolution
+from pydantic import ConfigDict, Field
+
+from rattle_kernels import CurveResolution
 from worker.errors import InvalidJob
-from worker.jobs.analysis_job import AnalysisJob, check_velocity
-from worker.jobs.oscillator_request import oscillator_from
+from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest, resolution_request
+from worker.jobs.job import AnalysisJob, Sizes
+from worker.jobs.region import Interval, check_speeds, papers_speeds
+from worker.jobs.request import Count
+
+_EXAMPLE: dict[str, Any] = {
+    "kind": "grazing_curve",
+    "oscillator": {"model": "impacting", "damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6},
+    "order": 4,
+}
+_LEAST_POINTS = 1000
 
 
-@dataclass(frozen=True)
 class GrazingCurveJob(AnalysisJob):
-    """Pre-images of the grazing curve of the impacting model (Sec. 6.1).
+    """The grazing curve of the impacting model and its pre-images (Sec. 6.1)."""
 
-    Parameters
-    ----------
-    oscillator : Oscillator
-        Impacting model.
-    order : int
-        Highest; 0 is the grazing curve itself.
-    velocity : (float, float)
-        Speeds to keep.
-    resolution : CurveResolution
-    most_points : int
-        Of one order.
-    """
+    model_config = ConfigDict(title="GrazingCurveRequest", json_schema_extra={"examples": [_EXAMPLE]})
 
-    kind: ClassVar[str] = "grazing_curve"
+    impacting_only = True
 
-    order: int = 2
-    velocity: tuple[float, float] = (0.0, 7.0)
-    resolution: CurveResolution = CurveResolution()
-    most_points: int = 1_000_000
+    kind_: Literal["grazing_curve"] = "grazing_curve"
+    order: Annotated[int, Field(strict=True)] = Field(
+        2, description="Highest order of pre-images; 0 is the grazing curve itself"
+    )
+    velocity: Interval = Field(default_factory=papers_speeds, description="Speeds to keep")
+    resolution_: Resolution = Field(default_factory=ResolutionRequest)
+    most_points: Count = Field(MOST_POINTS, description="Of one order; an order that needs more is left incomplete")
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        object.__setattr__(self, "oscillator", check_impacting(self.oscillator))
+    def sizes(self) -> Sizes:
+        """What is large about the request."""
+        return (
+            ("orders", self.order, "max_order"),
+            ("points of an order", self.most_points, "max_curve_points"),
+        )
+
+    def _settled(self) -> dict[str, Any]:
         if self.order < 0:
             raise InvalidJob(f"order must be 0 (the grazing curve itself) or more, not {self.order}", ("order",))
-        if self.most_points < 1000:
-            raise InvalidJob(f"most_points must be 1000 or more, not {self.most_points}", ("most_points",))
-        object.__setattr__(self, "velocity", tuple(float(speed) for speed in self.velocity))
-        check_velocity(*self.velocity)
-        try:
-            object.__setattr__(self, "resolution", check_resolution(self.resolution))
-        except ValueError as error:
-            raise InvalidJob(str(error), ("resolution",)) from error
+        if self.most_points < _LEAST_POINTS:
+            raise InvalidJob(f"most_points must be {_LEAST_POINTS} or more, not {self.most_points}", ("most_points",))
+        check_speeds(self.velocity)
+        settled = {name: getattr(self, name) for name in ("kind_", "order", "velocity", "most_points")}
+        return settled | {"resolution_": resolution_request(self.resolution)}
 
-    def asked(self) -> dict[str, Any]:
-        """What is asked about the oscillator, as JSON."""
-        return {
-            "order": self.order,
-            "velocity": {"start": self.velocity[0], "stop": self.velocity[1]},
-            "resolution": self.resolution._asdict(),
-            "most_points": self.most_points,
-        }
-
-    @classmethod
-    def from_request(cls, request: dict[str, Any]) -> "GrazingCurveJob":
-        """Job that a request in the shape of `request` asks for."""
-        velocity = request["velocity"]["start"], request["velocity"]["stop"]
-        resolution = CurveResolution(**request["resolution"])
-        return cls(
-            oscillator_from(request["oscillator"]), request["order"], velocity, resolution, request["most_points"]
-        )
+    @cached_property
+    def resolution(self) -> CurveResolution:
+        """How fine the curves are, checked."""
+        return self.resolution_.to_resolution()

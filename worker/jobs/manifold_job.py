@@ -1,15 +1,28 @@
 """What to compute: stable and unstable manifolds of saddles."""
 
 import re
-from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, ClassVar, NamedTuple
+from functools import cached_property
+from typing import Annotated, Any, Literal, NamedTuple
 
-from rattle_kernels import CurveResolution, ManifoldLimits, check_impacting, check_limits, check_resolution
-from worker.errors import InvalidJob
-from worker.jobs.analysis_job import AnalysisJob, Region, check_region, check_velocity
-from worker.jobs.orbits_job import OrbitSeed, check_orbit_seed
-from worker.jobs.oscillator_request import oscillator_from
+from pydantic import BeforeValidator, ConfigDict, Field, model_validator
+
+from rattle_kernels import CurveResolution, ManifoldLimits, check_limits
+from worker.errors import InvalidJob, Place
+from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest, resolution_request
+from worker.jobs.job import AnalysisJob, Sizes
+from worker.jobs.orbits_job import OrbitSeed
+from worker.jobs.region import SEARCH_CELLS, Interval, Region, check_speeds, papers_speeds
+from worker.jobs.request import Count, Real, Request, accepting
+
+_EXAMPLE: dict[str, Any] = {
+    "kind": "manifold",
+    "oscillator": {"model": "impacting", "damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6},
+    "saddles": [{"itinerary": "P(1,1,0)"}, {"time": 0.89, "velocity": 3.988}],
+    "side": "stable",
+    "arclength": 100,
+    "velocity": {"start": 0, "stop": 7},
+}
 
 
 class Side(StrEnum):
@@ -35,8 +48,18 @@ class Itinerary(NamedTuple):
     lower_contacts: int
 
     @classmethod
-    def from_text(cls, text: str, place: tuple[str | int, ...] = ()) -> "Itinerary":
-        """Itinerary as people write it.
+    def from_text(cls, text: str, place: Place = ()) -> "Itinerary":
+        """Itinerary written as P(m, n+, n-).
+
+        Parameters
+        ----------
+        text : str
+        place : tuple of str and int
+            Where it stands in the request.
+
+        Returns
+        -------
+        Itinerary
 
         Raises
         ------
@@ -53,86 +76,108 @@ class Itinerary(NamedTuple):
         return f"P({self.forcing_periods},{self.upper_contacts},{self.lower_contacts})"
 
 
-@dataclass(frozen=True)
-class ManifoldJob(AnalysisJob):
-    """Manifolds of some saddles of the impacting model.
+class SaddleRequest(Request):
+    """A saddle: a departure close to it with its impact period, or its itinerary."""
+
+    itinerary: str | None = Field(None, description="All saddles of that name", examples=["P(1,1,0)"])
+    time: Real | None = None
+    velocity: Real | None = None
+    period: Annotated[int, Field(strict=True)] = Field(1, description="Impact period: n+ of P(m, n+, n-)")
+
+    @model_validator(mode="after")
+    def _one_way(self) -> "SaddleRequest":
+        by_seed = self.time is not None and self.velocity is not None
+        other = {"time", "velocity", "period"} & self.model_fields_set
+        if (self.itinerary is None) != by_seed or (self.itinerary is not None and other):
+            raise ValueError('give {"time": 0.6, "velocity": 3.77, "period": 1}, or {"itinerary": "P(1,1,0)"}')
+        self.to_saddle()
+        return self
+
+    def to_saddle(self) -> OrbitSeed | Itinerary:
+        """Where Newton's method starts, or what the saddle is called.
+
+        Raises
+        ------
+        InvalidJob
+        """
+        if self.itinerary is not None:
+            return Itinerary.from_text(self.itinerary, ("itinerary",))
+        assert self.time is not None and self.velocity is not None
+        return OrbitSeed(self.time, self.velocity, self.period)
+
+
+def saddle_request(saddle: OrbitSeed | Itinerary) -> SaddleRequest:
+    """Saddle as requests describe it, unchecked.
 
     Parameters
     ----------
-    oscillator : Oscillator
-        Impacting model.
-    saddles : tuple of OrbitSeed and Itinerary
-        Where Newton's method starts, or what the saddles are called.
-    side : Side
-    limits : ManifoldLimits
-        How far each branch is grown.
-    resolution : CurveResolution
-    region : Region
-        Where saddles of an itinerary are looked for.
-    cells : int
-        Of that search, each way.
+    saddle : OrbitSeed or Itinerary
+
+    Returns
+    -------
+    SaddleRequest
     """
+    if isinstance(saddle, Itinerary):
+        return SaddleRequest.model_construct(itinerary=saddle.name)
+    return SaddleRequest.model_construct(time=saddle.time, velocity=saddle.velocity, period=saddle.period)
 
-    kind: ClassVar[str] = "manifold"
 
-    saddles: tuple[OrbitSeed | Itinerary, ...] = ()
-    side: Side = Side.STABLE
-    limits: ManifoldLimits = ManifoldLimits(highest_velocity=7.0)
-    resolution: CurveResolution = CurveResolution()
-    region: Region = Region()
-    cells: int = 40
+Saddle = Annotated[SaddleRequest, BeforeValidator(accepting((OrbitSeed, Itinerary), saddle_request))]
+"""From Python also an `OrbitSeed` or an `Itinerary`."""
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        object.__setattr__(self, "oscillator", check_impacting(self.oscillator))
-        if not self.saddles:
-            raise InvalidJob("give at least one saddle, by a seed or by its itinerary", ("saddles",))
-        checked = tuple(
-            check_orbit_seed(saddle, ("saddles", i)) if isinstance(saddle, OrbitSeed) else saddle
-            for i, saddle in enumerate(self.saddles)
+
+class ManifoldJob(AnalysisJob):
+    """Stable and unstable manifolds of saddles of the impacting model."""
+
+    model_config = ConfigDict(title="ManifoldRequest", json_schema_extra={"examples": [_EXAMPLE]})
+
+    impacting_only = True
+
+    kind_: Literal["manifold"] = "manifold"
+    saddles_: Annotated[list[Saddle], Field(min_length=1, max_length=100)]
+    side: Side = Field(Side.STABLE, description="Which manifolds")
+    arclength: Real = Field(ManifoldLimits().arclength, description="Of each branch, within the window of speeds")
+    velocity: Interval = Field(default_factory=papers_speeds, description="Speeds to keep")
+    most_points: Count = Field(MOST_POINTS, description="Of each branch")
+    resolution_: Resolution = Field(default_factory=ResolutionRequest)
+    region: Region = Field(default_factory=Region, description="Where saddles of an itinerary are looked for")
+    cells: Count = Field(SEARCH_CELLS, description="Cells of that search each way")
+
+    def sizes(self) -> Sizes:
+        """What is large about the request."""
+        longest = max((each.upper_contacts for each in self.saddles if isinstance(each, Itinerary)), default=0)
+        return (
+            ("units of arclength", self.arclength, "max_arclength"),
+            ("points of a branch", self.most_points, "max_curve_points"),
+            ("cells times cells times n+", self.cells**2 * longest, "max_orbit_starts"),
         )
-        object.__setattr__(self, "saddles", checked)
-        object.__setattr__(self, "side", Side(self.side))
-        check_velocity(self.limits.lowest_velocity, self.limits.highest_velocity)
+
+    def _settled(self) -> dict[str, Any]:
+        if self.arclength <= 0.0:
+            raise InvalidJob(f"arclength must be above 0, not {self.arclength:g}", ("arclength",))
+        check_speeds(self.velocity)
         try:
             check_limits(self.limits)
-            object.__setattr__(self, "resolution", check_resolution(self.resolution))
         except ValueError as error:
             raise InvalidJob(str(error)) from error
-        object.__setattr__(self, "region", check_region(self.region))
-        if self.cells < 1:
-            raise InvalidJob(f"cells must be 1 or more, not {self.cells}", ("cells",))
-
-    def asked(self) -> dict[str, Any]:
-        """What is asked about the oscillator, as JSON."""
-        saddles = [
-            saddle._asdict() if isinstance(saddle, OrbitSeed) else {"itinerary": saddle.name} for saddle in self.saddles
-        ]
-        asked: dict[str, Any] = {
-            "saddles": saddles,
-            "side": self.side.value,
-            "arclength": self.limits.arclength,
-            "velocity": {"start": self.limits.lowest_velocity, "stop": self.limits.highest_velocity},
-            "most_points": self.limits.points,
-            "resolution": self.resolution._asdict(),
-        }
+        names = ["kind_", "side", "arclength", "velocity", "most_points"]
         if any(isinstance(saddle, Itinerary) for saddle in self.saddles):
-            asked |= {"region": self.region.request(), "cells": self.cells}
-        return asked
+            names += ["region", "cells"]
+        settled = {name: getattr(self, name) for name in names}
+        settled["saddles_"] = [saddle_request(saddle) for saddle in self.saddles]
+        return settled | {"resolution_": resolution_request(self.resolution)}
 
-    @classmethod
-    def from_request(cls, request: dict[str, Any]) -> "ManifoldJob":
-        """Job that a request in the shape of `request` asks for."""
-        saddles = tuple(
-            Itinerary.from_text(saddle["itinerary"]) if "itinerary" in saddle else OrbitSeed(**saddle)
-            for saddle in request["saddles"]
-        )
-        velocity = request["velocity"]
-        limits = ManifoldLimits(request["arclength"], velocity["start"], velocity["stop"], request["most_points"])
-        search = {}
-        if "region" in request:
-            search = {"region": Region.from_request(request["region"]), "cells": request["cells"]}
-        return cls(
-            oscillator_from(request["oscillator"]), saddles, Side(request["side"]), limits,
-            CurveResolution(**request["resolution"]), **search,
-        )  # fmt: skip
+    @cached_property
+    def saddles(self) -> tuple[OrbitSeed | Itinerary, ...]:
+        """Where Newton's method starts, or what the saddles are called."""
+        return tuple(saddle.to_saddle() for saddle in self.saddles_)
+
+    @cached_property
+    def limits(self) -> ManifoldLimits:
+        """How far each branch is grown."""
+        return ManifoldLimits(self.arclength, *self.velocity.ends, self.most_points)
+
+    @cached_property
+    def resolution(self) -> CurveResolution:
+        """How fine the curves are, checked."""
+        return self.resolution_.to_resolution()

@@ -2,132 +2,124 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import ConfigDict, Field
 
 from rattle_kernels import Oscillator
 from worker.errors import InvalidJob
-from worker.jobs.analysis_job import AnalysisJob, Place, Region, check_departure, check_region
-from worker.jobs.oscillator_request import oscillator_from
+from worker.jobs.job import AnalysisJob, Sizes
+from worker.jobs.region import SEARCH_CELLS, Departure, Region
+from worker.jobs.request import Count, Real, values_config
+from worker.jobs.swept_parameter import Parameter
 
-_PARAMETERS = Oscillator._fields[:4]
-
-
-class OrbitSeed(NamedTuple):
-    """A departure close to a periodic orbit, and the impact period to look for."""
-
-    time: float
-    velocity: float
-    period: int = 1
-
-
-class Continuation(NamedTuple):
-    """A parameter to follow something in, from where to where, and how many points each way at the most."""
-
-    parameter: str
-    start: float
-    stop: float
-    most_points: int = 2000
+_EXAMPLE: dict[str, Any] = {
+    "kind": "orbits",
+    "oscillator": {"model": "impacting", "damping": 0.575, "eccentricity": 0.1, "half_backlash": 0.6},
+    "longest": 4,
+    "continuation": {"parameter": "damping", "start": 0.45, "stop": 0.7},
+}
 
 
 @dataclass(frozen=True)
-class OrbitsJob(AnalysisJob):
-    """Periodic orbits, stable or not: all that a search of a region finds, or those near seeds.
-
-    Parameters
-    ----------
-    oscillator : Oscillator
-    longest : int
-        Greatest n+ that is searched for.
-    region : Region
-        Where it is searched.
-    cells : int
-        Each way: the search starts from the centre of every cell.
-    seeds : tuple of OrbitSeed
-        Start from these alone, without a search.
-    continuation : Continuation or None
-        Follow each orbit in this parameter, through folds, and locate special points.
-    curves : Continuation or None
-        Follow each special point in a second parameter, too.
-    """
-
-    kind: ClassVar[str] = "orbits"
-
-    longest: int = 4
-    region: Region = Region()
-    cells: int = 40
-    seeds: tuple[OrbitSeed, ...] = ()
-    continuation: Continuation | None = None
-    curves: Continuation | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        for name, value in (("longest", self.longest), ("cells", self.cells)):
-            if value < 1:
-                raise InvalidJob(f"{name} must be 1 or more, not {value}", (name,))
-        object.__setattr__(self, "region", check_region(self.region))
-        seeds = tuple(check_orbit_seed(seed, ("seeds", i)) for i, seed in enumerate(self.seeds))
-        object.__setattr__(self, "seeds", seeds)
-        if self.continuation is not None:
-            checked = _check_continuation(self.continuation, self.oscillator, "continuation")
-            object.__setattr__(self, "continuation", checked)
-        if self.curves is not None:
-            object.__setattr__(self, "curves", self._check_curves(self.curves))
-
-    def _check_curves(self, curves: Continuation) -> Continuation:
-        if self.continuation is None:
-            raise InvalidJob("curves start from the special points of branches: give a continuation, too", ("curves",))
-        if curves.parameter == self.continuation.parameter:
-            message = f"the second parameter must be another than the first, {curves.parameter}"
-            raise InvalidJob(message, ("curves", "parameter"))
-        return _check_continuation(curves, self.oscillator, "curves")
-
-    def asked(self) -> dict[str, Any]:
-        """What is asked about the oscillator, as JSON."""
-        asked: dict[str, Any] = {"longest": self.longest, "region": self.region.request(), "cells": self.cells}
-        if self.seeds:
-            asked = {"seeds": [seed._asdict() for seed in self.seeds]}
-        for name in ("continuation", "curves"):
-            if getattr(self, name) is not None:
-                asked[name] = getattr(self, name)._asdict()
-        return asked
-
-    @classmethod
-    def from_request(cls, request: dict[str, Any]) -> "OrbitsJob":
-        """Job that a request in the shape of `request` asks for."""
-        oscillator = oscillator_from(request["oscillator"])
-        continuation, curves = (
-            Continuation(**request[name]) if name in request else None for name in ("continuation", "curves")
-        )
-        if "seeds" in request:
-            seeds = tuple(OrbitSeed(**seed) for seed in request["seeds"])
-            return cls(oscillator, seeds=seeds, continuation=continuation, curves=curves)
-        region = Region.from_request(request["region"])
-        return cls(oscillator, request["longest"], region, request["cells"], (), continuation, curves)
-
-
-def check_orbit_seed(seed: OrbitSeed, place: Place) -> OrbitSeed:
-    """Return the seed with its phase in [0, 1), or say what is wrong with it.
+class OrbitSeed(Departure):
+    """A departure close to a periodic orbit, and the impact period to look for.
 
     Raises
     ------
     InvalidJob
     """
-    if seed.period < 1:
-        raise InvalidJob(
-            f"period must be 1 or more, the number of impacts with +beta in one turn, not {seed.period}",
-            (*place, "period"),
+
+    __pydantic_config__: ClassVar[ConfigDict] = values_config("OrbitSeedRequest")
+
+    period: Annotated[int, Field(strict=True, description="Impact period: n+ of P(m, n+, n-), or a multiple of it")] = 1
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.period < 1:
+            raise InvalidJob(
+                f"period must be 1 or more, the number of impacts with +beta in one turn, not {self.period}",
+                ("period",),
+            )
+
+
+@dataclass(frozen=True)
+class Continuation:
+    """A parameter to follow something in, from where to where, and the most points each way."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = values_config("ContinuationRequest")
+
+    parameter: Parameter
+    start: Annotated[Real, Field(description="Lowest value")]
+    stop: Annotated[Real, Field(description="Highest value")]
+    most_points: Annotated[Count, Field(description="Most points each way")] = 2000
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "start", float(self.start))
+        object.__setattr__(self, "stop", float(self.stop))
+
+    def check(self, oscillator: Oscillator, place: str) -> None:
+        """Check the bounds against the oscillator's own value.
+
+        Parameters
+        ----------
+        oscillator : Oscillator
+        place : str
+            Where the continuation stands in the request.
+
+        Raises
+        ------
+        InvalidJob
+        """
+        value = getattr(oscillator, self.parameter)
+        if not (0.0 <= self.start <= value <= self.stop and math.isfinite(self.stop)):
+            message = f"{self.parameter} must be followed between bounds that hold its value {value:g}"
+            raise InvalidJob(f"{message}, not {self.start:g} and {self.stop:g}", (place,))
+        if self.most_points < 2:
+            raise InvalidJob(f"most_points must be 2 or more, not {self.most_points}", (place, "most_points"))
+
+
+class OrbitsJob(AnalysisJob):
+    """Periodic orbits, stable or not: those of a region, or those near seeds; on request with their branches."""
+
+    model_config = ConfigDict(title="OrbitsRequest", json_schema_extra={"examples": [_EXAMPLE]})
+
+    kind_: Literal["orbits"] = "orbits"
+    longest: Count = Field(4, description="Greatest n+ that is searched for")
+    region: Region = Field(default_factory=Region, description="Where it is searched")
+    cells: Count = Field(SEARCH_CELLS, description="The search starts from the centres of so many cells each way")
+    seeds: Annotated[list[OrbitSeed], Field(min_length=1, max_length=1000)] | None = Field(
+        None, description="Start from these alone; leave out longest, region and cells then"
+    )
+    continuation: Continuation | None = Field(
+        None, description="Follow every orbit in a parameter, through folds, and locate special points"
+    )
+    curves: Continuation | None = Field(None, description="Follow every special point in a second parameter, too")
+
+    def sizes(self) -> Sizes:
+        """What is large about the request."""
+        points = max((each.most_points for each in (self.continuation, self.curves) if each), default=0)
+        return (
+            ("cells times cells times longest", self.cells**2 * self.longest, "max_orbit_starts"),
+            ("points each way", points, "max_branch_points"),
         )
-    return OrbitSeed(*check_departure(seed.time, seed.velocity, place), seed.period)
 
+    def _settled(self) -> dict[str, Any]:
+        search = ("longest", "region", "cells")
+        for name in search:
+            if self.seeds and name in self.model_fields_set:
+                raise InvalidJob(f"give seeds, or a region to search, not both: leave out {name}", (name,))
+        if self.continuation:
+            self.continuation.check(self.oscillator, "continuation")
+        if self.curves:
+            self._check_curves(self.curves)
+        names = ("kind_", *(("seeds",) if self.seeds else search), "continuation", "curves")
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
-def _check_continuation(asked: Continuation, oscillator: Oscillator, place: str) -> Continuation:
-    if asked.parameter not in _PARAMETERS:
-        message = f"{asked.parameter} is no parameter; these are: {', '.join(_PARAMETERS)}"
-        raise InvalidJob(message, (place, "parameter"))
-    value = getattr(oscillator, asked.parameter)
-    if not (0.0 <= asked.start <= value <= asked.stop and math.isfinite(asked.stop)):
-        message = f"{asked.parameter} must be followed between bounds that hold its value {value:g}"
-        raise InvalidJob(f"{message}, not {asked.start:g} and {asked.stop:g}", (place,))
-    if asked.most_points < 2:
-        raise InvalidJob(f"most_points must be 2 or more, not {asked.most_points}", (place, "most_points"))
-    return Continuation(asked.parameter, float(asked.start), float(asked.stop), asked.most_points)
+    def _check_curves(self, curves: Continuation) -> None:
+        if self.continuation is None:
+            raise InvalidJob("curves start from the special points of branches: give a continuation, too", ("curves",))
+        if curves.parameter == self.continuation.parameter:
+            message = f"the second parameter must be another than the first, {curves.parameter}"
+            raise InvalidJob(message, ("curves", "parameter"))
+        curves.check(self.oscillator, "curves")

@@ -1,45 +1,168 @@
-"""The oscillator of a request, as JSON."""
+"""The oscillator of a request: one of two models, chosen by ``model``, with the paper's parameters by default."""
 
 import math
-from typing import Any, Literal
+from collections.abc import Callable
+from enum import StrEnum
+from typing import Annotated, Any, Literal
 
-from rattle_kernels import Oscillator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from rattle_kernels import Oscillator, OutsideDomain
+from worker.jobs.request import Real, Request, accepting
 
 IMPACTING: Literal["impacting"] = "impacting"
 PIECEWISE_LINEAR: Literal["piecewise_linear"] = "piecewise_linear"
+_DEFAULT = Oscillator()
 
 
-def oscillator_request(oscillator: Oscillator, *, quiet: bool) -> dict[str, Any]:
-    """Oscillator as requests have it.
+class PermanentContact(StrEnum):
+    """When a contact beyond +beta counts as permanent."""
+
+    ENVELOPE = "envelope"
+    """It provably never ends: the ringing that is left cannot lift it off."""
+    ONE_ROTATION = "one_rotation"
+    """It lasts longer than one forcing period. This is the paper's shortcut."""
+
+    @property
+    def permanent_after(self) -> float:
+        """Value of `Oscillator.permanent_after`."""
+        return 1.0 if self is PermanentContact.ONE_ROTATION else math.inf
+
+
+class _Common(Request):
+    """Parameters of the gear pair, nondimensional; the paper's by default."""
+
+    model: str
+    damping: Real = Field(_DEFAULT.damping, gt=0, description="delta")
+    eccentricity: Real = Field(_DEFAULT.eccentricity, ge=0, description="epsilon, below the bound of Eq. (8)")
+    half_backlash: Real = Field(_DEFAULT.half_backlash, gt=0, description="beta")
+
+
+class ImpactingOscillator(_Common):
+    """The impacting model: contacts are elastic impacts (Eqs. 4, 5)."""
+
+    model: Literal["impacting"] = IMPACTING
+
+    @property
+    def allow_no_quiet_solution(self) -> bool:
+        """Always false: in this model the bounds of Eqs. (3) and (8) are the same."""
+        return False
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_contacts(cls, value: Any) -> Any:
+        if isinstance(value, dict):
+            for name in value.keys() & (PiecewiseLinearOscillator.model_fields.keys() - cls.model_fields.keys()):
+                raise ValueError(f'{name} belongs to the piecewise linear model: add "model": "piecewise_linear"')
+        return value
+
+    def to_oscillator(self) -> Oscillator:
+        """Oscillator of the kernels, which check the bound of Eq. (8)."""
+        return Oscillator(self.damping, self.eccentricity, self.half_backlash)
+
+
+class PiecewiseLinearOscillator(_Common):
+    """The piecewise linear model: contacts are linear springs (Eqs. 1, 2)."""
+
+    model: Literal["piecewise_linear"]
+    stiffness: Real = Field(gt=0, le=1e12, description="kappa, finite and above damping^2/8")
+    permanent_contact: PermanentContact = Field(
+        PermanentContact.ENVELOPE, description="When a contact counts as permanent: exactly, or by the paper's rule"
+    )
+    allow_no_quiet_solution: Annotated[bool, Field(strict=True)] = Field(
+        False, description="Accept an eccentricity beyond the bound of Eq. (3), where no quiet solution exists"
+    )
+
+    def to_oscillator(self) -> Oscillator:
+        """Oscillator of the kernels, which check its bounds."""
+        return Oscillator(
+            self.damping, self.eccentricity, self.half_backlash, self.stiffness, self.permanent_contact.permanent_after
+        )
+
+
+def oscillator_request(
+    oscillator: Oscillator, *, quiet: bool = False
+) -> ImpactingOscillator | PiecewiseLinearOscillator:
+    """Oscillator of the kernels as requests describe it, unchecked.
 
     Parameters
     ----------
     oscillator : Oscillator
     quiet : bool
-        Whether it has a quiet solution (Eq. 3); where it has none, the request says that this is allowed.
+        Whether it has a quiet solution (Eq. 3). If it has none, the request says that this is allowed.
 
     Returns
     -------
-    dict
+    ImpactingOscillator or PiecewiseLinearOscillator
     """
     damping, eccentricity, half_backlash, stiffness, permanent_after = oscillator
-    asked: dict[str, Any] = {
-        "model": IMPACTING if math.isinf(stiffness) else PIECEWISE_LINEAR,
-        "damping": damping,
-        "eccentricity": eccentricity,
-        "half_backlash": half_backlash,
-    }
-    if not math.isinf(stiffness):
-        rule = "envelope" if math.isinf(permanent_after) else "one_rotation"
-        asked |= {"stiffness": stiffness, "permanent_contact": rule}
-        if not quiet:
-            asked["allow_no_quiet_solution"] = True
-    return asked
+    fields: dict[str, Any] = {"damping": damping, "eccentricity": eccentricity, "half_backlash": half_backlash}
+    if math.isinf(stiffness):
+        return ImpactingOscillator.model_construct(model=IMPACTING, **fields)
+    rule = PermanentContact.ENVELOPE if math.isinf(permanent_after) else PermanentContact.ONE_ROTATION
+    fields |= {"model": PIECEWISE_LINEAR, "stiffness": stiffness, "permanent_contact": rule}
+    if not quiet:
+        fields["allow_no_quiet_solution"] = True
+    return PiecewiseLinearOscillator.model_construct(**fields)
 
 
-def oscillator_from(request: dict[str, Any]) -> Oscillator:
-    """Oscillator that a request in the shape of `oscillator_request` describes."""
-    fields = {name: value for name, value in request.items() if name in Oscillator._fields}
-    if request.get("permanent_contact") == "one_rotation":
-        fields["permanent_after"] = 1.0
-    return Oscillator(**fields)
+def with_swept_stiffness(oscillator: Any) -> Any:
+    """Give an oscillator whose stiffness is swept, and which names none, a value that the first swept one replaces.
+
+    Parameters
+    ----------
+    oscillator : object
+        As a request has it.
+
+    Returns
+    -------
+    object
+        The same, with a stiffness if it is of the piecewise linear model.
+    """
+    if isinstance(oscillator, dict) and oscillator.get("model") == PIECEWISE_LINEAR:
+        return {"stiffness": 1.0} | oscillator
+    return oscillator
+
+
+def demand_quiet(check: Callable[[], object], *, unless: bool) -> None:
+    """Refuse an oscillator without a quiet solution (Eq. 3), unless the request allows it.
+
+    Between epsilon_crit1 and epsilon_crit2 everything is defined, but no motion stays quiet. Beyond epsilon_crit2
+    every oscillator is refused earlier.
+
+    Parameters
+    ----------
+    check : callable
+        Raises `OutsideDomain` if there is no quiet solution.
+    unless : bool
+        Whether the request allows that.
+
+    Raises
+    ------
+    OutsideDomain
+        The error of `check`; its message names the option that allows it.
+    """
+    if unless:
+        return
+    try:
+        check()
+    except OutsideDomain as error:
+        error.args = (f"{error}; allow_no_quiet_solution takes it all the same",)
+        raise
+
+
+def _model_of(value: Any) -> str | None:
+    model = value.get("model", IMPACTING) if isinstance(value, dict) else getattr(value, "model", None)
+    return model if isinstance(model, str) else None
+
+
+OscillatorRequest = Annotated[
+    Annotated[ImpactingOscillator, Tag(IMPACTING)] | Annotated[PiecewiseLinearOscillator, Tag(PIECEWISE_LINEAR)],
+    Discriminator(
+        _model_of,
+        custom_error_type="oscillator_model",
+        custom_error_message="send an object whose model is 'impacting' (the default) or 'piecewise_linear'",
+    ),
+    BeforeValidator(accepting(Oscillator, oscillator_request)),
+]
+"""Either model. From Python also an `Oscillator` of the kernels, which need not have a quiet solution."""

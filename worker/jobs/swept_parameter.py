@@ -4,13 +4,17 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
+from pydantic import BeforeValidator, Field
 
-from rattle_kernels import Oscillator
-from worker.errors import InvalidJob
+from worker.errors import InvalidJob, Place
+from worker.jobs.oscillator_request import with_swept_stiffness
+from worker.jobs.request import Real, Request, accepting
 
 MOST_SWEPT = 2
+Parameter = Literal["damping", "eccentricity", "half_backlash", "stiffness"]
 
 
 class Spacing(StrEnum):
@@ -22,7 +26,7 @@ class Spacing(StrEnum):
 
 @dataclass(frozen=True)
 class SweptParameter:
-    """A field of `Oscillator` and its values, in the order in which basins follow one another."""
+    """A parameter of the oscillator and its values, in the order in which basins follow one another."""
 
     parameter: str
     values: tuple[float, ...]
@@ -31,45 +35,148 @@ class SweptParameter:
     def spaced(cls, parameter: str, start: float, stop: float, count: int, spacing: Spacing) -> "SweptParameter":
         """Two values or more from start to stop, both included.
 
+        Parameters
+        ----------
+        parameter : str
+        start, stop : float
+        count : int
+        spacing : Spacing
+
+        Returns
+        -------
+        SweptParameter
+
         Raises
         ------
         InvalidJob
-            Where values cannot be spaced so.
+            If values cannot be spaced so.
         """
         if spacing == Spacing.GEOMETRIC and not (start > 0.0 and stop > 0.0):
             raise InvalidJob(f"{parameter} can only be spaced geometrically from and to values above 0")
         if count < 2:
             raise InvalidJob(f"{parameter} takes at least two values from start to stop, not {count}")
         space = np.geomspace if spacing == Spacing.GEOMETRIC else np.linspace
-        # Decimals where decimals are meant: 0.6, not 0.6000000000000001, which is another oscillator.
+        # Rounded to 15 digits: 0.6 and 0.6000000000000001 are two different oscillators.
         between = [float(f"{value:.15g}") for value in space(start, stop, count)[1:-1]]
         return cls(parameter, (float(start), *between, float(stop)))
 
 
-def check_swept(vary: Sequence[SweptParameter], oscillator: Oscillator) -> tuple[SweptParameter, ...]:
+class VaryRequest(Request):
+    """Values of one swept parameter: all of them, or how many from a start to a stop, both included."""
+
+    parameter: Parameter
+    values: tuple[Real, ...] | None = Field(None, description="Ascending or descending")
+    start: Real | None = None
+    stop: Real | None = None
+    count: Annotated[int, Field(strict=True, ge=2)] | None = None
+    spacing: Spacing = Spacing.LINEAR
+
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return len(self.values) if self.values is not None else self.count or 0
+
+    @property
+    def least(self) -> float:
+        """Least value above 0, or 1 if there is none; values of 0 and below are refused elsewhere."""
+        ends = [end for end in (self.start, self.stop) if end is not None]
+        return min((value for value in self.values or ends if value > 0.0), default=1.0)
+
+    def to_swept(self, place: Place) -> SweptParameter:
+        """Swept parameter that this describes.
+
+        Parameters
+        ----------
+        place : tuple of str and int
+            Where it stands in the request.
+
+        Returns
+        -------
+        SweptParameter
+
+        Raises
+        ------
+        InvalidJob
+            If neither or both descriptions are given, or they are contradictory.
+        """
+        spaced = self.start, self.stop, self.count
+        if self.values is not None and spaced == (None, None, None) and "spacing" not in self.model_fields_set:
+            return SweptParameter(self.parameter, self.values)
+        if self.values is not None or self.start is None or self.stop is None or self.count is None:
+            raise InvalidJob(f"give {self.parameter} either values, or start, stop and count", place)
+        try:
+            return SweptParameter.spaced(self.parameter, self.start, self.stop, self.count, self.spacing)
+        except InvalidJob as error:
+            raise InvalidJob(str(error), (*place, "spacing")) from error
+
+
+def vary_request(swept: SweptParameter) -> VaryRequest:
+    """Swept parameter as requests describe it, unchecked.
+
+    Parameters
+    ----------
+    swept : SweptParameter
+
+    Returns
+    -------
+    VaryRequest
+    """
+    fields: dict[str, Any] = {"parameter": swept.parameter, "values": tuple(swept.values)}
+    return VaryRequest.model_construct(**fields)
+
+
+Vary = Annotated[VaryRequest, BeforeValidator(accepting(SweptParameter, vary_request))]
+"""From Python also a `SweptParameter`."""
+
+
+def without_stiffness(request: Any) -> Any:
+    """The same request, whose oscillator need not name a stiffness if ``vary`` sweeps it.
+
+    Parameters
+    ----------
+    request : object
+        As it was sent.
+
+    Returns
+    -------
+    object
+    """
+    if not isinstance(request, dict) or "oscillator" not in request:
+        return request
+    vary = request.get("vary")
+    asked = vary if isinstance(vary, list | tuple) else [vary]
+    names = [each.get("parameter") if isinstance(each, dict) else getattr(each, "parameter", None) for each in asked]
+    if "stiffness" not in names:
+        return request
+    return request | {"oscillator": with_swept_stiffness(request["oscillator"])}
+
+
+def check_swept(vary: Sequence[SweptParameter], *, impacting: bool) -> tuple[SweptParameter, ...]:
     """Return swept parameters with plain float values, or say what is wrong with them.
 
     Parameters
     ----------
     vary : sequence of SweptParameter
-    oscillator : Oscillator
-        What is swept about.
+    impacting : bool
+        Whether the model is the impacting one.
+
+    Returns
+    -------
+    tuple of SweptParameter
 
     Raises
     ------
     InvalidJob
         With the place of what is at fault.
     """
-    if len(vary) > MOST_SWEPT:
-        raise InvalidJob(f"at most {MOST_SWEPT} parameters can be swept, not {len(vary)}", ("vary",))
     names = [swept.parameter for swept in vary]
     for axis, name in enumerate(names):
         place = ("vary", axis, "parameter")
-        if name not in Oscillator._fields:
-            raise InvalidJob(f"{name} cannot be swept; these can: {', '.join(Oscillator._fields)}", place)
+        if name not in get_args(Parameter):
+            raise InvalidJob(f"{name} cannot be swept; these can: {', '.join(get_args(Parameter))}", place)
         if name in names[:axis]:
             raise InvalidJob(f"{name} is swept twice", place)
-        if name == "stiffness" and math.isinf(oscillator.stiffness):
+        if name == "stiffness" and impacting:
             raise InvalidJob("stiffness cannot be swept in the impacting model, where it is infinite", place)
     return tuple(SweptParameter(swept.parameter, _checked_values(axis, swept)) for axis, swept in enumerate(vary))
 
@@ -83,7 +190,7 @@ def _checked_values(axis: int, swept: SweptParameter) -> tuple[float, ...]:
             message = f"values of {swept.parameter} must be finite; number {index} is {value}"
             raise InvalidJob(message, ("vary", axis, "values", index))
     steps = np.diff(values)
-    # Neighbours are compared with one another, and births and deaths are told by the interval between them.
+    # Neighbours are compared with one another: births and deaths are reported for the interval between them.
     astray = np.flatnonzero(steps * (steps[0] if steps.size else 1.0) <= 0.0)
     if astray.size:
         index = int(astray[0]) + 1

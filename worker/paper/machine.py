@@ -32,7 +32,9 @@ def machine_oscillator(damping: float, stiffness: float = math.inf) -> Oscillato
 def _basins_of(stiffness: float) -> Callable[[CellGrid], dict[str, BasinJob]]:
     def basins(grid: CellGrid) -> dict[str, BasinJob]:
         return {
-            name: BasinJob(machine_oscillator(damping, stiffness), grid._replace(velocity_stop=_FASTEST * damping))
+            name: BasinJob(
+                oscillator=machine_oscillator(damping, stiffness), grid=grid._replace(velocity_stop=_FASTEST * damping)
+            )
             for name, damping in _DAMPINGS.items()
         }
 

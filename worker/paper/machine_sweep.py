@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from rattle_kernels import AttractorKind, CellGrid, Oscillator
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
 from rattle_kernels.impact_map.chatter import fastest_below
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
 from worker.paper.figure import PaperFigure, Sheet, Tell
@@ -32,9 +32,9 @@ _PHASES = np.arange(64) / 64
 def _basins(grid: CellGrid) -> dict[str, BasinJob]:
     vary = SweptParameter("damping", _DAMPINGS), SweptParameter("eccentricity", _ECCENTRICITIES)
     return {
-        name: BasinJob(
-            _MACHINE,
-            grid._replace(velocity_stop=fastest * _MACHINE.damping),
+        name: SweepJob(
+            oscillator=_MACHINE,
+            grid=grid._replace(velocity_stop=fastest * _MACHINE.damping),
             vary=vary,
             sample=Sample(_POINTS),
         )

@@ -15,4 +15,4 @@ def papers_oscillator(stiffness: float = math.inf, damping: float = 0.6) -> Osci
 
 def papers_basin(grid: CellGrid, stiffness: float = math.inf, damping: float = 0.6) -> BasinJob:
     """Job of its basins under ``P_corr o P^1499``."""
-    return BasinJob(papers_oscillator(stiffness, damping), grid, ITERATIONS)
+    return BasinJob(oscillator=papers_oscillator(stiffness, damping), grid=grid, iterations=ITERATIONS)

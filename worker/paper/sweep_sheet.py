@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from rattle_kernels import CellGrid
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import Spacing, SweptParameter
 from worker.paper.basin_panel import attractor_overlays, draw_panel
 from worker.paper.figure import PaperFigure, Sheet, Tell
@@ -31,7 +31,7 @@ def sweep_figure(name: str, parameter: str, start: float, stop: float) -> PaperF
     swept = SweptParameter.spaced(parameter, start, stop, _PANELS, Spacing.LINEAR)
 
     def basins(grid: CellGrid) -> dict[str, BasinJob]:
-        return {_SWEEP: BasinJob(papers_oscillator(), grid, ITERATIONS, (swept,))}
+        return {_SWEEP: SweepJob(oscillator=papers_oscillator(), grid=grid, iterations=ITERATIONS, vary=(swept,))}
 
     return PaperFigure(name, f"basins at {_PANELS} values of {parameter} from {start:g} to {stop:g}", _make, basins)
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob, basin_job
 from worker.paper.basin_view import BasinView, view_basin
 from worker.stores.summary import Change, summarise
 
@@ -31,4 +31,4 @@ def view_sweep(location: str) -> SweepView:
     """
     summary = summarise(location)
     basins = tuple(view_basin(location, panel) for panel in range(len(summary.basins)))
-    return SweepView(BasinJob.from_request(summary.request), basins, summary.changes)
+    return SweepView(basin_job(summary.request), basins, summary.changes)

@@ -14,7 +14,7 @@ import zarr
 
 from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
 from worker.fence import Fence, unfenced
-from worker.jobs.analysis_job import AnalysisJob
+from worker.jobs.job import AnalysisJob
 from worker.rounding import demand_same_rounding
 from worker.stores.layout import Columns, Variable
 from worker.stores.new_store import CONFIG, birth_certificate, consolidate, now

@@ -16,7 +16,7 @@ import numpy as np
 from rattle_kernels import Attractor, AttractorKind, CellGroups, ImageSet, with_counts
 from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
 from worker.fence import Fence, unfenced
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
 from worker.stores import layout
 from worker.stores.layout import Variable
@@ -60,7 +60,7 @@ class BasinStore:
             raise StoreConflict(f"{location} is no basin store: it is one of kind {self._group.attrs['kind']}")
         if self._group.attrs.get("layout_version") != layout.LAYOUT_VERSION:
             raise StoreConflict(f"{location} is no basin store of layout {layout.LAYOUT_VERSION}")
-        self.job = BasinJob.from_request(json.loads(str(self._group.attrs["request"])))
+        self.job = basin_job(json.loads(str(self._group.attrs["request"])))
         self.digest = self.job.digest
         self.tiling = tiling_of(self.job)
         self.places = places_of(self.job)

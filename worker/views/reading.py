@@ -21,7 +21,7 @@ from matplotlib.axes import Axes
 
 from rattle_kernels import Attractor, AttractorKind
 from worker.errors import InvalidJob, StoreConflict
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob, basin_job
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
@@ -74,7 +74,7 @@ def _open(location: str) -> xr.Dataset:
 
 def job_of(dataset: xr.Dataset) -> BasinJob:
     """Job that a dataset of `open_basin` answers: its oscillator, grid and iterations."""
-    return BasinJob.from_request(json.loads(dataset.attrs["request"]))
+    return basin_job(json.loads(dataset.attrs["request"]))
 
 
 def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
@@ -103,7 +103,9 @@ def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
         raise InvalidJob(f"swept is {', '.join(names) or 'nothing'}: give one value of each, and of nothing else")
     place = {swept.parameter: _index_of(swept, values[swept.parameter]) for swept in job.vary}
     at = {swept.parameter: swept.values[place[swept.parameter]] for swept in job.vary}
-    alone = BasinJob(job.oscillator._replace(**at), job.grid, job.iterations, sample=job.sample)
+    alone = BasinJob(
+        oscillator=job.oscillator._replace(**at), grid=job.grid, iterations=job.iterations, sample=job.sample
+    )
     request = {"request": json.dumps(alone.request()), "request_sha256": alone.digest}
     return dataset.isel(place).assign_attrs(request)
 

@@ -16,7 +16,7 @@ def test_the_papers_damping_and_small_jobs_are_not_scouted():
 
 
 def test_scouted_traps_shorten_what_they_do_not_change():
-    iterations = BasinJob(WEAK, WINDOW).iterations
+    iterations = BasinJob(oscillator=WEAK, grid=WINDOW).iterations
     traps = traps_of_seeds(WEAK, WINDOW, iterations, WINDOW.cells)
     assert traps.period.size >= 3
     rng = np.random.default_rng(1)

@@ -8,7 +8,7 @@ import pytest
 from service.answers import result_view
 from service.records.job_record import JobState
 from tests.service.idle_service import idle_service
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import basin_job
 from worker.stores.new_store import create_store
 
 
@@ -29,7 +29,7 @@ def readings(monkeypatch):
 def running(service, cells=10):
     """A running job with a store."""
     job = service.add_job(cells)
-    create_store(f"{service.results}/{job.id}.zarr", BasinJob.from_request(job.request))
+    create_store(f"{service.results}/{job.id}.zarr", basin_job(job.request))
     assert service.jobs.move(job.id, JobState.QUEUED, JobState.RUNNING)
     return job
 

@@ -13,7 +13,7 @@ from service.records.engine import open_database
 from service.records.key_record import KeyScope
 from service.records.keys import Keys
 from tests.service.idle_service import idle_service
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import basin_job
 from worker.stores.new_store import create_store
 
 
@@ -198,7 +198,7 @@ def test_a_store_opens_with_a_key(service, tmp_path):
     time.sleep(0.1)
     job = service.add_job()
     store = tmp_path / "results" / f"{job.id}.zarr"
-    create_store(str(store), BasinJob.from_request(job.request))
+    create_store(str(store), basin_job(job.request))
     address = f"{service.url}/v1/jobs/{job.id}/result.zarr"
     with xr.open_zarr(address, storage_options={"headers": bearer(key)}) as basin:
         assert basin.attrs["complete"] is False

@@ -15,7 +15,7 @@ from service.records.job_record import JobState
 from tests.raw_http import connection, received, sent_endlessly
 from tests.service.idle_service import idle_service
 from tests.service.records.many_jobs import add_copies
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import basin_job
 from worker.stores.new_store import create_store
 
 
@@ -150,7 +150,7 @@ def test_what_is_no_id_reaches_neither_database_nor_files(service, monkeypatch, 
 def test_nothing_outside_a_store_is_served(service, tmp_path):
     job = service.add_job(7)
     location = f"{service.results}/{job.id}.zarr"
-    create_store(location, BasinJob.from_request(job.request))
+    create_store(location, basin_job(job.request))
     (tmp_path / "secret").write_text("what is in it")
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "secret").write_text("what is in it")

@@ -13,12 +13,12 @@ from service.records.engine import connect_database, migrate, open_database
 from service.records.job_record import Base
 from service.records.jobs import Jobs
 from service.settings import Quotas
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 
 ROOM = Quotas(queued=10, queued_each=10, places_each=1000)
 BASIN = BasinJob(grid=CellGrid(time_cells=10, velocity_cells=10), iterations=1)
-SWEEP = BasinJob(grid=BASIN.grid, iterations=1, vary=(SweptParameter("damping", (0.5, 0.6)),))
+SWEEP = SweepJob(grid=BASIN.grid, iterations=1, vary=(SweptParameter("damping", (0.5, 0.6)),))
 
 
 @pytest.fixture

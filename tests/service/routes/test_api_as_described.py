@@ -13,7 +13,7 @@ from service.app import create_app
 from service.records.job_record import JobState
 from service.settings import Settings
 from tests.service.idle_service import idle_service
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import basin_job
 from worker.stores.new_store import create_store
 
 AS_DESCRIBED = (
@@ -35,7 +35,7 @@ def service(tmp_path_factory):
         with idle_service(patch, tmp_path_factory.mktemp("idle"), **limits) as service:
             service.ended = service.add_job()
             service.jobs.move(service.ended.id, JobState.QUEUED, JobState.SUCCEEDED)
-            create_store(f"{service.results}/{service.ended.id}.zarr", BasinJob.from_request(service.ended.request))
+            create_store(f"{service.results}/{service.ended.id}.zarr", basin_job(service.ended.request))
             yield service
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.models.models import BasinRequest, SweepRequest
 from tests.service.routes.problems import assert_problem
+from worker.jobs.basin_job import basin_job
 from worker.paper.papers_oscillator import papers_oscillator
 from worker.views.reading import open_basin
 
@@ -128,10 +128,7 @@ def test_the_page_comes_with_a_policy_that_lets_nothing_else_in(service):
 
 def test_every_example_of_the_page_is_a_request_of_the_paper(service):
     presets = {preset["name"]: preset for preset in service.request("GET", "/explorer/presets.json").json()}
-    jobs = {
-        name: (SweepRequest if "vary" in preset["request"] else BasinRequest).model_validate(preset["request"]).to_job()
-        for name, preset in presets.items()
-    }
+    jobs = {name: basin_job(preset["request"]) for name, preset in presets.items()}
     for name, stiffness in {"fig6a": 1e2, "fig6d": 1e5, "fig7top": 1e6, "fig7bottom": math.inf}.items():
         assert jobs[name].oscillator == papers_oscillator(stiffness) and jobs[name].iterations == 1499
     assert [job.basins for job in (jobs["fig8"], jobs["fig9"])] == [9, 9]

@@ -10,7 +10,6 @@ import pytest
 import xarray as xr
 
 from rattle_kernels import (
-    ManifoldLimits,
     Oscillator,
     bifurcation_diagram,
     find_orbits,
@@ -20,31 +19,31 @@ from rattle_kernels import (
 )
 from tests.worker.basins.test_pipeline import content
 from worker.analyses.grazing_curves import orders_of
-from worker.analyses.kinds import ANALYSES, draw_analysis
+from worker.analyses.kinds import draw_analysis
 from worker.analyses.manifolds import branches_of
 from worker.analyses.orbit_table import orbits_of
 from worker.analyses.run import run_analysis, summarise_analysis
 from worker.basins.pipeline import run_basin
 from worker.errors import InvalidJob, JobCancelled, NotFound, StoreConflict
-from worker.jobs.analysis_job import Region
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.bifurcation_job import BifurcationJob, Direction
 from worker.jobs.grazing_curve_job import GrazingCurveJob
 from worker.jobs.manifold_job import Itinerary, ManifoldJob, Side
 from worker.jobs.orbits_job import Continuation, OrbitSeed, OrbitsJob
+from worker.jobs.region import Departure, Interval, Region
 from worker.jobs.swept_parameter import Spacing, SweptParameter
-from worker.kinds import JOB_KINDS
+from worker.kinds import KINDS
 from worker.progress import Stage
 from worker.stores.analysis_store import AnalysisStore, kind_of_store
 
 DAMPING = SweptParameter.spaced("damping", 0.59, 0.6, 120, Spacing.LINEAR)
-SEEDS = ((0.9, 3.7), (0.553, 4.703))
+SEEDS = (Departure(0.9, 3.7), Departure(0.553, 4.703))
 DIAGRAM = BifurcationJob(vary=DAMPING, seeds=SEEDS, direction=Direction.BOTH, transient=10_000)
 ORBITS = OrbitsJob(
-    Oscillator(damping=0.575), longest=2, region=Region(0.0, 1.0, 1.0, 4.5), cells=12,
+    oscillator=Oscillator(damping=0.575), longest=2, region=Region(velocity=Interval(1.0, 4.5)), cells=12,
     continuation=Continuation("damping", 0.55, 0.65),
 )  # fmt: skip
-MANIFOLD = ManifoldJob(saddles=(OrbitSeed(0.6, 3.77), OrbitSeed(0.89, 3.988)), limits=ManifoldLimits(3.0, 0.0, 7.0))
+MANIFOLD = ManifoldJob(saddles=(OrbitSeed(0.6, 3.77), OrbitSeed(0.89, 3.988)), arclength=3.0)
 GRAZING = GrazingCurveJob(order=2)
 JOBS = [DIAGRAM, ORBITS, MANIFOLD, GRAZING]
 each_kind = pytest.mark.parametrize("job", JOBS, ids=lambda job: job.kind)
@@ -52,7 +51,7 @@ each_kind = pytest.mark.parametrize("job", JOBS, ids=lambda job: job.kind)
 
 def run(job, location, client, *, report=lambda _: None, cancel=None):
     cancel = cancel or threading.Event()
-    return run_analysis(ANALYSES[job.kind], job, str(location), client, report=report, cancel=cancel)
+    return run_analysis(KINDS[job.kind].loaded_analysis, job, str(location), client, report=report, cancel=cancel)
 
 
 @pytest.fixture(scope="session")
@@ -66,7 +65,7 @@ def stores(client, tmp_path_factory):
 
 @each_kind
 def test_a_job_is_its_request(job):
-    again = JOB_KINDS[job.kind].from_request(json.loads(json.dumps(job.request())))
+    again = KINDS[job.kind].job_class.from_request(json.loads(json.dumps(job.request())))
     assert again == job and again.digest == job.digest
     assert len({each.digest for each in JOBS}) == len(JOBS)
 
@@ -81,7 +80,7 @@ def test_a_cancelled_job_says_what_is_missing_and_resumes_to_the_same_bytes(clie
 
     with pytest.raises(JobCancelled):
         run(job, location, client, report=cancel_soon, cancel=cancel)
-    partial = summarise_analysis(ANALYSES[job.kind], str(location))
+    partial = summarise_analysis(KINDS[job.kind].loaded_analysis, str(location))
     assert not partial.complete and partial.pieces_done >= 1
     draw_analysis(str(location), tmp_path / "partial.png")
     with xr.open_zarr(location) as store:
@@ -123,9 +122,9 @@ def test_who_reads_while_the_driver_finishes_is_told_the_end(client, stores, tmp
     with pytest.raises(JobCancelled):
         run(job, location, client, report=lambda progress: progress.tiles_done and cancel.set(), cancel=cancel)
     monkeypatch.setattr(AnalysisStore, "parts", finish_first)
-    told = summarise_analysis(ANALYSES[job.kind], str(location))
+    told = summarise_analysis(KINDS[job.kind].loaded_analysis, str(location))
     assert finished and told.complete
-    assert told.told == summarise_analysis(ANALYSES[job.kind], str(stores / job.kind)).told
+    assert told.told == summarise_analysis(KINDS[job.kind].loaded_analysis, str(stores / job.kind)).told
 
 
 @each_kind
@@ -156,7 +155,12 @@ def test_cancelling_is_noticed_while_a_piece_is_computed(client, tmp_path):
 
 def test_a_diagram_is_that_of_the_kernels_whatever_the_stretches(stores):
     direct = bifurcation_diagram(
-        Oscillator(), "damping", DAMPING.values, *np.array(SEEDS).T, direction="both", transient=10_000
+        Oscillator(),
+        "damping",
+        DAMPING.values,
+        *np.array([(seed.time, seed.velocity) for seed in SEEDS]).T,
+        direction="both",
+        transient=10_000,
     )
     with xr.open_zarr(stores / "bifurcation") as store:
         np.testing.assert_array_equal(store.damping, direct.values)
@@ -167,7 +171,7 @@ def test_a_diagram_is_that_of_the_kernels_whatever_the_stretches(stores):
 
 def test_orbits_are_those_of_the_undivided_search(stores):
     region = ORBITS.region
-    direct = find_orbits(ORBITS.oscillator, 2, region[:2], region[2:], cells=12)
+    direct = find_orbits(ORBITS.oscillator, 2, region.time.ends, region.velocity.ends, cells=12)
     with xr.open_zarr(stores / "orbits") as store:
         found = orbits_of(store)
         assert [each.orbit.name for each in found] == [each.orbit.name for each in direct]
@@ -206,7 +210,7 @@ def test_an_order_that_needs_too_many_points_says_that_it_is_incomplete(client, 
 
 
 def test_saddles_of_an_itinerary_are_found_and_other_orbits_are_named(client, tmp_path):
-    asked = ManifoldJob(saddles=(Itinerary(1, 1, 0),), cells=12, limits=ManifoldLimits(0.5, 0.0, 7.0))
+    asked = ManifoldJob(saddles=(Itinerary(1, 1, 0),), cells=12, arclength=0.5)
     told = run(asked, tmp_path / "store", client).told
     assert [saddle["departures"][0]["velocity"] for saddle in told["saddles"]] == [pytest.approx(3.7699111843)]
     missing = ManifoldJob(saddles=(Itinerary(1, 1, 3),), cells=12)
@@ -229,14 +233,14 @@ def test_another_kinds_store_is_not_touched(client, stores, tmp_path):
 @pytest.mark.parametrize(
     ("job", "changes", "told"),
     [
-        (BifurcationJob, {"seeds": ((0.1, 0.0),)}, "section of departures"),
+        (BifurcationJob, {"vary": DAMPING, "seeds": ({"time": 0.1, "velocity": 0.0},)}, "section of departures"),
         (BifurcationJob, {"vary": SweptParameter("damping", ())}, "at least one value"),
         (BifurcationJob, {"vary": SweptParameter("stiffness", (1.0,))}, "in the impacting model"),
-        (OrbitsJob, {"seeds": (OrbitSeed(0.1, 1.0, 0),)}, "period must be 1 or more"),
-        (OrbitsJob, {"region": Region(0.5, 0.2)}, "phases of the region"),
+        (OrbitsJob, {"seeds": ({"time": 0.1, "velocity": 1.0, "period": 0},)}, "period must be 1 or more"),
+        (OrbitsJob, {"region": {"time": {"start": 0.5, "stop": 0.2}}}, "phases of the region"),
         (OrbitsJob, {"continuation": Continuation("stiffness", 1.0, 10.0)}, "hold its value inf"),
-        (ManifoldJob, {}, "at least one saddle"),
-        (ManifoldJob, {"saddles": (OrbitSeed(0.1, 1.0),), "limits": ManifoldLimits(float("inf"), 0, 7)}, "fin"),
+        (ManifoldJob, {"saddles": ()}, "saddles: .*at least 1 item"),
+        (ManifoldJob, {"saddles": (OrbitSeed(0.1, 1.0),), "arclength": float("inf")}, "arclength: .*finite"),
         (GrazingCurveJob, {"order": -1}, "order must be 0"),
     ],
 )  # fmt: skip

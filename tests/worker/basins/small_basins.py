@@ -15,8 +15,8 @@ _GRID = CellGrid(time_cells=32, velocity_cells=32)
 _WEAK = Oscillator(damping=0.05, eccentricity=0.008, half_backlash=0.05)
 JOBS = {
     "impacting": BasinJob(grid=_GRID),
-    "piecewise linear": BasinJob(Oscillator(stiffness=1e4), _GRID),
-    "weakly damped": BasinJob(_WEAK, CellGrid(time_cells=32, velocity_stop=0.6, velocity_cells=32)),
+    "piecewise linear": BasinJob(oscillator=Oscillator(stiffness=1e4), grid=_GRID),
+    "weakly damped": BasinJob(oscillator=_WEAK, grid=CellGrid(time_cells=32, velocity_stop=0.6, velocity_cells=32)),
 }
 
 

@@ -12,14 +12,14 @@ from rattle_kernels import CellGrid
 from tests.store_content import content
 from worker.basins.pipeline import run_basin
 from worker.errors import StoreFailed
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 
 
 def sweep(cells):
     """The second basin has a solution more, so that room is made twice; its births and deaths are written, too."""
     grid = CellGrid(time_cells=cells, velocity_cells=cells)
-    return BasinJob(grid=grid, iterations=101, vary=(SweptParameter("damping", (0.7, 0.6)),))
+    return SweepJob(grid=grid, iterations=101, vary=(SweptParameter("damping", (0.7, 0.6)),))
 
 
 # Basins of one tile and of four: they are not computed in the same way.

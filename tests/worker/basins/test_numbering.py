@@ -12,13 +12,13 @@ from rattle_kernels import (
     find_attractors,
 )
 from worker.basins.numbering import Numbered, Numbering
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.stores.changes import list_changes
 from worker.stores.solution_table import SolutionTable
 
 QUIET = find_attractors(Oscillator(), [], [])[0]
-JOB = BasinJob(vary=(SweptParameter("damping", (0.58, 0.6, 0.62, 0.64)),))
+JOB = SweepJob(vary=(SweptParameter("damping", (0.58, 0.6, 0.62, 0.64)),))
 
 
 def rattle(damping):
@@ -81,7 +81,7 @@ def test_numbering_goes_on_from_what_was_read():
 
 def test_over_two_parameters_what_the_last_does_not_have_the_first_has():
     vary = SweptParameter("half_backlash", (0.6, 0.61)), SweptParameter("damping", (0.58, 0.6))
-    job = BasinJob(vary=vary)
+    job = SweepJob(vary=vary)
     _, basins = numbered([[QUIET], [QUIET, chaos(1.0)], [QUIET], [QUIET, chaos(1.2), chaos(4.0)]], job)
     assert [basin.numbers for basin in basins] == [[0], [0, 1], [0], [0, 1, 2]]
 

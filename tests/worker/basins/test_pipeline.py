@@ -164,7 +164,7 @@ def test_a_window_is_coloured_like_the_same_cells_of_the_full_one(client, undist
 
 
 def test_everything_is_permanent_contact_at_strong_damping(client, tmp_path):
-    job = BasinJob(Oscillator(damping=0.7), CellGrid(time_cells=64, velocity_cells=64))
+    job = BasinJob(oscillator=Oscillator(damping=0.7), grid=CellGrid(time_cells=64, velocity_cells=64))
     summary = run(job, tmp_path / "b.zarr", client)
     assert [attractor.name for attractor in summary.attractors] == ["permanent contact"]
     assert summary.shares == (1.0,)

@@ -15,14 +15,14 @@ from tests.worker.basins.test_pipeline import content, run
 from worker.basins import pipeline
 from worker.cluster.driver import window_size
 from worker.errors import JobCancelled
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.stores.layout import TileState
 from worker.stores.summary import summarise
 
 DAMPINGS = (0.5, 0.55, 0.6, 0.65, 0.7)
 GRID = CellGrid(time_cells=48, velocity_cells=40)
-JOB = BasinJob(grid=GRID, iterations=499, vary=(SweptParameter("damping", DAMPINGS),))
+JOB = SweepJob(grid=GRID, iterations=499, vary=(SweptParameter("damping", DAMPINGS),))
 
 
 @pytest.fixture(scope="session")
@@ -50,7 +50,7 @@ def test_a_sweep_has_the_swept_parameter_as_leading_dimension(undisturbed):
 
 @pytest.mark.parametrize("basin", range(len(DAMPINGS)))
 def test_each_basin_is_the_one_computed_alone(client, undisturbed, tmp_path, basin):
-    alone = BasinJob(Oscillator(damping=DAMPINGS[basin]), GRID, 499)
+    alone = BasinJob(oscillator=Oscillator(damping=DAMPINGS[basin]), grid=GRID, iterations=499)
     run(alone, tmp_path / "alone.zarr", client)
     with xr.open_zarr(tmp_path / "alone.zarr") as one, xr.open_zarr(undisturbed[0]) as many:
         same = many.isel(damping=basin)
@@ -151,7 +151,7 @@ def test_numbers_depend_on_no_timing(client, undisturbed, tmp_path, monkeypatch)
 
 def test_few_tasks_are_in_flight_and_few_panels_under_way_however_many_there_are(client, tmp_path, monkeypatch):
     damping = SweptParameter("damping", tuple(np.linspace(0.7, 0.9, 60).tolist()))
-    job = BasinJob(grid=CellGrid(time_cells=8, velocity_cells=8), iterations=1, vary=(damping,))
+    job = SweepJob(grid=CellGrid(time_cells=8, velocity_cells=8), iterations=1, vary=(damping,))
     in_flight, under_way = [], []
     take = pipeline._Run.take
     submit = client.submit
@@ -176,7 +176,7 @@ def test_few_tasks_are_in_flight_and_few_panels_under_way_however_many_there_are
 
 def test_two_parameters_make_two_leading_dimensions(client, tmp_path):
     vary = SweptParameter("eccentricity", (0.09, 0.1)), SweptParameter("damping", (0.5, 0.55, 0.6))
-    job = BasinJob(grid=CellGrid(time_cells=30, velocity_cells=30), iterations=101, vary=vary)
+    job = SweepJob(grid=CellGrid(time_cells=30, velocity_cells=30), iterations=101, vary=vary)
     summary = run(job, tmp_path / "sweep.zarr", client)
     assert [basin.values for basin in summary.basins][1] == {"eccentricity": 0.09, "damping": 0.55}
     with xr.open_zarr(tmp_path / "sweep.zarr") as sweep:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from rattle_kernels import CellGrid
 from tests.worker.basins.test_pipeline import content, run
 from worker.errors import InvalidJob
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures.panel_picture import PanelPicture
@@ -73,7 +73,7 @@ def test_points_of_a_large_sample_are_drawn_all_over_the_window(client, tmp_path
 
 def test_a_sweep_of_samples_is_the_same_twice(client, tmp_path):
     vary = (SweptParameter("damping", (0.6, 0.65)),)
-    job = BasinJob(iterations=211, vary=vary, sample=Sample(400, 1))
+    job = SweepJob(iterations=211, vary=vary, sample=Sample(400, 1))
     first = run(job, tmp_path / "one.zarr", client)
     run(job, tmp_path / "two.zarr", client)
     assert content(tmp_path / "one.zarr") == content(tmp_path / "two.zarr")

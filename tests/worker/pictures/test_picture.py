@@ -9,7 +9,7 @@ from matplotlib.image import imread
 from rattle_kernels import AttractorKind, CellGrid
 from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE, motion, near
 from worker.errors import InvalidJob, StoreConflict
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
 from worker.pictures.panel_picture import Layer
@@ -93,7 +93,7 @@ def test_every_variable_has_dimensions_and_a_fill_that_is_no_value():
 def sweep(tmp_path):
     """Made-up sweep of two parameters: every basin has the colour of one motion or the other; the last is missing."""
     vary = SweptParameter("damping", (0.5, 0.6)), SweptParameter("half_backlash", (0.6, 0.7))
-    job = BasinJob(grid=CellGrid(time_cells=64, velocity_cells=64), iterations=1, vary=vary)
+    job = SweepJob(grid=CellGrid(time_cells=64, velocity_cells=64), iterations=1, vary=vary)
     store = BasinStore.create_or_resume(str(tmp_path / "sweep.zarr"), job)
     table = SolutionTable.empty(job)
     numbers = [table.append(motion_of(attractor)) for attractor in (QUIET, RATTLE)]
@@ -121,7 +121,7 @@ def test_basins_of_a_sweep_are_drawn_side_by_side_in_shared_colours(sweep):
 
 def test_of_many_basins_some_are_drawn(tmp_path):
     vary = (SweptParameter("damping", tuple(np.linspace(0.6, 0.7, 100).tolist())),)
-    job = BasinJob(grid=CellGrid(time_cells=4, velocity_cells=4), vary=vary)
+    job = SweepJob(grid=CellGrid(time_cells=4, velocity_cells=4), vary=vary)
     store = BasinStore.create_or_resume(str(tmp_path / "new.zarr"), job)
     assert near(drawn(store), colours.MISSING) > 0.2
 

@@ -13,7 +13,7 @@ from rattle_kernels import CellGrid
 from tests.object_store import BUCKET, ObjectStore
 from tests.worker.basins.test_pipeline import JOB, run
 from worker.errors import JobCancelled, LeaseLost, StoreConflict, StoreFailed
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
@@ -23,7 +23,7 @@ from worker.stores.summary import summarise
 from worker.views.reading import open_basin
 
 SMALL = BasinJob(grid=CellGrid(time_cells=24, velocity_cells=20), iterations=7)
-SWEEP = BasinJob(grid=SMALL.grid, iterations=499, vary=(SweptParameter("damping", (0.575, 0.6, 0.7)),))
+SWEEP = SweepJob(grid=SMALL.grid, iterations=499, vary=(SweptParameter("damping", (0.575, 0.6, 0.7)),))
 
 
 @pytest.fixture(scope="module")

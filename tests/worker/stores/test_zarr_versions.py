@@ -7,9 +7,9 @@ import pytest
 import xarray as xr
 
 from tests.worker.stores.zarr_stores.write import GRAZING, HERE, SWEEP, write_stores
-from worker.analyses.kinds import ANALYSES
 from worker.analyses.run import summarise_analysis
 from worker.basins.pipeline import run_basin
+from worker.kinds import KINDS
 from worker.stores.summary import summarise
 from worker.views.reading import open_basin
 
@@ -48,7 +48,7 @@ def test_a_store_of_another_zarr_holds_what_is_computed_here(there, here, name):
 def test_a_store_of_another_zarr_is_summed_up(there, here):
     names = [[each.name for each in summarise(str(folder / "sweep")).attractors] for folder in (there, here)]
     assert names[0] == names[1] != []
-    assert summarise_analysis(ANALYSES[GRAZING.kind], str(there / "grazing")).complete
+    assert summarise_analysis(KINDS[GRAZING.kind].loaded_analysis, str(there / "grazing")).complete
 
 
 def test_a_job_begun_with_another_zarr_goes_on_in_its_store(client, there, here):

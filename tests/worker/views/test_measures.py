@@ -16,7 +16,7 @@ from rattle_kernels import (
 )
 from tests.worker.basins.test_pipeline import run
 from worker.errors import InvalidJob
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
 from worker.stores.layout import TileState
@@ -24,7 +24,7 @@ from worker.views.measures import measure_basins
 from worker.views.reading import attractors_of, basin_of, open_basin
 
 DAMPINGS = (0.575, 0.6, 0.7)
-JOB = BasinJob(grid=CellGrid(time_cells=48, velocity_cells=40), vary=(SweptParameter("damping", DAMPINGS),))
+JOB = SweepJob(grid=CellGrid(time_cells=48, velocity_cells=40), vary=(SweptParameter("damping", DAMPINGS),))
 
 
 @pytest.fixture(scope="module")
@@ -73,9 +73,9 @@ def test_a_basin_that_is_not_complete_has_no_measures(sweep):
 
 
 def test_samples_and_small_pictures_are_refused(sweep):
-    sample = BasinJob(JOB.oscillator, JOB.grid, vary=JOB.vary, sample=Sample(64))
+    sample = SweepJob(oscillator=JOB.oscillator, grid=JOB.grid, vary=JOB.vary, sample=Sample(64))
     with pytest.raises(InvalidJob, match="no neighbouring cells"):
         measure_basins(sweep.assign_attrs(request=json.dumps(sample.request())))
-    small = BasinJob(grid=CellGrid(time_cells=20, velocity_cells=40), vary=JOB.vary)
+    small = SweepJob(grid=CellGrid(time_cells=20, velocity_cells=40), vary=JOB.vary)
     with pytest.raises(InvalidJob, match="33 x 33 cells"):
         measure_basins(sweep.assign_attrs(request=json.dumps(small.request())))

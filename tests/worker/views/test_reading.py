@@ -13,7 +13,7 @@ from rattle_kernels import CellGrid, Oscillator, basin_entropy, global_integrity
 from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE, near
 from tests.worker.basins.test_pipeline import run
 from worker.errors import InvalidJob, StoreConflict
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
 from worker.views.reading import attractors_of, basin_of, job_of, open_basin, plot_basin
@@ -96,7 +96,7 @@ def test_a_place_that_is_no_basin_is_refused(tmp_path, place):
 
 
 PALE_BLUE = colours.colours_of((RATTLE,))[0]
-SWEEP = BasinJob(
+SWEEP = SweepJob(
     grid=CellGrid(time_cells=24, velocity_cells=20), iterations=499,
     vary=(SweptParameter("damping", (0.575, 0.6)), SweptParameter("eccentricity", (0.05, 0.1))),
 )  # fmt: skip
@@ -111,7 +111,7 @@ def sweep(client, tmp_path_factory):
 
 
 def test_a_basin_of_a_sweep_is_read_like_one_computed_alone(sweep, client, tmp_path):
-    job = BasinJob(Oscillator(damping=0.575, eccentricity=0.1), SWEEP.grid, 499)
+    job = BasinJob(oscillator=Oscillator(damping=0.575, eccentricity=0.1), grid=SWEEP.grid, iterations=499)
     run(job, tmp_path / "alone.zarr", client)
     basin = basin_of(sweep, damping=0.575, eccentricity=0.1 + 1e-15)
     with open_basin(tmp_path / "alone.zarr") as alone:

@@ -8,17 +8,17 @@ from importlib.metadata import version
 from pathlib import Path
 
 from rattle_kernels import CellGrid
-from worker.analyses.kinds import ANALYSES
 from worker.analyses.run import run_analysis
 from worker.basins.pipeline import run_basin
 from worker.cluster.connection import local_cluster
 from worker.errors import JobCancelled
-from worker.jobs.basin_job import BasinJob
+from worker.jobs.basin_job import SweepJob
 from worker.jobs.grazing_curve_job import GrazingCurveJob
 from worker.jobs.swept_parameter import SweptParameter
+from worker.kinds import KINDS
 
 HERE = Path(__file__).parent
-SWEEP = BasinJob(
+SWEEP = SweepJob(
     grid=CellGrid(time_cells=8, velocity_cells=6), iterations=7, vary=(SweptParameter("damping", (0.7, 0.8)),)
 )
 GRAZING = GrazingCurveJob(order=1)
@@ -28,7 +28,14 @@ def write_stores(folder, client):
     """A sweep, the same when it was cancelled at once, and an analysis."""
     cancel = threading.Event()
     run_basin(SWEEP, str(folder / "sweep"), client, report=lambda _: None, cancel=cancel)
-    run_analysis(ANALYSES[GRAZING.kind], GRAZING, str(folder / "grazing"), client, report=lambda _: None, cancel=cancel)
+    run_analysis(
+        KINDS[GRAZING.kind].loaded_analysis,
+        GRAZING,
+        str(folder / "grazing"),
+        client,
+        report=lambda _: None,
+        cancel=cancel,
+    )
     cancel.set()
     with contextlib.suppress(JobCancelled):
         run_basin(SWEEP, str(folder / "begun"), client, report=lambda _: None, cancel=cancel)

@@ -1,0 +1,183 @@
+"""What jobs of every kind have in common. A job is its own request: checked once, then in canonical form.
+
+A request may be written in several ways: values listed or spaced, defaults named or left out. A job holds what it
+settles: `Job.request` is the same for all of them, and so is the digest.
+
+A field whose name ends with an underscore is a part of the request in its JSON shape; the property of the same name
+without it is the value that the worker uses. In JSON and as an argument it has the name without the underscore.
+"""
+
+import hashlib
+import json
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any, ClassVar, Self
+
+from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_validator
+
+from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_impacting, check_quiet
+from worker.jobs.oscillator_request import (
+    ImpactingOscillator,
+    OscillatorRequest,
+    demand_quiet,
+    oscillator_request,
+)
+from worker.jobs.request import Request, refusal
+from worker.jobs.swept_parameter import without_stiffness
+
+Sizes = tuple[tuple[str, float, str], ...]
+"""What is large about a request: in words, how large, and the name of the setting that limits it."""
+
+
+class Job(Request, ABC):
+    """A job of any kind. Its fields are the request for it, as JSON and as arguments.
+
+    Raises
+    ------
+    InvalidJob, OutsideDomain
+        Naming the field at fault and what would be right.
+    """
+
+    model_config = ConfigDict(alias_generator=lambda name: name.rstrip("_"), serialize_by_alias=True)
+
+    result_version: ClassVar[int] = 1
+    """Part of every digest. A store of another layout, or of kernels with other answers, is another result."""
+
+    impacting_only: ClassVar[bool] = False
+    """Whether only the impacting model can be computed."""
+
+    oscillator_: OscillatorRequest = Field(default_factory=ImpactingOscillator)
+
+    def __init__(self, **fields: Any) -> None:
+        self._validate(fields, None)
+
+    @classmethod
+    def from_request(cls, request: dict[str, Any], check_size: Callable[["Job"], object] | None = None) -> Self:
+        """Job that a request describes.
+
+        Parameters
+        ----------
+        request : dict
+            As JSON. It need not be in canonical form.
+        check_size : callable
+            Called with the job as soon as types and ranges of its fields are known to be right, before anything that
+            takes time in proportion to its `sizes`.
+
+        Returns
+        -------
+        Job
+
+        Raises
+        ------
+        InvalidJob, OutsideDomain
+            Naming the field at fault; also what `check_size` raises.
+        """
+        job = cls.__new__(cls)
+        job._validate(request, check_size)
+        return job
+
+    def _validate(self, fields: dict[str, Any], check_size: Callable[["Job"], object] | None) -> None:
+        try:
+            self.__pydantic_validator__.validate_python(fields, self_instance=self, context=check_size)
+        except ValidationError as error:
+            raise refusal(error) from error
+
+    _stiffness_may_be_swept = model_validator(mode="before")(without_stiffness)
+
+    @model_validator(mode="after")
+    def _check(self, info: ValidationInfo) -> Self:
+        if info.context is not None:
+            info.context(self)
+        allowed = self.oscillator_.allow_no_quiet_solution
+        settled, oscillator = self._settled(), self.oscillator
+        demand_quiet(self.demand_quiet, unless=allowed)
+        settled["oscillator_"] = oscillator_request(oscillator, quiet=not allowed or self.quiet)
+        fields = type(self).model_fields.items()
+        unused = {name: field.get_default(call_default_factory=True) for name, field in fields if name not in settled}
+        self.__dict__.update(unused | settled)
+        object.__setattr__(self, "__pydantic_fields_set__", set(settled))
+        return self
+
+    @abstractmethod
+    def _settled(self) -> dict[str, Any]:
+        """Check the job, and return the fields of its canonical form other than the oscillator.
+
+        Fields that are left out are no part of the request. The base class checks nothing.
+        """
+
+    @property
+    @abstractmethod
+    def kind(self) -> str:
+        """Name of its kind."""
+
+    @abstractmethod
+    def sizes(self) -> Sizes:
+        """What is large about the request."""
+
+    @cached_property
+    def oscillator(self) -> Oscillator:
+        """Oscillator of the kernels, checked."""
+        return (check_impacting if self.impacting_only else check_domain)(self.oscillator_.to_oscillator())
+
+    def check_oscillators(self, check: Callable[[Oscillator], Oscillator]) -> None:
+        """Check the oscillator, or every one of a sweep.
+
+        Parameters
+        ----------
+        check : callable
+            Raises `OutsideDomain`.
+
+        Raises
+        ------
+        OutsideDomain
+        """
+        check(self.oscillator)
+
+    def demand_quiet(self) -> None:
+        """Refuse a job that has an oscillator without a quiet solution (Eq. 3).
+
+        Raises
+        ------
+        OutsideDomain
+        """
+        self.check_oscillators(check_quiet)
+
+    @cached_property
+    def quiet(self) -> bool:
+        """Whether every oscillator of the job has a quiet solution."""
+        try:
+            self.demand_quiet()
+        except OutsideDomain:
+            return False
+        return True
+
+    @property
+    def places(self) -> int:
+        """Cells, or points of samples, that are computed; 0 for an analysis."""
+        return 0
+
+    def request(self) -> dict[str, Any]:
+        """Request for this job in canonical form, as JSON."""
+        return self.model_dump(mode="json", exclude_unset=True)
+
+    @cached_property
+    def digest(self) -> str:
+        """Hash of the request and of the version of the result: equal digests, equal bytes."""
+        text = json.dumps({"request": self.request(), "version": self.result_version}, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+class AnalysisJob(Job):
+    """A job that explains basins: about one oscillator, or about a range of them."""
+
+    kind_: str
+
+    @property
+    def kind(self) -> str:
+        """Name of its kind."""
+        return self.kind_
+
+    def request(self) -> dict[str, Any]:
+        """Request for this job in canonical form, as JSON; its kind comes first."""
+        return {"kind": self.kind_} | super().request()

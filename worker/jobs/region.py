@@ -1,0 +1,113 @@
+"""Parts of the (t, v) plane that requests name: points to start from, intervals and regions to search."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar
+
+from pydantic import ConfigDict, Field
+
+from rattle_kernels import CellGrid
+from worker.errors import InvalidJob, Place
+from worker.jobs.request import Real, values_config
+
+_WINDOW = CellGrid()
+SEARCH_CELLS = 40
+"""Cells of a search for orbits each way, by default."""
+
+
+@dataclass(frozen=True)
+class Departure:
+    """A departure from +beta to start from; its phase is reduced to [0, 1).
+
+    Raises
+    ------
+    InvalidJob
+        If it does not lie in the section of departures from +beta.
+    """
+
+    __pydantic_config__: ClassVar[ConfigDict] = values_config("SeedRequest")
+
+    time: Annotated[Real, Field(description="Phase t, forcing periods")]
+    velocity: Annotated[Real, Field(description="Speed v of the departure, above 0")]
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.time):
+            raise InvalidJob(f"the phase of a departure must be finite, not {self.time}", ("time",))
+        if not (math.isfinite(self.velocity) and self.velocity > 0.0):
+            raise InvalidJob(
+                "a seed lies in the section of departures from +beta, where speeds are above 0, "
+                f"not at the speed {self.velocity:g}",
+                ("velocity",),
+            )
+        object.__setattr__(self, "time", float(self.time) - math.floor(self.time))
+        object.__setattr__(self, "velocity", float(self.velocity))
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An interval from ``start`` to ``stop``."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = values_config("Interval")
+
+    start: Real
+    stop: Real
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "start", float(self.start))
+        object.__setattr__(self, "stop", float(self.stop))
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Start and stop."""
+        return self.start, self.stop
+
+
+def papers_speeds() -> Interval:
+    """Speeds of the paper's window."""
+    return Interval(_WINDOW.velocity_start, _WINDOW.velocity_stop)
+
+
+def papers_phases() -> Interval:
+    """Phases of the paper's window: the whole period."""
+    return Interval(_WINDOW.time_start, _WINDOW.time_stop)
+
+
+def check_speeds(speeds: Interval, place: Place = ("velocity",)) -> None:
+    """Check a window of speeds.
+
+    Parameters
+    ----------
+    speeds : Interval
+    place : tuple of str and int
+        Where it stands in the request.
+
+    Raises
+    ------
+    InvalidJob
+    """
+    start, stop = speeds.ends
+    if not (0.0 <= start < stop and math.isfinite(stop)):
+        raise InvalidJob(f"speeds must ascend from 0 or more and be finite, not run from {start:g} to {stop:g}", place)
+
+
+@dataclass(frozen=True)
+class Region:
+    """Window of the (t, v) plane that is searched.
+
+    Raises
+    ------
+    InvalidJob
+        If phases do not ascend within [0, 1], or speeds do not ascend from 0 or more.
+    """
+
+    __pydantic_config__: ClassVar[ConfigDict] = values_config("RegionRequest")
+
+    time: Annotated[Interval, Field(description="Phases within 0 and 1")] = field(default_factory=papers_phases)
+    velocity: Annotated[Interval, Field(description="Speeds of departure")] = field(default_factory=papers_speeds)
+
+    def __post_init__(self) -> None:
+        start, stop = self.time.ends
+        if not 0.0 <= start < stop <= 1.0:
+            message = f"phases of the region must ascend within 0 and 1, not run from {start:g} to {stop:g}"
+            raise InvalidJob(message, ("time",))
+        check_speeds(self.velocity)

@@ -1,0 +1,100 @@
+"""What every request is made of: strict numbers, no unknown fields, and errors that name the field at fault."""
+
+from collections.abc import Callable
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from rattle_kernels import OutsideDomain
+from worker.errors import InvalidFields, InvalidJob, Place
+
+# Strict: the JSON value true is not a number. An integer is accepted where a real number is expected.
+Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Count = Annotated[int, Field(strict=True, ge=1)]
+
+UNION_TAGS = {"impacting", "piecewise_linear"}
+"""Steps of pydantic's locations that say which model of the oscillator was meant; they are no fields."""
+
+
+class Request(BaseModel):
+    """A request, or a part of one. An unknown field is an error, so that a misspelt option is not ignored."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def values_config(title: str) -> ConfigDict:
+    """Configuration of a dataclass that is part of a request.
+
+    Parameters
+    ----------
+    title : str
+        Its name in the OpenAPI document.
+
+    Returns
+    -------
+    ConfigDict
+    """
+    return ConfigDict(extra="forbid", title=title)
+
+
+def accepting(value_type: type, convert: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Convert the worker's own value to the part of a request that describes it, and leave JSON as it is.
+
+    Parameters
+    ----------
+    value_type : type
+        Of the worker's value.
+    convert : callable
+        Makes the part of the request.
+
+    Returns
+    -------
+    callable
+        For `pydantic.BeforeValidator`.
+    """
+    return lambda given: convert(given) if isinstance(given, value_type) else given
+
+
+def fault_of(item: Any) -> tuple[Place, str]:
+    """Field at fault, and what is wrong with it.
+
+    Parameters
+    ----------
+    item : dict
+        One of `pydantic.ValidationError.errors()`.
+
+    Returns
+    -------
+    place : tuple of str and int
+    message : str
+    """
+    error = item.get("ctx", {}).get("error")
+    place = tuple(part for part in item["loc"] if part not in UNION_TAGS)
+    if isinstance(error, InvalidJob):
+        place += error.place
+    if item["type"] == "unexpected_keyword_argument":
+        return place, "Extra inputs are not permitted"  # a dataclass says it in Python's words
+    return place, item["msg"].removeprefix("Value error, ")
+
+
+def refusal(error: ValidationError) -> ValueError:
+    """The error to raise for what pydantic has refused.
+
+    Parameters
+    ----------
+    error : ValidationError
+
+    Returns
+    -------
+    OutsideDomain, InvalidJob or InvalidFields
+        The error that the job itself raised, or what is wrong field by field.
+    """
+    items = error.errors()
+    for item in items:
+        own = item.get("ctx", {}).get("error")
+        if isinstance(own, OutsideDomain):
+            return own
+    if len(items) == 1 and isinstance(items[0].get("ctx", {}).get("error"), InvalidJob):
+        place, message = fault_of(items[0])
+        return InvalidJob(message, place)
+    return InvalidFields([fault_of(item) for item in items])
