@@ -13,11 +13,11 @@ from rattle_kernels import CellGrid
 from tests.processors import NATIVE, ROOT, V2, environment_for, reason_against
 from tests.worker.analyses.test_analyses import GRAZING
 from worker import cluster, rounding
-from worker.analyses.kinds import ANALYSES
 from worker.basins.tasks import Task
 from worker.cluster.driver import run_tasks
 from worker.errors import StoreConflict, UnlikeWorkers
 from worker.jobs.basin_job import BasinJob
+from worker.kinds import KINDS
 from worker.stores.analysis_store import AnalysisStore
 from worker.stores.basin_store import BasinStore
 
@@ -74,7 +74,7 @@ def create_basin(place):
 
 
 def create_analysis(place):
-    return AnalysisStore.create_or_resume(place, ANALYSES[GRAZING.kind], GRAZING)
+    return AnalysisStore.create_or_resume(place, KINDS[GRAZING.kind].loaded_analysis.title, GRAZING)
 
 
 @pytest.mark.parametrize("create", [create_basin, create_analysis])
