@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 FOLDER = Path(__file__).parent
+WIDTH = 120
 
 
 def read(name):
@@ -13,7 +14,21 @@ def read(name):
 
 def write(name, value):
     """Write a golden file anew."""
-    (FOLDER / name).write_text(json.dumps(value, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
+    (FOLDER / name).write_text(_pretty(value) + "\n")
+
+
+def _pretty(value, indent=""):
+    """JSON; what fits stands in one line."""
+    short = json.dumps(value, sort_keys=True, ensure_ascii=False)
+    if len(indent + short) <= WIDTH or not isinstance(value, dict | list):
+        return short
+    inner = indent + " "
+    if isinstance(value, dict):
+        lines = [f"{json.dumps(name)}: {_pretty(value[name], inner)}" for name in sorted(value)]
+    else:
+        lines = [_pretty(each, inner) for each in value]
+    opening, closing = "{}" if isinstance(value, dict) else "[]"
+    return f"{opening}\n{inner}" + f",\n{inner}".join(lines) + f"\n{indent}{closing}"
 
 
 def named(cases):

@@ -4,12 +4,15 @@ from typer.testing import CliRunner
 
 from tests.golden.adapter import app
 
+FRAME = " ─│╭╮╰╯"
+
 
 def text_of(words):
-    """Help of a command, by its words, without the blanks that fill its lines."""
+    """Help of a command, by its words, without the frames around it."""
     answer = CliRunner().invoke(app, [*words.split()[1:], "--help"])
     assert answer.exit_code == 0, answer.output
-    return "".join(f"{line.rstrip()}\n" for line in answer.output.splitlines())
+    lines = [line.strip(FRAME) for line in answer.output.splitlines()]
+    return "".join(f"{line}\n" for line in lines if line)
 
 
 def file_of(words):

@@ -8,24 +8,39 @@ import zarr
 
 VARIES = {"started", "finished", "seconds", "versions", "git_revision"}
 """Attributes that tell of times, versions and revisions."""
+METADATA = "zarr.json"
+ENCODING = ("zarr_format", "node_type", "chunk_key_encoding", "codecs", "storage_transformers")
+"""Metadata that most arrays have in common."""
 
 
-def tree(folder):
-    """Path of every file."""
+def chunks(folder):
+    """Path of every file but metadata."""
+    return [path for path in _files(folder) if not path.endswith(METADATA)]
+
+
+def _files(folder):
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
 
 
 def metadata(folder):
-    """Every ``zarr.json`` by its path; of the consolidated ones the paths alone, as they say the same again."""
-    return {path: _metadata(folder / path) for path in tree(folder) if path.endswith("zarr.json")}
+    """Every ``zarr.json`` by its path, without what varies; what many have in common stands once, as encodings."""
+    encodings, found = [], {}
+    for path in _files(folder):
+        if path.endswith(METADATA):
+            found[path] = _metadata(json.loads((folder / path).read_text()), encodings)
+    return {"encodings": encodings, "files": found}
 
 
-def _metadata(file):
-    found = json.loads(file.read_text())
-    found["attributes"] = {name: value for name, value in found["attributes"].items() if name not in VARIES}
-    if found.get("consolidated_metadata"):
-        found["consolidated_metadata"] = sorted(found["consolidated_metadata"]["metadata"])
-    return found
+def _metadata(node, encodings):
+    told = {name: value for name, value in node.items() if name not in ENCODING}
+    told["attributes"] = {name: value for name, value in node["attributes"].items() if name not in VARIES}
+    if node.get("consolidated_metadata"):
+        # These say all the others once more: how many there are is enough.
+        told["consolidated_metadata"] = len(node["consolidated_metadata"]["metadata"])
+    encoding = {name: node[name] for name in ENCODING if name in node}
+    if encoding not in encodings:
+        encodings.append(encoding)
+    return told | {"encoding": encodings.index(encoding)}
 
 
 def arrays(folder):
@@ -34,18 +49,21 @@ def arrays(folder):
 
 
 def _array_paths(folder):
-    files = [path for path in tree(folder) if path.endswith("/zarr.json")]
-    nodes = {path: json.loads((folder / path).read_text()) for path in files}
-    return [path.removesuffix("/zarr.json") for path, node in nodes.items() if node["node_type"] == "array"]
+    nodes = {path.parent: json.loads(path.read_text()) for path in sorted(folder.rglob(METADATA))}
+    return [path.relative_to(folder).as_posix() for path, node in nodes.items() if node["node_type"] == "array"]
 
 
 def _content(folder):
     values = np.asarray(zarr.open_array(str(folder), mode="r")[...])
-    content = {"shape": list(values.shape), "sha256": hashlib.sha256(_bytes(values)).hexdigest()}
-    if values.dtype.kind == "f" and np.isfinite(values).any():
-        finite = values[np.isfinite(values)]
-        content |= {"least": float(finite.min()), "greatest": float(finite.max()), "finite": int(finite.size)}
-    return content
+    content = {"sha256": hashlib.sha256(_bytes(values)).hexdigest()}
+    return content | _numbers(values.ravel()) if values.dtype.kind == "f" else content
+
+
+def _numbers(values):
+    """How many are finite, and a weighted mean of these: it differs where bytes do, and says by how much."""
+    finite = values[np.isfinite(values)]
+    weights = np.linspace(1.0, 2.0, finite.size)
+    return {"finite": int(finite.size), "mean": float((finite * weights).sum() / max(1, finite.size))}
 
 
 def _bytes(values):
