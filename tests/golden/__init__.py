@@ -1,0 +1,1 @@
+"""What must stay the same: requests, digests, stores, answers and commands, as files to compare with."""

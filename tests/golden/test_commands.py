@@ -1,0 +1,22 @@
+"""Every command takes what it took, whatever its help says."""
+
+import pytest
+
+from tests.golden import commands, files, help_texts
+
+COMMANDS = files.read("commands.json")
+
+
+def test_the_commands_are_the_same():
+    assert sorted(commands.commands()) == sorted(COMMANDS)
+
+
+@pytest.mark.parametrize("words", COMMANDS)
+def test_a_command_takes_what_it_took(words):
+    assert commands.parameters(commands.commands()[words]) == COMMANDS[words]
+
+
+@pytest.mark.parametrize("words", COMMANDS)
+def test_a_command_is_called_as_ever(words):
+    golden = (files.FOLDER / help_texts.file_of(words)).read_text()
+    assert help_texts.usage_of(help_texts.text_of(words)) == help_texts.usage_of(golden)
