@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol
 
-from distributed import Client
-
 from worker.analyses.kinds import ANALYSES
 from worker.analyses.run import run_analysis
 from worker.basins.pipeline import run_basin
+from worker.cluster.driver import Driver
 from worker.fence import Fence
 from worker.job import Job
 from worker.jobs.basin_job import BasinJob
@@ -21,8 +20,8 @@ class Run(Protocol):
     """How a job is run: into a store at a location, or on from what lies there."""
 
     def __call__(
-        self, job: Any, location: str, client: Client, *, report: Report, cancel: threading.Event, fence: Fence
-    ) -> object:
+        self, job: Any, location: str, driver: Driver, *, report: Report, cancel: threading.Event, fence: Fence
+    ) -> None:
         """Run a job; see `worker.basins.pipeline.run_basin`."""
 
 

@@ -180,5 +180,5 @@ def _departure(text: str) -> tuple[float, float]:
 
 
 def _tell(summary: AnalysisSummary) -> None:
-    print_analysis({"kind": summary.kind, **summary.told})
+    print_analysis({"kind": summary.kind, **summary.result})
     print_seconds(summary.seconds)

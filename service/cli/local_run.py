@@ -9,12 +9,15 @@ from service.cli.interruptible import run_interruptibly
 from service.models.oscillator import demand_quiet
 from service.settings import Settings
 from worker.analyses.kinds import ANALYSES
+from worker.analyses.run import summarise_analysis
 from worker.cluster.connection import connect
+from worker.cluster.driver import Driver
 from worker.errors import InvalidJob, JobCancelled, WorkerError
 from worker.fence import unfenced
 from worker.job import Job
 from worker.kinds import JOB_KINDS
 from worker.progress import Progress
+from worker.stores.summary import summarise
 
 
 def run_here(
@@ -40,7 +43,8 @@ def run_here(
     except (OutsideDomain, InvalidJob) as error:
         give_up(str(error), 2)
     try:
-        summary = _compute(job, location, Settings(), workers)
+        _compute(job, location, Settings(), workers)
+        summary = _summary(job, location)
     except JobCancelled:
         give_up(f"stopped; the same command goes on from what is in {location}")
     except WorkerError as error:
@@ -52,7 +56,7 @@ def run_here(
     )  # fmt: skip
 
 
-def _compute(job: Job, location: str, settings: Settings, workers: int) -> object:
+def _compute(job: Job, location: str, settings: Settings, workers: int) -> None:
     announce_compiling()
     cluster = connect(settings.scheduler, workers, settings.certificates)
     with cluster as client, progress_line("pieces" if job.kind in ANALYSES else "tiles") as line:
@@ -66,6 +70,10 @@ def _compute(job: Job, location: str, settings: Settings, workers: int) -> objec
             )
 
         run = JOB_KINDS[job.kind].run
-        return run_interruptibly(
-            lambda cancel: run(job, location, client, report=report, cancel=cancel, fence=unfenced)
-        )
+        driver = Driver(client)
+        run_interruptibly(lambda cancel: run(job, location, driver, report=report, cancel=cancel, fence=unfenced))
+
+
+def _summary(job: Job, location: str) -> object:
+    analysis = ANALYSES.get(job.kind)
+    return summarise(location) if analysis is None else summarise_analysis(analysis, location)

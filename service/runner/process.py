@@ -132,7 +132,7 @@ def _run_jobs(settings: Settings, orders: Connection, news: Connection) -> None:
     os.nice(_NICENESS)
     write_logs(settings.log_format, settings.log_level)
     engine, sessions = open_database(settings.database)
-    cluster = LastingCluster(settings.scheduler, settings.workers, settings.certificates)
+    cluster = LastingCluster(settings.scheduler, settings.workers, settings.certificates, run_metrics.task_retried)
     cluster.open()
     runner = Runner(Jobs(sessions, settings.quotas), cluster, settings.results, settings.concurrent_jobs)
     runner.start()

@@ -18,7 +18,7 @@ from service.records.jobs import Jobs, Whose
 from service.records.lease import Lease
 from service.records.replica import replica_name
 from service.runner import metrics as run_metrics
-from worker.cluster.connection import Client
+from worker.cluster.driver import Driver
 from worker.cluster.reconnecting_cluster import LastingCluster
 from worker.errors import ClusterFailed, JobCancelled, LeaseLost, WorkerError
 from worker.kinds import JOB_KINDS
@@ -131,8 +131,8 @@ class Runner:
             self._looked_for_dead = time.monotonic()
         if len(running) >= self.most > 0:
             return False
-        client = self.cluster.client()
-        if client is None or self.most == 0:
+        driver = self.cluster.driver()
+        if driver is None or self.most == 0:
             return False
         asked = time.monotonic()
         owner, ours = f"{self._name}/{next(self._claims)}", [record.id for record in running]
@@ -140,7 +140,7 @@ class Runner:
         if record is None:
             return False
         lease = Lease(record, asked)
-        thread = threading.Thread(target=self._run, args=(lease, client), name=f"rattle-{record.id}", daemon=True)
+        thread = threading.Thread(target=self._run, args=(lease, driver), name=f"rattle-{record.id}", daemon=True)
         with self._lock:
             self._leases[record.id], self._threads[record.id] = lease, thread
         thread.start()
@@ -168,17 +168,17 @@ class Runner:
                 elif not lease.ending:
                     lease.lose()
 
-    def _run(self, lease: Lease, client: Client) -> None:
+    def _run(self, lease: Lease, driver: Driver) -> None:
         with about_job(lease.record.id):
-            self._run_told(lease, client)
+            self._run_told(lease, driver)
 
-    def _run_told(self, lease: Lease, client: Client) -> None:
+    def _run_told(self, lease: Lease, driver: Driver) -> None:
         record = lease.record
         _log.info("runs: %s of %s", record.kind, record.submitter)
         if record.progress is None:
             run_metrics.job_started((datetime.now(UTC) - record.created.replace(tzinfo=UTC)).total_seconds())
         try:
-            ends, values = self._compute(lease, client)
+            ends, values = self._compute(lease, driver)
             if not lease.lost:
                 self._record_end(lease, ends, values)
             if lease.lost:
@@ -189,17 +189,17 @@ class Runner:
                 del self._leases[lease.record.id], self._threads[lease.record.id]
             self._bell.set()
 
-    def _compute(self, lease: Lease, client: Client) -> tuple[Ends, dict[str, Any]]:
+    def _compute(self, lease: Lease, driver: Driver) -> tuple[Ends, dict[str, Any]]:
         record, report = lease.record, _Throttled(self.jobs, lease)
         try:
             kind = JOB_KINDS[record.kind]
             location = result_location(self.results, record.store or record.id)
             job = kind.from_request(record.request)
-            kind.run(job, location, client, report=report, cancel=lease.cancel, fence=lease.check)
+            kind.run(job, location, driver, report=report, cancel=lease.cancel, fence=lease.check)
         except (JobCancelled, LeaseLost):
             return _STOPPED, {}
         except Exception as error:
-            lost = isinstance(error, ClusterFailed) or client.status != "running"
+            lost = isinstance(error, ClusterFailed) or driver.client.status != "running"
             if lost and self._may_go_on(record.id, report.came_further):
                 _log.warning("job %s is queued again: %s", record.id, error)
                 return _STOPPED, {}

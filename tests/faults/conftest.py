@@ -12,6 +12,8 @@ from tests.running_service import running_service
 from tests.store_content import content
 from worker.basins.pipeline import run_basin
 from worker.cluster.connection import local_cluster
+from worker.cluster.driver import Driver
+from worker.stores.summary import summarise
 
 BASIN = {"grid": {"time": {"cells": 300}, "velocity": {"cells": 300}}, "iterations": 15013}
 SWEEP = {
@@ -43,8 +45,8 @@ def undisturbed(tmp_path_factory):
     with local_cluster(workers=2) as client:
         for name, job in (("basin", BasinRequest(**BASIN).to_job()), ("sweep", SweepRequest(**SWEEP).to_job())):
             place = str(folder / f"{name}.zarr")
-            summary = run_basin(job, place, client, report=lambda _: None, cancel=threading.Event())
-            found[name] = Expected(content(place), summary.tiles)
+            run_basin(job, place, Driver(client), report=lambda _: None, cancel=threading.Event())
+            found[name] = Expected(content(place), summarise(place).tiles)
     return found
 
 

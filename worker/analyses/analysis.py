@@ -51,8 +51,8 @@ class Analysis:
         ``assemble(job, parts)``: the store's columns, of whatever parts there are.
     layout : callable
         ``layout(job)``: variables of the store, one for each column.
-    tell : callable
-        ``tell(job, columns)``: the result in short, as JSON.
+    summarise : callable
+        ``summarise(job, columns)``: the result in short, as JSON.
     draw : callable
         ``draw(job, columns, figure)``.
     """
@@ -62,7 +62,7 @@ class Analysis:
     plan: Callable[[Any, Parts], Plan]
     assemble: Callable[[Any, Parts], Columns]
     layout: Callable[[Any], tuple[Variable, ...]]
-    tell: Callable[[Any, Columns], dict[str, Any]]
+    summarise: Callable[[Any, Columns], dict[str, Any]]
     draw: Callable[[Any, Columns, Figure], None]
 
 

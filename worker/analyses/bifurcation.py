@@ -193,7 +193,7 @@ def _stretches(values: np.ndarray, ways: np.ndarray, outcome: np.ndarray, period
     ]  # fmt: skip
 
 
-def tell(job: BifurcationJob, columns: Columns) -> dict[str, Any]:
+def summarise(job: BifurcationJob, columns: Columns) -> dict[str, Any]:
     """How each motion fares along the parameter."""
     motions = []
     for seed in range(columns["seed_time"].size):
@@ -216,6 +216,6 @@ BIFURCATION = Analysis(
     plan,
     assemble,
     layout,
-    tell,
+    summarise,
     draw_diagram,
 )

@@ -104,7 +104,7 @@ def orders_of(columns: Mapping[str, Any]) -> list[list[Piece]]:
     return [pieces[a:b] for a, b in pairwise(stops)]
 
 
-def tell(job: GrazingCurveJob, columns: Columns) -> dict[str, Any]:
+def summarise(job: GrazingCurveJob, columns: Columns) -> dict[str, Any]:
     """Orders with their lengths; one that is not complete needs more points than were allowed, or is not there yet."""
     orders = [
         {
@@ -121,5 +121,5 @@ def tell(job: GrazingCurveJob, columns: Columns) -> dict[str, Any]:
 
 GRAZING_CURVE = Analysis(
     "Grazing curve of a rattling gear pair and its pre-images", GrazingCurveJob.from_request, plan, assemble, layout,
-    tell, draw_grazing_curves,
+    summarise, draw_grazing_curves,
 )  # fmt: skip

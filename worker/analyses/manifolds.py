@@ -183,7 +183,7 @@ def branches_of(columns: Mapping[str, Any], side: Side, orbit: int | None = None
     return branches
 
 
-def tell(job: ManifoldJob, columns: Columns) -> dict[str, Any]:
+def summarise(job: ManifoldJob, columns: Columns) -> dict[str, Any]:
     """Saddles and branches, with their lengths and why they end."""
     branches = []
     for i, own in enumerate(slices(columns["branch_size"])):
@@ -205,6 +205,6 @@ def tell(job: ManifoldJob, columns: Columns) -> dict[str, Any]:
 
 
 MANIFOLD = Analysis(
-    "Manifolds of saddles of a rattling gear pair", ManifoldJob.from_request, plan, assemble, layout, tell,
+    "Manifolds of saddles of a rattling gear pair", ManifoldJob.from_request, plan, assemble, layout, summarise,
     draw_manifolds,
 )  # fmt: skip

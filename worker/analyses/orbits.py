@@ -208,7 +208,7 @@ def layout(job: OrbitsJob) -> tuple[Any, ...]:
     return tables if job.curves is None else (*tables, *CURVES)
 
 
-def tell(job: OrbitsJob, columns: Columns) -> dict[str, Any]:
+def summarise(job: OrbitsJob, columns: Columns) -> dict[str, Any]:
     """Orbits, branches with why they end, special points and curves."""
     told: dict[str, Any] = {"orbits": tell_orbits(columns), "branches": [], "special_points": [], "curves": []}
     if job.continuation is not None:
@@ -223,5 +223,5 @@ def tell(job: OrbitsJob, columns: Columns) -> dict[str, Any]:
 
 
 ORBITS_ANALYSIS = Analysis(
-    "Periodic orbits of a rattling gear pair", OrbitsJob.from_request, plan, assemble, layout, tell, draw_orbits
+    "Periodic orbits of a rattling gear pair", OrbitsJob.from_request, plan, assemble, layout, summarise, draw_orbits
 )

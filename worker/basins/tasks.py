@@ -32,8 +32,8 @@ from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import Seeds, choose_seeds
 from worker.basins.assembly import assemble_groups
 from worker.cluster.task import stop_if_cancelled
-from worker.errors import StoreConflict
 from worker.stores.basin_store import BasinStore
+from worker.stores.opening import demand_same_digest
 from worker.stores.tiles import Tile, bands, runs_of_points
 
 
@@ -141,8 +141,7 @@ def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
 def open_store(location: str, digest: str) -> BasinStore:
     """Store of the job with this digest, opened once per process: the same digest is the same layout."""
     store = BasinStore(location)
-    if store.digest != digest:
-        raise StoreConflict(f"{location} holds the store of another request by now")
+    demand_same_digest(location, store.digest, digest)
     return store
 
 

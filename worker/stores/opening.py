@@ -65,6 +65,17 @@ def create_unless_there(location: str, what: str, create: Callable[[], None], fe
         create()
 
 
+def demand_same_digest(location: str, there: str, digest: str) -> None:
+    """Refuse a store that another request's store has replaced since the job began; `there` is its own digest.
+
+    Raises
+    ------
+    StoreConflict
+    """
+    if there != digest:
+        raise StoreConflict(f"{location} holds the store of another request by now")
+
+
 def demand_same_request(location: str, digest: str, there: str, request: dict[str, Any]) -> None:
     """Refuse a store that is there for another request; `there` and `request` are its own.
 

@@ -9,7 +9,7 @@ from distributed import CancelledError, Future
 from distributed.scheduler import KilledWorker
 
 from worker.cluster.connection import _tell_of_settings
-from worker.cluster.driver import run_tasks
+from worker.cluster.driver import Driver
 from worker.cluster.task import Task
 from worker.errors import StoreConflict, StoreFailed
 
@@ -24,10 +24,10 @@ def reach_store(location, digest, number, failures, error):
 
 
 def run(client, place, failures, error=StoreFailed):
-    tasks = iter([Task(reach_store, 7, 0, (failures, error))])
+    tasks = iter([Task(reach_store, 7, (failures, error))])
     return [
         receipt
-        for _, receipt in run_tasks(client, (str(place), "digest"), lambda: next(tasks, None), threading.Event())
+        for _, receipt in Driver(client).run_tasks((str(place), "digest"), lambda: next(tasks, None), threading.Event())
     ]
 
 
