@@ -22,30 +22,21 @@ from rattle_kernels import (
 )
 from rattle_kernels.numerics.pausing import Pause
 from worker.analyses.analysis import Analysis, Parts, Piece, Plan, in_order, ready_of
-from worker.analyses.branch_table import (
-    BRANCHES,
-    branch_columns,
-    branch_variables,
-    join_branches,
-    tell_branches,
-)
+from worker.analyses.branch_table import branch_table, summarise_branches
 from worker.analyses.orbit_picture import draw_orbits
-from worker.analyses.orbit_table import ORBITS, orbit_columns, orbits_of, tell_orbits
+from worker.analyses.orbit_table import ORBITS, orbits_of, summarise_orbits
 from worker.analyses.special_table import (
     CURVES,
     SPECIALS,
-    curve_columns,
     distinct,
-    join_curves,
-    special_columns,
     specials_of,
-    tell_curves,
-    tell_specials,
+    summarise_curves,
+    summarise_specials,
 )
 from worker.errors import NotFound
 from worker.jobs.orbits_job import Continuation, OrbitSeed, OrbitsJob
 from worker.progress import Stage
-from worker.stores.layout import Columns
+from worker.stores.layout import Columns, Variable
 
 _BANDS = 8
 # Cells of a band of a search at the most: some seconds.
@@ -59,7 +50,7 @@ def search_band(oscillator: Oscillator, job: OrbitsJob, rows: tuple[int, int], *
     pause()
     region = job.region
     found = find_orbits(oscillator, job.longest, region[:2], region[2:], job.cells, rows)
-    return orbit_columns(found)
+    return ORBITS.of(found)
 
 
 def search_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: Pause) -> Columns:
@@ -77,7 +68,7 @@ def search_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: 
             f"Newton's method on P^{seed.period} found no periodic orbit from seed {number}, t = {seed.time:g}, "
             f"v = {seed.velocity:g}: start closer to one, with the impact period that it has, or search a region"
         )
-    return orbit_columns([found])
+    return ORBITS.of([found])
 
 
 def follow_branch(oscillator: Oscillator, orbit: PeriodicOrbit, along: Continuation, *, pause: Pause) -> Columns:
@@ -85,7 +76,7 @@ def follow_branch(oscillator: Oscillator, orbit: PeriodicOrbit, along: Continuat
     bounds = along.start, along.stop
     branch = continue_orbit(oscillator, orbit, along.parameter, bounds, "both", along.most_points, pause=pause)
     passed = _passed(oscillator, branch)
-    columns = branch_columns(branch) | special_columns(branch.special_points)
+    columns = branch_table(along.parameter).of([branch]) | SPECIALS.of(branch.special_points)
     return columns | {"passed_time": passed[:, 0], "passed_velocity": passed[:, 1]}
 
 
@@ -107,9 +98,7 @@ def _passed(oscillator: Oscillator, branch: Branch) -> np.ndarray:
 def trace_curve(point: SpecialPoint, along: Continuation, second: Continuation, *, pause: Pause) -> Columns:
     """Curve of a special point in the plane of two parameters."""
     bounds, others = (along.start, along.stop), (second.start, second.stop)
-    return curve_columns(
-        continue_special_point(point, second.parameter, bounds, others, second.most_points, pause=pause)
-    )
+    return CURVES.of([continue_special_point(point, second.parameter, bounds, others, second.most_points, pause=pause)])
 
 
 def _search(job: OrbitsJob) -> list[Piece]:
@@ -182,13 +171,13 @@ def plan(job: OrbitsJob, parts: Parts) -> Plan:
 def assemble(job: OrbitsJob, parts: Parts) -> Columns:
     """Orbits by (n+, m, n-) and lowest speed, their branches, special points and curves."""
     found = _found(job, parts)
-    columns = orbit_columns(found)
+    columns = ORBITS.of(found)
     if job.continuation is None:
         return columns
     kept, line = _lines_of(found, parts)
-    columns |= join_branches([parts[_branch_name(n)] for n in kept], job.continuation.parameter)
+    columns |= branch_table(job.continuation.parameter).join([parts[_branch_name(n)] for n in kept])
     points, branch = _specials(job, parts, kept)
-    columns |= special_columns(points)
+    columns |= SPECIALS.of(points)
     columns |= {
         "orbit_branch": np.array(line, np.int32),
         "branch_orbit": np.array(kept, np.int32),
@@ -196,30 +185,31 @@ def assemble(job: OrbitsJob, parts: Parts) -> Columns:
     }
     if job.curves is not None:
         began = sorted(int(name.removeprefix("curve-")) for name in parts if name.startswith("curve-"))
-        columns |= join_curves(in_order(parts, "curve-")) | {"curve_special": np.array(began, np.int32)}
+        columns |= CURVES.join(in_order(parts, "curve-")) | {"curve_special": np.array(began, np.int32)}
     return columns
 
 
-def layout(job: OrbitsJob) -> tuple[Any, ...]:
+def layout(job: OrbitsJob) -> tuple[Variable, ...]:
     """Variables of the store."""
     if job.continuation is None:
-        return ORBITS
-    tables = (*ORBITS, *branch_variables(job.continuation.parameter), *BRANCHES, *SPECIALS)
-    return tables if job.curves is None else (*tables, *CURVES)
+        return ORBITS.variables
+    branches = branch_table(job.continuation.parameter)
+    tables = (*ORBITS.variables, *branches.variables, *SPECIALS.variables)
+    return tables if job.curves is None else (*tables, *CURVES.variables)
 
 
 def summarise(job: OrbitsJob, columns: Columns) -> dict[str, Any]:
     """Orbits, branches with why they end, special points and curves."""
-    told: dict[str, Any] = {"orbits": tell_orbits(columns), "branches": [], "special_points": [], "curves": []}
+    summary: dict[str, Any] = {"orbits": summarise_orbits(columns), "branches": [], "special_points": [], "curves": []}
     if job.continuation is not None:
         parameter = job.continuation.parameter
-        for orbit, branch in zip(told["orbits"], columns["orbit_branch"].tolist(), strict=True):
+        for orbit, branch in zip(summary["orbits"], columns["orbit_branch"].tolist(), strict=True):
             orbit["branch"] = branch if branch >= 0 else None
-        told["branches"] = tell_branches(columns, parameter)
-        told["special_points"] = tell_specials(columns, parameter)
+        summary["branches"] = summarise_branches(columns, parameter)
+        summary["special_points"] = summarise_specials(columns, parameter)
         if job.curves is not None:
-            told["curves"] = tell_curves(columns, (parameter, job.curves.parameter))
-    return told
+            summary["curves"] = summarise_curves(columns, (parameter, job.curves.parameter))
+    return summary
 
 
 ORBITS_ANALYSIS = Analysis(

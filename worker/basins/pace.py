@@ -78,4 +78,5 @@ class Pace:
     def finish(self) -> dict[str, float]:
         """Wall time of each stage, and the kernels' own time."""
         self._enter(Stage.DONE, 0)
-        return self._seconds | self._schedule.seconds
+        # Zarr does not take a defaultdict.
+        return {**self._seconds, **self._schedule.seconds}

@@ -30,7 +30,7 @@ from worker.stores.new_store import (
 )
 from worker.stores.object_storage import place_at
 from worker.stores.opening import create_unless_there, demand_same_request, open_group, open_store_at
-from worker.stores.solution_table import Motion, SolutionTable
+from worker.stores.solution_table import Motion, SolutionTable, share_error
 from worker.stores.tiles import Tile
 
 
@@ -159,13 +159,13 @@ class BasinStore:
             return with_counts(np.asarray(self._kept(layout.IMAGE_WORDS)[*self.job.place_of(basin), :]))
 
     def write_groups(self, basin: int, groups: CellGroups) -> None:
-        """Write Hsu's numbers on a panel's image set, for tiles to look up."""
+        """Write Hsu's numbers on a basin's image set, for tiles to look up."""
         with told_as_store_failure(self.location):
             for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True):
                 self._kept(variable)[*self.job.place_of(basin), : values.size] = values
 
     def read_groups(self, basin: int) -> CellGroups:
-        """Read Hsu's numbers on a panel's image set."""
+        """Read Hsu's numbers on a basin's image set."""
         members = self.read_image_words(basin)
         place = self.job.place_of(basin)
         with told_as_store_failure(self.location):
@@ -226,7 +226,7 @@ class BasinStore:
         return layout.MEASURED if self.job.sample is None else (*layout.MEASURED, layout.SHARE_ERROR)
 
     def write_points(self, basin: int, numbers: Sequence[int], attractors: Sequence[Attractor]) -> None:
-        """Write the points of a panel's attractors, under their numbers.
+        """Write the points of a basin's attractors, under their numbers.
 
         Only as many as there are: which chunks a basin has does not depend on how much room others needed before.
         """
@@ -245,7 +245,7 @@ class BasinStore:
         self._fence()
         columns = table.columns
         if self.job.sample is not None:
-            columns.append(np.sqrt(table.share * (1.0 - table.share) / self.job.sample.points))
+            columns.append(share_error(table.share, self.job.sample.points))
         with told_as_store_failure(self.location):
             # Shares last: they tell which basins are complete.
             for variable, values in reversed(list(zip(self._measured(), columns, strict=True))):

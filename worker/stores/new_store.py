@@ -24,7 +24,7 @@ from worker.stores.tiles import Tiling, cut, cut_row
 CONFIG = {"write_empty_chunks": True}
 # Arrays that are written whole are small, but for the image set of a map of 1e8 cells.
 _LONGEST_CHUNK = 1 << 22
-# A chunk of a panel's attractors: so many of them, so many points each.
+# A chunk of a basin's attractors: so many of them, so many points each.
 _ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK = 32, 4096
 _PACKAGES = ("gear-rattle", "numpy", "numba", "scipy", "zarr", "dask", "distributed")
 

@@ -69,7 +69,7 @@ class Tiling(NamedTuple):
         return self.basins * self.tiles_of_basin
 
     def numbers_of(self, basin: int) -> range:
-        """Numbers of a panel's tiles."""
+        """Numbers of a basin's tiles."""
         return range(basin * self.tiles_of_basin, (basin + 1) * self.tiles_of_basin)
 
     def tile(self, number: int) -> Tile:

@@ -1,4 +1,4 @@
-"""What a driver does with tasks that fail, and says of a scheduler that is set otherwise."""
+"""Tasks that fail are tried again or fail the job; a scheduler with other settings is warned of."""
 
 import logging
 import threading
@@ -8,7 +8,7 @@ import pytest
 from distributed import CancelledError, Future
 from distributed.scheduler import KilledWorker
 
-from worker.cluster.connection import _tell_of_settings
+from worker.cluster.connection import _warn_of_settings
 from worker.cluster.driver import Driver
 from worker.cluster.task import Task
 from worker.errors import StoreConflict, StoreFailed
@@ -56,7 +56,7 @@ def test_a_receipt_that_died_with_its_worker_is_computed_again(client, tmp_path,
 
 
 @pytest.mark.parametrize(("saturation", "failures", "lines"), [(1.0, 1, 0), (1.1, 1, 1), (float("inf"), 3, 2)])
-def test_a_scheduler_that_is_set_otherwise_is_told_of(saturation, failures, lines, caplog):
+def test_a_scheduler_with_other_settings_is_warned_of(saturation, failures, lines, caplog):
     settings = {
         "distributed.scheduler.worker-saturation": saturation, "distributed.scheduler.allowed-failures": failures,
     }  # fmt: skip
@@ -66,8 +66,8 @@ def test_a_scheduler_that_is_set_otherwise_is_told_of(saturation, failures, line
             return settings[name]
 
     with caplog.at_level(logging.WARNING, "rattle.cluster"):
-        _tell_of_settings(Far(), "tls://far:8786")
+        _warn_of_settings(Far(), "tls://far:8786")
     # Dask's own lines arrive here, too, whenever an earlier test's client ends.
-    told = [record.getMessage() for record in caplog.records if record.name == "rattle.cluster"]
-    assert len(told) == lines
-    assert all("tls://far:8786" in line and "DASK_DISTRIBUTED__SCHEDULER__" in line for line in told)
+    lines_logged = [record.getMessage() for record in caplog.records if record.name == "rattle.cluster"]
+    assert len(lines_logged) == lines
+    assert all("tls://far:8786" in line and "DASK_DISTRIBUTED__SCHEDULER__" in line for line in lines_logged)
