@@ -48,5 +48,5 @@ def piece_columns(pieces: Sequence[Piece], velocity: tuple[float, float]) -> Col
 
 
 def pieces_of(columns: Mapping[str, Any]) -> list[Piece]:
-    """Pieces of such columns: of a store, or of an xarray dataset."""
+    """Pieces from a store's columns or an xarray dataset."""
     return [Piece(row.time, row.velocity) for row in PIECES.rows(columns)]

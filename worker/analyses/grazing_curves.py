@@ -1,4 +1,4 @@
-"""Pre-images of the grazing curve as an analysis: stretches of the curve side by side, each through all orders."""
+"""Pre-images of the grazing curve as an analysis: stretches of the curve run side by side, each through all orders."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -68,7 +68,7 @@ def plan(job: GrazingCurveJob, parts: Parts) -> Plan:
 
 
 def _pieces_of_order(parts: Parts, order: int) -> tuple[list[list[Piece]], bool]:
-    """Pieces of an order, stretch by stretch, and whether none is missing."""
+    """Pieces of an order, stretch by stretch, and whether all are there."""
     stretches: list[list[Piece]] = []
     whole = True
     for stretch in range(STRETCHES):
@@ -103,13 +103,13 @@ def layout(job: GrazingCurveJob) -> tuple[Variable, ...]:
 
 
 def orders_of(columns: Mapping[str, Any]) -> list[list[Piece]]:
-    """Pieces of each order, the grazing curve first: of a store's columns, or of an xarray dataset."""
+    """Pieces of each order, the grazing curve first, from a store's columns or an xarray dataset."""
     pieces = pieces_of(columns)
     return [pieces[own] for own in slices(np.asarray(columns["order_size"]))]
 
 
 def summarise(job: GrazingCurveJob, columns: Columns) -> dict[str, Any]:
-    """Orders with their lengths; one that is not complete needs more points than were allowed, or is not there yet."""
+    """Orders with their lengths. An incomplete one needs more points than allowed, or is not computed yet."""
     orders = [
         {
             "order": order,

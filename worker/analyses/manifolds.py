@@ -1,4 +1,4 @@
-"""Manifolds as an analysis: saddles side by side, then every branch by itself."""
+"""Manifolds as an analysis: saddles side by side, then every branch separately."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -63,7 +63,7 @@ def saddle_of_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, paus
     Raises
     ------
     NotFound
-        Where there is none, or another orbit.
+        If there is none, or Newton's method leads to another kind of orbit.
     """
     pause()
     try:
@@ -71,7 +71,7 @@ def saddle_of_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, paus
     except NotASaddle as error:
         raise NotFound(f"saddles.{number}: {error}") from error
     found = find_orbit(oscillator, saddle.t[0], saddle.v[0], saddle.upper_contacts)
-    assert found is not None  # Newton's method has just ended there
+    assert found is not None  # Newton's method has just converged there
     return ORBITS.of([found])
 
 
@@ -83,7 +83,7 @@ def saddles_named(
     Raises
     ------
     NotFound
-        Where it finds none.
+        If it finds none.
     """
     found: list[FoundOrbit] = []
     edges = np.linspace(0, cells, min(_BANDS, cells) + 1).round().astype(int).tolist()
@@ -134,7 +134,7 @@ def _saddles(job: ManifoldJob, parts: Parts) -> tuple[FoundOrbit, ...]:
 
 
 def _branches(job: ManifoldJob, saddles: tuple[FoundOrbit, ...]) -> list[tuple[int, Piece]]:
-    """Every branch of every saddle, with the saddle's number."""
+    """Every branch of every saddle, with the number of the saddle."""
     branches = []
     for number, found in enumerate(saddles):
         for side in job.side.each:
@@ -155,7 +155,7 @@ def plan(job: ManifoldJob, parts: Parts) -> Plan:
 
 
 def assemble(job: ManifoldJob, parts: Parts) -> Columns:
-    """Saddles, and the branches that are grown."""
+    """Saddles, and the branches grown so far."""
     saddles = _saddles(job, parts)
     grown = [(number, parts[piece.name]) for number, piece in _branches(job, saddles) if piece.name in parts]
     branches = [part for _, part in grown]
@@ -169,7 +169,7 @@ def layout(job: ManifoldJob) -> tuple[Variable, ...]:
 
 
 def branches_of(columns: Mapping[str, Any], side: Side, orbit: int | None = None) -> list[ManifoldBranch]:
-    """Branches of one manifold, or of those of all saddles: of a store's columns, or of an xarray dataset."""
+    """Branches of the manifolds of one saddle, or of all, from a store's columns or an xarray dataset."""
     pieces = pieces_of(columns)
     rows = BRANCHES.rows(columns)
     return [
@@ -180,7 +180,7 @@ def branches_of(columns: Mapping[str, Any], side: Side, orbit: int | None = None
 
 
 def summarise(job: ManifoldJob, columns: Columns) -> dict[str, Any]:
-    """Saddles and branches, with their lengths and why they end."""
+    """Saddles, and branches with their lengths and the reasons why they end."""
     branches = []
     for row, own in zip(BRANCHES.rows(columns), slices(columns["branch_size"]), strict=True):
         ends = columns["piece_end"][own]

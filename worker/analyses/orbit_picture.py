@@ -1,4 +1,4 @@
-"""Picture of periodic orbits: in the (t, v) plane, or over the parameter that they are followed in."""
+"""Picture of periodic orbits: in the (t, v) plane, or over the parameter in which they are followed."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -30,7 +30,7 @@ def plot_orbits(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
 
 
 def plot_branches(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
-    """Draw the speeds of departure along branches: full where they attract, thin where not; special points marked."""
+    """Draw the speeds of departure along branches, thick where they attract. Special points are marked."""
     assert job.continuation is not None
     parameter = job.continuation.parameter
     for number, points in enumerate(slices(columns["branch_size"])):

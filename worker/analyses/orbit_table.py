@@ -50,7 +50,7 @@ ORBITS = Table(
 
 
 def orbits_of(columns: Mapping[str, Any]) -> list[FoundOrbit]:
-    """Orbits of such columns: of a part, of a store, or the values of an xarray dataset."""
+    """Orbits from the columns of a part or a store, or from an xarray dataset."""
     return [
         FoundOrbit(
             PeriodicOrbit(

@@ -1,6 +1,6 @@
 """Periodic orbits as an analysis: bands of a search side by side, then every orbit's branch, then every curve.
 
-Orbits that a fold or a closed loop joins lie on one branch; it is computed from each of them and kept from the first.
+Orbits joined by a fold or a closed loop lie on one branch. It is computed from each of them, and the first is kept.
 """
 
 from collections.abc import Sequence
@@ -39,9 +39,9 @@ from worker.progress import Stage
 from worker.stores.layout import Columns, Variable
 
 _BANDS = 8
-# Cells of a band of a search at the most: some seconds.
+# Largest number of cells in a band of a search: some seconds.
 _MOST_CELLS = 400
-# Two orbits closer than this are one, as in the search.
+# Two orbits closer than this are the same, as in the search.
 _SAME = 1e-6
 
 
@@ -59,7 +59,7 @@ def search_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: 
     Raises
     ------
     NotFound
-        Where there is none.
+        If there is none.
     """
     pause()
     found = find_orbit(oscillator, *seed)
@@ -72,7 +72,7 @@ def search_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: 
 
 
 def follow_branch(oscillator: Oscillator, orbit: PeriodicOrbit, along: Continuation, *, pause: Pause) -> Columns:
-    """Branch of an orbit, its special points, and the orbits of the same oscillator that it passes."""
+    """Branch of an orbit, its special points, and the orbits of the same oscillator that it passes through."""
     bounds = along.start, along.stop
     branch = continue_orbit(oscillator, orbit, along.parameter, bounds, "both", along.most_points, pause=pause)
     passed = _passed(oscillator, branch)
@@ -81,7 +81,7 @@ def follow_branch(oscillator: Oscillator, orbit: PeriodicOrbit, along: Continuat
 
 
 def _passed(oscillator: Oscillator, branch: Branch) -> np.ndarray:
-    """Slowest departures of the orbits at which a branch passes the oscillator's own value, shape (orbits, 2)."""
+    """Slowest departure of each orbit of a branch at the oscillator's own value, shape (orbits, 2)."""
     beyond = branch.values - getattr(oscillator, branch.parameter)
     passed = []
     for i in np.flatnonzero(beyond[:-1] * beyond[1:] < 0.0).tolist():
@@ -119,16 +119,16 @@ def _branch_name(number: int) -> str:
 
 
 def _lines_of(found: Sequence[FoundOrbit], parts: Parts) -> tuple[list[int], list[int]]:
-    """Orbits whose branches are kept, and for each orbit which of those it lies on, -1 where that is not known yet."""
+    """Orbits whose branches are kept, and the branch that each orbit lies on, -1 where that is not known yet."""
     kept: list[int] = []
-    line = []
+    lines = []
     for number, each in enumerate(found):
         here = next((i for i, other in enumerate(kept) if _passes(parts[_branch_name(other)], each.orbit)), -1)
         if here < 0 and _branch_name(number) in parts:
             kept.append(number)
             here = len(kept) - 1
-        line.append(here)
-    return kept, line
+        lines.append(here)
+    return kept, lines
 
 
 def _passes(branch: Columns, orbit: PeriodicOrbit) -> bool:
@@ -138,7 +138,7 @@ def _passes(branch: Columns, orbit: PeriodicOrbit) -> bool:
 
 
 def _specials(job: OrbitsJob, parts: Parts, kept: list[int]) -> tuple[list[SpecialPoint], list[int]]:
-    """Special points of the branches that are kept, each once, and the branch of each."""
+    """Special points of the kept branches, each once, and the branch of each."""
     assert job.continuation is not None
     points = [
         (point, number)
@@ -158,9 +158,9 @@ def plan(job: OrbitsJob, parts: Parts) -> Plan:
         Piece(_branch_name(n), follow_branch, (job.oscillator, each.orbit, job.continuation))
         for n, each in enumerate(found)
     ]
-    following = ready_of(Stage.CONTINUING, branches, parts)
-    if following.done < following.total or job.curves is None:
-        return following
+    continuing = ready_of(Stage.CONTINUING, branches, parts)
+    if continuing.done < continuing.total or job.curves is None:
+        return continuing
     points, _ = _specials(job, parts, _lines_of(found, parts)[0])
     curves = [
         Piece(f"curve-{n:05d}", trace_curve, (point, job.continuation, job.curves)) for n, point in enumerate(points)
@@ -174,12 +174,12 @@ def assemble(job: OrbitsJob, parts: Parts) -> Columns:
     columns = ORBITS.of(found)
     if job.continuation is None:
         return columns
-    kept, line = _lines_of(found, parts)
+    kept, lines = _lines_of(found, parts)
     columns |= branch_table(job.continuation.parameter).join([parts[_branch_name(n)] for n in kept])
     points, branch = _specials(job, parts, kept)
     columns |= SPECIALS.of(points)
     columns |= {
-        "orbit_branch": np.array(line, np.int32),
+        "orbit_branch": np.array(lines, np.int32),
         "branch_orbit": np.array(kept, np.int32),
         "special_branch": np.array(branch, np.int32),
     }
@@ -199,7 +199,7 @@ def layout(job: OrbitsJob) -> tuple[Variable, ...]:
 
 
 def summarise(job: OrbitsJob, columns: Columns) -> dict[str, Any]:
-    """Orbits, branches with why they end, special points and curves."""
+    """Orbits, branches with the reasons why they end, special points and curves."""
     summary: dict[str, Any] = {"orbits": summarise_orbits(columns), "branches": [], "special_points": [], "curves": []}
     if job.continuation is not None:
         parameter = job.continuation.parameter

@@ -65,9 +65,9 @@ CURVES = Table(
     ),
     prefix="curve_",
 )  # fmt: skip
-# Branches that meet in a special point give its value to 1e-12.
+# Branches that meet in a special point agree on its value to 1e-12.
 _SAME = 1e-9
-# Speeds of orbits that are one; next to a fold they are known to the root of that.
+# Tolerance of speeds. Next to a fold they are known only to the square root of 1e-12.
 _NEAR = 1e-5
 
 
@@ -84,15 +84,15 @@ def specials_of(columns: Columns, oscillator: Oscillator, parameter: str) -> lis
 
 
 def distinct(points: Sequence[tuple[SpecialPoint, int]]) -> tuple[list[SpecialPoint], list[int]]:
-    """Points that several branches have, each once, with the first branch that has it."""
+    """Points without repetitions, each with the first branch that has it."""
     kept: list[tuple[SpecialPoint, int]] = []
     for point, branch in points:
-        if not any(_is_one(point, other) for other, _ in kept):
+        if not any(_same(point, other) for other, _ in kept):
             kept.append((point, branch))
     return [point for point, _ in kept], [branch for _, branch in kept]
 
 
-def _is_one(one: SpecialPoint, other: SpecialPoint) -> bool:
+def _same(one: SpecialPoint, other: SpecialPoint) -> bool:
     shapes = [(point.kind, point.forcing_periods, point.upper_contacts) for point in (one, other)]
     apart = abs(one.value - other.value) / max(1.0, abs(one.value))
     return shapes[0] == shapes[1] and apart < _SAME and abs(one.v.min() - other.v.min()) < _NEAR

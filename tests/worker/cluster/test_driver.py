@@ -71,3 +71,21 @@ def test_a_scheduler_with_other_settings_is_warned_of(saturation, failures, line
     lines_logged = [record.getMessage() for record in caplog.records if record.name == "rattle.cluster"]
     assert len(lines_logged) == lines
     assert all("tls://far:8786" in line and "DASK_DISTRIBUTED__SCHEDULER__" in line for line in lines_logged)
+
+
+def test_jobs_that_run_at_the_same_time_share_the_window():
+    driver = Driver(None)
+    assert driver.share(4) == 4
+    driver.add_jobs(2)
+    assert driver.share(4) == 2
+    driver.add_jobs(3)
+    assert driver.share(4) == 1
+
+
+def test_what_comes_next_stays_with_the_driver(client, tmp_path):
+    taken, lock = [], threading.Lock()  # a lock cannot be pickled
+    tasks = iter([Task(reach_store, 7, (0, StoreFailed), then=lambda *receipt: taken.append((lock, *receipt)) or ())])
+    done = Driver(client).run_tasks((str(tmp_path / "x"), "digest"), lambda: next(tasks, None), threading.Event())
+    for task, receipt in done:
+        assert not list(task.then(task.number, receipt))
+    assert taken == [(lock, 7, 7)]
