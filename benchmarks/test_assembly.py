@@ -24,7 +24,7 @@ from rattle_kernels import (
 from worker.basins.assembly import assemble_groups
 from worker.basins.tasks import map_tile
 from worker.cluster.connection import local_cluster
-from worker.cluster.driver import run_tasks
+from worker.cluster.driver import Driver
 from worker.cluster.task import Task
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
@@ -150,8 +150,8 @@ def test_a_hundred_million_cells_through_the_store(benchmark, tmp_path):
 
     def whole(client):
         def run(function, numbers):
-            tasks = iter([Task(function, number, 0) for number in numbers])
-            results = run_tasks(client, (location, store.digest), lambda: next(tasks, None), threading.Event())
+            tasks = iter([Task(function, number) for number in numbers])
+            results = Driver(client).run_tasks((location, store.digest), lambda: next(tasks, None), threading.Event())
             return [receipt for _, receipt in results]
 
         marks = [time.perf_counter()]

@@ -8,10 +8,11 @@ from rattle_kernels import UNDECIDED, CellGrid, Oscillator, map_cells
 from worker.basins.pipeline import run_basin
 from worker.basins.tasks import map_tile
 from worker.cluster.connection import local_cluster
-from worker.cluster.driver import run_tasks
+from worker.cluster.driver import Driver
 from worker.cluster.task import Task
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
+from worker.stores.summary import summarise
 
 PANELS = [
     Oscillator(),
@@ -40,12 +41,13 @@ def test_panel_through_the_worker(benchmark, tmp_path, workers):
     """Seconds from job to complete store, warm."""
     with local_cluster(workers) as client:
         warm = BasinJob(grid=CellGrid(time_cells=60, velocity_cells=60))
-        run_basin(warm, str(tmp_path / "warm.zarr"), client, report=lambda _: None, cancel=threading.Event())
+        run_basin(warm, str(tmp_path / "warm.zarr"), Driver(client), report=lambda _: None, cancel=threading.Event())
         counter = iter(range(100))
 
         def basin():
             location = str(tmp_path / f"{next(counter)}.zarr")
-            return run_basin(BasinJob(), location, client, report=lambda _: None, cancel=threading.Event())
+            run_basin(BasinJob(), location, Driver(client), report=lambda _: None, cancel=threading.Event())
+            return summarise(location)
 
         summary = benchmark.pedantic(basin, rounds=3)
     assert {attractor.name for attractor in summary.attractors} == {"permanent contact", "P(1,1,0)", "chaotic"}
@@ -64,8 +66,10 @@ def test_a_tile_without_work(benchmark, tmp_path):
     with local_cluster(2) as client:
 
         def map_all():
-            tasks = iter([Task(map_tile, number, 0) for number in range(store.tiling.tiles)])
-            return list(run_tasks(client, (location, store.digest), lambda: next(tasks, None), threading.Event()))
+            tasks = iter([Task(map_tile, number) for number in range(store.tiling.tiles)])
+            return list(
+                Driver(client).run_tasks((location, store.digest), lambda: next(tasks, None), threading.Event())
+            )
 
         map_all()
         assert len(benchmark.pedantic(map_all, rounds=3)) == store.tiling.tiles

@@ -27,8 +27,8 @@ class Run(Protocol):
     """How a job is run: into a new store at a location, or continuing the one that is there."""
 
     def __call__(
-        self, job: Any, location: str, client: Any, *, report: Report, cancel: threading.Event, fence: Fence
-    ) -> object:
+        self, job: Any, location: str, driver: Any, *, report: Report, cancel: threading.Event, fence: Fence
+    ) -> None:
         """Run a job; see `worker.basins.pipeline.run_basin`."""
 
 

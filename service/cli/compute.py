@@ -36,7 +36,7 @@ def compute_command(name: str) -> Callable[..., None]:
         if kind.analysis is None:
             print_result(name, ResultView.from_summary(summary, "").model_dump())
         else:
-            print_result(name, summary.told | {"seconds": summary.seconds})
+            print_result(name, summary.result | {"seconds": summary.seconds})
 
     @with_options(job_options(kind.job_class))
     def command(out_: Out, workers: Workers = 2, **values: Any) -> None:

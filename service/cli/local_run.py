@@ -8,12 +8,15 @@ from rattle_kernels import OutsideDomain, warm_up_analyses
 from service.cli.console import give_up, out, progress_line
 from service.cli.interruptible import run_interruptibly
 from service.settings import Settings
+from worker.analyses.run import summarise_analysis
 from worker.cluster.connection import connect
+from worker.cluster.driver import Driver
 from worker.errors import InvalidJob, JobCancelled, WorkerError
 from worker.fence import unfenced
 from worker.jobs.job import Job
 from worker.kinds import KINDS
 from worker.progress import Progress
+from worker.stores.summary import summarise
 
 
 def run_here(describe: Callable[[], Job], location: str, workers: int, report: Callable[[Any], None]) -> None:
@@ -34,7 +37,8 @@ def run_here(describe: Callable[[], Job], location: str, workers: int, report: C
     except (OutsideDomain, InvalidJob) as error:
         give_up(str(error), 2)
     try:
-        summary = _compute(job, location, Settings(), workers)
+        _compute(job, location, Settings(), workers)
+        summary = _summary(job, location)
     except JobCancelled:
         give_up(f"stopped; the same command goes on from what is in {location}")
     except WorkerError as error:
@@ -46,7 +50,7 @@ def run_here(describe: Callable[[], Job], location: str, workers: int, report: C
     )  # fmt: skip
 
 
-def _compute(job: Job, location: str, settings: Settings, workers: int) -> object:
+def _compute(job: Job, location: str, settings: Settings, workers: int) -> None:
     kind = KINDS[job.kind]
     with contextlib.ExitStack() as stack:
         line = stack.enter_context(progress_line("tiles" if kind.analysis is None else "pieces"))
@@ -62,6 +66,10 @@ def _compute(job: Job, location: str, settings: Settings, workers: int) -> objec
                 progress.cells_per_second,
             )
 
-        return run_interruptibly(
-            lambda cancel: kind.run(job, location, client, report=show, cancel=cancel, fence=unfenced)
-        )
+        driver = Driver(client)
+        run_interruptibly(lambda cancel: kind.run(job, location, driver, report=show, cancel=cancel, fence=unfenced))
+
+
+def _summary(job: Job, location: str) -> object:
+    kind = KINDS[job.kind]
+    return summarise(location) if kind.analysis is None else summarise_analysis(kind.loaded_analysis, location)

@@ -1,14 +1,9 @@
 """Metrics of the runner process, for Prometheus. The service passes them on with its own."""
 
-from collections.abc import Iterator
-
 from prometheus_client import CollectorRegistry, Counter, Histogram, generate_latest
-from prometheus_client.core import CounterMetricFamily, Metric
 from prometheus_client.process_collector import ProcessCollector
-from prometheus_client.registry import Collector
 
 from service.records.job_record import JobState
-from worker.cluster.driver import tasks_retried
 from worker.progress import Progress, Stage
 
 _REGISTRY = CollectorRegistry()
@@ -20,18 +15,8 @@ _WAIT = Histogram(
 _TILES = Counter("rattle_tiles", "Tiles done by jobs that run from here", ["stage"], registry=_REGISTRY)
 _CELLS = Counter("rattle_cells", "Cells mapped by jobs that run from here", registry=_REGISTRY)
 _ENDED = Counter("rattle_jobs_ended", "Jobs that have ended here", ["state"], registry=_REGISTRY)
+_RETRIES = Counter("rattle_task_retries", "Tasks submitted again after they were lost", registry=_REGISTRY)
 _LEASES = Counter("rattle_leases_lost", "Jobs that another replica took over from this one", registry=_REGISTRY)
-
-
-class _Retries(Collector):
-    """Counted by the worker, which knows nothing of metrics."""
-
-    def collect(self) -> Iterator[Metric]:
-        """Current count, as Prometheus collects it."""
-        yield CounterMetricFamily("rattle_task_retries", "Tasks submitted again after they were lost", tasks_retried())
-
-
-_REGISTRY.register(_Retries())
 
 
 def job_started(waited: float) -> None:
@@ -42,6 +27,11 @@ def job_started(waited: float) -> None:
 def job_ended(state: JobState) -> None:
     """Record that a job has ended."""
     _ENDED.labels(state).inc()
+
+
+def task_retried() -> None:
+    """Note that a lost task has been submitted again."""
+    _RETRIES.inc()
 
 
 def lease_lost() -> None:

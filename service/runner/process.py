@@ -136,7 +136,9 @@ def _run_jobs(settings: Settings, commands: Connection, reports: Connection) -> 
     os.nice(_NICENESS)
     log = write_logs(settings.log_format, settings.log_level)
     engine, sessions = open_database(settings.database)
-    cluster = LastingCluster(settings.scheduler, settings.workers, settings.certificates, _Compiling())
+    cluster = LastingCluster(
+        settings.scheduler, settings.workers, settings.certificates, _Compiling(), run_metrics.task_retried
+    )
     cluster.open()
     runner = Runner(Jobs(sessions, settings.quotas), cluster, settings.results, settings.concurrent_jobs)
     runner.start()

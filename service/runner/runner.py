@@ -17,7 +17,7 @@ from service.records.jobs import Jobs, LargeJobsOf
 from service.records.lease import Lease
 from service.records.replica import replica_name
 from service.runner import metrics as run_metrics
-from worker.cluster.connection import Client
+from worker.cluster.driver import Driver
 from worker.cluster.reconnecting_cluster import LastingCluster
 from worker.errors import ClusterFailed, JobCancelled, LeaseLost, WorkerError
 from worker.kinds import KINDS
@@ -130,8 +130,8 @@ class Runner:
             self._checked_dead = time.monotonic()
         if len(running) >= self.most > 0:
             return False
-        client = self.cluster.client()
-        if client is None or self.most == 0:
+        driver = self.cluster.driver()
+        if driver is None or self.most == 0:
             return False
         asked = time.monotonic()
         owner, own = f"{self._name}/{next(self._claims)}", [record.id for record in running]
@@ -139,7 +139,7 @@ class Runner:
         if record is None:
             return False
         lease = Lease(record, asked)
-        thread = threading.Thread(target=self._run, args=(lease, client), name=f"rattle-{record.id}", daemon=True)
+        thread = threading.Thread(target=self._run, args=(lease, driver), name=f"rattle-{record.id}", daemon=True)
         with self._lock:
             self._leases[record.id], self._threads[record.id] = lease, thread
         thread.start()
@@ -167,17 +167,17 @@ class Runner:
                 elif not lease.ending:
                     lease.lose()
 
-    def _run(self, lease: Lease, client: Client) -> None:
+    def _run(self, lease: Lease, driver: Driver) -> None:
         with about_job(lease.record.id):
-            self._run_claimed(lease, client)
+            self._run_claimed(lease, driver)
 
-    def _run_claimed(self, lease: Lease, client: Client) -> None:
+    def _run_claimed(self, lease: Lease, driver: Driver) -> None:
         record = lease.record
         _log.info("started: %s of %s", record.kind, record.submitter)
         if record.progress is None:
             run_metrics.job_started((datetime.now(UTC) - record.created.replace(tzinfo=UTC)).total_seconds())
         try:
-            ends, values = self._compute(lease, client)
+            ends, values = self._compute(lease, driver)
             if not lease.lost:
                 self._record_end(lease, ends, values)
             if lease.lost:
@@ -190,17 +190,17 @@ class Runner:
                 del self._leases[lease.record.id], self._threads[lease.record.id]
             self._wake.set()
 
-    def _compute(self, lease: Lease, client: Client) -> tuple[Ends, dict[str, Any]]:
+    def _compute(self, lease: Lease, driver: Driver) -> tuple[Ends, dict[str, Any]]:
         record, report = lease.record, _Throttled(self.jobs, lease)
         try:
             kind = KINDS[record.kind]
             location = result_location(self.results, record.store or record.id)
             job = kind.job_class.from_request(record.request)
-            kind.run(job, location, client, report=report, cancel=lease.cancel, fence=lease.check)
+            kind.run(job, location, driver, report=report, cancel=lease.cancel, fence=lease.check)
         except (JobCancelled, LeaseLost):
             return _STOPPED, {}
         except Exception as error:
-            lost = isinstance(error, ClusterFailed) or client.status != "running"
+            lost = isinstance(error, ClusterFailed) or driver.client.status != "running"
             if lost and self._may_retry(record.id, report.advanced):
                 _log.warning("job %s is queued again: %s", record.id, error)
                 return _STOPPED, {}

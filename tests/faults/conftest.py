@@ -11,7 +11,9 @@ from tests.running_service import running_service
 from tests.store_content import content
 from worker.basins.pipeline import run_basin
 from worker.cluster.connection import local_cluster
+from worker.cluster.driver import Driver
 from worker.jobs.basin_job import basin_job
+from worker.stores.summary import summarise
 
 BASIN = {"grid": {"time": {"cells": 300}, "velocity": {"cells": 300}}, "iterations": 15013}
 SWEEP = {
@@ -43,8 +45,8 @@ def undisturbed(tmp_path_factory):
     with local_cluster(workers=2) as client:
         for name, job in (("basin", basin_job(BASIN)), ("sweep", basin_job(SWEEP))):
             place = str(folder / f"{name}.zarr")
-            summary = run_basin(job, place, client, report=lambda _: None, cancel=threading.Event())
-            found[name] = Expected(content(place), summary.tiles)
+            run_basin(job, place, Driver(client), report=lambda _: None, cancel=threading.Event())
+            found[name] = Expected(content(place), summarise(place).tiles)
     return found
 
 

@@ -1,8 +1,8 @@
-"""What the four analyses have in common: work cut in pieces, whose columns are put together in tables.
+"""The common frame of analyses: work is cut in pieces, whose columns are assembled in tables.
 
-An analysis explains pictures: a bifurcation diagram, periodic orbits with their branches, manifolds, pre-images of the
-grazing curve. What pieces there are depends on the request and on what other pieces have found, never on time: so
-whatever happens on the way, the same request gives the same bytes.
+Analyses are bifurcation diagrams, periodic orbits with their branches, manifolds, and pre-images of the grazing curve.
+Which pieces there are depends on the request and on the results of other pieces, never on time. So the same request
+gives the same bytes whatever happens on the way.
 """
 
 from collections.abc import Callable, Mapping
@@ -15,11 +15,11 @@ from worker.progress import Stage
 from worker.stores.layout import Columns, Variable
 
 Parts = Mapping[str, Columns]
-"""Columns of the pieces that are done, by the pieces' names."""
+"""Columns of the pieces that are done, by name."""
 
 
 class Piece(NamedTuple):
-    """Work for one worker: ``compute(*arguments, pause=...)`` gives its columns. Its name is unique in the job."""
+    """Work for one worker: ``compute(*arguments, pause=...)`` returns its columns. Its name is unique in the job."""
 
     name: str
     compute: Callable[..., Columns]
@@ -27,7 +27,7 @@ class Piece(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """What can be done now, given what is done: the stage, its pieces that can be computed, and how far it is."""
+    """The current stage: the pieces that can be computed now, how many are done, and how many there are."""
 
     stage: Stage
     ready: tuple[Piece, ...]
@@ -44,15 +44,15 @@ class Analysis:
     title : str
         Of its stores.
     from_request : callable
-        Job that a request asks for.
+        Makes a job of a request.
     plan : callable
-        ``plan(job, parts)``: what to do next. Nothing ready and nothing under way is the end.
+        ``plan(job, parts)``: what to do next. The job ends when nothing is ready and nothing is under way.
     assemble : callable
-        ``assemble(job, parts)``: the store's columns, of whatever parts there are.
+        ``assemble(job, parts)``: the store's columns, from the parts that are there.
     layout : callable
         ``layout(job)``: variables of the store, one for each column.
-    tell : callable
-        ``tell(job, columns)``: the result in short, as JSON.
+    summarise : callable
+        ``summarise(job, columns)``: the result in short, as JSON.
     draw : callable
         ``draw(job, columns, figure)``.
     """
@@ -62,16 +62,16 @@ class Analysis:
     plan: Callable[[Any, Parts], Plan]
     assemble: Callable[[Any, Parts], Columns]
     layout: Callable[[Any], tuple[Variable, ...]]
-    tell: Callable[[Any, Columns], dict[str, Any]]
+    summarise: Callable[[Any, Columns], dict[str, Any]]
     draw: Callable[[Any, Columns, Figure], None]
 
 
 def in_order(parts: Parts, prefix: str) -> list[Columns]:
-    """Columns of the parts whose names begin so, by name."""
+    """Columns of the parts whose names begin with a prefix, in the order of their names."""
     return [parts[name] for name in sorted(parts) if name.startswith(prefix)]
 
 
 def ready_of(stage: Stage, pieces: list[Piece], parts: Parts) -> Plan:
-    """Plan of a stage whose pieces are all known and wait for nothing."""
+    """Plan of a stage whose pieces are all known and do not depend on each other."""
     ready = tuple(piece for piece in pieces if piece.name not in parts)
     return Plan(stage, ready, len(pieces) - len(ready), len(pieces))

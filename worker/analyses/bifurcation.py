@@ -1,7 +1,7 @@
 """Bifurcation diagrams as an analysis: a chain of stretches for each seed, all chains side by side.
 
-A stretch begins where the one before it has ended, so chains cannot be cut in parallel; seeds can. Where none is given,
-the attractors at the first value are found, and each becomes one.
+A stretch begins where the one before it has ended, so stretches of a chain cannot run in parallel, but chains can. If
+no seed is given, the attractors at the first value are found, and each becomes a seed.
 """
 
 from dataclasses import astuple
@@ -28,23 +28,23 @@ from worker.jobs.region import Region
 from worker.progress import Stage
 from worker.stores.layout import MISSING, PERIODS, SPEED, Columns, Variable, flags
 
-# Applications of P in a stretch, some two seconds; between bands of them a cancelled one stops.
+# Applications of P in a stretch, about two seconds. A cancelled stretch stops between bands of them.
 _APPLICATIONS = 1_000_000
 _BANDS = 8
-# Departures each way from which attractors are looked for, and impacts until their motions have settled.
+# Departures each way for the search of attractors, and impacts until their motions have settled.
 _STARTS = 48
 _SETTLING = 1499
-# Of every seed; a diagram through chaos has thousands.
+# Per seed, in the summary. A diagram through chaos has thousands.
 _MOST_STRETCHES = 200
 
 
 def find_seeds(oscillator: Oscillator, region: Region, *, pause: Pause) -> Columns:
-    """One departure of each attractor that motions from a region end in, permanent contact aside.
+    """One departure of each attractor, except permanent contact, that motions from a region end in.
 
     Raises
     ------
     NotFound
-        Where all motions become quiet.
+        If all motions become quiet.
     """
     middles = (np.arange(_STARTS) + 0.5) / _STARTS
     t, v = np.meshgrid(
@@ -71,7 +71,7 @@ def follow_stretch(
     oscillator: Oscillator, parameter: str, values: np.ndarray, motions: Motions, transient: int, kept: int,
     *, pause: Pause,
 ) -> Columns:  # fmt: skip
-    """One stretch of one chain, and where its motion is left."""
+    """One stretch of one chain, and the state in which it leaves its motion."""
     rows = []
     for band in np.array_split(values, min(_BANDS, values.size)):
         pause()
@@ -92,7 +92,7 @@ def _seeds(job: BifurcationJob, parts: Parts) -> Columns:
 
 
 def _starts(job: BifurcationJob) -> list[int]:
-    """Number of the visit with which each stretch begins."""
+    """Index of the visit with which each stretch begins."""
     return list(range(0, job.visits.size, max(1, _APPLICATIONS // (job.transient + job.kept))))
 
 
@@ -101,7 +101,7 @@ def _name(seed: int, stretch: int) -> str:
 
 
 def plan(job: BifurcationJob, parts: Parts) -> Plan:
-    """Find seeds where none are given; then the next stretch of every chain."""
+    """Find seeds if none are given; then the next stretch of every chain."""
     seeds = _seeds(job, parts)
     if not seeds["seed_time"].size:
         return Plan(
@@ -130,7 +130,7 @@ _SEED_COLUMNS = ("seed_time", "seed_velocity", "seed_name")
 
 
 def assemble(job: BifurcationJob, parts: Parts) -> Columns:
-    """The diagram: what is not computed yet has the outcome MISSING."""
+    """The diagram. Values that are not computed yet have the outcome MISSING."""
     seeds = _seeds(job, parts)
     visits, starts, count = job.visits, _starts(job), seeds["seed_time"].size
     columns = {
@@ -172,7 +172,7 @@ def layout(job: BifurcationJob) -> tuple[Variable, ...]:
     )  # fmt: skip
 
 
-def _what(outcome: int, period: int) -> str:
+def _describe(outcome: int, period: int) -> str:
     if outcome == MISSING:
         return "not computed"
     if outcome != Outcome.RETURNED:
@@ -181,20 +181,20 @@ def _what(outcome: int, period: int) -> str:
 
 
 def _stretches(values: np.ndarray, ways: np.ndarray, outcome: np.ndarray, period: np.ndarray) -> list[dict[str, Any]]:
-    """Runs of values at which a motion stays of one kind."""
+    """Runs of values over which a motion stays of one kind."""
     changes = np.flatnonzero((np.diff(outcome) != 0) | (np.diff(period) != 0) | (np.diff(ways) != 0)) + 1
     bounds = [0, *changes.tolist(), values.size]
     return [
         {
-            "what": _what(int(outcome[a]), int(period[a])), "way": "up" if ways[a] > 0 else "down",
+            "what": _describe(int(outcome[a]), int(period[a])), "way": "up" if ways[a] > 0 else "down",
             "start": float(values[a]), "stop": float(values[b - 1]), "values": b - a,
         }
         for a, b in zip(bounds[:-1], bounds[1:], strict=True)
     ]  # fmt: skip
 
 
-def tell(job: BifurcationJob, columns: Columns) -> dict[str, Any]:
-    """How each motion fares along the parameter."""
+def summarise(job: BifurcationJob, columns: Columns) -> dict[str, Any]:
+    """Kinds of each motion along the parameter."""
     motions = []
     for seed in range(columns["seed_time"].size):
         runs = _stretches(
@@ -216,6 +216,6 @@ BIFURCATION = Analysis(
     plan,
     assemble,
     layout,
-    tell,
+    summarise,
     draw_diagram,
 )

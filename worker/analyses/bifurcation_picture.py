@@ -16,11 +16,11 @@ def plot_diagram(axes: Axes, parameter: str, columns: Columns) -> None:
     values, way = columns[parameter], columns["way"]
     for seed in range(columns["seed_time"].size):
         colour, name = _COLOURS[seed % len(_COLOURS)], str(columns["seed_name"][seed])
-        for direction, told, alpha in ((1, "up", 1.0), (-1, "down", 0.45)):
+        for direction, way_name, alpha in ((1, "up", 1.0), (-1, "down", 0.45)):
             speeds = columns["velocity"][way == direction, seed]
             if np.isfinite(speeds).any():
                 at = np.repeat(values[way == direction], speeds.shape[1])
-                label = f"from {name} at v = {columns['seed_velocity'][seed]:.4g}, {told}"
+                label = f"from {name} at v = {columns['seed_velocity'][seed]:.4g}, {way_name}"
                 axes.plot(at, speeds.ravel(), ".", color=colour, alpha=alpha, markersize=1.2, label=label)
     axes.set_xlabel(f"{parameter.replace('_', ' ')} {SYMBOLS[parameter]}")
     axes.set_ylabel("velocity v of departure")

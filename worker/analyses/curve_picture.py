@@ -5,13 +5,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rattle_kernels import grazing_velocity
-from worker.analyses.branch_table import slices
 from worker.analyses.curve_table import pieces_of
 from worker.jobs.grazing_curve_job import GrazingCurveJob
 from worker.jobs.manifold_job import ManifoldJob
 from worker.pictures.overlay import Lines
 from worker.pictures.symbols import oscillator_told
 from worker.stores.layout import Columns
+from worker.stores.table import slices
 
 _THIN = 0.8
 _MANIFOLDS = {1: ("stable", "-"), 2: ("unstable", ":")}
@@ -34,10 +34,10 @@ def draw_manifolds(job: ManifoldJob, columns: Columns, figure: Figure) -> None:
     pieces, branches = pieces_of(columns), slices(columns["branch_size"])
     for number, name in enumerate(columns["name"]):
         colour = f"C{number % 10}"
-        for kind, (told, style) in _MANIFOLDS.items():
+        for kind, (manifold, style) in _MANIFOLDS.items():
             own = np.flatnonzero((columns["branch_kind"] == kind) & (columns["branch_orbit"] == number))
             arcs = [piece for branch in own for piece in pieces[branches[branch]]]
-            Lines(f"{told} manifold of {name}", colour, tuple(arcs), _THIN, style).draw(axes)
+            Lines(f"{manifold} manifold of {name}", colour, tuple(arcs), _THIN, style).draw(axes)
         marks = columns["orbit_time"][number], columns["orbit_velocity"][number]
         axes.plot(*marks, "+", color="black", markersize=9, label=f"saddle {name}")
     window = job.limits.lowest_velocity, job.limits.highest_velocity

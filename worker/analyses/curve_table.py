@@ -1,4 +1,4 @@
-"""Curves in the (t, v) plane as columns: smooth pieces one after another, as contiguous ragged arrays."""
+"""Curves in the (t, v) plane as a table of smooth pieces: the vertices of all pieces one after another."""
 
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
@@ -7,30 +7,35 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import Piece
-from worker.analyses.branch_table import slices
-from worker.stores.layout import MISSING, PERIODS, SPEED, Columns, Variable, flags
+from worker.stores.layout import PERIODS, SPEED, Columns, flags
+from worker.stores.table import Column, Table
 
 
 class PieceEnd(IntEnum):
     """Why a piece ends."""
 
     CORNER = 1
-    """Here a flight grazes, or one after it: another piece begins with another tangent."""
+    """Here a flight grazes, or a later one does: another piece begins with another tangent."""
     VELOCITY = 2
     """It leaves the window of speeds."""
     LAST = 3
     """The curve is drawn no further."""
 
 
-_PIECE, _VERTEX = ("piece",), ("vertex",)
-PIECES = (
-    Variable(
-        "piece_size", _PIECE, np.int64, MISSING, "vertices of a piece, which follow those of the one before",
-        {"sample_dimension": "vertex"},
+PIECES = Table(
+    "piece",
+    (
+        Column(
+            "piece_size", np.int64, "t.size", "vertices of a piece, which follow those of the one before",
+            {"sample_dimension": "vertex"},
+        ),
+        Column("piece_end", np.int8, None, "why a piece ends", flags(PieceEnd), fill=0),
+        Column(
+            "time", np.float64, "t", "phases along the pieces, unwrapped: they run on beyond 1", PERIODS,
+            along="vertex",
+        ),
+        Column("velocity", np.float64, "v", "speeds along the pieces", SPEED, along="vertex"),
     ),
-    Variable("piece_end", _PIECE, np.int8, 0, "why a piece ends", flags(PieceEnd)),
-    Variable("time", _VERTEX, np.float64, np.inf, "phases along the pieces, unwrapped: they run on beyond 1", PERIODS),
-    Variable("velocity", _VERTEX, np.float64, np.inf, "speeds along the pieces", SPEED),
 )  # fmt: skip
 
 
@@ -39,24 +44,9 @@ def piece_columns(pieces: Sequence[Piece], velocity: tuple[float, float]) -> Col
     ends = np.full(len(pieces), PieceEnd.CORNER, np.int8)
     ends[[bool(np.isin(piece.v[-1], velocity)) for piece in pieces]] = PieceEnd.VELOCITY
     ends[-1:] = np.where(ends[-1:] == PieceEnd.VELOCITY, PieceEnd.VELOCITY, PieceEnd.LAST)
-    empty = [np.empty(0)]
-    return {
-        "piece_size": np.array([piece.t.size for piece in pieces], np.int64),
-        "piece_end": ends,
-        "time": np.concatenate([piece.t for piece in pieces] or empty),
-        "velocity": np.concatenate([piece.v for piece in pieces] or empty),
-    }
-
-
-def join_pieces(parts: Sequence[Columns]) -> Columns:
-    """Columns of several curves, one after another."""
-    return {
-        variable.name: np.concatenate([part[variable.name] for part in parts] or [np.empty(0, variable.dtype)])
-        for variable in PIECES
-    }
+    return PIECES.of(pieces) | {"piece_end": ends}
 
 
 def pieces_of(columns: Mapping[str, Any]) -> list[Piece]:
-    """Pieces of such columns: of a store, or of an xarray dataset."""
-    t, v = (np.asarray(columns[name]) for name in ("time", "velocity"))
-    return [Piece(t[vertices], v[vertices]) for vertices in slices(np.asarray(columns["piece_size"]))]
+    """Pieces from a store's columns or an xarray dataset."""
+    return [Piece(row.time, row.velocity) for row in PIECES.rows(columns)]

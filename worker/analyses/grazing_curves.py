@@ -1,7 +1,6 @@
-"""Pre-images of the grazing curve as an analysis: stretches of the curve side by side, each through all orders."""
+"""Pre-images of the grazing curve as an analysis: stretches of the curve run side by side, each through all orders."""
 
 from collections.abc import Mapping
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,19 +19,25 @@ from rattle_kernels.numerics.pausing import Pause
 from worker.analyses import analysis
 from worker.analyses.analysis import Analysis, Parts, Plan, ready_of
 from worker.analyses.curve_picture import draw_grazing_curves
-from worker.analyses.curve_table import PIECES, join_pieces, piece_columns, pieces_of
+from worker.analyses.curve_table import PIECES, piece_columns, pieces_of
 from worker.jobs.grazing_curve_job import GrazingCurveJob
 from worker.progress import Stage
-from worker.stores.layout import MISSING, Columns, Variable
+from worker.stores.layout import Columns, Variable
+from worker.stores.table import Column, Table, slices
 
-_ORDER = ("order",)
-ORDERS = (
-    Variable("order_complete", _ORDER, np.int8, MISSING, "1 where all of the pre-image of this order is there, else 0"),
-    Variable("order_arclength", _ORDER, np.float64, np.inf, "its length in the plane (t, v/velocity scale)"),
-    Variable(
-        "order_size", _ORDER, np.int64, MISSING, "pieces of an order, which follow those of the one before",
-        {"sample_dimension": "piece"},
+ORDERS = Table(
+    "order",
+    (
+        Column(
+            "order_complete", np.int8, None, "1 where all of the pre-image of this order is there, else 0"
+        ),
+        Column("order_arclength", np.float64, None, "its length in the plane (t, v/velocity scale)"),
+        Column(
+            "order_size", np.int64, None, "pieces of an order, which follow those of the one before",
+            {"sample_dimension": "piece"},
+        ),
     ),
+    prefix="order_",
 )  # fmt: skip
 
 
@@ -42,7 +47,7 @@ def map_stretch(
 ) -> Columns:  # fmt: skip
     """A stretch of the grazing curve and its pre-images."""
     orders = preimages_of_stretch(oscillator, order, stretch, resolution, velocity, most_points, pause)
-    columns = join_pieces([piece_columns(pieces, velocity) for pieces in orders])
+    columns = PIECES.join([piece_columns(pieces, velocity) for pieces in orders])
     return columns | {"order_size": np.array([len(pieces) for pieces in orders], np.int64)}
 
 
@@ -63,7 +68,7 @@ def plan(job: GrazingCurveJob, parts: Parts) -> Plan:
 
 
 def _pieces_of_order(parts: Parts, order: int) -> tuple[list[list[Piece]], bool]:
-    """Pieces of an order, stretch by stretch, and whether none is missing."""
+    """Pieces of an order, stretch by stretch, and whether all are there."""
     stretches: list[list[Piece]] = []
     whole = True
     for stretch in range(STRETCHES):
@@ -85,7 +90,7 @@ def assemble(job: GrazingCurveJob, parts: Parts) -> Columns:
         stretches, whole = _pieces_of_order(parts, order)
         orders.append(join_stretches(stretches))
         complete.append(whole)
-    return join_pieces([piece_columns(pieces, job.velocity.ends) for pieces in orders]) | {
+    return PIECES.join([piece_columns(pieces, job.velocity.ends) for pieces in orders]) | {
         "order_complete": np.array(complete, np.int8),
         "order_arclength": np.array([arclength(pieces, scale) for pieces in orders]),
         "order_size": np.array([len(pieces) for pieces in orders], np.int64),
@@ -94,32 +99,31 @@ def assemble(job: GrazingCurveJob, parts: Parts) -> Columns:
 
 def layout(job: GrazingCurveJob) -> tuple[Variable, ...]:
     """Variables of the store: orders, pieces, vertices."""
-    return (*ORDERS, *PIECES)
+    return (*ORDERS.variables, *PIECES.variables)
 
 
 def orders_of(columns: Mapping[str, Any]) -> list[list[Piece]]:
-    """Pieces of each order, the grazing curve first: of a store's columns, or of an xarray dataset."""
+    """Pieces of each order, the grazing curve first, from a store's columns or an xarray dataset."""
     pieces = pieces_of(columns)
-    stops = np.cumsum([0, *np.asarray(columns["order_size"]).tolist()]).tolist()
-    return [pieces[a:b] for a, b in pairwise(stops)]
+    return [pieces[own] for own in slices(np.asarray(columns["order_size"]))]
 
 
-def tell(job: GrazingCurveJob, columns: Columns) -> dict[str, Any]:
-    """Orders with their lengths; one that is not complete needs more points than were allowed, or is not there yet."""
+def summarise(job: GrazingCurveJob, columns: Columns) -> dict[str, Any]:
+    """Orders with their lengths. An incomplete one needs more points than allowed, or is not computed yet."""
     orders = [
         {
             "order": order,
-            "complete": bool(columns["order_complete"][order]),
+            "complete": bool(row.complete),
             "pieces": len(pieces),
             "vertices": int(sum(piece.t.size for piece in pieces)),
-            "arclength": float(columns["order_arclength"][order]),
+            "arclength": row.arclength,
         }
-        for order, pieces in enumerate(orders_of(columns))
+        for order, (row, pieces) in enumerate(zip(ORDERS.rows(columns), orders_of(columns), strict=True))
     ]
     return {"orders": orders}
 
 
 GRAZING_CURVE = Analysis(
     "Grazing curve of a rattling gear pair and its pre-images", GrazingCurveJob.from_request, plan, assemble, layout,
-    tell, draw_grazing_curves,
+    summarise, draw_grazing_curves,
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Manifolds as an analysis: saddles side by side, then every branch by itself."""
+"""Manifolds as an analysis: saddles side by side, then every branch separately."""
 
 from collections.abc import Mapping
 from dataclasses import astuple
@@ -24,34 +24,37 @@ from rattle_kernels import (
 )
 from rattle_kernels.numerics.pausing import Pause
 from worker.analyses.analysis import Analysis, Parts, Piece, Plan, in_order, ready_of
-from worker.analyses.branch_table import slices
 from worker.analyses.curve_picture import draw_manifolds
-from worker.analyses.curve_table import PIECES, PieceEnd, join_pieces, piece_columns, pieces_of
-from worker.analyses.orbit_table import ORBITS, orbit_columns, orbits_of, tell_orbits
+from worker.analyses.curve_table import PIECES, PieceEnd, piece_columns, pieces_of
+from worker.analyses.orbit_table import ORBITS, orbits_of, summarise_orbits
 from worker.errors import NotFound
 from worker.jobs.manifold_job import Itinerary, ManifoldJob, Side
 from worker.jobs.orbits_job import OrbitSeed
 from worker.jobs.region import Region
 from worker.progress import Stage
-from worker.stores.layout import MISSING, Columns, Variable
+from worker.stores.layout import Columns, Variable
+from worker.stores.table import Column, Table, slices
 
 _BANDS = 8
 _SIDES = (Side.STABLE, Side.UNSTABLE)
-_BRANCH = ("branch",)
-BRANCHES = (
-    Variable("branch_orbit", _BRANCH, np.int32, MISSING, "saddle that a branch belongs to"),
-    Variable("branch_point", _BRANCH, np.int32, MISSING, "which of its departures the branch leaves"),
-    Variable("branch_side", _BRANCH, np.int8, 0, "1 where it leaves it towards later phases, else -1"),
-    Variable(
-        "branch_kind", _BRANCH, np.int8, 0, "of which manifold",
-        {"flag_values": [1, 2], "flag_meanings": " ".join(_SIDES)},
+BRANCHES = Table(
+    "branch",
+    (
+        Column("branch_orbit", np.int32, None, "saddle that a branch belongs to"),
+        Column("branch_point", np.int32, "point", "which of its departures the branch leaves"),
+        Column("branch_side", np.int8, "side", "1 where it leaves it towards later phases, else -1", fill=0),
+        Column(
+            "branch_kind", np.int8, None, "of which manifold",
+            {"flag_values": [1, 2], "flag_meanings": " ".join(_SIDES)}, fill=0,
+        ),
+        Column("branch_arclength", np.float64, "arclength", "length in the plane (t, v/velocity scale)"),
+        Column("branch_end", str, "end.value", "why it was grown no further"),
+        Column(
+            "branch_size", np.int64, lambda branch: len(branch.pieces),
+            "pieces of a branch, which follow those of the one before", {"sample_dimension": "piece"},
+        ),
     ),
-    Variable("branch_arclength", _BRANCH, np.float64, np.inf, "length in the plane (t, v/velocity scale)"),
-    Variable("branch_end", _BRANCH, str, "", "why it was grown no further"),
-    Variable(
-        "branch_size", _BRANCH, np.int64, MISSING, "pieces of a branch, which follow those of the one before",
-        {"sample_dimension": "piece"},
-    ),
+    prefix="branch_",
 )  # fmt: skip
 
 
@@ -61,7 +64,7 @@ def saddle_of_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, paus
     Raises
     ------
     NotFound
-        Where there is none, or another orbit.
+        If there is none, or Newton's method leads to another kind of orbit.
     """
     pause()
     try:
@@ -69,8 +72,8 @@ def saddle_of_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, paus
     except NotASaddle as error:
         raise NotFound(f"saddles.{number}: {error}") from error
     found = find_orbit(oscillator, saddle.t[0], saddle.v[0], saddle.upper_contacts)
-    assert found is not None  # Newton's method has just ended there
-    return orbit_columns([found])
+    assert found is not None  # Newton's method has just converged there
+    return ORBITS.of([found])
 
 
 def saddles_named(
@@ -81,7 +84,7 @@ def saddles_named(
     Raises
     ------
     NotFound
-        Where it finds none.
+        If it finds none.
     """
     found: list[FoundOrbit] = []
     edges = np.linspace(0, cells, min(_BANDS, cells) + 1).round().astype(int).tolist()
@@ -96,7 +99,7 @@ def saddles_named(
             f"saddles.{number}: the search found no saddle {itinerary.name}; it found {others or 'no orbit'}: ask for "
             "one of these, search more cells or another region, or give a seed"
         )
-    return orbit_columns(saddles)
+    return ORBITS.of(saddles)
 
 
 def _is_saddle(orbit: PeriodicOrbit) -> bool:
@@ -110,14 +113,12 @@ def grow_branch(
     """One branch of a manifold."""
     grow = stable_manifold if side == Side.STABLE else unstable_manifold
     (branch,) = grow(oscillator, saddle, limits, resolution, only=only, pause=pause)
-    return piece_columns(branch.pieces, (limits.lowest_velocity, limits.highest_velocity)) | {
-        "branch_point": np.array([branch.point], np.int32),
-        "branch_side": np.array([branch.side], np.int8),
-        "branch_kind": np.array([_SIDES.index(side) + 1], np.int8),
-        "branch_arclength": np.array([branch.arclength]),
-        "branch_end": np.array([branch.end.value], object),
-        "branch_size": np.array([len(branch.pieces)], np.int64),
-    }
+    window = limits.lowest_velocity, limits.highest_velocity
+    return (
+        BRANCHES.of([branch])
+        | piece_columns(branch.pieces, window)
+        | {"branch_kind": np.array([_SIDES.index(side) + 1], np.int8)}
+    )
 
 
 def _saddle_pieces(job: ManifoldJob) -> list[Piece]:
@@ -134,7 +135,7 @@ def _saddles(job: ManifoldJob, parts: Parts) -> tuple[FoundOrbit, ...]:
 
 
 def _branches(job: ManifoldJob, saddles: tuple[FoundOrbit, ...]) -> list[tuple[int, Piece]]:
-    """Every branch of every saddle, with the saddle's number."""
+    """Every branch of every saddle, with the number of the saddle."""
     branches = []
     for number, found in enumerate(saddles):
         for side in job.side.each:
@@ -155,57 +156,52 @@ def plan(job: ManifoldJob, parts: Parts) -> Plan:
 
 
 def assemble(job: ManifoldJob, parts: Parts) -> Columns:
-    """Saddles, and the branches that are grown."""
+    """Saddles, and the branches grown so far."""
     saddles = _saddles(job, parts)
     grown = [(number, parts[piece.name]) for number, piece in _branches(job, saddles) if piece.name in parts]
-    columns = orbit_columns(saddles) | join_pieces([part for _, part in grown])
-    columns["branch_orbit"] = np.array([number for number, _ in grown], np.int32)
-    for variable in BRANCHES[1:]:
-        empty = np.empty(0, object if variable.dtype is str else variable.dtype)
-        columns[variable.name] = np.concatenate([part[variable.name] for _, part in grown] or [empty])
-    return columns
+    branches = [part for _, part in grown]
+    columns = ORBITS.of(saddles) | BRANCHES.join(branches) | PIECES.join(branches)
+    return columns | {"branch_orbit": np.array([number for number, _ in grown], np.int32)}
 
 
 def layout(job: ManifoldJob) -> tuple[Variable, ...]:
     """Variables of the store: saddles as orbits, branches, pieces, vertices."""
-    return (*ORBITS, *BRANCHES, *PIECES)
+    return (*ORBITS.variables, *BRANCHES.variables, *PIECES.variables)
 
 
 def branches_of(columns: Mapping[str, Any], side: Side, orbit: int | None = None) -> list[ManifoldBranch]:
-    """Branches of one manifold, or of those of all saddles: of a store's columns, or of an xarray dataset."""
+    """Branches of the manifolds of one saddle, or of all, from a store's columns or an xarray dataset."""
     pieces = pieces_of(columns)
-    named = {variable.name: np.asarray(columns[variable.name]) for variable in BRANCHES}
-    branches = []
-    for i, own in enumerate(slices(named["branch_size"])):
-        if named["branch_kind"][i] == _SIDES.index(side) + 1 and orbit in (None, int(named["branch_orbit"][i])):
-            point, way, length = (named[f"branch_{name}"][i] for name in ("point", "side", "arclength"))
-            end = ManifoldEnd(str(named["branch_end"][i]))
-            branches.append(ManifoldBranch(int(point), int(way), tuple(pieces[own]), float(length), end))
-    return branches
+    rows = BRANCHES.rows(columns)
+    return [
+        ManifoldBranch(row.point, row.side, tuple(pieces[own]), row.arclength, ManifoldEnd(row.end))
+        for row, own in zip(rows, slices(np.asarray(columns["branch_size"])), strict=True)
+        if row.kind == _SIDES.index(side) + 1 and orbit in (None, row.orbit)
+    ]
 
 
-def tell(job: ManifoldJob, columns: Columns) -> dict[str, Any]:
-    """Saddles and branches, with their lengths and why they end."""
+def summarise(job: ManifoldJob, columns: Columns) -> dict[str, Any]:
+    """Saddles, and branches with their lengths and the reasons why they end."""
     branches = []
-    for i, own in enumerate(slices(columns["branch_size"])):
+    for row, own in zip(BRANCHES.rows(columns), slices(columns["branch_size"]), strict=True):
         ends = columns["piece_end"][own]
         branches.append(
             {
-                "saddle": int(columns["branch_orbit"][i]),
-                "manifold": _SIDES[int(columns["branch_kind"][i]) - 1].value,
-                "departure": int(columns["branch_point"][i]),
-                "side": int(columns["branch_side"][i]),
-                "arclength": float(columns["branch_arclength"][i]),
-                "end": str(columns["branch_end"][i]),
+                "saddle": row.orbit,
+                "manifold": _SIDES[row.kind - 1].value,
+                "departure": row.point,
+                "side": row.side,
+                "arclength": row.arclength,
+                "end": row.end,
                 "vertices": int(columns["piece_size"][own].sum()),
-                "pieces": int(columns["branch_size"][i]),
+                "pieces": row.size,
                 "pieces_by_end": {end.name.lower(): int((ends == end).sum()) for end in PieceEnd},
             }
         )
-    return {"saddles": tell_orbits(columns), "branches": branches}
+    return {"saddles": summarise_orbits(columns), "branches": branches}
 
 
 MANIFOLD = Analysis(
-    "Manifolds of saddles of a rattling gear pair", ManifoldJob.from_request, plan, assemble, layout, tell,
+    "Manifolds of saddles of a rattling gear pair", ManifoldJob.from_request, plan, assemble, layout, summarise,
     draw_manifolds,
 )  # fmt: skip

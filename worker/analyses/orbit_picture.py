@@ -1,14 +1,14 @@
-"""Picture of periodic orbits: in the (t, v) plane, or over the parameter that they are followed in."""
+"""Picture of periodic orbits: in the (t, v) plane, or over the parameter in which they are followed."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rattle_kernels import SpecialKind, grazing_velocity
-from worker.analyses.branch_table import slices
 from worker.jobs.orbits_job import OrbitsJob
 from worker.pictures.symbols import SYMBOLS, oscillator_told
 from worker.stores.layout import Columns
+from worker.stores.table import slices
 
 _MARKERS = {
     SpecialKind.SADDLE_NODE: "o", SpecialKind.PERIOD_DOUBLING: "s", SpecialKind.GRAZING: "^",
@@ -21,14 +21,16 @@ def plot_orbits(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
     t = np.linspace(0.0, 1.0, 512)
     axes.plot(t, grazing_velocity(job.oscillator, t), color="gray", linewidth=1.0, label="grazing curve")
     for i, name in enumerate(columns["name"]):
-        marker, told = ("x", "attracts") if columns["attracts"][i] else ("+", "unstable")
-        axes.plot(columns["orbit_time"][i], columns["orbit_velocity"][i], marker, label=f"{name} {told}", markersize=8)
+        marker, stability = ("x", "attracts") if columns["attracts"][i] else ("+", "unstable")
+        axes.plot(
+            columns["orbit_time"][i], columns["orbit_velocity"][i], marker, label=f"{name} {stability}", markersize=8
+        )
     axes.set_xlabel("time t of departure (forcing periods)")
     axes.set_ylabel("velocity v of departure")
 
 
 def plot_branches(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
-    """Draw the speeds of departure along branches: full where they attract, thin where not; special points marked."""
+    """Draw the speeds of departure along branches, thick where they attract. Special points are marked."""
     assert job.continuation is not None
     parameter = job.continuation.parameter
     for number, points in enumerate(slices(columns["branch_size"])):

@@ -1,6 +1,6 @@
 """Periodic orbits as an analysis: bands of a search side by side, then every orbit's branch, then every curve.
 
-Orbits that a fold or a closed loop joins lie on one branch; it is computed from each of them and kept from the first.
+Orbits joined by a fold or a closed loop lie on one branch. It is computed from each of them, and the first is kept.
 """
 
 from collections.abc import Sequence
@@ -23,35 +23,26 @@ from rattle_kernels import (
 )
 from rattle_kernels.numerics.pausing import Pause
 from worker.analyses.analysis import Analysis, Parts, Piece, Plan, in_order, ready_of
-from worker.analyses.branch_table import (
-    BRANCHES,
-    branch_columns,
-    branch_variables,
-    join_branches,
-    tell_branches,
-)
+from worker.analyses.branch_table import branch_table, summarise_branches
 from worker.analyses.orbit_picture import draw_orbits
-from worker.analyses.orbit_table import ORBITS, orbit_columns, orbits_of, tell_orbits
+from worker.analyses.orbit_table import ORBITS, orbits_of, summarise_orbits
 from worker.analyses.special_table import (
     CURVES,
     SPECIALS,
-    curve_columns,
     distinct,
-    join_curves,
-    special_columns,
     specials_of,
-    tell_curves,
-    tell_specials,
+    summarise_curves,
+    summarise_specials,
 )
 from worker.errors import NotFound
 from worker.jobs.orbits_job import Continuation, OrbitSeed, OrbitsJob
 from worker.progress import Stage
-from worker.stores.layout import Columns
+from worker.stores.layout import Columns, Variable
 
 _BANDS = 8
-# Cells of a band of a search at the most: some seconds.
+# Largest number of cells in a band of a search: some seconds.
 _MOST_CELLS = 400
-# Two orbits closer than this are one, as in the search.
+# Two orbits closer than this are the same, as in the search.
 _SAME = 1e-6
 
 
@@ -60,7 +51,7 @@ def search_band(oscillator: Oscillator, job: OrbitsJob, rows: tuple[int, int], *
     pause()
     region = job.region
     found = find_orbits(oscillator, job.longest, region.time.ends, region.velocity.ends, job.cells, rows)
-    return orbit_columns(found)
+    return ORBITS.of(found)
 
 
 def search_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: Pause) -> Columns:
@@ -69,7 +60,7 @@ def search_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: 
     Raises
     ------
     NotFound
-        Where there is none.
+        If there is none.
     """
     pause()
     found = find_orbit(oscillator, *astuple(seed))
@@ -78,20 +69,20 @@ def search_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: 
             f"Newton's method on P^{seed.period} found no periodic orbit from seed {number}, t = {seed.time:g}, "
             f"v = {seed.velocity:g}: start closer to one, with the impact period that it has, or search a region"
         )
-    return orbit_columns([found])
+    return ORBITS.of([found])
 
 
 def follow_branch(oscillator: Oscillator, orbit: PeriodicOrbit, along: Continuation, *, pause: Pause) -> Columns:
-    """Branch of an orbit, its special points, and the orbits of the same oscillator that it passes."""
+    """Branch of an orbit, its special points, and the orbits of the same oscillator that it passes through."""
     bounds = along.start, along.stop
     branch = continue_orbit(oscillator, orbit, along.parameter, bounds, "both", along.most_points, pause=pause)
     passed = _passed(oscillator, branch)
-    columns = branch_columns(branch) | special_columns(branch.special_points)
+    columns = branch_table(along.parameter).of([branch]) | SPECIALS.of(branch.special_points)
     return columns | {"passed_time": passed[:, 0], "passed_velocity": passed[:, 1]}
 
 
 def _passed(oscillator: Oscillator, branch: Branch) -> np.ndarray:
-    """Slowest departures of the orbits at which a branch passes the oscillator's own value, shape (orbits, 2)."""
+    """Slowest departure of each orbit of a branch at the oscillator's own value, shape (orbits, 2)."""
     beyond = branch.values - getattr(oscillator, branch.parameter)
     passed = []
     for i in np.flatnonzero(beyond[:-1] * beyond[1:] < 0.0).tolist():
@@ -108,9 +99,7 @@ def _passed(oscillator: Oscillator, branch: Branch) -> np.ndarray:
 def trace_curve(point: SpecialPoint, along: Continuation, second: Continuation, *, pause: Pause) -> Columns:
     """Curve of a special point in the plane of two parameters."""
     bounds, others = (along.start, along.stop), (second.start, second.stop)
-    return curve_columns(
-        continue_special_point(point, second.parameter, bounds, others, second.most_points, pause=pause)
-    )
+    return CURVES.of([continue_special_point(point, second.parameter, bounds, others, second.most_points, pause=pause)])
 
 
 def _search(job: OrbitsJob) -> list[Piece]:
@@ -131,16 +120,16 @@ def _branch_name(number: int) -> str:
 
 
 def _lines_of(found: Sequence[FoundOrbit], parts: Parts) -> tuple[list[int], list[int]]:
-    """Orbits whose branches are kept, and for each orbit which of those it lies on, -1 where that is not known yet."""
+    """Orbits whose branches are kept, and the branch that each orbit lies on, -1 where that is not known yet."""
     kept: list[int] = []
-    line = []
+    lines = []
     for number, each in enumerate(found):
         here = next((i for i, other in enumerate(kept) if _passes(parts[_branch_name(other)], each.orbit)), -1)
         if here < 0 and _branch_name(number) in parts:
             kept.append(number)
             here = len(kept) - 1
-        line.append(here)
-    return kept, line
+        lines.append(here)
+    return kept, lines
 
 
 def _passes(branch: Columns, orbit: PeriodicOrbit) -> bool:
@@ -150,7 +139,7 @@ def _passes(branch: Columns, orbit: PeriodicOrbit) -> bool:
 
 
 def _specials(job: OrbitsJob, parts: Parts, kept: list[int]) -> tuple[list[SpecialPoint], list[int]]:
-    """Special points of the branches that are kept, each once, and the branch of each."""
+    """Special points of the kept branches, each once, and the branch of each."""
     assert job.continuation is not None
     points = [
         (point, number)
@@ -170,9 +159,9 @@ def plan(job: OrbitsJob, parts: Parts) -> Plan:
         Piece(_branch_name(n), follow_branch, (job.oscillator, each.orbit, job.continuation))
         for n, each in enumerate(found)
     ]
-    following = ready_of(Stage.CONTINUING, branches, parts)
-    if following.done < following.total or job.curves is None:
-        return following
+    continuing = ready_of(Stage.CONTINUING, branches, parts)
+    if continuing.done < continuing.total or job.curves is None:
+        return continuing
     points, _ = _specials(job, parts, _lines_of(found, parts)[0])
     curves = [
         Piece(f"curve-{n:05d}", trace_curve, (point, job.continuation, job.curves)) for n, point in enumerate(points)
@@ -183,46 +172,47 @@ def plan(job: OrbitsJob, parts: Parts) -> Plan:
 def assemble(job: OrbitsJob, parts: Parts) -> Columns:
     """Orbits by (n+, m, n-) and lowest speed, their branches, special points and curves."""
     found = _found(job, parts)
-    columns = orbit_columns(found)
+    columns = ORBITS.of(found)
     if job.continuation is None:
         return columns
-    kept, line = _lines_of(found, parts)
-    columns |= join_branches([parts[_branch_name(n)] for n in kept], job.continuation.parameter)
+    kept, lines = _lines_of(found, parts)
+    columns |= branch_table(job.continuation.parameter).join([parts[_branch_name(n)] for n in kept])
     points, branch = _specials(job, parts, kept)
-    columns |= special_columns(points)
+    columns |= SPECIALS.of(points)
     columns |= {
-        "orbit_branch": np.array(line, np.int32),
+        "orbit_branch": np.array(lines, np.int32),
         "branch_orbit": np.array(kept, np.int32),
         "special_branch": np.array(branch, np.int32),
     }
     if job.curves is not None:
         began = sorted(int(name.removeprefix("curve-")) for name in parts if name.startswith("curve-"))
-        columns |= join_curves(in_order(parts, "curve-")) | {"curve_special": np.array(began, np.int32)}
+        columns |= CURVES.join(in_order(parts, "curve-")) | {"curve_special": np.array(began, np.int32)}
     return columns
 
 
-def layout(job: OrbitsJob) -> tuple[Any, ...]:
+def layout(job: OrbitsJob) -> tuple[Variable, ...]:
     """Variables of the store."""
     if job.continuation is None:
-        return ORBITS
-    tables = (*ORBITS, *branch_variables(job.continuation.parameter), *BRANCHES, *SPECIALS)
-    return tables if job.curves is None else (*tables, *CURVES)
+        return ORBITS.variables
+    branches = branch_table(job.continuation.parameter)
+    tables = (*ORBITS.variables, *branches.variables, *SPECIALS.variables)
+    return tables if job.curves is None else (*tables, *CURVES.variables)
 
 
-def tell(job: OrbitsJob, columns: Columns) -> dict[str, Any]:
-    """Orbits, branches with why they end, special points and curves."""
-    told: dict[str, Any] = {"orbits": tell_orbits(columns), "branches": [], "special_points": [], "curves": []}
+def summarise(job: OrbitsJob, columns: Columns) -> dict[str, Any]:
+    """Orbits, branches with the reasons why they end, special points and curves."""
+    summary: dict[str, Any] = {"orbits": summarise_orbits(columns), "branches": [], "special_points": [], "curves": []}
     if job.continuation is not None:
         parameter = job.continuation.parameter
-        for orbit, branch in zip(told["orbits"], columns["orbit_branch"].tolist(), strict=True):
+        for orbit, branch in zip(summary["orbits"], columns["orbit_branch"].tolist(), strict=True):
             orbit["branch"] = branch if branch >= 0 else None
-        told["branches"] = tell_branches(columns, parameter)
-        told["special_points"] = tell_specials(columns, parameter)
+        summary["branches"] = summarise_branches(columns, parameter)
+        summary["special_points"] = summarise_specials(columns, parameter)
         if job.curves is not None:
-            told["curves"] = tell_curves(columns, (parameter, job.curves.parameter))
-    return told
+            summary["curves"] = summarise_curves(columns, (parameter, job.curves.parameter))
+    return summary
 
 
 ORBITS_ANALYSIS = Analysis(
-    "Periodic orbits of a rattling gear pair", OrbitsJob.from_request, plan, assemble, layout, tell, draw_orbits
+    "Periodic orbits of a rattling gear pair", OrbitsJob.from_request, plan, assemble, layout, summarise, draw_orbits
 )

@@ -1,48 +1,48 @@
-"""From the job of an analysis to its complete store: pieces run on workers, and what they find is put together.
+"""From the job of an analysis to its complete store: pieces run on workers, and their parts are put together.
 
-Truth is in the store: a piece counts as done when its part is marked whole there. After any crash, or a cancellation,
-the same call computes only what is missing.
+The store holds the truth: a piece is done if its part is marked whole there. After any crash or cancellation the same
+call computes only what is missing.
 """
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
-from distributed import Client
 
 from worker.analyses.analysis import Analysis, Plan
-from worker.cluster.driver import run_tasks
+from worker.cluster.driver import Driver
 from worker.cluster.task import Task, stop_if_cancelled
-from worker.errors import StoreConflict, StoreFailed
+from worker.errors import StoreFailed
 from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob
 from worker.progress import Progress, Report, Stage
 from worker.stores.analysis_store import AnalysisStore, StoredParts
 from worker.stores.layout import Columns
+from worker.stores.opening import demand_same_digest
 
 
 @dataclass(frozen=True)
 class AnalysisSummary:
-    """What a store holds, in short; a result that is not complete says so."""
+    """The result in a store, in short, complete or not."""
 
     kind: str
     complete: bool
     request: dict[str, Any]
     pieces_done: int
     seconds: dict[str, float]
-    told: dict[str, Any]
+    result: dict[str, Any]
 
 
 def compute_piece(
     location: str, digest: str, number: int, name: str, compute: Callable[..., Columns], arguments: tuple[Any, ...]
 ) -> float:
-    """Compute one piece and write its part; the seconds that it took."""
+    """Compute one piece and write its part. Returns the seconds that it took."""
     store = AnalysisStore(location)
-    if store.digest != digest:
-        raise StoreConflict(f"{location} holds the store of another request by now")
+    demand_same_digest(location, store.digest, digest)
     begin = time.perf_counter()
     columns = compute(*arguments, pause=stop_if_cancelled)
     stop_if_cancelled()
@@ -54,31 +54,29 @@ def run_analysis(
     analysis: Analysis,
     job: AnalysisJob,
     location: str,
-    client: Client,
+    driver: Driver,
     *,
     report: Report,
     cancel: threading.Event,
     fence: Fence = unfenced,
-) -> AnalysisSummary:
-    """Compute an analysis into a store, or finish what was begun.
+) -> None:
+    """Compute an analysis into a store, or continue the store that is there.
+
+    `summarise_analysis` reads what was found.
 
     Parameters
     ----------
     analysis : Analysis
     job : AnalysisJob
     location : str
-        Where the store is, or shall be.
-    client : distributed.Client
+        The store.
+    driver : Driver
     report : callable
         Called with a `Progress` after every piece.
     cancel : threading.Event
-        Set it to stop; the store stays readable and can be resumed.
+        Set it to stop. The store stays readable and can be resumed.
     fence : Fence
-        Called before everything that only the driver writes.
-
-    Returns
-    -------
-    AnalysisSummary
+        Needed if another driver may take the job over.
 
     Raises
     ------
@@ -87,16 +85,15 @@ def run_analysis(
     store = AnalysisStore.create_or_resume(location, analysis.title, job, fence)
     if store.complete:
         store.remove_parts()
-        return summarise_analysis(analysis, location)
+        return
     run = _Run(analysis, job, store.parts(), report)
     try:
-        for task, seconds in run_tasks(client, (location, store.digest), run.following, cancel):
-            run.take(task, seconds)
+        for task, seconds in driver.run_tasks((location, store.digest), run.next_task, cancel):
+            task.then(task.number, seconds)
     finally:
         store.publish(analysis.layout(job), analysis.assemble(job, run.parts))
     store.finish(run.seconds)
-    run.tell(Stage.DONE)
-    return summarise_analysis(analysis, location)
+    run.report_stage(Stage.DONE)
 
 
 @dataclass
@@ -113,31 +110,31 @@ class _Run:
         self._under_way: set[str] = set()
         self._begun = 0
         self._stage: Stage | None = None
-        self._plan = self._next()
+        self._plan_next()
 
-    def _next(self) -> Plan:
-        self._plan = self.analysis.plan(self.job, self.parts)
-        self.tell(self._plan.stage)
-        return self._plan
+    def _plan_next(self) -> None:
+        self._plan: Plan = self.analysis.plan(self.job, self.parts)
+        self.report_stage(self._plan.stage)
 
-    def following(self) -> Task | None:
+    def next_task(self) -> Task | None:
         """The next piece that can be computed, as a task."""
         for piece in self._plan.ready:
             if piece.name not in self._under_way:
                 self._under_way.add(piece.name)
                 self._begun += 1
-                return Task(compute_piece, self._begun, 0, tuple(piece), f"piece {piece.name}")
+                done = partial(self._done, piece.name)
+                return Task(compute_piece, self._begun, tuple(piece), done, f"piece {piece.name}")
         return None
 
-    def take(self, task: Task, seconds: float) -> None:
-        """Note that a piece is done, and what can be done now."""
-        name = task.arguments[0]
+    def _done(self, name: str, number: int, seconds: float) -> Iterable[Task]:
+        """Note that a piece is done, and plan anew."""
         self.seconds[self._plan.stage.value] = self.seconds.get(self._plan.stage.value, 0.0) + seconds
         self._under_way.discard(name)
         self.parts.add(name)
-        self._next()
+        self._plan_next()
+        return ()
 
-    def tell(self, stage: Stage) -> None:
+    def report_stage(self, stage: Stage) -> None:
         """Report how far the stage is."""
         if stage != self._stage:
             self._stage, self._since, self._at_start = stage, time.monotonic(), self._plan.done
@@ -147,7 +144,7 @@ class _Run:
 
 
 def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, AnalysisStore]:
-    """Job and columns of a store: its tables where it is complete, else what the parts that are there give.
+    """Job and columns of a store: its tables if it is complete, else what can be put together from its parts.
 
     Raises
     ------
@@ -157,7 +154,7 @@ def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, Anal
     job = analysis.from_request(store.request)
     if not store.complete:
         columns, failure = _from_parts(analysis, job, store)
-        # A driver that finishes says so before it removes the parts: where it has not yet, they were whole.
+        # A driver marks the store complete before it removes the parts. If it is not marked yet, they were whole.
         store = AnalysisStore(location)
         if not store.complete:
             if failure is not None:
@@ -167,7 +164,7 @@ def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, Anal
 
 
 def _from_parts(analysis: Analysis, job: Any, store: AnalysisStore) -> tuple[Columns, Exception | None]:
-    """What the parts that are there give, or why they give nothing."""
+    """Columns from the parts that are there, or why there are none."""
     try:
         return analysis.assemble(job, store.parts()), None
     except (StoreFailed, KeyError) as error:
@@ -175,7 +172,7 @@ def _from_parts(analysis: Analysis, job: Any, store: AnalysisStore) -> tuple[Col
 
 
 def fingerprint_of_analysis(location: str) -> bytes:
-    """What changes whenever a picture of the store does: which parts are there, and whether it is complete.
+    """Bytes that change whenever a picture of the store does: from its parts, and whether it is complete.
 
     Raises
     ------
@@ -186,7 +183,7 @@ def fingerprint_of_analysis(location: str) -> bytes:
 
 
 def summarise_analysis(analysis: Analysis, location: str) -> AnalysisSummary:
-    """Read what a store holds.
+    """Summary of the store at a location, finished or not.
 
     Raises
     ------
@@ -195,14 +192,14 @@ def summarise_analysis(analysis: Analysis, location: str) -> AnalysisSummary:
     job, columns, store = read_analysis(analysis, location)
     return AnalysisSummary(
         job.kind, store.complete, store.request, len(store.parts()), dict(store.attributes.get("seconds", {})),
-        without_nan(analysis.tell(job, columns)),
+        without_nan(analysis.summarise(job, columns)),
     )  # fmt: skip
 
 
-def without_nan(told: Any) -> Any:
-    """The same with None for every number that is none, as JSON has it."""
-    if isinstance(told, dict):
-        return {name: without_nan(value) for name, value in told.items()}
-    if isinstance(told, list | tuple):
-        return [without_nan(value) for value in told]
-    return None if isinstance(told, float) and not np.isfinite(told) else told
+def without_nan(value: Any) -> Any:
+    """The same value for JSON, with None for NaN and infinity."""
+    if isinstance(value, dict):
+        return {name: without_nan(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [without_nan(each) for each in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -1,171 +1,133 @@
-"""Special points of branches, and their curves in two parameters, as columns."""
+"""Special points of branches, and their curves in two parameters, as tables."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from rattle_kernels import Oscillator, SpecialCurve, SpecialKind, SpecialPoint
-from worker.analyses.branch_table import slices
-from worker.analyses.orbit_table import padded
-from worker.stores.layout import MISSING, PERIODS, SPEED, Columns, Variable
+from rattle_kernels import Oscillator, SpecialKind, SpecialPoint
+from worker.stores.layout import PERIODS, SPEED, Columns
+from worker.stores.table import Column, Table
 
 _KINDS = tuple(SpecialKind)
-_SPECIAL, _DEPARTURES, _PAIR = ("special",), ("special", "special_departure"), ("special", "multiplier")
-_CURVE, _POINT = ("curve",), ("curve_point",)
-SPECIALS = (
-    Variable(
-        "special_kind", _SPECIAL, np.int8, 0, "what happens there",
-        {
-            "flag_values": list(range(1, len(_KINDS) + 1)),
-            "flag_meanings": " ".join(kind.replace(" ", "_") for kind in _KINDS),
-        },
+_DEPARTURE, _PAIR, _POINT = {"special_departure": 0}, {"multiplier": 2}, "curve_point"
+SPECIALS = Table(
+    "special",
+    (
+        Column(
+            "special_kind", np.int8, lambda point: _KINDS.index(point.kind) + 1, "what happens there",
+            {
+                "flag_values": list(range(1, len(_KINDS) + 1)),
+                "flag_meanings": " ".join(kind.replace(" ", "_") for kind in _KINDS),
+            },
+            fill=0,
+        ),
+        Column("special_branch", np.int32, None, "first branch that has it"),
+        Column("special_value", np.float64, "value", "value of the parameter"),
+        Column("special_error", np.float64, "error", "last change of that value by Newton's method"),
+        Column("special_residual", np.float64, "residual", "what is left of the equations that define it"),
+        Column("special_forcing_periods", np.int32, "forcing_periods", "m of the orbit P(m, n+, n-) there"),
+        Column("special_upper_contacts", np.int32, "upper_contacts", "n+ of that orbit"),
+        Column("special_lower_contacts", np.int32, "lower_contacts", "n- of that orbit; a graze is not counted"),
+        Column("special_time", np.float64, "t", "phases of its departures, NaN-padded", PERIODS, _DEPARTURE),
+        Column("special_velocity", np.float64, "v", "speeds of its departures, NaN-padded", SPEED, _DEPARTURE),
+        Column(
+            "special_multiplier_real", np.float64, "multipliers.real", "eigenvalues of DP^p, real part", dims=_PAIR,
+            fill=np.nan,
+        ),
+        Column(
+            "special_multiplier_imaginary", np.float64, "multipliers.imag", "eigenvalues of DP^p, imaginary part",
+            dims=_PAIR, fill=np.nan,
+        ),
     ),
-    Variable("special_branch", _SPECIAL, np.int32, MISSING, "first branch that has it"),
-    Variable("special_value", _SPECIAL, np.float64, np.inf, "value of the parameter"),
-    Variable("special_error", _SPECIAL, np.float64, np.inf, "last change of that value by Newton's method"),
-    Variable("special_residual", _SPECIAL, np.float64, np.inf, "what is left of the equations that define it"),
-    Variable("special_forcing_periods", _SPECIAL, np.int32, MISSING, "m of the orbit P(m, n+, n-) there"),
-    Variable("special_upper_contacts", _SPECIAL, np.int32, MISSING, "n+ of that orbit"),
-    Variable("special_lower_contacts", _SPECIAL, np.int32, MISSING, "n- of that orbit; a graze is not counted"),
-    Variable("special_time", _DEPARTURES, np.float64, np.nan, "phases of its departures, NaN-padded", PERIODS),
-    Variable("special_velocity", _DEPARTURES, np.float64, np.nan, "speeds of its departures, NaN-padded", SPEED),
-    Variable("special_multiplier_real", _PAIR, np.float64, np.nan, "eigenvalues of DP^p, real part"),
-    Variable("special_multiplier_imaginary", _PAIR, np.float64, np.nan, "eigenvalues of DP^p, imaginary part"),
+    prefix="special_",
+    length="special_upper_contacts",
 )  # fmt: skip
-CURVES = (
-    Variable("curve_special", _CURVE, np.int32, MISSING, "special point that a curve began with"),
-    Variable(
-        "curve_size", _CURVE, np.int64, MISSING, "points of a curve, which follow those of the one before",
-        {"sample_dimension": "curve_point"},
+CURVES = Table(
+    "curve",
+    (
+        Column("curve_special", np.int32, None, "special point that a curve began with"),
+        Column(
+            "curve_size", np.int64, "t.size", "points of a curve, which follow those of the one before",
+            {"sample_dimension": "curve_point"},
+        ),
+        Column("curve_end", str, "ends", "why it ends at its first and at its last point", dims={"curve_side": 2}),
+        Column(
+            "curve_first", np.float64, lambda curve: curve.values[:, 0], "value of the first parameter", along=_POINT
+        ),
+        Column(
+            "curve_second", np.float64, lambda curve: curve.values[:, 1], "value of the second parameter",
+            along=_POINT,
+        ),
+        Column("curve_time", np.float64, "t", "phase of the first departure", PERIODS, along=_POINT),
+        Column("curve_velocity", np.float64, "v", "its speed, 0 for contact loss", SPEED, along=_POINT),
+        Column("curve_residual", np.float64, "residual", "what is left of the equations", along=_POINT),
     ),
-    Variable("curve_end", ("curve", "curve_side"), str, "", "why it ends at its first and at its last point"),
-    Variable("curve_first", _POINT, np.float64, np.inf, "value of the first parameter"),
-    Variable("curve_second", _POINT, np.float64, np.inf, "value of the second parameter"),
-    Variable("curve_time", _POINT, np.float64, np.inf, "phase of the first departure", PERIODS),
-    Variable("curve_velocity", _POINT, np.float64, np.inf, "its speed, 0 for contact loss", SPEED),
-    Variable("curve_residual", _POINT, np.float64, np.inf, "what is left of the equations"),
+    prefix="curve_",
 )  # fmt: skip
-# Branches that meet in a special point give its value to 1e-12.
+# Branches that meet in a special point agree on its value to 1e-12.
 _SAME = 1e-9
-# Speeds of orbits that are one; next to a fold they are known to the root of that.
+# Tolerance of speeds. Next to a fold they are known only to the square root of 1e-12.
 _NEAR = 1e-5
-
-
-def special_columns(points: Sequence[SpecialPoint]) -> Columns:
-    """Columns of some points."""
-    multipliers = np.array([point.multipliers for point in points], complex).reshape(-1, 2)
-    return {
-        "special_kind": np.array([_KINDS.index(point.kind) + 1 for point in points], np.int8),
-        "special_value": np.array([point.value for point in points], np.float64),
-        "special_error": np.array([point.error for point in points], np.float64),
-        "special_residual": np.array([point.residual for point in points], np.float64),
-        "special_forcing_periods": np.array([point.forcing_periods for point in points], np.int32),
-        "special_upper_contacts": np.array([point.upper_contacts for point in points], np.int32),
-        "special_lower_contacts": np.array([point.lower_contacts for point in points], np.int32),
-        "special_time": padded([point.t for point in points]),
-        "special_velocity": padded([point.v for point in points]),
-        "special_multiplier_real": multipliers.real,
-        "special_multiplier_imaginary": multipliers.imag,
-    }
 
 
 def specials_of(columns: Columns, oscillator: Oscillator, parameter: str) -> list[SpecialPoint]:
     """Points of such columns."""
-    points = []
-    for i, code in enumerate(columns["special_kind"].tolist()):
-        value, period = float(columns["special_value"][i]), int(columns["special_upper_contacts"][i])
-        multipliers = columns["special_multiplier_real"][i] + 1j * columns["special_multiplier_imaginary"][i]
-        points.append(
-            SpecialPoint(
-                _KINDS[code - 1], parameter, value, oscillator._replace(**{parameter: value}),
-                int(columns["special_forcing_periods"][i]), period, int(columns["special_lower_contacts"][i]),
-                columns["special_time"][i, :period], columns["special_velocity"][i, :period], multipliers,
-                float(columns["special_residual"][i]), float(columns["special_error"][i]),
-            )
-        )  # fmt: skip
-    return points
+    return [
+        SpecialPoint(
+            _KINDS[row.kind - 1], parameter, row.value, oscillator._replace(**{parameter: row.value}),
+            row.forcing_periods, row.upper_contacts, row.lower_contacts, row.time, row.velocity,
+            row.multiplier_real + 1j * row.multiplier_imaginary, row.residual, row.error,
+        )
+        for row in SPECIALS.rows(columns)
+    ]  # fmt: skip
 
 
 def distinct(points: Sequence[tuple[SpecialPoint, int]]) -> tuple[list[SpecialPoint], list[int]]:
-    """Points that several branches have, each once, with the first branch that has it."""
+    """Points without repetitions, each with the first branch that has it."""
     kept: list[tuple[SpecialPoint, int]] = []
     for point, branch in points:
-        if not any(_is_one(point, other) for other, _ in kept):
+        if not any(_same(point, other) for other, _ in kept):
             kept.append((point, branch))
     return [point for point, _ in kept], [branch for _, branch in kept]
 
 
-def _is_one(one: SpecialPoint, other: SpecialPoint) -> bool:
+def _same(one: SpecialPoint, other: SpecialPoint) -> bool:
     shapes = [(point.kind, point.forcing_periods, point.upper_contacts) for point in (one, other)]
     apart = abs(one.value - other.value) / max(1.0, abs(one.value))
     return shapes[0] == shapes[1] and apart < _SAME and abs(one.v.min() - other.v.min()) < _NEAR
 
 
-def tell_specials(columns: Columns, parameter: str) -> list[dict[str, Any]]:
+def summarise_specials(columns: Columns, parameter: str) -> list[dict[str, Any]]:
     """Special points as JSON."""
-    names = ("forcing_periods", "upper_contacts", "lower_contacts")
     return [
         {
-            "kind": _KINDS[int(columns["special_kind"][i]) - 1].value,
+            "kind": _KINDS[row.kind - 1].value,
             "parameter": parameter,
-            "value": float(columns["special_value"][i]),
-            "error": float(columns["special_error"][i]),
-            "residual": float(columns["special_residual"][i]),
-            "orbit": f"P({','.join(str(int(columns[f'special_{name}'][i])) for name in names)})",
-            "branch": int(columns["special_branch"][i]),
-            "multipliers": np.stack(
-                [columns["special_multiplier_real"][i], columns["special_multiplier_imaginary"][i]], axis=-1
-            ).tolist(),
+            "value": row.value,
+            "error": row.error,
+            "residual": row.residual,
+            "orbit": f"P({row.forcing_periods},{row.upper_contacts},{row.lower_contacts})",
+            "branch": row.branch,
+            "multipliers": np.stack([row.multiplier_real, row.multiplier_imaginary], axis=-1).tolist(),
             "departures": [
-                {"time": t, "velocity": v}
-                for t, v in zip(
-                    columns["special_time"][i].tolist(), columns["special_velocity"][i].tolist(), strict=True
-                )
-                if np.isfinite(t)
+                {"time": t, "velocity": v} for t, v in zip(row.time.tolist(), row.velocity.tolist(), strict=True)
             ],
         }
-        for i in range(columns["special_kind"].size)
+        for row in SPECIALS.rows(columns)
     ]
 
 
-def curve_columns(curve: SpecialCurve) -> Columns:
-    """Columns of one curve."""
-    return {
-        "curve_size": np.array([curve.t.size], np.int64),
-        "curve_end": np.array([curve.ends], object),
-        "curve_first": curve.values[:, 0],
-        "curve_second": curve.values[:, 1],
-        "curve_time": curve.t,
-        "curve_velocity": curve.v,
-        "curve_residual": curve.residual,
-    }
-
-
-def join_curves(parts: Sequence[Columns]) -> Columns:
-    """Columns of several curves, one after another."""
-    joined = {}
-    for variable in CURVES[1:]:
-        empty = np.empty(
-            (0, 2) if variable.name == "curve_end" else 0, object if variable.dtype is str else variable.dtype
-        )
-        joined[variable.name] = np.concatenate([part[variable.name] for part in parts]) if parts else empty
-    return joined
-
-
-def tell_curves(columns: Columns, parameters: tuple[str, str]) -> list[dict[str, Any]]:
-    """Curves as JSON: how far they reach and why they end; their points are in the store."""
-    told = []
-    for number, points in enumerate(slices(columns["curve_size"])):
-        first, second = columns["curve_first"][points], columns["curve_second"][points]
-        told.append(
-            {
-                "special_point": int(columns["curve_special"][number]),
-                "parameters": list(parameters),
-                "points": int(first.size),
-                "first": [float(first.min()), float(first.max())],
-                "second": [float(second.min()), float(second.max())],
-                "ends": [str(end) for end in columns["curve_end"][number]],
-            }
-        )
-    return told
+def summarise_curves(columns: Columns, parameters: tuple[str, str]) -> list[dict[str, Any]]:
+    """Curves as JSON: how far they reach and why they end. Their points are in the store."""
+    return [
+        {
+            "special_point": row.special,
+            "parameters": list(parameters),
+            "points": row.size,
+            "first": [float(row.first.min()), float(row.first.max())],
+            "second": [float(row.second.min()), float(row.second.max())],
+            "ends": [str(end) for end in row.end],
+        }
+        for row in CURVES.rows(columns)
+    ]

@@ -1,8 +1,8 @@
 """Assembly scales with the image set, not with the grid.
 
-Under ``P^k`` with a large k all cells are sent into few. Let R be the set of distinct image cells: it is closed under
-the map and holds every cycle. So the tiles report their images, the map is read on R alone, Hsu's algorithm runs on R
-in memory, and then every tile labels its own cells by look-up. No array is ever whole in one memory.
+For large k, ``P^k`` sends all cells into few. Let R be the set of distinct image cells. It is closed under the map and
+holds every cycle. So tiles report their images, the map is read on R alone, and Hsu's algorithm runs on R in memory.
+Then every tile labels its own cells by look-up. No array is ever whole in one memory.
 """
 
 from collections.abc import Callable, Iterable
@@ -17,7 +17,7 @@ _IMAGE_CELL = MAPPED[:1]
 
 
 def places_of_images(store: BasinStore, members: ImageSet, tiles: Iterable[int]) -> np.ndarray:
-    """Where each member's image stands, read tile by tile: only tiles that hold members are opened."""
+    """Index of each member's image, read tile by tile. Only tiles that hold members are opened."""
     place = np.empty(members.size, np.int32)
     time_cells = store.job.grid.time_cells
     for number in tiles:
@@ -29,7 +29,7 @@ def places_of_images(store: BasinStore, members: ImageSet, tiles: Iterable[int])
 
 
 def assemble_groups(store: BasinStore, basin: int, pause: Callable[[], None] = lambda: None) -> CellGroups:
-    """Hsu's group, period and step on a panel's image set; `pause` is called between tiles, to leave by raising."""
+    """Hsu's group, period and step on a basin's image set. `pause` is called between tiles and may raise to stop."""
     members = store.read_image_words(basin)
 
     def tiles() -> Iterable[int]:

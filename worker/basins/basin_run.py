@@ -1,14 +1,15 @@
-"""One basin under way: takes the receipts of its tasks and says which come next.
+"""One basin under way: it takes the receipts of its tasks and gives the tasks that come next.
 
     map tiles -> assemble -> label tiles -> ... -> its solutions are known
                                  ^       |
-                                 +-------+ the catalogue is extended by landing points that arrived at none of it
+                                 +-------+ extended by landing points that arrived at no attractor
 
-Nothing here depends on other basins, nor on the order in which receipts come.
+Nothing here depends on other basins, or on the order in which receipts arrive.
 """
 
-from collections.abc import Callable
-from typing import Any
+from collections import defaultdict
+from collections.abc import Callable, Container
+from functools import partial
 
 import numpy as np
 
@@ -30,8 +31,7 @@ from worker.progress import Stage
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 
-# How often the catalogue is extended by landing points that arrived at none of its attractors, before they are called
-# undecided.
+# After so many rounds landing points that arrive at no attractor of the catalogue are called undecided.
 _CATALOGUE_ROUNDS = 3
 
 
@@ -42,22 +42,40 @@ class BasinRun:
     ----------
     store : BasinStore
     number : int
-    states : ndarray of uint8, or dict
-        States of its tiles, by their numbers; what has been computed is surveyed, not computed again.
+    mapped : container of int
+        Tiles whose images are in the store. They are surveyed, not computed again.
     numbered : bool
-        Whether the panel's own catalogue has the numbers that all basins share, as that of the first basin has.
+        Whether the basin's own catalogue has the numbers that all basins share, as the first basin's has.
+    reach : callable
+        ``reach(tile, state)`` is called when a tile has reached a state.
+
+    Attributes
+    ----------
+    attractors : tuple of Attractor
+        The basin's own catalogue, empty until it is known.
+    counts : ndarray of int
+        Cells, or points of a sample, that end in each.
+    reserved : ndarray of int, shape (3,)
+        Cells with the images -1, -2 and -3.
+    solved : bool
+        Whether all tiles are labelled for good.
+    seconds : dict of str to float
+        Time that kernels have taken.
     """
 
     def __init__(
-        self, store: BasinStore, number: int, states: np.ndarray | dict[int, TileState], *, numbered: bool
-    ) -> None:
+        self, store: BasinStore, number: int, mapped: Container[int], *, numbered: bool,
+        reach: Callable[[int, TileState], None] = lambda tile, state: None,
+    ) -> None:  # fmt: skip
         self.store, self.number, self.numbered = store, number, numbered
         self.attractors: tuple[Attractor, ...] = ()
         self.counts = np.zeros(0, np.int64)
         self.reserved = np.zeros(3, np.int64)
         self.solved = False
         self._tiles = store.tiling.numbers_of(number)
-        self._states = states
+        self._mapped, self._reach = mapped, reach
+        self.seconds: dict[str, float] = defaultdict(float)
+        self._task = partial(Task, priority=number)
         self._words = np.zeros(-(-store.job.grid.cells // 64), np.uint64)
         self._seeds: dict[int, Seeds] = {}
         self._labels: dict[int, LabelReceipt] = {}
@@ -65,43 +83,37 @@ class BasinRun:
         self._assembling = False
 
     def begin(self) -> list[Task]:
-        """Map what is missing, survey what is there."""
-        # From the top: low departures are captured soon, so that the last tiles are light and the workers end together.
+        """Tasks that map missing tiles, and survey those that are there."""
+        # From the top. Low departures are captured soon, so the last tiles are light and the workers end together.
         return [
-            Task(map_tile if self._states[tile] < TileState.COMPUTED else survey_tile, tile, self.number)
+            self._task(survey_tile if tile in self._mapped else map_tile, tile, then=self._take_images)
             for tile in reversed(self._tiles)
         ]
 
-    def adopt(self, attractors: tuple[Attractor, ...], counts: np.ndarray, reserved: np.ndarray) -> None:
-        """Take over what the basin is found to be where one task has done all of it."""
-        self.attractors, self.counts, self.reserved, self.solved = attractors, counts, reserved, True
+    def adopt(
+        self, attractors: tuple[Attractor, ...], counts: np.ndarray, reserved: np.ndarray, seconds: dict[str, float]
+    ) -> None:
+        """Take over the results of a basin that one task has done."""
+        self.attractors, self.counts, self.reserved, self.seconds = attractors, counts, reserved, seconds
+        self.solved = True
 
     @property
     def stage(self) -> Stage:
-        """What it does at the moment."""
+        """Current stage."""
         if self.attractors or self.solved:
             return Stage.LABELLING
         return Stage.ASSEMBLING if self._assembling else Stage.MAPPING
 
     @property
     def tiles_done(self) -> int:
-        """Tiles that have passed that stage."""
+        """Tiles that have passed the current stage."""
         if self.solved:
             return len(self._tiles)
         return len(self._labels) if self.attractors else len(self._seeds)
 
-    def take(self, task: Task, receipt: Any) -> list[Task]:
-        """Tasks that can be done now that one has been."""
-        taken_by: dict[Callable[..., Any], Callable[[int, Any], list[Task]]] = {
-            map_tile: self._mapped,
-            survey_tile: self._mapped,
-            assemble_basin: self._catalogued,
-            extend_catalogue: self._extended,
-            label_tile: self._labelled,
-        }
-        return taken_by[task.function](task.number, receipt)
-
-    def _mapped(self, tile: int, receipt: MapReceipt) -> list[Task]:
+    def _take_images(self, tile: int, receipt: MapReceipt) -> list[Task]:
+        self.seconds["map_kernels"] += receipt.seconds
+        self._reach(tile, TileState.COMPUTED)
         self._words[receipt.image_set.number] |= receipt.image_set.word
         self._seeds[tile] = receipt.seeds
         self.reserved += receipt.reserved
@@ -113,20 +125,24 @@ class BasinRun:
         seeds = gather_seeds([self._seeds[tile] for tile in self._tiles])
         self._seeds.clear()
         self._assembling = True
-        return [Task(assemble_basin, self.number, self.number, (seeds,))]
+        return [self._task(assemble_basin, self.number, (seeds,), self._take_catalogue)]
 
-    def _catalogued(self, _: int, receipt: CatalogueReceipt) -> list[Task]:
+    def _take_catalogue(self, _: int, receipt: CatalogueReceipt) -> list[Task]:
+        self.seconds["assemble_kernels"] += receipt.seconds
         undecided = self.reserved[2] > 0
         return self._label(_with_undecided(receipt.attractors) if undecided else receipt.attractors)
 
     def _label(self, attractors: tuple[Attractor, ...]) -> list[Task]:
-        """Label every tile anew: labels of an earlier catalogue are void."""
+        """Label every tile, again after each extension of the catalogue."""
         self.attractors = attractors
         self._labels.clear()
         arguments = attractors, self.numbered
-        return [Task(label_tile, tile, self.number, arguments) for tile in reversed(self._tiles)]
+        return [self._task(label_tile, tile, arguments, self._take_labels) for tile in reversed(self._tiles)]
 
-    def _labelled(self, tile: int, receipt: LabelReceipt) -> list[Task]:
+    def _take_labels(self, tile: int, receipt: LabelReceipt) -> list[Task]:
+        self.seconds["label_kernels"] += receipt.seconds
+        if self.numbered:
+            self._reach(tile, TileState.ASSEMBLED)
         self._labels[tile] = receipt
         if len(self._labels) < len(self._tiles):
             return []
@@ -134,10 +150,11 @@ class BasinRun:
         unassigned = gather_seeds([self._labels[tile].unassigned for tile in self._tiles])
         self._round += 1
         if unassigned.box.size and self._round < _CATALOGUE_ROUNDS:
-            return [Task(extend_catalogue, self.number, self.number, (self.attractors, unassigned))]
+            return [self._task(extend_catalogue, self.number, (self.attractors, unassigned), self._take_extension)]
         return self._relabel(_with_undecided(self.attractors) if unassigned.box.size else self.attractors)
 
-    def _extended(self, _: int, receipt: CatalogueReceipt) -> list[Task]:
+    def _take_extension(self, _: int, receipt: CatalogueReceipt) -> list[Task]:
+        self.seconds["assemble_kernels"] += receipt.seconds
         more = len(receipt.attractors) > len(self.attractors)
         return self._relabel(receipt.attractors if more else _with_undecided(self.attractors))
 

@@ -1,17 +1,17 @@
 """One number for one solution from basin to basin of a sweep.
 
-Every basin finds its own catalogue, whatever its neighbours find. Then, in the order of basins:
+Every basin finds its own catalogue, independently of its neighbours. Then, in the order of basins:
 
-1. Each periodic attractor of a neighbour is continued by Newton's method to the panel's parameters. Where that ends on
-   an attractor of the basin, the two are one solution; where it ends on one that the panel's catalogue lacks (its basin
-   holds no cell of the grid), that is added, with a share of 0.
-2. What is left is matched by kind and itinerary, the closest first.
-3. What is left then was not there before. It takes the number of a solution of its kind and itinerary that the basin
-   does not have yet, the one that was there last: across a sweep, its itinerary names a motion. Where there is none, it
-   takes the next number.
+1. Each periodic attractor of a neighbour is continued by Newton's method to the basin's parameters. If that ends on an
+   attractor of the basin, the two are one solution. If it ends on one that the basin's catalogue lacks (it attracts no
+   cell of the grid), that attractor is added, with a share of 0.
+2. The attractors that remain are matched by kind and itinerary, the closest first.
+3. Those that still remain were not there before. Each takes the number of a solution of its kind and itinerary that the
+   basin does not have yet, and of several the one that was there last: across a sweep, an itinerary names a motion. If
+   there is none, it takes the next number.
 
-Neighbours are the basin before along the last swept parameter and then, for what that one does not have, the basin
-before along the first. So numbers follow from the catalogues alone, whenever those were found.
+Neighbours are the basin before along the last swept parameter and then, for solutions that this one lacks, the basin
+before along the first. So numbers follow from the catalogues alone, in whatever order those were found.
 """
 
 from collections import OrderedDict
@@ -37,15 +37,15 @@ class Numbered(NamedTuple):
 
 
 class Numbering:
-    """Gives solutions their numbers, basin by basin, in order.
+    """Numbers the solutions of one basin after another.
 
     Parameters
     ----------
     job : BasinJob
     table : SolutionTable
-        Of the basins that have their numbers already; new solutions are appended to it.
+        Of the basins that are numbered already. New solutions are appended to it.
     read : callable
-        Numbered attractors of a basin that had its numbers before this run.
+        Returns the numbered attractors of a basin that was numbered before this run.
     """
 
     def __init__(self, job: BasinJob, table: SolutionTable, read: Callable[[int], Numbered]) -> None:
@@ -71,7 +71,7 @@ class Numbering:
             del self._recent[min(self._recent)]
 
     def _earlier(self, motion: Motion, number_of: dict[int, int]) -> int | None:
-        """Number of a motion that the basin does not have yet: of several, the one that was there last."""
+        """Number of a motion that the basin does not have yet; of several, the one that was there last."""
         free = [
             number
             for number, listed in enumerate(self.table.motions)
@@ -80,13 +80,13 @@ class Numbering:
         return max(free, key=lambda number: (self._seen[number], -number), default=None)
 
     def assign(self, basin: int, catalogue: Catalogue) -> Numbered:
-        """Number the attractors of a basin: the next one after all that have been numbered.
+        """Number the attractors of a basin. All basins before it have been numbered.
 
         Parameters
         ----------
         basin : int
         catalogue : tuple of Attractor
-            What the basin has found by itself.
+            The basin's own.
 
         Returns
         -------
@@ -111,7 +111,7 @@ class Numbering:
 
 
 def _thinned(attractor: Attractor) -> Attractor:
-    """Attractor with as many points of a chaotic one as tell where it is: a row of basins is kept in memory."""
+    """Attractor with enough points to locate it, if it is chaotic: a row of basins is kept in memory."""
     if not attractor.wanders:
         return attractor
     return attractor._replace(time=attractor.time[:_POINTS_KEPT], velocity=attractor.velocity[:_POINTS_KEPT])
@@ -120,7 +120,7 @@ def _thinned(attractor: Attractor) -> Attractor:
 def _continue(
     oscillator: Oscillator, known: list[tuple[Attractor, int]], attractors: list[Attractor], number_of: dict[int, int]
 ) -> None:
-    """Give attractors the numbers of those that Newton's method leads to them; add what is not there yet."""
+    """Give attractors the numbers of those that Newton's method leads to them. Add attractors that are missing."""
     for old, number in known:
         continued = continue_attractor(oscillator, old)
         if continued is None:
@@ -139,7 +139,7 @@ def _continue(
 def _match(
     oscillator: Oscillator, known: list[tuple[Attractor, int]], attractors: list[Attractor], number_of: dict[int, int]
 ) -> None:
-    """Give attractors the numbers of the closest of their kind and itinerary that have not found theirs."""
+    """Give attractors the numbers of the closest ones of the same kind and itinerary that are not matched yet."""
     pairs = sorted(
         (attractor_distance(oscillator, attractor, old), number, index)
         for old, number in known if number not in number_of.values()

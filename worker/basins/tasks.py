@@ -1,6 +1,6 @@
-"""What runs on workers: plain functions of a store and a tile or a basin. Running one again is harmless.
+"""What workers run: plain functions of a store and a tile or a basin. Running one again is harmless.
 
-Each returns a receipt, never the arrays: those go straight from the worker into the store.
+Each returns a receipt, never the arrays. The worker writes those into the store itself.
 """
 
 import time
@@ -32,17 +32,17 @@ from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import Seeds, choose_seeds
 from worker.basins.assembly import assemble_groups
 from worker.cluster.task import stop_if_cancelled
-from worker.errors import StoreConflict
 from worker.stores.basin_store import BasinStore
+from worker.stores.opening import demand_same_digest
 from worker.stores.tiles import Tile, bands, runs_of_points
 
 
 @dataclass(frozen=True)
 class MapReceipt:
-    """What one tile's images were.
+    """Images of one tile.
 
-    ``reserved`` counts the images -1, -2 and -3; ``image_set`` are the distinct image cells; ``seeds`` the seeds of
-    the catalogue. ``seconds`` is the kernels' time, 0 where the tile was read from the store.
+    ``reserved`` counts the images -1, -2 and -3. ``image_set`` holds the distinct image cells, ``seeds`` the seeds of
+    the catalogue. ``seconds`` is the kernels' time, 0 if the tile was read from the store.
     """
 
     reserved: np.ndarray
@@ -53,7 +53,7 @@ class MapReceipt:
 
 @dataclass(frozen=True)
 class CatalogueReceipt:
-    """Attractors that a basin has by itself."""
+    """A basin's own attractors."""
 
     attractors: tuple[Attractor, ...]
     seconds: float
@@ -61,7 +61,7 @@ class CatalogueReceipt:
 
 @dataclass(frozen=True)
 class LabelReceipt:
-    """What one tile's solutions were: places of each attractor, and some of the landing points that arrived at none."""
+    """Solutions of one tile: cells of each attractor, and some of the landing points that arrived at none."""
 
     counts: np.ndarray
     seconds: float
@@ -92,7 +92,7 @@ def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
         )  # fmt: skip
         parts.append(part)
     images = _joined(parts)
-    # A sample has no cells: what lands, lands outside of all.
+    # A sample has no cells, so every landing point lies outside.
     cells = np.minimum(images.image_cell, SINK)
     return CellImages(cells[None], images.landing_time[None], images.landing_velocity[None], images.applications)
 
@@ -130,7 +130,7 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
 
 
 def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
-    """Receipt of a tile that is in the store already, from the store."""
+    """Receipt of a tile that is in the store already."""
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
     image, t, v = store.read_tile(store.places.mapped, tile)
@@ -139,15 +139,14 @@ def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
 
 @lru_cache(maxsize=4)
 def open_store(location: str, digest: str) -> BasinStore:
-    """Store of the job with this digest, opened once per process: the same digest is the same layout."""
+    """Store of the job with this digest, opened once per process. The same digest means the same layout."""
     store = BasinStore(location)
-    if store.digest != digest:
-        raise StoreConflict(f"{location} holds the store of another request by now")
+    demand_same_digest(location, store.digest, digest)
     return store
 
 
 def assemble_basin(location: str, digest: str, basin: int, seeds: Seeds) -> CatalogueReceipt:
-    """Run Hsu's algorithm on a panel's image set, and find the attractors that its seeds end in."""
+    """Run Hsu's algorithm on a basin's image set, and find the attractors that its seeds end in."""
     store = open_store(location, digest)
     begin = time.perf_counter()
     if store.job.sample is None:
@@ -163,7 +162,7 @@ def assemble_basin(location: str, digest: str, basin: int, seeds: Seeds) -> Cata
 def extend_catalogue(
     location: str, digest: str, basin: int, known: tuple[Attractor, ...], unassigned: Seeds
 ) -> CatalogueReceipt:
-    """A panel's catalogue with what strangers end in."""
+    """Extend a basin's catalogue by the attractors that unassigned landing points end in."""
     store = open_store(location, digest)
     begin = time.perf_counter()
     oscillator = store.job.oscillator_of(basin)
@@ -173,7 +172,7 @@ def extend_catalogue(
 
 @lru_cache(maxsize=4)
 def _groups(location: str, digest: str, basin: int) -> CellGroups:
-    """What labels are looked up in, read once per process: it costs more than labelling a tile."""
+    """Hsu's numbers on a basin's image set, read once per process: that costs more than labelling a tile."""
     return open_store(location, digest).read_groups(basin)
 
 
@@ -182,8 +181,8 @@ def label_tile(
 ) -> LabelReceipt:
     """Look up group, period and step of one tile's cells, name their solutions, and write them.
 
-    Solutions are indices into the panel's own catalogue; they are written as such, beside the panel's image set, unless
-    those are their numbers already.
+    Solutions are indices into the basin's own catalogue. They are written as such beside the basin's image set, unless
+    the indices are their numbers already.
     """
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
@@ -217,7 +216,7 @@ def _own_cells(store: BasinStore, tile: Tile) -> np.ndarray:
 
 
 def number_tile(location: str, digest: str, number: int, numbers: tuple[int, ...]) -> None:
-    """Write one tile's solutions by the numbers that all basins share."""
+    """Write one tile's solutions under the numbers that all basins share."""
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
     (own,) = store.read_tile((store.places.own_solution,), tile)
@@ -227,14 +226,14 @@ def number_tile(location: str, digest: str, number: int, numbers: tuple[int, ...
 def write_points(
     location: str, digest: str, basin: int, numbers: tuple[int, ...], attractors: tuple[Attractor, ...]
 ) -> None:
-    """Write the points of a panel's attractors under their numbers."""
+    """Write the points of a basin's attractors under their numbers."""
     open_store(location, digest).write_points(basin, numbers, attractors)
 
 
 def number_basin(
     location: str, digest: str, basin: int, numbers: tuple[int, ...], attractors: tuple[Attractor, ...], own: int
 ) -> None:
-    """Write all of a small basin that needs its numbers; the first `own` of them are of its own catalogue."""
+    """Write everything of a small basin that needs numbers; the first `own` of them are of its own catalogue."""
     write_points(location, digest, basin, numbers, attractors)
     for tile in open_store(location, digest).tiling.numbers_of(basin):
         number_tile(location, digest, tile, numbers[:own])

@@ -1,10 +1,9 @@
-"""A basin of one tile, done by one task: what `worker.basins.basin_run` asks for, one after the other in one process.
+"""A basin of one tile, done by one task: the tasks of `worker.basins.basin_run` one after the other in one process.
 
-Through the cluster every one of its tasks would wait for a message, and the tables of its oscillator be built in
-whatever process gets it. What reaches the store is the same.
+Through the cluster every one of its tasks would wait for a message, and each process would build the tables of the
+basin's oscillator again. The store gets the same either way.
 """
 
-from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,16 +11,12 @@ import numpy as np
 from rattle_kernels import Attractor
 from worker.basins.basin_run import BasinRun
 from worker.basins.tasks import open_store
-from worker.cluster.task import Task, stop_if_cancelled
-from worker.stores.layout import TileState
+from worker.cluster.task import stop_if_cancelled
 
 
 @dataclass(frozen=True)
-class PanelReceipt:
-    """A basin that is solved: its own catalogue, places of each attractor and of each reserved image, and seconds.
-
-    ``seconds`` are of the kernels, by the name of their task.
-    """
+class BasinReceipt:
+    """A solved basin: its own catalogue, cells of each attractor and of each reserved image, and kernels' seconds."""
 
     attractors: tuple[Attractor, ...]
     counts: np.ndarray
@@ -29,16 +24,13 @@ class PanelReceipt:
     seconds: dict[str, float]
 
 
-def solve_basin(location: str, digest: str, number: int, state: TileState, numbered: bool) -> PanelReceipt:
-    """Map, assemble and label the one tile of a basin; `state` is what the ledger says of it."""
+def solve_basin(location: str, digest: str, number: int, mapped: bool, numbered: bool) -> BasinReceipt:
+    """Map, assemble and label the one tile of a basin; `mapped` says whether its images are in the store."""
     store = open_store(location, digest)
-    basin = BasinRun(store, number, {tile: state for tile in store.tiling.numbers_of(number)}, numbered=numbered)
-    seconds: Counter[str] = Counter()
-    ready: list[Task] = basin.begin()
+    basin = BasinRun(store, number, store.tiling.numbers_of(number) if mapped else (), numbered=numbered)
+    ready = basin.begin()
     while ready:
         stop_if_cancelled()
         task = ready.pop()
-        receipt = task.function(location, digest, task.number, *task.arguments)
-        seconds[task.function.__name__] += receipt.seconds
-        ready += basin.take(task, receipt)
-    return PanelReceipt(basin.attractors, basin.counts, basin.reserved, dict(seconds))
+        ready += task.then(task.number, task.function(location, digest, task.number, *task.arguments))
+    return BasinReceipt(basin.attractors, basin.counts, basin.reserved, basin.seconds)

@@ -1,6 +1,6 @@
-"""Certificates by which the parts of a Dask cluster know each other: one authority, one certificate for all parts.
+"""Certificates of a Dask cluster: one authority, and one certificate for all parts of the cluster.
 
-Dask's TLS is mutual and looks at no host names: whoever has the certificate and its key is let in, and nobody else.
+Dask's TLS is mutual and does not check host names. Whoever has the certificate with its key has access.
 """
 
 import os
@@ -18,7 +18,7 @@ _ALLOWED_CLOCK_ERROR = timedelta(hours=1)
 
 @dataclass(frozen=True)
 class Certificates:
-    """Files that a part of a cluster needs: the authority's certificate, its own, and the key of that."""
+    """Files that a part of a cluster needs: the authority's certificate, its own certificate, and its key."""
 
     authority: Path
     certificate: Path
@@ -28,12 +28,12 @@ class Certificates:
 def make_certificates(folder: Path, days: int) -> Certificates:
     """Write the authority's certificate, and one with its key for all parts of a cluster.
 
-    The authority's own key is thrown away: nobody can make more of them.
+    The authority's own key is thrown away, so no more certificates can be made.
 
     Raises
     ------
     FileExistsError
-        Where there are certificates already: parts that run would no longer know new ones.
+        If there are certificates already. Running parts of the cluster would not accept new ones.
     """
     folder.mkdir(parents=True, exist_ok=True)
     authority_key, key = ec.generate_private_key(ec.SECP256R1()), ec.generate_private_key(ec.SECP256R1())
@@ -90,6 +90,6 @@ def _usage(signs_certificates: bool) -> x509.KeyUsage:
 
 
 def _write(path: Path, data: bytes, mode: int) -> None:
-    # Created with its mode: at no moment can others read a key.
+    # Created with its mode, so others can never read a key.
     with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as file:
         file.write(data)

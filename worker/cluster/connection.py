@@ -20,18 +20,18 @@ _log = logging.getLogger("rattle.cluster")
 _CONNECT_SECONDS = 10
 _CLOSE_SECONDS = 10
 _FORGET_SECONDS = 3
-# Workers yield to whoever drives them, and more so to a service, which must answer while both cores compute.
+# Workers yield to the driver, and even more to a service, which must answer while both cores compute.
 _NICENESS = 8
-# Each connection keeps its last messages for developers, a thousand by default: with catalogues in them, 100 MB.
+# Each connection keeps its last messages for debugging. The default of a thousand takes 100 MB with catalogues in them.
 _MESSAGES_KEPT = {"distributed.admin.low-level-log-length": 20}
-# A worker holds the one task that it computes: when it dies, that one is to blame, and no other.
+# A worker holds only the task that it computes. When it dies, no other task is blamed.
 _ONE_TASK_A_WORKER = {"distributed.scheduler.worker-saturation": 1.0, "distributed.scheduler.allowed-failures": 1}
-# Dask's parts answer over HTTP as well, and tell whoever asks what they do: they are left nothing to say.
+# Dask's scheduler and workers also serve status pages over HTTP, open to anyone. They are switched off.
 _NO_PAGES: dict[str, list[str]] = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
 
 
 class WarmKernels(WorkerPlugin):
-    """Loads the compiled kernels before a worker takes its first tile, also after a nanny has restarted it."""
+    """Loads the compiled kernels before a worker's first tile, also after a nanny has restarted it."""
 
     name = "warm-kernels"
 
@@ -48,7 +48,7 @@ class WarmKernels(WorkerPlugin):
 
 @contextlib.contextmanager
 def local_cluster(workers: int = 2, compiling: Report | None = None) -> Iterator[Client]:
-    """Client of an embedded cluster of single-threaded worker processes, which ends with the context.
+    """Client of an embedded cluster of single-threaded worker processes. The cluster ends with the context.
 
     Parameters
     ----------
@@ -60,13 +60,13 @@ def local_cluster(workers: int = 2, compiling: Report | None = None) -> Iterator
     ------
     distributed.Client
     """
-    # For good: workers that a nanny has restarted connect later.
+    # Not only within this context: workers that a nanny has restarted connect later.
     dask.config.set(_MESSAGES_KEPT)
-    # One process fills the disk cache of compiled kernels; the workers then find it filled.
+    # This process fills the disk cache of compiled kernels for the workers.
     warm_up(compiling)
     settings = {
         "distributed.comm.timeouts.connect": f"{_CONNECT_SECONDS}s",
-        # Nobody reads Dask's sampled profiles here, and workers and scheduler share two cores.
+        # Dask's sampled profiles are not read, and workers and scheduler share two cores.
         "distributed.worker.profile.enabled": False,
         **_ONE_TASK_A_WORKER,
         **_NO_PAGES,
@@ -86,14 +86,13 @@ def local_cluster(workers: int = 2, compiling: Report | None = None) -> Iterator
 
 
 def _end(cluster: LocalCluster) -> None:
-    """Kill the workers, then close what is left: a service stops in seconds, and no tile minds being killed.
+    """Kill the workers, then close the rest. So a service stops in seconds, and killed tiles do no harm.
 
-    The other way round takes longer than anyone waits on a busy machine, and a `close` that has timed out leaves the
-    cluster closing for ever: Dask then waits for it another ten seconds when the process ends.
+    The other way round takes too long on a busy machine. A `close` that has timed out leaves the cluster closing for
+    ever, and Dask waits another ten seconds for it when the process ends.
     """
     kill_workers(cluster)
-    # A scheduler that still believes in them would write to them as it closes, and tell of it in a traceback when
-    # nothing silences it any more.
+    # A scheduler that does not know yet that they are gone writes to them as it closes, which ends in a traceback.
     patience = time.monotonic() + _FORGET_SECONDS
     while cluster.scheduler.workers and time.monotonic() < patience:
         time.sleep(0.01)
@@ -102,7 +101,7 @@ def _end(cluster: LocalCluster) -> None:
 
 
 def kill_workers(cluster: LocalCluster) -> None:
-    """Kill the workers of an embedded cluster, for good, and have their nannies give up what they shared with them."""
+    """Kill the workers of an embedded cluster for good, and let their nannies release what they shared with them."""
     nannies = list(cluster.workers.values())
     for nanny in nannies:
         nanny.close_gracefully("killed")  # or it would start another one
@@ -115,7 +114,7 @@ def kill_workers(cluster: LocalCluster) -> None:
 
 @contextlib.contextmanager
 def _closing(client: Client) -> Iterator[Client]:
-    # Not `with client`: that enters a context variable, and a service opens and closes its client in different threads.
+    # Not `with client`: that sets a context variable, and a service opens and closes its client in different threads.
     try:
         yield client
     finally:
@@ -124,7 +123,7 @@ def _closing(client: Client) -> Iterator[Client]:
 
 @contextlib.contextmanager
 def remote_cluster(address: str, certificates: Certificates | None = None) -> Iterator[Client]:
-    """Client of a scheduler that runs elsewhere.
+    """Client of a scheduler on another machine.
 
     Parameters
     ----------
@@ -136,7 +135,7 @@ def remote_cluster(address: str, certificates: Certificates | None = None) -> It
     Raises
     ------
     ClusterFailed
-        Where nothing answers there, or it does not know these certificates.
+        If nothing answers there, or the scheduler does not accept these certificates.
     """
     dask.config.set(_MESSAGES_KEPT)
     try:
@@ -146,14 +145,14 @@ def remote_cluster(address: str, certificates: Certificates | None = None) -> It
     with _closing(client):
         try:
             client.register_plugin(WarmKernels())
-            _tell_of_settings(client, address)
+            _warn_of_settings(client, address)
         except OSError as error:  # its workers are being restarted
             raise ClusterFailed(f"the workers of {address} cannot be reached: {error}") from error
         yield client
 
 
-def _tell_of_settings(client: Client, address: str) -> None:
-    """Say where a scheduler was started without what the embedded one has."""
+def _warn_of_settings(client: Client, address: str) -> None:
+    """Warn of a scheduler that lacks settings of the embedded one."""
     for name, right in _ONE_TASK_A_WORKER.items():
         found = client.run_on_scheduler(dask.config.get, name)
         if found != right:
@@ -182,7 +181,7 @@ def connect(
     certificates: Certificates | None = None,
     compiling: Report | None = None,
 ) -> contextlib.AbstractContextManager[Client]:
-    """Client of the scheduler at `address`, or of an embedded cluster of `workers` where there is none.
+    """Client of the scheduler at `address`, or without an address of an embedded cluster of `workers`.
 
     Kernels that an embedded cluster has to compile are reported to `compiling`, as those of `warm_up` are.
     """
@@ -190,7 +189,7 @@ def connect(
 
 
 def count_workers(client: Client, seconds: float) -> int:
-    """Workers that the scheduler knows; 0 where it does not answer in time."""
+    """Number of workers that the scheduler knows; 0 if it does not answer in time."""
     try:
         return len(client.sync(client.scheduler.ncores, callback_timeout=seconds))
     except (OSError, RuntimeError, TimeoutError):

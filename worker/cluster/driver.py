@@ -1,12 +1,13 @@
-"""Runs many small tasks on a cluster with a small window in flight.
+"""Runs many small tasks on a cluster, a few at a time.
 
-Why not one ``client.map``: with every future held, each killed worker made the scheduler compute again what was on disk
-already, and marked innocent tiles as killers. So: about two tasks a thread are in flight; a future is released as soon
-as its receipt is here; a lost task is submitted again under a new key (a known key would be answered with its old,
-cancelled future); and after a few failures of its own a task fails the job.
+One ``client.map`` over all tasks does not do. It holds every future, so each killed worker made the scheduler compute
+again what was on disk already, and innocent tiles were blamed for killing workers. Instead, about two tasks per thread
+are in flight. A future is released as soon as its receipt has arrived. A lost task is submitted again under a new key,
+because a known key would be answered with its old, cancelled future. After a few failures of its own a task fails the
+job.
 
-Jobs that run on one client at the same time share its window: the scheduler takes tasks in the order in which they were
-submitted, so each job gets its turn, and one that has just begun waits for a few tasks of the others at the most.
+Jobs that run at the same time share one driver, and so its window. The scheduler takes tasks in the order in which they
+were submitted. So each job gets its turn, and a job that has just begun waits for at most a few tasks of the others.
 """
 
 import logging
@@ -15,7 +16,6 @@ import time
 import uuid
 from collections.abc import Callable, Generator
 from typing import Any
-from weakref import WeakKeyDictionary
 
 from distributed import CancelledError, Client, Future, wait
 
@@ -26,10 +26,10 @@ from worker.errors import ClusterFailed, JobCancelled, StoreFailed, TileFailed, 
 
 _log = logging.getLogger("rattle.driver")
 _TRIES = 4
-# A worker may be cut off from the store alone, or for a while; a disk that is full stays so.
+# One worker may be cut off from the store, or all of them for a while. A full disk stays full.
 _STORE_TRIES = 2
 _POLL_SECONDS = 0.2
-# On a busy machine a worker that was killed is back after a minute.
+# On a busy machine a killed worker is back after a minute.
 _NO_WORKER_SECONDS = 180.0
 _TASKS_A_THREAD = 2
 _LOST = "the connection to the scheduler is lost; submit again when it is back"
@@ -42,52 +42,81 @@ def _threads(client: Client) -> int:
         raise ClusterFailed(f"the scheduler cannot be reached: {error}") from error
 
 
-def window_size(client: Client) -> int:
-    """How many tasks of all jobs are in flight at the most."""
-    return _TASKS_A_THREAD * max(1, _threads(client))
+class Driver:
+    """Runs the tasks of jobs on a cluster. Jobs may run at the same time, each in its own thread.
 
+    Parameters
+    ----------
+    client : distributed.Client
+    retried : callable
+        Called whenever a lost task is submitted again.
+    """
 
-class _Windows:
-    """How many jobs share each client."""
-
-    def __init__(self) -> None:
+    def __init__(self, client: Client, retried: Callable[[], None] = lambda: None) -> None:
+        self.client, self.retried = client, retried
         self._lock = threading.Lock()
-        self._open: WeakKeyDictionary[Client, int] = WeakKeyDictionary()
+        self._jobs = 0
 
-    def add(self, client: Client, more: int) -> None:
+    @property
+    def window_size(self) -> int:
+        """Largest number of tasks in flight, of all jobs together."""
+        return _TASKS_A_THREAD * max(1, _threads(self.client))
+
+    def share(self, size: int) -> int:
+        """Part that each job has of a window of some size."""
+        return max(1, -(-size // max(1, self._jobs)))
+
+    def add_jobs(self, more: int) -> None:
+        """Change how many jobs share the window."""
         with self._lock:
-            self._open[client] = self._open.get(client, 0) + more
+            self._jobs += more
 
-    def share(self, client: Client, size: int) -> int:
-        """Part of a window of some size that each job has."""
-        return max(1, -(-size // max(1, self._open.get(client, 1))))
+    def run_tasks(
+        self, address: tuple[str, str], next_task: Callable[[], Task | None], cancel: threading.Event
+    ) -> Generator[tuple[Task, Any], None, None]:
+        """Run the tasks of one job, and yield each with its receipt as it completes.
 
+        Parameters
+        ----------
+        address : (str, str)
+            Location of the store, and digest of the job that tasks expect there.
+        next_task : callable
+            Returns the next task, or None if there is none until another one has completed, or none at all.
+        cancel : threading.Event
+            Set it to stop the work.
 
-_windows = _Windows()
+        Yields
+        ------
+        Task, Any
+            A completed task, and what its function returned.
 
-
-class _Retries:
-    """How many tasks this process has submitted again."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self.total = 0
-
-    def add(self) -> None:
-        with self._lock:
-            self.total += 1
-
-
-_retries = _Retries()
-
-
-def tasks_retried() -> int:
-    """How many tasks this process has submitted again after they were lost."""
-    return _retries.total
+        Raises
+        ------
+        JobCancelled, TileFailed, ClusterFailed, or the WorkerError of a task
+            Tasks still in flight have then been cancelled.
+        """
+        window = _Window(self, address)
+        last_seen = time.monotonic()
+        try:
+            while True:
+                if cancel.is_set():
+                    raise JobCancelled("cancelled on request")
+                while not window.full and (task := next_task()) is not None:
+                    window.submit(task)
+                if not window.task_of:
+                    return
+                done = window.wait()
+                last_seen = time.monotonic() if done else _check_workers(self.client, last_seen)
+                for future in done:
+                    taken = window.take(future)
+                    if taken is not None:
+                        yield taken
+        finally:
+            window.close()
 
 
 def _outcome(future: Future) -> tuple[bool, Any]:
-    """Whether a task that has ended left a receipt, and that one; else its error, None where its worker was lost."""
+    """Whether an ended task left a receipt, with the receipt; else its error, None if its worker was lost."""
     if future.status == "finished":
         try:
             return True, future.result()
@@ -97,19 +126,19 @@ def _outcome(future: Future) -> tuple[bool, Any]:
 
 
 class _Window:
-    """Tasks in flight: which task each future is, and how often that was tried."""
+    """A job's tasks in flight: the task of each future, and how often it was tried."""
 
-    def __init__(self, client: Client, address: tuple[str, str]) -> None:
-        self.client, self.address = client, address
-        self.size = window_size(client)
+    def __init__(self, driver: Driver, address: tuple[str, str]) -> None:
+        self.driver, self.client, self.address = driver, driver.client, address
+        self.size = driver.window_size
         self.run = uuid.uuid4().hex[:12]
         self.submitted = 0
         self.task_of: dict[Future, tuple[Task, int]] = {}
-        _windows.add(client, 1)
+        driver.add_jobs(1)
 
     @property
     def full(self) -> bool:
-        return len(self.task_of) >= _windows.share(self.client, self.size)
+        return len(self.task_of) >= self.driver.share(self.size)
 
     def submit(self, task: Task, attempt: int = 1) -> None:
         self.submitted += 1
@@ -118,7 +147,7 @@ class _Window:
         self.task_of[self.client.submit(compute_alike, *call, key=key, pure=False)] = task, attempt
 
     def take(self, future: Future) -> tuple[Task, Any] | None:
-        """A finished task and its receipt, its future released at once; None where it was submitted again."""
+        """A finished task and its receipt; None if it was submitted again. Its future is released at once."""
         task, attempt = self.task_of.pop(future)
         finished, receipt_or_error = _outcome(future)
         future.release()
@@ -129,74 +158,33 @@ class _Window:
             raise error
         if attempt >= _TRIES:
             reason = f"{type(error).__name__}: {error}" if error else "its worker was lost"
-            what = task.name or f"{task.function.__name__} {task.number} of basin {task.basin}"
-            raise TileFailed(f"{what} failed {_TRIES} times; the last time: {reason}") from error
-        _log.warning("%s %d of basin %d is tried again", task.function.__name__, task.number, task.basin)
-        _retries.add()
+            raise TileFailed(f"{task} failed {_TRIES} times; the last time: {reason}") from error
+        _log.warning("%s is tried again", task)
+        self.driver.retried()
         self.submit(task, attempt + 1)
         return None
 
     def wait(self) -> set[Future]:
-        """Futures that have ended, none where none does within a fifth of a second."""
+        """Futures that have ended; none if none ends within a fifth of a second."""
         try:
             with self.client.as_current():
                 done: set[Future] = wait(list(self.task_of), timeout=_POLL_SECONDS, return_when="FIRST_COMPLETED").done
         except TimeoutError:
             return set()
-        except CancelledError as error:  # by nobody here: the scheduler that knew them is gone
+        except CancelledError as error:  # not by this driver: the scheduler that knew them is gone
             raise ClusterFailed(_LOST) from error
         return done
 
     def close(self) -> None:
         """Cancel what is in flight."""
-        _windows.add(self.client, -1)
+        self.driver.add_jobs(-1)
         if self.client.status == "running":
             self.client.cancel(list(self.task_of), force=True)
         self.task_of.clear()
 
 
-def run_tasks(
-    client: Client, address: tuple[str, str], following: Callable[[], Task | None], cancel: threading.Event
-) -> Generator[tuple[Task, Any], None, None]:
-    """Yield each task with its receipt as it completes.
-
-    Parameters
-    ----------
-    client : distributed.Client
-    address : (str, str)
-        What tasks find the store by: its location, and the digest of the job they expect there.
-    following : callable
-        The next task; None where there is none until another one has completed, or at all.
-    cancel : threading.Event
-        Set by whoever wants the work to stop.
-
-    Raises
-    ------
-    JobCancelled, TileFailed, ClusterFailed, or the WorkerError of a task
-        Whatever is still in flight has been cancelled then.
-    """
-    window = _Window(client, address)
-    last_seen = time.monotonic()
-    try:
-        while True:
-            if cancel.is_set():
-                raise JobCancelled("cancelled on request")
-            while not window.full and (task := following()) is not None:
-                window.submit(task)
-            if not window.task_of:
-                return
-            done = window.wait()
-            last_seen = time.monotonic() if done else _check_workers(client, last_seen)
-            for future in done:
-                taken = window.take(future)
-                if taken is not None:
-                    yield taken
-    finally:
-        window.close()
-
-
 def _check_workers(client: Client, last_seen: float) -> float:
-    """Time at which a worker was last known; fails when there has been none for a minute."""
+    """Time at which a worker was last known. Fails if there has been none for `_NO_WORKER_SECONDS`."""
     if client.status in ("closed", "closing", "connecting"):
         raise ClusterFailed(_LOST)
     if _threads(client) > 0:

@@ -1,6 +1,6 @@
-"""A task: what the driver has a worker do, and how the worker leaves it when it is cancelled."""
+"""A task: one call on a worker, and what the driver does with its result; how a worker leaves a cancelled task."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,24 +9,49 @@ from distributed import get_worker
 from worker.errors import JobCancelled
 
 
+def _nothing_next(number: int, receipt: Any) -> "Iterable[Task]":
+    return ()
+
+
 @dataclass(frozen=True)
 class Task:
-    """One call: ``function(location, digest, number, *arguments)``, of a function of this module or of `analysis_run`.
+    """One call on a worker: ``function(location, digest, number, *arguments)``.
 
-    ``number`` is that of a tile, a basin or a piece; ``basin`` the basin that it is for; ``name`` what it is called.
+    Only the function and its arguments travel to the worker. The rest stays with the driver.
+
+    Parameters
+    ----------
+    function : callable
+    number : int
+        Of a tile, a basin or a piece.
+    arguments : tuple
+    then : callable
+        ``then(number, receipt)`` takes what the function returned and gives the tasks that can be done now.
+    name : str
+        For messages.
+    priority : int
+        Tasks with a lower number go first.
     """
 
     function: Callable[..., Any]
     number: int
-    basin: int
     arguments: tuple[Any, ...] = ()
+    then: "Callable[[int, Any], Iterable[Task]]" = _nothing_next
     name: str = ""
+    priority: int = 0
+
+    def __str__(self) -> str:
+        return self.name or f"{self.function.__name__} {self.number}"
 
 
 def stop_if_cancelled() -> None:
-    """Leave a task that has been cancelled: `Future.cancel` alone does not stop a running function.
+    """Leave a task that has been cancelled. `Future.cancel` alone does not stop a running function.
 
     Called several times a second, wherever a task may take longer than that.
+
+    Raises
+    ------
+    JobCancelled
     """
     try:
         worker = get_worker()

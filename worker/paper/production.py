@@ -17,6 +17,7 @@ from PIL import Image
 
 from rattle_kernels import CellGrid
 from worker.basins.pipeline import run_basin
+from worker.cluster.driver import Driver
 from worker.errors import JobCancelled
 from worker.jobs.basin_job import BasinJob
 from worker.paper.figure import PaperFigure, Sheet, Tell
@@ -99,13 +100,14 @@ def _complete(
     if not stores:
         return
     with connect() as client:
+        driver = Driver(client)
         for number, (name, store) in enumerate(stores.items(), 1):
             before = f"basin {number} of {len(stores)}, {name}: " if len(stores) > 1 else ""
 
             def report(progress: Progress, before: str = before) -> None:
                 tell(f"{before}{progress.stage}", progress.tiles_done, progress.tiles_total)
 
-            run_basin(store.job, store.location, client, report=report, cancel=cancel)
+            run_basin(store.job, store.location, driver, report=report, cancel=cancel)
 
 
 def _write(figure: PaperFigure, sheet: Sheet, folder: Path, stores: tuple[Path, ...]) -> Produced:

@@ -14,6 +14,7 @@ from worker.jobs.basin_job import BasinJob
 from worker.pictures.colours import colours_of
 from worker.pictures.symbols import SYMBOLS
 from worker.stores.basin_store import BasinStore
+from worker.stores.solution_table import share_error
 from worker.stores.summary import representatives
 
 # Maps of shares over two parameters: of the solutions with the largest shares.
@@ -32,7 +33,7 @@ def draw_lines(axes: Axes, job: BasinJob, share: np.ndarray, solutions: tuple[At
     named = _largest(share, _LEGEND_ROWS)
     for number, solution in enumerate(solutions):
         p = share[:, number]
-        error = np.sqrt(p * (1.0 - p) / job.sample.points) if job.sample else None
+        error = share_error(p, job.sample.points) if job.sample else None
         axes.errorbar(
             job.vary[0].values, p, error, marker=".", color=palette[number],
             label=f"{number}: {solution.name}" if number in named else None,

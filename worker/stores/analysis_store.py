@@ -1,8 +1,8 @@
-"""The Zarr store of an analysis: parts as they come, and the tables that they are put together in.
+"""The Zarr store of an analysis: parts as they are computed, and the tables that are assembled from them.
 
-Guarantees. Each part is written by one task, which marks it whole when all its columns are there; a part that is not
-marked counts for nothing and is computed again. Tables are written by the driver alone, whole, when the work ends or is
-stopped. When the store is complete its parts are removed: what is left is the same to the byte whatever happened.
+Guarantees. Each part is written by one task, which marks it whole when all its columns are there. A part without the
+mark is ignored and computed again. The driver alone writes tables, whole, when the work ends or is stopped. When the
+store is complete its parts are removed, and the rest is the same to the byte whatever happened on the way.
 """
 
 import json
@@ -46,9 +46,9 @@ class AnalysisStore:
     Raises
     ------
     StoreConflict
-        Where the location holds no analysis.
+        If the location holds no analysis.
     StoreFailed
-        Where it cannot be read.
+        If it cannot be read.
     """
 
     def __init__(self, location: str, fence: Fence = unfenced) -> None:
@@ -61,15 +61,14 @@ class AnalysisStore:
 
     @classmethod
     def create_or_resume(cls, location: str, title: str, job: AnalysisJob, fence: Fence = unfenced) -> "AnalysisStore":
-        """Store of `job` at `location`: the one that is there, or a new one.
+        """Store of `job` at `location`: the existing one, or a new one.
 
         Raises
         ------
         StoreConflict
-            Where the location holds another job's store, one that was begun on a processor of another kind, or
-            something else.
+            If the location holds another job's store, one begun on a processor of another kind, or something else.
         StoreFailed
-            Where it cannot be written.
+            If it cannot be written.
         """
         create_unless_there(location, "store", lambda: _create(location, title, job, fence), fence)
         store = cls(location, fence)
@@ -85,12 +84,12 @@ class AnalysisStore:
 
     @property
     def digest(self) -> str:
-        """Hash of what was asked for."""
+        """Hash of the request."""
         return str(self._group.attrs["request_sha256"])
 
     @property
     def request(self) -> dict[str, Any]:
-        """What was asked for."""
+        """The request."""
         request: dict[str, Any] = json.loads(str(self._group.attrs["request"]))
         return request
 
@@ -113,7 +112,7 @@ class AnalysisStore:
         Raises
         ------
         StoreFailed
-            Where it is there no longer, as where the driver has finished meanwhile.
+            If it is gone, as when the driver has finished meanwhile.
         """
         part = self._part(name)
         if part is None:
@@ -122,7 +121,7 @@ class AnalysisStore:
             return {column: np.asarray(array[...]) for column, array in part.arrays()}
 
     def _part(self, name: str) -> Any | None:
-        """Group of a piece, where it is there."""
+        """Group of a piece, None if it is missing."""
         with told_as_store_failure(self.location):
             try:
                 return self._group[f"{_PARTS}/{name}"]
@@ -131,14 +130,14 @@ class AnalysisStore:
 
     def parts(self) -> "StoredParts":
         """Pieces that are done."""
-        # Zarr's own list of groups would warn of the files that writers of other parts have under way.
+        # Zarr's own list of groups would warn of temporary files that writers of other parts have open.
         with told_as_store_failure(self.location):
             names = place_at(self.location).folders(_PARTS)
         found = {name: self._part(name) for name in names}
         return StoredParts(self, [name for name, part in found.items() if part is not None and part.attrs.get(_WHOLE)])
 
     def publish(self, variables: tuple[Variable, ...], columns: Columns) -> None:
-        """Write the tables, in place of those that are there (driver only)."""
+        """Write the tables in place of the existing ones (driver only)."""
         self._fence()
         with told_as_store_failure(self.location):
             for variable in variables:
@@ -170,7 +169,7 @@ class AnalysisStore:
 
 
 class StoredParts(Mapping[str, Columns]):
-    """Columns of pieces by name, read when they are asked for and then kept."""
+    """Columns of pieces by name, read on first use and then kept."""
 
     def __init__(self, store: AnalysisStore, names: list[str]) -> None:
         self._store = store
@@ -202,7 +201,7 @@ def kind_of_store(location: str) -> str:
     Raises
     ------
     StoreConflict
-        Where there is no store.
+        If there is no store.
     """
     if not holds_store(location):
         raise StoreConflict(f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open")
@@ -211,7 +210,7 @@ def kind_of_store(location: str) -> str:
 
 
 def _create(location: str, title: str, job: AnalysisJob, fence: Fence) -> None:
-    """Lay out a new store: attributes alone, as nobody knows yet how long its tables will be."""
+    """Create a new store with attributes alone. The length of its tables is not known yet."""
     group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
     born = birth_certificate(title, job.request(), job.digest)
     group.update_attributes(born | {"kind": job.kind, "layout_version": ANALYSIS_LAYOUT_VERSION})
@@ -234,7 +233,7 @@ def _write(
 
 
 def _chunks(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Chunks as long as the array, up to a bound along its first dimension."""
+    """Chunks as long as the array, with a bound along the first dimension."""
     rest = max(1, int(np.prod(shape[1:], dtype=np.int64)))
     first = max(1, min(shape[0], _LONGEST_CHUNK // rest)) if shape else 1
     return (first, *(max(1, length) for length in shape[1:])) if shape else ()

@@ -1,10 +1,10 @@
 """The Zarr store of one job.
 
-Guarantees. One tile is one chunk of every array and one writer writes it, so writers never meet. Chunks are replaced as
-a whole (temporary file and rename), so a killed writer leaves the old chunk or the new one. Chunks equal to the fill
-value are written, too. The ledger, the table of solutions and the metadata have one writer, the driver; metadata are
-consolidated anew whenever they change (when there are more solutions than before), so that readers that trust the root,
-such as those over HTTP, which cannot list a folder, see all there is at any moment.
+Guarantees. One tile is one chunk of every array, and one writer writes it, so writers never meet. Chunks are replaced
+as a whole (temporary file and rename), so a killed writer leaves the old chunk or the new one. Chunks equal to the fill
+value are written, too. The ledger, the table of solutions and the metadata have one writer, the driver. Metadata are
+consolidated whenever they change (when there are more solutions than before). So readers that rely on the root, such as
+those over HTTP, which cannot list a folder, see everything at any moment.
 """
 
 import json
@@ -13,29 +13,21 @@ from typing import Any
 
 import numpy as np
 
-from rattle_kernels import Attractor, AttractorKind, CellGroups, ImageSet, with_counts
+from rattle_kernels import CellGroups, ImageSet, with_counts
 from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
 from worker.stores import layout
 from worker.stores.layout import Variable
-from worker.stores.new_store import (
-    CONFIG,
-    consolidate,
-    create_array,
-    create_store,
-    now,
-    places_of,
-    tiling_of,
-)
+from worker.stores.new_store import consolidate, create_store, now, places_of, tiling_of
 from worker.stores.object_storage import place_at
 from worker.stores.opening import create_unless_there, demand_same_request, open_group, open_store_at
-from worker.stores.solution_table import Motion, SolutionTable
+from worker.stores.solution_arrays import SolutionArrays
 from worker.stores.tiles import Tile
 
 
-class BasinStore:
+class BasinStore(SolutionArrays):
     """A job's store, open for reading and writing.
 
     Parameters
@@ -48,9 +40,9 @@ class BasinStore:
     Raises
     ------
     StoreConflict
-        Where the location holds something else than a basin's store.
+        If the location holds something other than a basin's store.
     StoreFailed
-        Where it cannot be read.
+        If it cannot be read.
     """
 
     def __init__(self, location: str, fence: Fence = unfenced) -> None:
@@ -64,20 +56,18 @@ class BasinStore:
         self.digest = self.job.digest
         self.tiling = tiling_of(self.job)
         self.places = places_of(self.job)
-        # Arrays of cells never change their shape: their handles are kept, as opening one costs half as much as a tile.
-        self._handles: dict[str, Any] = {}
+        super().__init__()
 
     @classmethod
     def create_or_resume(cls, location: str, job: BasinJob, fence: Fence = unfenced) -> "BasinStore":
-        """Store of `job` at `location`: the one that is there, or a new one.
+        """Store of `job` at `location`: the existing one, or a new one.
 
         Raises
         ------
         StoreConflict
-            Where the location holds another job's store, one that was begun on a processor of another kind, or
-            something else.
+            If the location holds another job's store, one begun on a processor of another kind, or something else.
         StoreFailed
-            Where it cannot be written.
+            If it cannot be written.
         """
         create_unless_there(location, "basin store", lambda: create_store(location, job, fence), fence)
         store = cls(location, fence)
@@ -86,27 +76,13 @@ class BasinStore:
             demand_same_rounding(location, store.attributes)
         return store
 
-    def _array(self, variable: Variable) -> Any:
-        return self._group[variable.path].with_config(CONFIG)
-
-    def _kept(self, variable: Variable) -> Any:
-        if variable.path not in self._handles:
-            self._handles[variable.path] = self._array(variable)
-        return self._handles[variable.path]
-
     @property
     def complete(self) -> bool:
         """Whether the job has finished and every array is whole."""
         return bool(self._group.attrs["complete"])
 
-    def _kept_with_room(self, variable: Variable, shape: tuple[int, ...]) -> Any:
-        """An array whose last dimensions the driver lengthens, as it is where what is known of it is too short."""
-        if any(there < needed for there, needed in zip(self._kept(variable).shape[-len(shape) :], shape, strict=True)):
-            del self._handles[variable.path]
-        return self._kept(variable)
-
     def _region(self, tile: Tile) -> tuple[int | slice, ...]:
-        """Where a tile lies in an array; the one row of a sample has no dimension of its own."""
+        """Region of a tile in an array. The one row of a sample has no dimension of its own."""
         within = (slice(*tile.rows), slice(*tile.columns)) if self.job.sample is None else (slice(*tile.columns),)
         return (*self.job.place_of(tile.basin), *within)
 
@@ -123,7 +99,7 @@ class BasinStore:
         Raises
         ------
         StoreFailed
-            Where it cannot be read, or is not there: Zarr takes what is missing for fill values, which are no data.
+            If it cannot be read or is missing. Zarr returns fill values for missing chunks, and those are not data.
         """
         region = self._region(tile)
         shape = tile.rows[1] - tile.rows[0], tile.columns[1] - tile.columns[0]
@@ -163,13 +139,13 @@ class BasinStore:
             return with_counts(np.asarray(self._kept(layout.IMAGE_WORDS)[*self.job.place_of(basin), :]))
 
     def write_groups(self, basin: int, groups: CellGroups) -> None:
-        """Write Hsu's numbers on a panel's image set, for tiles to look up."""
+        """Write Hsu's numbers on a basin's image set, for tiles to look up."""
         with told_as_store_failure(self.location):
             for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True):
                 self._kept(variable)[*self.job.place_of(basin), : values.size] = values
 
     def read_groups(self, basin: int) -> CellGroups:
-        """Read Hsu's numbers on a panel's image set."""
+        """Read Hsu's numbers on a basin's image set."""
         members = self.read_image_words(basin)
         place = self.job.place_of(basin)
         with told_as_store_failure(self.location):
@@ -194,113 +170,6 @@ class BasinStore:
         with told_as_store_failure(self.location):
             return np.asarray(self._array(layout.IMAGE_COUNTS)[...]).reshape(-1, 3)
 
-    def make_room(self, table: SolutionTable, points: int) -> None:
-        """Lengthen the arrays of solutions, where they are too short, and say what the new ones are (driver only).
-
-        Parameters
-        ----------
-        table : SolutionTable
-        points : int
-            Most points of an attractor.
-        """
-        self._fence()
-        with told_as_store_failure(self.location):
-            there = self._kept_with_room(layout.POINTS[0], (len(table.motions), points)).shape[-2:]
-            room = max(there[0], len(table.motions)), max(there[1], points)
-            if room == there:
-                return
-            names = [motion.name for motion in table.motions]
-            columns = [np.array(column) for column in zip(*table.motions, strict=True)]
-            for variable in self._measured():
-                self._array(variable).resize((*self.job.sweep_shape, room[0]))
-            for variable, values in zip(
-                layout.MOTIONS, (*columns, np.array(names, np.dtypes.StringDType())), strict=True
-            ):
-                array = self._array(variable)
-                array.resize(room[:1])
-                array[: len(names)] = values
-            flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
-            self._group[self.places.solution.path].update_attributes(flags)
-            # Last of all the one that tells how much room there is: a driver that is killed before does it all again.
-            for variable in reversed(layout.POINTS):
-                self._array(variable).resize((*self.job.sweep_shape, *room))
-            consolidate(self.location, self._fence)
-
-    def _measured(self) -> tuple[Variable, ...]:
-        return layout.MEASURED if self.job.sample is None else (*layout.MEASURED, layout.SHARE_ERROR)
-
-    def write_points(self, basin: int, numbers: Sequence[int], attractors: Sequence[Attractor]) -> None:
-        """Write the points of a panel's attractors, under their numbers.
-
-        Only as many as there are: which chunks a basin has does not depend on how much room others needed before.
-        """
-        place = self.job.place_of(basin)
-        shape = max(numbers) + 1, max(attractor.time.size for attractor in attractors)
-        with told_as_store_failure(self.location):
-            for variable, field in zip(layout.POINTS, ("time", "velocity"), strict=True):
-                padded = np.full(shape, np.nan)
-                for number, attractor in zip(numbers, attractors, strict=True):
-                    values = getattr(attractor, field)
-                    padded[number, : values.size] = values
-                self._kept_with_room(variable, shape)[*place, : shape[0], : shape[1]] = padded
-
-    def write_solutions(self, table: SolutionTable) -> None:
-        """Write what solutions are like in each basin, those that there is room for (driver only)."""
-        self._fence()
-        columns = table.columns
-        if self.job.sample is not None:
-            columns.append(np.sqrt(table.share * (1.0 - table.share) / self.job.sample.points))
-        with told_as_store_failure(self.location):
-            # Shares last: they tell which basins are complete.
-            for variable, values in reversed(list(zip(self._measured(), columns, strict=True))):
-                array = self._array(variable)
-                room = min(array.shape[-1], len(table.motions))
-                array[..., :room] = values[:, :room].reshape(*self.job.sweep_shape, room)
-
-    def read_solutions(self) -> SolutionTable:
-        """What solutions there are and what they are like in each basin, as far as that is known."""
-        with told_as_store_failure(self.location):
-            motions = [np.asarray(self._array(variable)[...]) for variable in layout.MOTIONS[:4]]
-            columns = [np.asarray(self._array(variable)[...]) for variable in layout.MEASURED]
-        # A driver that was killed while it made room has left some longer than others, or empty at their ends.
-        room = min(column.shape[-1] for column in motions + columns)
-        filled = [column[:room] != variable.fill for column, variable in zip(motions, layout.MOTIONS[:4], strict=True)]
-        known = int(np.cumprod(np.all(filled, axis=0)).sum())
-        listed = [
-            Motion(AttractorKind(kind), *contacts)
-            for kind, *contacts in zip(*(column[:known].tolist() for column in motions), strict=True)
-        ]
-        return SolutionTable(
-            listed, *(column.reshape(self.job.basins, column.shape[-1])[:, :known] for column in columns)
-        )
-
-    def read_catalogue(self, basin: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
-        """Some of the attractors of a basin, by their numbers; those whose points are being written have none yet."""
-        with told_as_store_failure(self.location):
-            place = self.job.place_of(basin)
-            points = [np.asarray(self._array(variable)[*place, :, :]) for variable in layout.POINTS]
-        # A reader may come between the two arrays, which are lengthened and written one after the other.
-        rows, columns = np.min([each.shape for each in points], axis=0)
-        nothing = np.full((1, columns), np.nan)
-        time, velocity = (np.vstack([each[:rows, :columns], nothing]) for each in points)
-        there = np.isfinite(time) & np.isfinite(velocity)
-        return tuple(
-            Attractor(
-                *table.motions[number], float(table.exponent[basin, number]), float(table.error[basin, number]),
-                time[row][there[row]], velocity[row][there[row]], float(table.mean_life[basin, number]),
-            )
-            for number, row in ((number, min(number, rows)) for number in numbers)
-        )  # fmt: skip
-
-    def write_changes(self, columns: Sequence[np.ndarray]) -> None:
-        """Write the births and deaths of solutions (driver only)."""
-        self._fence()
-        with told_as_store_failure(self.location):
-            for variable, values in zip(layout.CHANGES, columns, strict=True):
-                if variable.name in self._group:
-                    del self._group[variable.name]
-                create_array(self._group, self.job, variable, values.shape)[...] = values
-
     def finish(self, seconds: dict[str, float]) -> None:
         """Consolidate the store's metadata and mark it complete (driver only)."""
         self._fence()
@@ -320,9 +189,3 @@ class BasinStore:
         self._fence()
         with told_as_store_failure(self.location):
             place_at(self.location).sweep()
-
-
-def _words(names: list[str]) -> list[str]:
-    """CF flag meanings: blank-separated words, one of them for each solution, so names that recur are numbered."""
-    words = [name.replace(" ", "_") for name in names]
-    return [word if words.count(word) == 1 else f"{word}_{words[: i + 1].count(word)}" for i, word in enumerate(words)]

@@ -1,8 +1,8 @@
 """The Zarr layout, every array once: name, dimensions, type, fill value, meaning.
 
-Fill values are no legal values, so that what is missing never looks like data; but what is missing is told by
-``tile_state``, never guessed from values. Where a variable is `per_panel`, a dimension for each swept parameter, named
-like it, goes before those named here.
+Fill values are not legal values, so missing values never look like data. But ``tile_state`` says what is missing, and
+readers never guess it from values. A variable that is `per_basin` has a dimension for each swept parameter, with its
+name, before those named here.
 """
 
 from dataclasses import dataclass, field, replace
@@ -91,7 +91,7 @@ MAPPED = (
         "image_cell", _CELLS, np.int64, MISSING, "cell of P^k(centre); -1 sink, -2 permanent contact, -3 undecided",
         {"reserved_values": [-1, -2, -3], "reserved_meanings": "sink permanent_contact undecided"},
     ),
-    *(Variable(name, _CELLS, np.float64, np.inf, told, attributes) for name, told, attributes in _LANDINGS),
+    *(Variable(name, _CELLS, np.float64, np.inf, meaning, attributes) for name, meaning, attributes in _LANDINGS),
 )  # fmt: skip
 """Written tile by tile while tiles are mapped."""
 
@@ -127,7 +127,7 @@ SAMPLE_MAPPED = (
         "landing", _SAMPLE, np.int8, MISSING, "what became of a point under P^k",
         {"flag_values": [-1, -2, -3], "flag_meanings": "landed permanent_contact undecided"},
     ),
-    *(Variable(name, _SAMPLE, np.float64, np.inf, told, attributes) for name, told, attributes in _LANDINGS),
+    *(Variable(name, _SAMPLE, np.float64, np.inf, meaning, attributes) for name, meaning, attributes in _LANDINGS),
 )  # fmt: skip
 SAMPLE_SOLUTION = Variable("solution", _SAMPLE, np.int16, MISSING, _ENDS_IN)
 SAMPLE_LEDGER = Variable("tile_state", ("tile",), np.uint8, 0, "what is in the store, tile by tile", flags(TileState))

@@ -1,4 +1,4 @@
-"""Layout of a new store: every array at full length, but for the solutions, whose number nobody knows yet."""
+"""Layout of a new store: every array at full length, except those of solutions, whose number is not known yet."""
 
 import json
 import subprocess
@@ -22,17 +22,17 @@ from worker.stores.layout import Places, TileState, Variable
 from worker.stores.object_storage import place_at
 from worker.stores.tiles import Tiling, cut, cut_row
 
-# Not kept by Zarr: a handle opened without it would delete chunks that equal the fill value.
+# Zarr does not store this: a handle opened without it would delete chunks that equal the fill value.
 CONFIG = {"write_empty_chunks": True}
-# Arrays that are written whole are small, but for the image set of a map of 1e8 cells.
+# Arrays that are written whole are small, except the image set of a map of 1e8 cells.
 _LONGEST_CHUNK = 1 << 22
-# A chunk of a panel's attractors: so many of them, so many points each.
+# Size of a chunk of a basin's attractors.
 _ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK = 32, 4096
 _PACKAGES = ("gear-rattle", "numpy", "numba", "scipy", "zarr", "dask", "distributed")
 
 
 def now() -> str:
-    """Time of day, as stores note it."""
+    """Current time as text, for attributes."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
@@ -42,14 +42,14 @@ def places_of(job: BasinJob) -> Places:
 
 
 def tiling_of(job: BasinJob) -> Tiling:
-    """How a job's basins are cut: by the request alone."""
+    """Tiling of a job's basins. It depends on the request alone."""
     return (cut if job.sample is None else cut_row)(job.grid, job.applications, job.basins)
 
 
 def consolidate(location: str, fence: Fence = unfenced) -> None:
-    """Gather all metadata at the root, where readers find them in one piece; done after every change of them."""
+    """Gather all metadata at the root, for readers to find in one piece. Called after every change of them."""
     with warnings.catch_warnings():
-        # Consolidated metadata are Zarr-Python's own, not yet part of the specification: other readers ignore them.
+        # Consolidated metadata are Zarr-Python's own, not yet in the specification. Other readers ignore them.
         warnings.simplefilter("ignore", ZarrUserWarning)
         zarr.consolidate_metadata(place_at(location, fence).zarr, zarr_format=3)
 
@@ -57,7 +57,7 @@ def consolidate(location: str, fence: Fence = unfenced) -> None:
 def create_array(
     group: Any, job: BasinJob, variable: Variable, shape: tuple[int, ...], chunks: tuple[int, ...] | None = None
 ) -> Any:
-    """Create one array; its chunks hold one basin each where they are given, else all basins.
+    """Create one array. If chunks are given each holds one basin, else all basins.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def create_array(
     job : BasinJob
     variable : Variable
     shape, chunks : tuple of int
-        Along the variable's own dimensions; those of swept parameters are put before them.
+        Along the variable's own dimensions. Those of swept parameters go before them.
     """
     basins = job.sweep_shape if variable.per_basin else ()
     of_basins = tuple(1 for _ in basins) if chunks else basins
@@ -78,7 +78,7 @@ def create_array(
 
 
 def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
-    """Lay out a new store; the attributes that make it one are written last."""
+    """Lay out a new store. The attributes that make it one are written last."""
     group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
     tiling, places = tiling_of(job), places_of(job)
     sampled = job.sample is not None
@@ -93,7 +93,7 @@ def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     _create_solutions(group, job)
     title = "Basins of attraction of a rattling gear pair"
     born = birth_certificate(title, job.request(), job.digest)
-    # In one piece: `attrs.update` writes as often as there are attributes.
+    # In one write: `attrs.update` writes once per attribute.
     group.update_attributes(born | {"tile_cells": list(tile)})
     consolidate(location, fence)
 
@@ -142,7 +142,7 @@ def _create_solutions(group: Any, job: BasinJob) -> None:
 
 
 def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[str, Any]:
-    """Attributes that every store is born with: what it is, what was asked for, how, since when."""
+    """Attributes of every new store: title, request, versions of the packages, and when it was begun."""
     return {
         "Conventions": "CF-1.11",
         "title": title,

@@ -1,4 +1,4 @@
-"""Stores of any kind at a location: whether there is one, opening it, and creating one where the place is free."""
+"""Stores of any kind at a location: whether there is one, how to open it, and how to create one."""
 
 import json
 from collections.abc import Callable
@@ -14,19 +14,19 @@ _NOTHING_THERE = (FileNotFoundError, NotADirectoryError, ValueError)
 
 
 def open_group(location: str, mode: str, *, consolidated: bool = False, fence: Fence = unfenced) -> Any:
-    """Root of what Zarr has at a location; raises what Zarr does."""
+    """Root group at a location. Raises Zarr's errors."""
     return zarr.open_group(place_at(location, fence).zarr, mode=mode, zarr_format=3, use_consolidated=consolidated)
 
 
 def open_store_at(location: str, what: str, fence: Fence) -> Any:
-    """Root of a store, for reading and writing; `what` is the kind of store that is expected, `fence` the driver's.
+    """Root of a store, for reading and writing. `what` names the expected kind of store, `fence` is the driver's.
 
     Raises
     ------
     StoreConflict
-        Where the location holds nothing that Zarr can open.
+        If the location holds nothing that Zarr can open.
     StoreFailed
-        Where it cannot be read.
+        If it cannot be read.
     """
     with told_as_store_failure(location):
         try:
@@ -36,7 +36,7 @@ def open_store_at(location: str, what: str, fence: Fence) -> Any:
 
 
 def holds_store(location: str) -> bool:
-    """Whether a store of any kind lies at a location: its attributes are the last thing that is created."""
+    """Whether a location holds a store of any kind. Its attributes are created last of all."""
     with told_as_store_failure(location):
         try:
             group = open_group(location, "r")
@@ -47,14 +47,14 @@ def holds_store(location: str) -> bool:
 
 
 def create_unless_there(location: str, what: str, create: Callable[[], None], fence: Fence) -> None:
-    """Create a store where none is.
+    """Create a store, unless there is one.
 
     Raises
     ------
     StoreConflict
-        Where the location holds something that is no store.
+        If the location holds something that is no store.
     StoreFailed
-        Where it cannot be written.
+        If it cannot be written.
     """
     if holds_store(location):
         return
@@ -65,8 +65,19 @@ def create_unless_there(location: str, what: str, create: Callable[[], None], fe
         create()
 
 
+def demand_same_digest(location: str, there: str, digest: str) -> None:
+    """Refuse a store that another request's store has replaced since the job began; `there` is its own digest.
+
+    Raises
+    ------
+    StoreConflict
+    """
+    if there != digest:
+        raise StoreConflict(f"{location} holds the store of another request by now")
+
+
 def demand_same_request(location: str, digest: str, there: str, request: dict[str, Any]) -> None:
-    """Refuse a store that is there for another request; `there` and `request` are its own.
+    """Refuse a store of another request. `there` and `request` are its own digest and request.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""What is known of the solutions of all basins: what each is, by its number, and what it is like in each basin."""
+"""The solutions of all basins: what motion each number stands for, and what it is like in each basin."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,11 @@ class Motion(NamedTuple):
 def motion_of(attractor: Attractor) -> Motion:
     """Kind and itinerary of an attractor."""
     return Motion(*attractor[:4])
+
+
+def share_error(share: Any, points: int) -> Any:
+    """Standard error of a share, or of an array of shares: binomial, of independent points."""
+    return (share * (1.0 - share) / points) ** 0.5
 
 
 @dataclass

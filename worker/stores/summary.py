@@ -1,4 +1,4 @@
-"""What basins say, read from their store."""
+"""Summary of a job's basins, read from their store."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,7 +9,7 @@ from rattle_kernels import Attractor
 from worker.stores.basin_store import BasinStore
 from worker.stores.changes import list_changes
 from worker.stores.layout import ChangeKind, TileState
-from worker.stores.solution_table import SolutionTable
+from worker.stores.solution_table import SolutionTable, share_error
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Change:
 class BasinSummary:
     """Answer of one job: its motions with their shares, and how complete it is.
 
-    ``attractors`` are by number, each as the first basin has it; ``shares`` those of all panels' places, NaN until
+    ``attractors`` are by number, each as the first basin has it; ``shares`` those of all basins' cells, NaN until
     every basin is complete; ``image_counts`` says how many places have each reserved image, once all are mapped;
     ``seconds`` has the wall time of each stage and the kernels' own time. ``basins`` are in order; ``changes`` lists
     births and deaths so far.
@@ -107,7 +107,7 @@ def fingerprint(location: str) -> bytes:
 
 
 def representatives(store: BasinStore, table: SolutionTable) -> tuple[Attractor, ...]:
-    """Each solution as the first basin that has it does; while none is complete, as the first panel's catalogue."""
+    """Each solution as the first basin that has it does; while none is complete, as the first basin's catalogue."""
     there = np.isfinite(table.share)
     first = np.where(there.any(axis=0), there.argmax(axis=0), 0)
     found: dict[int, Attractor] = {}
@@ -134,7 +134,7 @@ def _basins(store: BasinStore, table: SolutionTable) -> tuple[SweptBasinSummary,
     for basin, complete in enumerate(table.complete.tolist()):
         shares = {number: float(table.share[basin, number]) for number in table.numbers_in(basin)}
         points = job.sample.points if job.sample is not None else None
-        errors = {number: (p * (1.0 - p) / points) ** 0.5 for number, p in shares.items()} if points else {}
+        errors = {number: share_error(p, points) for number, p in shares.items()} if points else {}
         basins.append(SweptBasinSummary(job.values_of(basin), complete, shares, errors))
     return tuple(basins)
 

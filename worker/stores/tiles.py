@@ -1,7 +1,7 @@
 """Tiles: the rectangles of cells that are computed, stored and retried as one. Pure arithmetic.
 
-A tile's size follows from the request alone, never from the cluster: the same request gives the same chunks, hence the
-same bytes.
+A tile's size depends on the request alone, never on the cluster. So the same request gives the same chunks and the same
+bytes.
 """
 
 import math
@@ -14,11 +14,11 @@ from rattle_kernels import CellGrid
 _SECONDS_PER_APPLICATION = 4e-9
 _TILE_SECONDS = 0.25
 _BAND_SECONDS = 0.1
-# At least 16 tiles, four for each of four workers, as long as a tile is worth its overhead of a few milliseconds.
+# At least 16 tiles, four for each of four workers, unless a tile is not worth its overhead of a few milliseconds.
 _LEAST_TILES = 16
 _LEAST_CELLS = 64 * 64
-# At the end of a band all lanes wait for the last. Where trajectories are long and of very different length, 16,384 in
-# a band keep that to some per cent; 256 would double the time.
+# At the end of a band all lanes wait for the last. If trajectories are long and of very different length, 16,384 in a
+# band keep the wait to some per cent. 256 would double the time.
 _LEAST_LONG_CELLS = 128 * 128
 _LONG_APPLICATIONS = 10_000
 # Trajectories that a kernel follows at a time.
@@ -28,7 +28,7 @@ _MOST_CELLS = 1024 * 1024
 
 
 class Tile(NamedTuple):
-    """Rectangle of cells: its place in the grid of tiles, its rows and columns of cells as (start, stop), its basin."""
+    """Rectangle of cells: indices in the grid of tiles, rows and columns of cells as (start, stop), and its basin."""
 
     row: int
     column: int
@@ -43,7 +43,7 @@ class Tile(NamedTuple):
 
 
 class Tiling(NamedTuple):
-    """How the grid of every basin is cut: cells of a full tile each way; tiles at the upper edges may be smaller."""
+    """How the grid of every basin is cut: cells of a full tile each way. Tiles at the upper edges may be smaller."""
 
     grid: CellGrid
     tile_rows: int
@@ -69,7 +69,7 @@ class Tiling(NamedTuple):
         return self.basins * self.tiles_of_basin
 
     def numbers_of(self, basin: int) -> range:
-        """Numbers of a panel's tiles."""
+        """Numbers of a basin's tiles."""
         return range(basin * self.tiles_of_basin, (basin + 1) * self.tiles_of_basin)
 
     def tile(self, number: int) -> Tile:
@@ -86,7 +86,7 @@ def _least_cells(applications: int) -> int:
 
 
 def _cells_wanted(grid: CellGrid, applications: int, basins: int) -> float:
-    """Cells of a tile of about a quarter of a second of work: the whole basin, where basins are small and many."""
+    """Cells of a tile of about a quarter of a second of work. May be the whole basin, if basins are small and many."""
     by_work = _TILE_SECONDS / (_SECONDS_PER_APPLICATION * applications)
     return max(min(by_work, grid.cells * basins / _LEAST_TILES, _MOST_CELLS), _least_cells(applications))
 
@@ -98,7 +98,7 @@ def cut(grid: CellGrid, applications: int, basins: int = 1) -> Tiling:
     ----------
     grid : CellGrid
     applications : int
-        Expected of each place.
+        Expected for each cell.
     basins : int
         Basins that share this grid.
 
@@ -120,7 +120,7 @@ def cut_row(row: CellGrid, applications: int, basins: int = 1) -> Tiling:
     ----------
     row : CellGrid
     applications : int
-        Expected of each place.
+        Expected for each cell.
     basins : int
         Basins that share this sample.
 
@@ -132,7 +132,7 @@ def cut_row(row: CellGrid, applications: int, basins: int = 1) -> Tiling:
 
 
 def bands(tile: Tile, applications: int) -> Iterator[tuple[int, int]]:
-    """Runs of rows of a tile, each about a tenth of a second of work: what one takes in memory is small."""
+    """Runs of rows of a tile, each about a tenth of a second of work, so that each takes little memory."""
     width = tile.columns[1] - tile.columns[0]
     rows = max(1, int(_cells_of_band(applications) / width))
     for start in range(tile.rows[0], tile.rows[1], rows):

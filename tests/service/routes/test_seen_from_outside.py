@@ -13,6 +13,7 @@ from service.logs import LogFormat, about_job, write_logs
 from service.records.job_record import JobState
 from service.runner import metrics as run_metrics
 from tests.service.idle_service import idle_service
+from worker.cluster.driver import Driver
 from worker.cluster.reconnecting_cluster import LastingCluster
 from worker.progress import Progress, Stage
 
@@ -182,5 +183,5 @@ def test_a_scheduler_that_hangs_has_no_workers():
             raise TimeoutError
 
     cluster = LastingCluster(None, 1)
-    cluster._client = Hanging()
+    cluster._driver = Driver(Hanging())
     assert cluster.workers() == 0

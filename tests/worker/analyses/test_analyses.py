@@ -24,6 +24,7 @@ from worker.analyses.manifolds import branches_of
 from worker.analyses.orbit_table import orbits_of
 from worker.analyses.run import run_analysis, summarise_analysis
 from worker.basins.pipeline import run_basin
+from worker.cluster.driver import Driver
 from worker.errors import InvalidJob, JobCancelled, NotFound, StoreConflict
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.bifurcation_job import BifurcationJob, Direction
@@ -51,7 +52,9 @@ each_kind = pytest.mark.parametrize("job", JOBS, ids=lambda job: job.kind)
 
 def run(job, location, client, *, report=lambda _: None, cancel=None):
     cancel = cancel or threading.Event()
-    return run_analysis(KINDS[job.kind].loaded_analysis, job, str(location), client, report=report, cancel=cancel)
+    analysis = KINDS[job.kind].loaded_analysis
+    run_analysis(analysis, job, str(location), Driver(client), report=report, cancel=cancel)
+    return summarise_analysis(analysis, str(location))
 
 
 @pytest.fixture(scope="session")
@@ -124,7 +127,7 @@ def test_who_reads_while_the_driver_finishes_is_told_the_end(client, stores, tmp
     monkeypatch.setattr(AnalysisStore, "parts", finish_first)
     told = summarise_analysis(KINDS[job.kind].loaded_analysis, str(location))
     assert finished and told.complete
-    assert told.told == summarise_analysis(KINDS[job.kind].loaded_analysis, str(stores / job.kind)).told
+    assert told.result == summarise_analysis(KINDS[job.kind].loaded_analysis, str(stores / job.kind)).result
 
 
 @each_kind
@@ -211,7 +214,7 @@ def test_an_order_that_needs_too_many_points_says_that_it_is_incomplete(client, 
 
 def test_saddles_of_an_itinerary_are_found_and_other_orbits_are_named(client, tmp_path):
     asked = ManifoldJob(saddles=(Itinerary(1, 1, 0),), cells=12, arclength=0.5)
-    told = run(asked, tmp_path / "store", client).told
+    told = run(asked, tmp_path / "store", client).result
     assert [saddle["departures"][0]["velocity"] for saddle in told["saddles"]] == [pytest.approx(3.7699111843)]
     missing = ManifoldJob(saddles=(Itinerary(1, 1, 3),), cells=12)
     with pytest.raises(NotFound, match=r"no saddle P\(1,1,3\); it found P\(1,1,0\)"):
@@ -224,7 +227,7 @@ def test_another_kinds_store_is_not_touched(client, stores, tmp_path):
         run(GRAZING, stores / "orbits", client)
     with pytest.raises(StoreConflict, match="is no basin store: it is one of kind orbits"):
         cancel = threading.Event()
-        run_basin(BasinJob(), str(stores / "orbits"), client, report=lambda _: None, cancel=cancel)
+        run_basin(BasinJob(), str(stores / "orbits"), Driver(client), report=lambda _: None, cancel=cancel)
     assert content(stores / "orbits") == before and kind_of_store(str(stores / "orbits")) == "orbits"
     with pytest.raises(StoreConflict, match="no store"):
         AnalysisStore(str(tmp_path / "nothing"))

@@ -8,7 +8,9 @@ from distributed import Client
 
 from rattle_kernels import CellGrid, Oscillator
 from worker.basins.pipeline import run_basin
+from worker.cluster.driver import Driver
 from worker.jobs.basin_job import BasinJob
+from worker.stores.summary import summarise
 
 _GRID = CellGrid(time_cells=32, velocity_cells=32)
 # Little damped: trajectories are trapped, and traps are made with NumPy's linear algebra.
@@ -24,8 +26,9 @@ def compute_all(folder):
     """Images, landing points, groups and solutions of each basin, in a store of its name."""
     with Client(processes=False, n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as client:
         for name, job in JOBS.items():
-            summary = run_basin(job, str(folder / name), client, report=lambda _: None, cancel=threading.Event())
-            print(name, *(attractor.name for attractor in summary.attractors), sep=", ")
+            store = str(folder / name)
+            run_basin(job, store, Driver(client), report=lambda _: None, cancel=threading.Event())
+            print(name, *(attractor.name for attractor in summarise(store).attractors), sep=", ")
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from zarr.core.sync import sync
 from rattle_kernels import CellGrid
 from tests.store_content import content
 from worker.basins.pipeline import run_basin
+from worker.cluster.driver import Driver
 from worker.errors import StoreFailed
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.swept_parameter import SweptParameter
@@ -27,7 +28,7 @@ JOBS = {"small": sweep(24), "tiled": sweep(100)}
 
 
 def run(job, location, client):
-    return run_basin(job, str(location), client, report=lambda _: None, cancel=threading.Event())
+    run_basin(job, str(location), Driver(client), report=lambda _: None, cancel=threading.Event())
 
 
 class LastWrite:

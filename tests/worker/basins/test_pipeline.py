@@ -12,6 +12,7 @@ import xarray as xr
 from rattle_kernels import CellGrid, Oscillator, map_cells
 from tests.store_content import content
 from worker.basins.pipeline import run_basin
+from worker.cluster.driver import Driver
 from worker.errors import JobCancelled, StoreConflict, StoreFailed
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
@@ -22,7 +23,9 @@ JOB = BasinJob(grid=CellGrid(time_cells=200, velocity_cells=200))
 
 
 def run(job, location, client, *, report=lambda _: None, cancel=None):
-    return run_basin(job, str(location), client, report=report, cancel=cancel or threading.Event())
+    """Compute a job; the summary of its store."""
+    run_basin(job, str(location), Driver(client), report=report, cancel=cancel or threading.Event())
+    return summarise(str(location))
 
 
 @pytest.fixture(scope="session")

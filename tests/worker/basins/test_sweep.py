@@ -12,8 +12,8 @@ import xarray as xr
 
 from rattle_kernels import CellGrid, Oscillator
 from tests.worker.basins.test_pipeline import content, run
-from worker.basins import pipeline
-from worker.cluster.driver import window_size
+from worker.basins.schedule import Schedule
+from worker.cluster.driver import Driver
 from worker.errors import JobCancelled
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
@@ -144,7 +144,7 @@ def test_numbers_depend_on_no_timing(client, undisturbed, tmp_path, monkeypatch)
             run._pushed += 1
             heapq.heappush(run._ready, (order.random(), run._pushed, task))
 
-    monkeypatch.setattr(pipeline._Run, "_push", push_anywhere)
+    monkeypatch.setattr(Schedule, "_push", push_anywhere)
     run(JOB, tmp_path / "sweep.zarr", client)
     assert content(tmp_path / "sweep.zarr") == content(undisturbed[0])
 
@@ -153,7 +153,7 @@ def test_few_tasks_are_in_flight_and_few_panels_under_way_however_many_there_are
     damping = SweptParameter("damping", tuple(np.linspace(0.7, 0.9, 60).tolist()))
     job = SweepJob(grid=CellGrid(time_cells=8, velocity_cells=8), iterations=1, vary=(damping,))
     in_flight, under_way = [], []
-    take = pipeline._Run.take
+    take = Schedule.take
     submit = client.submit
     futures = []
 
@@ -168,10 +168,10 @@ def test_few_tasks_are_in_flight_and_few_panels_under_way_however_many_there_are
         take(run, task, receipt)
 
     monkeypatch.setattr(client, "submit", watched_submit)
-    monkeypatch.setattr(pipeline._Run, "take", watched_take)
+    monkeypatch.setattr(Schedule, "take", watched_take)
     assert run(job, tmp_path / "sweep.zarr", client).complete
-    assert max(in_flight) <= window_size(client) <= 4
-    assert max(under_way) <= 4 * window_size(client) < 60
+    assert max(in_flight) <= Driver(client).window_size <= 4
+    assert max(under_way) <= 4 * Driver(client).window_size < 60
 
 
 def test_two_parameters_make_two_leading_dimensions(client, tmp_path):

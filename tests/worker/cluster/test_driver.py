@@ -1,4 +1,4 @@
-"""What a driver does with tasks that fail, and says of a scheduler that is set otherwise."""
+"""Tasks that fail are tried again or fail the job; a scheduler with other settings is warned of."""
 
 import logging
 import threading
@@ -8,8 +8,8 @@ import pytest
 from distributed import CancelledError, Future
 from distributed.scheduler import KilledWorker
 
-from worker.cluster.connection import _tell_of_settings
-from worker.cluster.driver import run_tasks
+from worker.cluster.connection import _warn_of_settings
+from worker.cluster.driver import Driver
 from worker.cluster.task import Task
 from worker.errors import StoreConflict, StoreFailed
 
@@ -24,10 +24,10 @@ def reach_store(location, digest, number, failures, error):
 
 
 def run(client, place, failures, error=StoreFailed):
-    tasks = iter([Task(reach_store, 7, 0, (failures, error))])
+    tasks = iter([Task(reach_store, 7, (failures, error))])
     return [
         receipt
-        for _, receipt in run_tasks(client, (str(place), "digest"), lambda: next(tasks, None), threading.Event())
+        for _, receipt in Driver(client).run_tasks((str(place), "digest"), lambda: next(tasks, None), threading.Event())
     ]
 
 
@@ -56,7 +56,7 @@ def test_a_receipt_that_died_with_its_worker_is_computed_again(client, tmp_path,
 
 
 @pytest.mark.parametrize(("saturation", "failures", "lines"), [(1.0, 1, 0), (1.1, 1, 1), (float("inf"), 3, 2)])
-def test_a_scheduler_that_is_set_otherwise_is_told_of(saturation, failures, lines, caplog):
+def test_a_scheduler_with_other_settings_is_warned_of(saturation, failures, lines, caplog):
     settings = {
         "distributed.scheduler.worker-saturation": saturation, "distributed.scheduler.allowed-failures": failures,
     }  # fmt: skip
@@ -66,8 +66,26 @@ def test_a_scheduler_that_is_set_otherwise_is_told_of(saturation, failures, line
             return settings[name]
 
     with caplog.at_level(logging.WARNING, "rattle.cluster"):
-        _tell_of_settings(Far(), "tls://far:8786")
+        _warn_of_settings(Far(), "tls://far:8786")
     # Dask's own lines arrive here, too, whenever an earlier test's client ends.
-    told = [record.getMessage() for record in caplog.records if record.name == "rattle.cluster"]
-    assert len(told) == lines
-    assert all("tls://far:8786" in line and "DASK_DISTRIBUTED__SCHEDULER__" in line for line in told)
+    lines_logged = [record.getMessage() for record in caplog.records if record.name == "rattle.cluster"]
+    assert len(lines_logged) == lines
+    assert all("tls://far:8786" in line and "DASK_DISTRIBUTED__SCHEDULER__" in line for line in lines_logged)
+
+
+def test_jobs_that_run_at_the_same_time_share_the_window():
+    driver = Driver(None)
+    assert driver.share(4) == 4
+    driver.add_jobs(2)
+    assert driver.share(4) == 2
+    driver.add_jobs(3)
+    assert driver.share(4) == 1
+
+
+def test_what_comes_next_stays_with_the_driver(client, tmp_path):
+    taken, lock = [], threading.Lock()  # a lock cannot be pickled
+    tasks = iter([Task(reach_store, 7, (0, StoreFailed), then=lambda *receipt: taken.append((lock, *receipt)) or ())])
+    done = Driver(client).run_tasks((str(tmp_path / "x"), "digest"), lambda: next(tasks, None), threading.Event())
+    for task, receipt in done:
+        assert not list(task.then(task.number, receipt))
+    assert taken == [(lock, 7, 7)]

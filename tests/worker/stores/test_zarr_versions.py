@@ -9,6 +9,7 @@ import xarray as xr
 from tests.worker.stores.zarr_stores.write import GRAZING, HERE, SWEEP, write_stores
 from worker.analyses.run import summarise_analysis
 from worker.basins.pipeline import run_basin
+from worker.cluster.driver import Driver
 from worker.kinds import KINDS
 from worker.stores.summary import summarise
 from worker.views.reading import open_basin
@@ -55,5 +56,6 @@ def test_a_job_begun_with_another_zarr_goes_on_in_its_store(client, there, here)
     begun = str(there / "begun")
     with open_basin(begun) as basin:
         assert not basin.attrs["complete"]
-    assert run_basin(SWEEP, begun, client, report=lambda _: None, cancel=threading.Event()).complete
+    run_basin(SWEEP, begun, Driver(client), report=lambda _: None, cancel=threading.Event())
+    assert summarise(begun).complete
     assert_same(begun, here / "sweep")

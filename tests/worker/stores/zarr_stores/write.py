@@ -11,6 +11,7 @@ from rattle_kernels import CellGrid
 from worker.analyses.run import run_analysis
 from worker.basins.pipeline import run_basin
 from worker.cluster.connection import local_cluster
+from worker.cluster.driver import Driver
 from worker.errors import JobCancelled
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.grazing_curve_job import GrazingCurveJob
@@ -26,19 +27,13 @@ GRAZING = GrazingCurveJob(order=1)
 
 def write_stores(folder, client):
     """A sweep, the same when it was cancelled at once, and an analysis."""
-    cancel = threading.Event()
-    run_basin(SWEEP, str(folder / "sweep"), client, report=lambda _: None, cancel=cancel)
-    run_analysis(
-        KINDS[GRAZING.kind].loaded_analysis,
-        GRAZING,
-        str(folder / "grazing"),
-        client,
-        report=lambda _: None,
-        cancel=cancel,
-    )
+    cancel, driver = threading.Event(), Driver(client)
+    run_basin(SWEEP, str(folder / "sweep"), driver, report=lambda _: None, cancel=cancel)
+    analysis = KINDS[GRAZING.kind].loaded_analysis
+    run_analysis(analysis, GRAZING, str(folder / "grazing"), driver, report=lambda _: None, cancel=cancel)
     cancel.set()
     with contextlib.suppress(JobCancelled):
-        run_basin(SWEEP, str(folder / "begun"), client, report=lambda _: None, cancel=cancel)
+        run_basin(SWEEP, str(folder / "begun"), driver, report=lambda _: None, cancel=cancel)
 
 
 if __name__ == "__main__":

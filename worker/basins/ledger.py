@@ -1,0 +1,94 @@
+"""What is in a job's store: the state of each tile, and the table of solutions. Written by the driver alone."""
+
+import time
+
+import numpy as np
+
+from worker.basins.basin_run import BasinRun
+from worker.basins.numbering import Numbered
+from worker.stores.basin_store import BasinStore
+from worker.stores.layout import TileState
+
+# Both are written at most this often.
+_LEDGER_SECONDS = 0.5
+_TABLE_SECONDS = 2.0
+
+
+class Ledger:
+    """States of tiles, and solutions of basins. A tile's state never goes back, and basins are complete in order.
+
+    Parameters
+    ----------
+    store : BasinStore
+
+    Attributes
+    ----------
+    states : ndarray of uint8
+        State of each tile.
+    table : SolutionTable
+    basins : int
+        Number of basins that are complete: the first ones.
+    """
+
+    def __init__(self, store: BasinStore) -> None:
+        self._store = store
+        self.states = store.read_ledger().copy()
+        self.table = store.read_solutions()
+        self._image_counts = store.read_image_counts().copy()
+        # The ledger is written after the table, so a basin is complete if both say so.
+        assembled = (self.states.reshape(-1, store.tiling.tiles_of_basin) == TileState.ASSEMBLED).all(axis=1)
+        self.basins = int(np.cumprod(self.table.complete & assembled).sum())
+        self.table.forget_after(self.basins)
+        self._ledger_saved = self._table_saved = 0.0
+        self._table_changed = False
+
+    def mapped(self, basin: int) -> frozenset[int]:
+        """Tiles of a basin whose images are in the store."""
+        tiles = np.array(self._store.tiling.numbers_of(basin))
+        return frozenset(tiles[self.states[tiles] >= TileState.COMPUTED].tolist())
+
+    def reach(self, tiles: int | range, state: TileState) -> None:
+        """Note that tiles have reached a state."""
+        self.states[tiles] = np.maximum(self.states[tiles], state)
+
+    def catalogue(self, basin: int) -> Numbered:
+        """Attractors of a complete basin, with their numbers."""
+        numbers = self.table.numbers_in(basin)
+        return Numbered(self._store.read_catalogue(basin, self.table, numbers), numbers)
+
+    def announce(self, basin: BasinRun, numbered: Numbered) -> None:
+        """Note the attractors of a basin before their shares are known, and make room for them in the store."""
+        self._image_counts[basin.number] = basin.reserved
+        self._enter(basin.number, numbered, np.full(len(numbered.numbers), np.nan))
+        self._store.make_room(self.table, max(attractor.time.size for attractor in numbered.attractors))
+
+    def complete(self, basin: BasinRun, numbered: Numbered) -> None:
+        """Note that a basin is complete: the next one after those that are."""
+        shares = np.zeros(len(numbered.numbers))
+        shares[: basin.counts.size] = basin.counts / self._store.job.grid.cells
+        self._enter(basin.number, numbered, shares)
+        self.reach(self._store.tiling.numbers_of(basin.number), TileState.ASSEMBLED)
+        self.basins += 1
+
+    def _enter(self, basin: int, numbered: Numbered, shares: np.ndarray) -> None:
+        self.table.enter(basin, numbered.numbers, numbered.attractors, shares)
+        self._table_changed = True
+
+    def save_sometimes(self) -> None:
+        """Write what has changed, if it is time to."""
+        now = time.monotonic()
+        if self._table_changed:
+            # The ledger says that basins are complete, so it never goes without their solutions.
+            if now - self._table_saved > _TABLE_SECONDS:
+                self.save()
+        elif now - self._ledger_saved > _LEDGER_SECONDS:
+            self._store.write_ledger(self.states)
+            self._ledger_saved = now
+
+    def save(self) -> None:
+        """Write everything."""
+        self._store.write_image_counts(self._image_counts)
+        self._store.write_solutions(self.table)
+        self._store.write_ledger(self.states)
+        self._ledger_saved = self._table_saved = time.monotonic()
+        self._table_changed = False

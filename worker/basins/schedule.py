@@ -1,0 +1,132 @@
+"""What a job does next: the tasks of all its basins in one queue, and the numbers of their solutions.
+
+A task of a basin that has begun goes before the first task of the next basin. So basins end one after another, and only
+a few are under way at any time. While one is assembled, tiles of the next keep all workers busy.
+"""
+
+import heapq
+from collections import defaultdict
+from collections.abc import Iterable
+from functools import partial
+from typing import Any
+
+from worker.basins.basin_run import BasinRun
+from worker.basins.ledger import Ledger
+from worker.basins.numbering import Numbered, Numbering
+from worker.basins.tasks import number_basin, number_tile, write_points
+from worker.basins.whole_basin import BasinReceipt, solve_basin
+from worker.cluster.task import Task
+from worker.stores.basin_store import BasinStore
+from worker.stores.layout import TileState
+
+
+class Schedule:
+    """The tasks of a job.
+
+    Parameters
+    ----------
+    store : BasinStore
+    ledger : Ledger
+    most_basins : int
+        Largest number of basins under way.
+
+    Attributes
+    ----------
+    basins : dict of int to BasinRun
+        Basins under way, by number.
+    small : bool
+        Whether each basin is done by one task: basins of one tile each, whose tasks would be too small for a cluster.
+    seconds : dict of str to float
+        Time that kernels have taken.
+    """
+
+    def __init__(self, store: BasinStore, ledger: Ledger, most_basins: int) -> None:
+        self._store, self._ledger, self._most_basins = store, ledger, most_basins
+        self._numbering = Numbering(store.job, ledger.table, ledger.catalogue)
+        self.basins: dict[int, BasinRun] = {}
+        self.seconds: dict[str, float] = defaultdict(float)
+        self._numbered: dict[int, Numbered] = {}
+        self._writes_left: dict[int, int] = {}
+        self._admitted = self._to_number = ledger.basins
+        self._ready: list[tuple[int, int, Task]] = []
+        self._pushed = 0
+        self.small = store.tiling.tiles_of_basin == 1 and store.job.basins > 1
+
+    def _push(self, tasks: Iterable[Task]) -> None:
+        for task in tasks:
+            self._pushed += 1
+            heapq.heappush(self._ready, (task.priority, self._pushed, task))
+
+    def next_task(self) -> Task | None:
+        """The next task: of the first basin that has one, or of a basin that begins; None while there is none."""
+        if not self._ready and self._admitted < self._store.job.basins and len(self.basins) < self._most_basins:
+            self._begin(self._admitted)
+            self._admitted += 1
+        return heapq.heappop(self._ready)[2] if self._ready else None
+
+    def _begin(self, number: int) -> None:
+        mapped, numbered = self._ledger.mapped(number), number == 0
+        basin = BasinRun(self._store, number, mapped, numbered=numbered, reach=self._ledger.reach)
+        self.basins[number] = basin
+        if self.small:
+            self._push([Task(solve_basin, number, (bool(mapped), numbered), self._solved, priority=number)])
+        else:
+            self._push(basin.begin())
+
+    def take(self, task: Task, receipt: Any) -> None:
+        """Note what a task has done, and what can be done now."""
+        self._push(task.then(task.number, receipt))
+        self._number()
+        self._complete()
+
+    def _solved(self, number: int, receipt: BasinReceipt) -> Iterable[Task]:
+        self._ledger.reach(number, TileState.COMPUTED)
+        self.basins[number].adopt(receipt.attractors, receipt.counts, receipt.reserved, receipt.seconds)
+        return ()
+
+    def _number(self) -> None:
+        """Number the solutions of basins, as far as all basins before them are solved.
+
+        The first basin has the numbers of its own catalogue. They are known as soon as that is, and again when it is
+        longer.
+        """
+        while (basin := self.basins.get(self._to_number)) is not None and (basin.solved or basin.numbered):
+            known = self._numbered.get(basin.number)
+            if known is None or basin.numbered and len(known.attractors) < len(basin.attractors):
+                if not basin.attractors:
+                    return
+                self._introduce(basin)
+            if not basin.solved:
+                return
+            self._to_number += 1
+
+    def _introduce(self, basin: BasinRun) -> None:
+        """Number a basin's attractors, and have everything written that needs the numbers."""
+        if basin.numbered:
+            self._ledger.table.forget_after(0)
+        numbered = self._numbering.assign(basin.number, basin.attractors)
+        self._ledger.announce(basin, numbered)
+        self._numbered[basin.number] = numbered
+        numbers, own = tuple(numbered.numbers), len(basin.attractors)
+        task = partial(Task, then=partial(self._written, basin.number), priority=basin.number)
+        tasks = [task(write_points, basin.number, (numbers, numbered.attractors))]
+        if self.small and not basin.numbered:
+            tasks = [task(number_basin, basin.number, (numbers, numbered.attractors, own))]
+        elif not basin.numbered:
+            tiles = self._store.tiling.numbers_of(basin.number)
+            tasks += [task(number_tile, tile, (numbers[:own],)) for tile in tiles]
+        self._writes_left[basin.number] = self._writes_left.get(basin.number, 0) + len(tasks)
+        self._push(tasks)
+
+    def _written(self, basin: int, number: int, receipt: None) -> Iterable[Task]:
+        self._writes_left[basin] -= 1
+        return ()
+
+    def _complete(self) -> None:
+        """Enter the basins that are all in the store, as far as all before them are."""
+        while (number := self._ledger.basins) < self._to_number and self._writes_left[number] == 0:
+            basin = self.basins.pop(number)
+            for what, seconds in basin.seconds.items():
+                self.seconds[what] += seconds
+            self._ledger.complete(basin, self._numbered.pop(number))
+            del self._writes_left[number]

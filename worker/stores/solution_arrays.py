@@ -1,0 +1,160 @@
+"""Solutions in the store of basins: what each number stands for, what it is like in each basin, and its points.
+
+How many solutions there are is not known when a store is laid out, so these arrays are lengthened as solutions are
+found. Readers may come at any moment.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from rattle_kernels import Attractor, AttractorKind
+from worker.errors import told_as_store_failure
+from worker.fence import Fence
+from worker.jobs.basin_job import BasinJob
+from worker.stores import layout
+from worker.stores.layout import Places, Variable
+from worker.stores.new_store import CONFIG, consolidate, create_array
+from worker.stores.solution_table import Motion, SolutionTable, share_error
+
+
+class SolutionArrays:
+    """The arrays of solutions in an open store of basins, which is a subclass."""
+
+    location: str
+    job: BasinJob
+    places: Places
+    _group: Any
+    _fence: Fence
+
+    def __init__(self) -> None:
+        # Opening an array costs half as much as a tile, and arrays of cells never change their shape.
+        self._handles: dict[str, Any] = {}
+
+    def _array(self, variable: Variable) -> Any:
+        return self._group[variable.path].with_config(CONFIG)
+
+    def _kept(self, variable: Variable) -> Any:
+        if variable.path not in self._handles:
+            self._handles[variable.path] = self._array(variable)
+        return self._handles[variable.path]
+
+    def _kept_with_room(self, variable: Variable, shape: tuple[int, ...]) -> Any:
+        """An array whose last dimensions the driver lengthens, opened again if the known one is too short."""
+        if any(there < needed for there, needed in zip(self._kept(variable).shape[-len(shape) :], shape, strict=True)):
+            del self._handles[variable.path]
+        return self._kept(variable)
+
+    def make_room(self, table: SolutionTable, points: int) -> None:
+        """Lengthen the arrays of solutions if they are too short, and name the new solutions (driver only).
+
+        Parameters
+        ----------
+        table : SolutionTable
+        points : int
+            Most points of an attractor.
+        """
+        self._fence()
+        with told_as_store_failure(self.location):
+            there = self._kept_with_room(layout.POINTS[0], (len(table.motions), points)).shape[-2:]
+            room = max(there[0], len(table.motions)), max(there[1], points)
+            if room == there:
+                return
+            names = [motion.name for motion in table.motions]
+            columns = [np.array(column) for column in zip(*table.motions, strict=True)]
+            for variable in self._measured():
+                self._array(variable).resize((*self.job.sweep_shape, room[0]))
+            for variable, values in zip(
+                layout.MOTIONS, (*columns, np.array(names, np.dtypes.StringDType())), strict=True
+            ):
+                array = self._array(variable)
+                array.resize(room[:1])
+                array[: len(names)] = values
+            flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
+            self._group[self.places.solution.path].update_attributes(flags)
+            # Points come last, because their shape says how much room there is. A driver killed before starts again.
+            for variable in reversed(layout.POINTS):
+                self._array(variable).resize((*self.job.sweep_shape, *room))
+            consolidate(self.location, self._fence)
+
+    def _measured(self) -> tuple[Variable, ...]:
+        return layout.MEASURED if self.job.sample is None else (*layout.MEASURED, layout.SHARE_ERROR)
+
+    def write_points(self, basin: int, numbers: Sequence[int], attractors: Sequence[Attractor]) -> None:
+        """Write the points of a basin's attractors, under their numbers.
+
+        Only the basin's own numbers are written, so which chunks it has does not depend on the room that others need.
+        """
+        place = self.job.place_of(basin)
+        shape = max(numbers) + 1, max(attractor.time.size for attractor in attractors)
+        with told_as_store_failure(self.location):
+            for variable, field in zip(layout.POINTS, ("time", "velocity"), strict=True):
+                padded = np.full(shape, np.nan)
+                for number, attractor in zip(numbers, attractors, strict=True):
+                    values = getattr(attractor, field)
+                    padded[number, : values.size] = values
+                self._kept_with_room(variable, shape)[*place, : shape[0], : shape[1]] = padded
+
+    def write_solutions(self, table: SolutionTable) -> None:
+        """Write what solutions are like in each basin, as far as there is room (driver only)."""
+        self._fence()
+        columns = table.columns
+        if self.job.sample is not None:
+            columns.append(share_error(table.share, self.job.sample.points))
+        with told_as_store_failure(self.location):
+            # Shares come last, because they say which basins are complete.
+            for variable, values in reversed(list(zip(self._measured(), columns, strict=True))):
+                array = self._array(variable)
+                room = min(array.shape[-1], len(table.motions))
+                array[..., :room] = values[:, :room].reshape(*self.job.sweep_shape, room)
+
+    def read_solutions(self) -> SolutionTable:
+        """Solutions, and what they are like in each basin, as far as that is known."""
+        with told_as_store_failure(self.location):
+            motions = [np.asarray(self._array(variable)[...]) for variable in layout.MOTIONS[:4]]
+            columns = [np.asarray(self._array(variable)[...]) for variable in layout.MEASURED]
+        # A driver killed while it made room leaves some arrays longer than others, or empty at their ends.
+        room = min(column.shape[-1] for column in motions + columns)
+        filled = [column[:room] != variable.fill for column, variable in zip(motions, layout.MOTIONS[:4], strict=True)]
+        known = int(np.cumprod(np.all(filled, axis=0)).sum())
+        listed = [
+            Motion(AttractorKind(kind), *contacts)
+            for kind, *contacts in zip(*(column[:known].tolist() for column in motions), strict=True)
+        ]
+        return SolutionTable(
+            listed, *(column.reshape(self.job.basins, column.shape[-1])[:, :known] for column in columns)
+        )
+
+    def read_catalogue(self, basin: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
+        """Some of the attractors of a basin, by number. One whose points are still being written has none."""
+        with told_as_store_failure(self.location):
+            place = self.job.place_of(basin)
+            points = [np.asarray(self._array(variable)[*place, :, :]) for variable in layout.POINTS]
+        # The two arrays are lengthened and written one after the other, and this may come in between.
+        rows, columns = np.min([each.shape for each in points], axis=0)
+        nothing = np.full((1, columns), np.nan)
+        time, velocity = (np.vstack([each[:rows, :columns], nothing]) for each in points)
+        there = np.isfinite(time) & np.isfinite(velocity)
+        return tuple(
+            Attractor(
+                *table.motions[number], float(table.exponent[basin, number]), float(table.error[basin, number]),
+                time[row][there[row]], velocity[row][there[row]], float(table.mean_life[basin, number]),
+            )
+            for number, row in ((number, min(number, rows)) for number in numbers)
+        )  # fmt: skip
+
+    def write_changes(self, columns: Sequence[np.ndarray]) -> None:
+        """Write the births and deaths of solutions (driver only)."""
+        self._fence()
+        with told_as_store_failure(self.location):
+            for variable, values in zip(layout.CHANGES, columns, strict=True):
+                if variable.name in self._group:
+                    del self._group[variable.name]
+                create_array(self._group, self.job, variable, values.shape)[...] = values
+
+
+def _words(names: list[str]) -> list[str]:
+    """CF flag meanings: one word per solution. Names that recur are numbered."""
+    words = [name.replace(" ", "_") for name in names]
+    return [word if words.count(word) == 1 else f"{word}_{words[: i + 1].count(word)}" for i, word in enumerate(words)]
