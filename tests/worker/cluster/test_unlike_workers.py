@@ -12,9 +12,10 @@ from distributed import Client, LocalCluster
 from rattle_kernels import CellGrid
 from tests.processors import NATIVE, ROOT, V2, environment_for, reason_against
 from tests.worker.analyses.test_analyses import GRAZING
-from worker import cluster, rounding
-from worker.basins.tasks import Task
-from worker.cluster.driver import run_tasks
+from worker import rounding
+from worker.cluster import connection
+from worker.cluster.driver import Driver
+from worker.cluster.task import Task
 from worker.errors import StoreConflict, UnlikeWorkers
 from worker.jobs.basin_job import BasinJob
 from worker.kinds import KINDS
@@ -29,9 +30,9 @@ def be_busy(location, digest, number):
 
 
 def run(client):
-    tasks = iter([Task(be_busy, number, 0) for number in range(20)])
-    following = run_tasks(client, ("place", "digest"), lambda: next(tasks, None), threading.Event())
-    return sorted(receipt for _, receipt in following)
+    tasks = iter([Task(be_busy, number) for number in range(20)])
+    done = Driver(client).run_tasks(("store", "digest"), lambda: next(tasks, None), threading.Event())
+    return sorted(receipt for _, receipt in done)
 
 
 @pytest.fixture
@@ -104,8 +105,8 @@ def test_a_process_without_it_says_so(target, lines):
 
 def test_a_worker_says_so_before_it_loads_its_kernels(monkeypatch, caplog):
     monkeypatch.setattr(rounding, "fuses_multiply_add", lambda: False)
-    monkeypatch.setattr(cluster, "warm_up", lambda: logging.getLogger("rattle.rounding").warning("warm"))
+    monkeypatch.setattr(connection, "warm_up", lambda: logging.getLogger("rattle.rounding").warning("warm"))
     with caplog.at_level(logging.WARNING, "rattle.rounding"):
-        cluster.WarmKernels().setup(None)
+        connection.WarmKernels().setup(None)
     told = [record.getMessage() for record in caplog.records if record.name == "rattle.rounding"]
     assert len(told) == 2 and "fused multiply-add" in told[0]
