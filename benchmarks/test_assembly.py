@@ -9,18 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rattle_kernels import (
-    CellGrid,
-    CellGroups,
-    Oscillator,
-    find_groups,
-    label_cells,
-    map_cells,
-    mark_images,
-    members_of,
-    place_images,
-    unite,
-)
+from rattle_kernels import CellGrid, CellGroups, Oscillator, find_groups, label_cells, map_cells
+from rattle_kernels.cell_mapping.image_set import mark_images, members_of, place_images, unite
 from worker.basins.assembly import assemble_groups
 from worker.basins.tasks import map_tile
 from worker.cluster.connection import local_cluster

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from llvmlite import binding
 
-from rattle_kernels import fuses_multiply_add
+from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 
 ROOT = Path(__file__).parents[1]
 NATIVE, V2, V3, V4 = "native", "x86-64-v2", "x86-64-v3", "x86-64-v4"

@@ -7,7 +7,7 @@ A store notes how it was begun, and workers compute as their driver does (`worke
 import logging
 from typing import Any
 
-from rattle_kernels import fuses_multiply_add
+from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 from worker.errors import StoreConflict
 
 _log = logging.getLogger("rattle.rounding")

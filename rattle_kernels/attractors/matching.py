@@ -20,7 +20,7 @@ def _speed_scale(oscillator: Oscillator) -> float:
 
 
 def continue_attractor(oscillator: Oscillator, attractor: Attractor) -> Attractor | None:
-    """Periodic attractor that one of a neighbouring oscillator becomes, or none.
+    """Continue a periodic attractor to a neighbouring oscillator.
 
     Newton's method starts from the points of the old orbit, one after the other, until it ends on an orbit of the same
     itinerary that attracts.
@@ -35,7 +35,12 @@ def continue_attractor(oscillator: Oscillator, attractor: Attractor) -> Attracto
     Returns
     -------
     Attractor or None
-        None where it has vanished, lost its stability or was never periodic.
+        None if it has vanished, has lost its stability or was never periodic.
+
+    Raises
+    ------
+    OutsideDomain
+        If the oscillator's parameters lie outside the domain of the map.
     """
     if attractor.kind != AttractorKind.PERIODIC:
         return None
@@ -51,19 +56,25 @@ def continue_attractor(oscillator: Oscillator, attractor: Attractor) -> Attracto
 
 
 def attractor_distance(oscillator: Oscillator, one: Attractor, other: Attractor) -> float:
-    """How far apart two attractors of one kind and itinerary are, in forcing periods and natural speeds.
+    """Distance between two attractors of one kind and itinerary, in forcing periods and natural speeds.
 
     Parameters
     ----------
     oscillator : Oscillator
         Of one of them; its natural speed weighs as much as a period.
     one, other : Attractor
+        Of the same kind and itinerary.
 
     Returns
     -------
     float
-        Of periodic orbits the largest distance between points passed at the same turn, for the best shift; of chaotic
-        attractors the mean distance from points of either to the nearest of the other; else 0.
+        Periodic orbits: the largest distance between points of the same turn, for the best shift. Chaotic attractors:
+        the mean distance from a point of either to the nearest of the other. Otherwise 0.
+
+    Raises
+    ------
+    OutsideDomain
+        If the oscillator's parameters lie outside the domain of the map.
     """
     if not one.time.size or not other.time.size:
         return 0.0

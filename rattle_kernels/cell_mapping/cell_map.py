@@ -118,14 +118,18 @@ def map_points(
     Parameters
     ----------
     oscillator : Oscillator
-        Impacting model.
+        Either model.
     grid : CellGrid
-        Whose cells are told.
+        Its cells are the images.
     iterations : int
         k, 1 or a prime.
     t, v : ndarray of float64, shape (n,)
         Departures from +beta.
-    shortcuts, traps, pause
+    shortcuts : bool
+        As in `map_cells`.
+    traps : LaneTraps
+        As in `map_cells`.
+    pause : callable
         As in `map_cells`.
 
     Returns

@@ -80,11 +80,12 @@ def settled_iterations(damping: float) -> int:
 
 
 def expected_applications(damping: float, iterations: int) -> float:
-    """About how many applications of P a cell takes at most: all, but where damping is weak and orbits are known.
+    """Estimate how many applications of P a cell takes. Below k only where damping is weak, and orbits are known.
 
     Parameters
     ----------
     damping : float
+        Of the oscillator.
     iterations : int
         k.
 

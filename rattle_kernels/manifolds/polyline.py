@@ -79,12 +79,14 @@ def arclength(pieces: Iterable[Piece], velocity_scale: float) -> float:
     Parameters
     ----------
     pieces : iterable of Piece
+        Parts of one curve, or of several.
     velocity_scale : float
         Speed that counts as much as one forcing period.
 
     Returns
     -------
     float
+        In forcing periods.
     """
     return float(sum(chord_lengths(piece.t, piece.v, velocity_scale).sum() for piece in pieces))
 

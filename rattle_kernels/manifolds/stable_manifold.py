@@ -271,7 +271,7 @@ def stable_manifold(
     only : (int, int), optional
         Point and side of the one branch to grow; all by default.
     pause : callable
-        Called before every image of a branch; whoever wants the work to stop raises an exception there.
+        Called before every image of a branch. To stop the work, raise an exception there.
 
     Returns
     -------
@@ -306,6 +306,29 @@ def unstable_manifold(
 ) -> tuple[ManifoldBranch, ...]:
     """Unstable manifold of a saddle: the departures that the inverse of P takes to it, grown by P.
 
-    Parameters, results and errors are those of `stable_manifold`.
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Impacting model.
+    saddle : PeriodicOrbit
+        As `find_saddle` gives it.
+    limits : ManifoldLimits
+        How far each branch is grown.
+    resolution : CurveResolution
+        Speeds count in units of the largest v*.
+    only : (int, int), optional
+        Point and side of the one branch to grow; all by default.
+    pause : callable
+        Called before every image of a branch. To stop the work, raise an exception there.
+
+    Returns
+    -------
+    tuple of ManifoldBranch
+        Two for each point of the orbit.
+
+    Raises
+    ------
+    OutsideDomain, NotASaddle, ValueError
+        As `stable_manifold` does.
     """
     return _manifold(oscillator, saddle, FORWARDS, limits, resolution, only, pause)

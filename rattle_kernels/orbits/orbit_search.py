@@ -166,7 +166,9 @@ def find_orbits(
     Raises
     ------
     OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map.
+        If the oscillator's parameters lie outside the domain of the map.
+    ValueError
+        If `longest` or `cells` is not positive.
     """
     checked = check_domain(oscillator)
     if longest < 1 or cells < 1:

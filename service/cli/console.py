@@ -31,7 +31,9 @@ def _say_compiling(console: Console) -> None:
 @contextmanager
 def announced_compiling(console: Console = err) -> Iterator[None]:
     """Say why nothing happens for a while, once, as soon as a kernel has to be compiled."""
-    from rattle_kernels import watch_compiling  # loads Numba, which commands that only ask a service do without
+    from rattle_kernels.numerics.jit import (
+        watch_compiling,  # loads Numba, which commands that only ask a service do without
+    )
 
     said = False
 

@@ -5,10 +5,9 @@ import inspect
 import textwrap
 
 import pytest
+from numpydoc.validate import validate
 
 import rattle_kernels
-
-validate = pytest.importorskip("numpydoc.validate").validate
 
 # No docstring, no summary; parameters missing, unknown, out of order, without a type or a description; returns missing.
 ERRORS = {"GL08", "SS01", "PR01", "PR02", "PR03", "PR04", "PR07", "RT01", "YD01"}
@@ -40,6 +39,6 @@ def test_what_a_public_function_raises_is_documented(name):
 
 
 def test_the_check_finds_what_is_missing():
-    assert len(FUNCTIONS) > 50
+    assert len(FUNCTIONS) > 40
     assert exceptions_of(rattle_kernels.previous_impacts) == {"OutsideDomain"}
     assert exceptions_of(rattle_kernels.next_impacts) == {"OutsideDomain", "ValueError"}

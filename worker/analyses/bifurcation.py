@@ -9,17 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from rattle_kernels import (
-    AttractorKind,
-    Motions,
-    Oscillator,
-    Outcome,
-    find_attractors,
-    follow_values,
-    next_impacts,
-)
+from rattle_kernels import AttractorKind, Oscillator, Outcome, find_attractors, next_impacts
 from rattle_kernels.attractors.seeds import choose_seeds
 from rattle_kernels.numerics.pausing import Pause
+from rattle_kernels.orbits.bifurcation_diagram import Motions, follow_values
 from worker.analyses.analysis import Analysis, Parts, Piece, Plan
 from worker.analyses.bifurcation_picture import draw_diagram
 from worker.errors import NotFound

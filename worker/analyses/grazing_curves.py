@@ -5,15 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from rattle_kernels import (
-    STRETCHES,
-    CurveResolution,
-    Oscillator,
-    Piece,
-    arclength,
-    join_stretches,
-    preimages_of_stretch,
-)
+from rattle_kernels import CurveResolution, Oscillator, Piece, arclength
+from rattle_kernels.manifolds.grazing_preimages import STRETCHES, join_stretches, preimages_of_stretch
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.numerics.pausing import Pause
 from worker.analyses import analysis

@@ -18,11 +18,11 @@ from rattle_kernels import (
     find_orbit,
     find_orbits,
     find_saddle,
-    merge_orbits,
     stable_manifold,
     unstable_manifold,
 )
 from rattle_kernels.numerics.pausing import Pause
+from rattle_kernels.orbits.orbit_search import merge_orbits
 from worker.analyses.analysis import Analysis, Parts, Piece, Plan, in_order, ready_of
 from worker.analyses.curve_picture import draw_manifolds
 from worker.analyses.curve_table import PIECES, PieceEnd, piece_columns, pieces_of

@@ -19,9 +19,9 @@ from rattle_kernels import (
     continue_special_point,
     find_orbit,
     find_orbits,
-    merge_orbits,
 )
 from rattle_kernels.numerics.pausing import Pause
+from rattle_kernels.orbits.orbit_search import merge_orbits
 from worker.analyses.analysis import Analysis, Parts, Piece, Plan, in_order, ready_of
 from worker.analyses.branch_table import branch_table, summarise_branches
 from worker.analyses.orbit_picture import draw_orbits

@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from rattle_kernels import CellGroups, ImageSet, find_groups, has_members, place_images
+from rattle_kernels import CellGroups, find_groups
+from rattle_kernels.cell_mapping.image_set import ImageSet, has_members, place_images
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MAPPED
 

@@ -13,23 +13,22 @@ import numpy as np
 from rattle_kernels import (
     PERMANENT_CONTACT,
     SINK,
-    UNASSIGNED,
     UNDECIDED,
     Attractor,
     AttractorKind,
     CellGroups,
     CellImages,
-    MarkedWords,
     find_attractors,
     grazing_velocity,
     label_cells,
     map_cells,
     map_points,
-    mark_images,
     name_solutions,
 )
+from rattle_kernels.attractors.classify import UNASSIGNED
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import Seeds, choose_seeds
+from rattle_kernels.cell_mapping.image_set import MarkedWords, mark_images
 from worker.basins.assembly import assemble_groups
 from worker.cluster.task import stop_if_cancelled
 from worker.stores.basin_store import BasinStore

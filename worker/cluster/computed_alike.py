@@ -9,7 +9,7 @@ from typing import Any
 
 from distributed import get_worker
 
-from rattle_kernels import fuses_multiply_add
+from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 from worker.errors import UnlikeWorkers
 from worker.rounding import with_or_without
 

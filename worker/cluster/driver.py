@@ -19,7 +19,7 @@ from typing import Any
 
 from distributed import CancelledError, Client, Future, wait
 
-from rattle_kernels import fuses_multiply_add
+from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 from worker.cluster.computed_alike import compute_alike
 from worker.cluster.task import Task
 from worker.errors import ClusterFailed, JobCancelled, StoreFailed, TileFailed, WorkerError

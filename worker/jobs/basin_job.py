@@ -7,16 +7,9 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import ConfigDict, Field
 
-from rattle_kernels import (
-    CellGrid,
-    Oscillator,
-    OutsideDomain,
-    check_domain,
-    check_grid,
-    check_iterations,
-    expected_applications,
-    settled_iterations,
-)
+from rattle_kernels import CellGrid, Oscillator, OutsideDomain, check_domain, expected_applications, settled_iterations
+from rattle_kernels.cell_mapping.cell_grid import check_grid
+from rattle_kernels.cell_mapping.iterations import check_iterations
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.grid_request import Grid, GridRequest, grid_request
 from worker.jobs.job import Job, Sizes

@@ -4,7 +4,8 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field
 
-from rattle_kernels import CurveResolution, ManifoldLimits, check_resolution
+from rattle_kernels import CurveResolution, ManifoldLimits
+from rattle_kernels.manifolds.polyline import check_resolution
 from worker.errors import InvalidJob
 from worker.jobs.request import Real, Request, accepting
 

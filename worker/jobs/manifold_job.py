@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
-from rattle_kernels import CurveResolution, ManifoldLimits, check_limits
+from rattle_kernels import CurveResolution, ManifoldLimits
+from rattle_kernels.manifolds.stable_manifold import check_limits
 from worker.errors import InvalidJob, Place
 from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest, resolution_request
 from worker.jobs.job import AnalysisJob, Sizes

@@ -12,7 +12,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rattle_kernels import (
-    UNASSIGNED,
     Attractor,
     AttractorKind,
     Direction,
@@ -23,6 +22,7 @@ from rattle_kernels import (
     name_solutions,
     time_history,
 )
+from rattle_kernels.attractors.classify import UNASSIGNED
 from rattle_kernels.lanes.run import run_lanes
 from worker.paper.figure import PaperFigure, Sheet, Tell
 from worker.paper.history_panel import draw_history_panel

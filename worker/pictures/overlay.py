@@ -10,16 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from rattle_kernels import (
-    Attractor,
-    AttractorKind,
-    ManifoldBranch,
-    Oscillator,
-    PeriodicOrbit,
-    Piece,
-    grazing_velocity,
-    split_at_wrap,
-)
+from rattle_kernels import Attractor, AttractorKind, ManifoldBranch, Oscillator, PeriodicOrbit, Piece, grazing_velocity
+from rattle_kernels.manifolds.polyline import split_at_wrap
 
 # Points of the grazing curve: it bends little.
 _CURVE_POINTS = 513

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from rattle_kernels import CellGroups, ImageSet, with_counts
+from rattle_kernels import CellGroups
+from rattle_kernels.cell_mapping.image_set import ImageSet, with_counts
 from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob, basin_job

@@ -13,7 +13,7 @@ import numpy as np
 import zarr
 from zarr.errors import ZarrUserWarning
 
-from rattle_kernels import fuses_multiply_add
+from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob
 from worker.rounding import FUSED

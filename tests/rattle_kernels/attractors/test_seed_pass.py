@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from rattle_kernels import NO_TRAPS, CellGrid, Oscillator, map_points
+from rattle_kernels import CellGrid, Oscillator, map_points
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
+from rattle_kernels.lanes.traps import NO_TRAPS
 from worker.jobs.basin_job import BasinJob
 
 WEAK = Oscillator(6e-3, 1e-3, 6e-3)

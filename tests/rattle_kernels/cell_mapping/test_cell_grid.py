@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rattle_kernels import SINK, CellGrid, check_grid
-from rattle_kernels.cell_mapping.cell_grid import cell_number
+from rattle_kernels import SINK, CellGrid
+from rattle_kernels.cell_mapping.cell_grid import cell_number, check_grid
 from rattle_kernels.cell_mapping.iterations import (
     check_iterations,
     expected_applications,

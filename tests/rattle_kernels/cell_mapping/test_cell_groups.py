@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rattle_kernels import find_groups, has_members, label_cells, mark_images, members_of, place_images, unite
+from rattle_kernels import find_groups, label_cells
+from rattle_kernels.cell_mapping.image_set import has_members, mark_images, members_of, place_images, unite
 
 
 def direct_hsu(image):

@@ -4,7 +4,8 @@ import numpy as np
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rattle_kernels import CellGrid, CellImages, find_groups, label_cells, members_of, unite
+from rattle_kernels import CellGrid, CellImages, find_groups, label_cells
+from rattle_kernels.cell_mapping.image_set import members_of, unite
 from tests.rattle_kernels.cell_mapping.test_cell_groups import direct_hsu
 from worker.basins.assembly import assemble_groups
 from worker.basins.tasks import survey_tile
