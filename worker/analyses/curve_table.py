@@ -5,10 +5,14 @@ from enum import IntEnum
 from typing import Any
 
 import numpy as np
+from numpy import float64, int8, int64
 
 from rattle_kernels import Piece
 from worker.stores.layout import PERIODS, SPEED, Columns, flags
 from worker.stores.table import Column, Table
+
+_VERTEX = "vertex"
+_SIZE = {"sample_dimension": _VERTEX}
 
 
 class PieceEnd(IntEnum):
@@ -22,21 +26,12 @@ class PieceEnd(IntEnum):
     """The curve is drawn no further."""
 
 
-PIECES = Table(
-    "piece",
-    (
-        Column(
-            "piece_size", np.int64, "t.size", "vertices of a piece, which follow those of the one before",
-            {"sample_dimension": "vertex"},
-        ),
-        Column("piece_end", np.int8, None, "why a piece ends", flags(PieceEnd), fill=0),
-        Column(
-            "time", np.float64, "t", "phases along the pieces, unwrapped: they run on beyond 1", PERIODS,
-            along="vertex",
-        ),
-        Column("velocity", np.float64, "v", "speeds along the pieces", SPEED, along="vertex"),
-    ),
-)  # fmt: skip
+PIECES = Table("piece", (
+    Column("piece_size", int64, "vertices of a piece, which follow those of the one before", "t.size", _SIZE),
+    Column("piece_end", int8, "why a piece ends", None, flags(PieceEnd), fill=0),
+    Column("time", float64, "phases along the pieces, unwrapped: they run on beyond 1", "t", PERIODS, along=_VERTEX),
+    Column("velocity", float64, "speeds along the pieces", "v", SPEED, along=_VERTEX),
+))  # fmt: skip
 
 
 def piece_columns(pieces: Sequence[Piece], velocity: tuple[float, float]) -> Columns:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy import float64, int8, int64
 
 from rattle_kernels import CurveResolution, Oscillator, Piece, arclength
 from rattle_kernels.manifolds.grazing_preimages import STRETCHES, join_stretches, preimages_of_stretch
@@ -18,20 +19,12 @@ from worker.progress import Stage
 from worker.stores.layout import Columns, Variable
 from worker.stores.table import Column, Table, slices
 
-ORDERS = Table(
-    "order",
-    (
-        Column(
-            "order_complete", np.int8, None, "1 where all of the pre-image of this order is there, else 0"
-        ),
-        Column("order_arclength", np.float64, None, "its length in the plane (t, v/velocity scale)"),
-        Column(
-            "order_size", np.int64, None, "pieces of an order, which follow those of the one before",
-            {"sample_dimension": "piece"},
-        ),
-    ),
-    prefix="order_",
-)  # fmt: skip
+_SIZE = {"sample_dimension": "piece"}
+ORDERS = Table("order", (
+    Column("order_complete", int8, "1 where all of the pre-image of this order is there, else 0", None),
+    Column("order_arclength", float64, "its length in the plane (t, v/velocity scale)", None),
+    Column("order_size", int64, "pieces of an order, which follow those of the one before", None, _SIZE),
+), prefix="order_")  # fmt: skip
 
 
 def map_stretch(

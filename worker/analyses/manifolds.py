@@ -5,6 +5,7 @@ from dataclasses import astuple
 from typing import Any
 
 import numpy as np
+from numpy import float64, int8, int32, int64
 
 from rattle_kernels import (
     CurveResolution,
@@ -37,25 +38,20 @@ from worker.stores.table import Column, Table, slices
 
 _BANDS = 8
 _SIDES = (Side.STABLE, Side.UNSTABLE)
-BRANCHES = Table(
-    "branch",
-    (
-        Column("branch_orbit", np.int32, None, "saddle that a branch belongs to"),
-        Column("branch_point", np.int32, "point", "which of its departures the branch leaves"),
-        Column("branch_side", np.int8, "side", "1 where it leaves it towards later phases, else -1", fill=0),
-        Column(
-            "branch_kind", np.int8, None, "of which manifold",
-            {"flag_values": [1, 2], "flag_meanings": " ".join(_SIDES)}, fill=0,
-        ),
-        Column("branch_arclength", np.float64, "arclength", "length in the plane (t, v/velocity scale)"),
-        Column("branch_end", str, "end.value", "why it was grown no further"),
-        Column(
-            "branch_size", np.int64, lambda branch: len(branch.pieces),
-            "pieces of a branch, which follow those of the one before", {"sample_dimension": "piece"},
-        ),
+_KIND = {"flag_values": [1, 2], "flag_meanings": " ".join(_SIDES)}
+_SIZE = {"sample_dimension": "piece"}
+BRANCHES = Table("branch", (
+    Column("branch_orbit", int32, "saddle that a branch belongs to", None),
+    Column("branch_point", int32, "which of its departures the branch leaves"),
+    Column("branch_side", int8, "1 where it leaves it towards later phases, else -1", fill=0),
+    Column("branch_kind", int8, "of which manifold", None, _KIND, fill=0),
+    Column("branch_arclength", float64, "length in the plane (t, v/velocity scale)"),
+    Column("branch_end", str, "why it was grown no further", "end.value"),
+    Column(
+        "branch_size", int64, "pieces of a branch, which follow those of the one before",
+        lambda branch: len(branch.pieces), _SIZE,
     ),
-    prefix="branch_",
-)  # fmt: skip
+), prefix="branch_")  # fmt: skip
 
 
 def saddle_of_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: Pause) -> Columns:

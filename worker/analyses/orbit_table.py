@@ -4,49 +4,30 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy import float64, int8, int32
 
 from rattle_kernels import FoundOrbit, PeriodicOrbit
 from worker.stores.layout import PERIODS, SPEED, Columns
 from worker.stores.table import Column, Table
 
-_POINT, _PAIR = {"point": 0}, {"multiplier": 2}
-ORBITS = Table(
-    "orbit",
-    (
-        Column("name", str, "orbit.name", "P(m, n+, n-)"),
-        Column("forcing_periods", np.int32, "orbit.forcing_periods", "m of P(m, n+, n-)"),
-        Column("upper_contacts", np.int32, "orbit.upper_contacts", "n+ of P(m, n+, n-): contacts with +beta"),
-        Column("lower_contacts", np.int32, "orbit.lower_contacts", "n- of P(m, n+, n-): contacts with -beta"),
-        Column("attracts", np.int8, "orbit.attracts", "1 where both multipliers lie inside the unit circle, else 0"),
-        Column(
-            "multiplier_real", np.float64, lambda each: each.orbit.multipliers.real,
-            "eigenvalues of DP^p, real part", dims=_PAIR,
-        ),
-        Column(
-            "multiplier_imaginary", np.float64, lambda each: each.orbit.multipliers.imag,
-            "eigenvalues of DP^p, imaginary part", dims=_PAIR,
-        ),
-        Column(
-            "lyapunov_exponent", np.float64, "orbit.lyapunov_exponent", "largest Lyapunov exponent per forcing period"
-        ),
-        Column(
-            "residual", np.float64, "orbit.residual", "|P^p(x) - x|, speeds relative to a fall through the backlash"
-        ),
-        Column("grazing_distance", np.float64, "grazing_distance", "least |v - v*(t)| of its departures"),
-        Column("orbit_time", np.float64, "orbit.t", "phases of its departures, NaN-padded", PERIODS, _POINT),
-        Column("orbit_velocity", np.float64, "orbit.v", "speeds of its departures, NaN-padded", SPEED, _POINT),
-        Column(
-            "grazing_margin", np.float64, "grazing_margin", "v - v*(t): above 0 where the flight meets -beta", SPEED,
-            _POINT,
-        ),
-        Column("lower_speed", np.float64, "lower_speed", "speed at -beta, NaN where it is not met", SPEED, _POINT),
-        Column(
-            "jacobian", np.float64, "orbit.jacobians", "DP^p at each departure, NaN-padded",
-            dims={"point": 0, "row": 2, "column": 2},
-        ),
-    ),
-    length="upper_contacts",
-)  # fmt: skip
+_POINT, _PAIR, _MATRICES = {"point": 0}, {"multiplier": 2}, {"point": 0, "row": 2, "column": 2}
+ORBITS = Table("orbit", (
+    Column("name", str, "P(m, n+, n-)", "orbit.name"),
+    Column("forcing_periods", int32, "m of P(m, n+, n-)", "orbit.forcing_periods"),
+    Column("upper_contacts", int32, "n+ of P(m, n+, n-): contacts with +beta", "orbit.upper_contacts"),
+    Column("lower_contacts", int32, "n- of P(m, n+, n-): contacts with -beta", "orbit.lower_contacts"),
+    Column("attracts", int8, "1 where both multipliers lie inside the unit circle, else 0", "orbit.attracts"),
+    Column("multiplier_real", float64, "eigenvalues of DP^p, real part", "orbit.multipliers.real", {}, _PAIR),
+    Column("multiplier_imaginary", float64, "eigenvalues of DP^p, imaginary part", "orbit.multipliers.imag", {}, _PAIR),
+    Column("lyapunov_exponent", float64, "largest Lyapunov exponent per forcing period", "orbit.lyapunov_exponent"),
+    Column("residual", float64, "|P^p(x) - x|, speeds relative to a fall through the backlash", "orbit.residual"),
+    Column("grazing_distance", float64, "least |v - v*(t)| of its departures"),
+    Column("orbit_time", float64, "phases of its departures, NaN-padded", "orbit.t", PERIODS, _POINT),
+    Column("orbit_velocity", float64, "speeds of its departures, NaN-padded", "orbit.v", SPEED, _POINT),
+    Column("grazing_margin", float64, "v - v*(t): above 0 where the flight meets -beta", "", SPEED, _POINT),
+    Column("lower_speed", float64, "speed at -beta, NaN where it is not met", "", SPEED, _POINT),
+    Column("jacobian", float64, "DP^p at each departure, NaN-padded", "orbit.jacobians", dims=_MATRICES),
+), length="upper_contacts")  # fmt: skip
 
 
 def orbits_of(columns: Mapping[str, Any]) -> list[FoundOrbit]:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy import float64, int8, int32, int64
 
 from rattle_kernels import Oscillator, SpecialKind, SpecialPoint
 from worker.stores.layout import PERIODS, SPEED, Columns
@@ -11,60 +12,41 @@ from worker.stores.table import Column, Table
 
 _KINDS = tuple(SpecialKind)
 _DEPARTURE, _PAIR, _POINT = {"special_departure": 0}, {"multiplier": 2}, "curve_point"
-SPECIALS = Table(
-    "special",
-    (
-        Column(
-            "special_kind", np.int8, lambda point: _KINDS.index(point.kind) + 1, "what happens there",
-            {
-                "flag_values": list(range(1, len(_KINDS) + 1)),
-                "flag_meanings": " ".join(kind.replace(" ", "_") for kind in _KINDS),
-            },
-            fill=0,
-        ),
-        Column("special_branch", np.int32, None, "first branch that has it"),
-        Column("special_value", np.float64, "value", "value of the parameter"),
-        Column("special_error", np.float64, "error", "last change of that value by Newton's method"),
-        Column("special_residual", np.float64, "residual", "what is left of the equations that define it"),
-        Column("special_forcing_periods", np.int32, "forcing_periods", "m of the orbit P(m, n+, n-) there"),
-        Column("special_upper_contacts", np.int32, "upper_contacts", "n+ of that orbit"),
-        Column("special_lower_contacts", np.int32, "lower_contacts", "n- of that orbit; a graze is not counted"),
-        Column("special_time", np.float64, "t", "phases of its departures, NaN-padded", PERIODS, _DEPARTURE),
-        Column("special_velocity", np.float64, "v", "speeds of its departures, NaN-padded", SPEED, _DEPARTURE),
-        Column(
-            "special_multiplier_real", np.float64, "multipliers.real", "eigenvalues of DP^p, real part", dims=_PAIR,
-            fill=np.nan,
-        ),
-        Column(
-            "special_multiplier_imaginary", np.float64, "multipliers.imag", "eigenvalues of DP^p, imaginary part",
-            dims=_PAIR, fill=np.nan,
-        ),
+_SIZE, _SIDE = {"sample_dimension": _POINT}, {"curve_side": 2}
+_CODES = {
+    "flag_values": list(range(1, len(_KINDS) + 1)),
+    "flag_meanings": " ".join(kind.replace(" ", "_") for kind in _KINDS),
+}
+SPECIALS = Table("special", (
+    Column("special_kind", int8, "what happens there", lambda point: _KINDS.index(point.kind) + 1, _CODES, fill=0),
+    Column("special_branch", int32, "first branch that has it", None),
+    Column("special_value", float64, "value of the parameter"),
+    Column("special_error", float64, "last change of that value by Newton's method"),
+    Column("special_residual", float64, "what is left of the equations that define it"),
+    Column("special_forcing_periods", int32, "m of the orbit P(m, n+, n-) there"),
+    Column("special_upper_contacts", int32, "n+ of that orbit"),
+    Column("special_lower_contacts", int32, "n- of that orbit; a graze is not counted"),
+    Column("special_time", float64, "phases of its departures, NaN-padded", "t", PERIODS, _DEPARTURE),
+    Column("special_velocity", float64, "speeds of its departures, NaN-padded", "v", SPEED, _DEPARTURE),
+    Column(
+        "special_multiplier_real", float64, "eigenvalues of DP^p, real part", "multipliers.real", dims=_PAIR,
+        fill=np.nan,
     ),
-    prefix="special_",
-    length="special_upper_contacts",
-)  # fmt: skip
-CURVES = Table(
-    "curve",
-    (
-        Column("curve_special", np.int32, None, "special point that a curve began with"),
-        Column(
-            "curve_size", np.int64, "t.size", "points of a curve, which follow those of the one before",
-            {"sample_dimension": "curve_point"},
-        ),
-        Column("curve_end", str, "ends", "why it ends at its first and at its last point", dims={"curve_side": 2}),
-        Column(
-            "curve_first", np.float64, lambda curve: curve.values[:, 0], "value of the first parameter", along=_POINT
-        ),
-        Column(
-            "curve_second", np.float64, lambda curve: curve.values[:, 1], "value of the second parameter",
-            along=_POINT,
-        ),
-        Column("curve_time", np.float64, "t", "phase of the first departure", PERIODS, along=_POINT),
-        Column("curve_velocity", np.float64, "v", "its speed, 0 for contact loss", SPEED, along=_POINT),
-        Column("curve_residual", np.float64, "residual", "what is left of the equations", along=_POINT),
+    Column(
+        "special_multiplier_imaginary", float64, "eigenvalues of DP^p, imaginary part", "multipliers.imag", dims=_PAIR,
+        fill=np.nan,
     ),
-    prefix="curve_",
-)  # fmt: skip
+), prefix="special_", length="special_upper_contacts")  # fmt: skip
+CURVES = Table("curve", (
+    Column("curve_special", int32, "special point that a curve began with", None),
+    Column("curve_size", int64, "points of a curve, which follow those of the one before", "t.size", _SIZE),
+    Column("curve_end", str, "why it ends at its first and at its last point", "ends", dims=_SIDE),
+    Column("curve_first", float64, "value of the first parameter", lambda curve: curve.values[:, 0], along=_POINT),
+    Column("curve_second", float64, "value of the second parameter", lambda curve: curve.values[:, 1], along=_POINT),
+    Column("curve_time", float64, "phase of the first departure", "t", PERIODS, along=_POINT),
+    Column("curve_velocity", float64, "its speed, 0 for contact loss", "v", SPEED, along=_POINT),
+    Column("curve_residual", float64, "what is left of the equations", along=_POINT),
+), prefix="curve_")  # fmt: skip
 # Branches that meet in a special point agree on its value to 1e-12.
 _SAME = 1e-9
 # Tolerance of speeds. Next to a fold they are known only to the square root of 1e-12.

@@ -90,11 +90,10 @@ class Schedule:
         The first basin has the numbers of its own catalogue. They are known as soon as that is, and again when it is
         longer.
         """
-        while (basin := self.basins.get(self._to_number)) is not None and (basin.solved or basin.numbered):
+        while (basin := self.basins.get(self._to_number)) is not None:
             known = self._numbered.get(basin.number)
-            if known is None or basin.numbered and len(known.attractors) < len(basin.attractors):
-                if not basin.attractors:
-                    return
+            longer = len(basin.attractors) > (len(known.attractors) if known else 0)
+            if longer and (basin.solved or basin.numbered):
                 self._introduce(basin)
             if not basin.solved:
                 return

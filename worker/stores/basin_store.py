@@ -116,10 +116,17 @@ class BasinStore(SolutionArrays):
         with told_as_store_failure(self.location):
             return tuple(np.asarray(self._array(variable)[...]) for variable in variables)
 
+    def _read(self, variable: Variable, *index: Any) -> np.ndarray:
+        with told_as_store_failure(self.location):
+            return np.asarray(self._kept(variable)[index])
+
+    def _write(self, variable: Variable, values: np.ndarray, *index: Any) -> None:
+        with told_as_store_failure(self.location):
+            self._kept(variable)[index] = values
+
     def read_ledger(self) -> np.ndarray:
         """State of each tile, flat, basin by basin, as `TileState` codes."""
-        with told_as_store_failure(self.location):
-            return np.asarray(self._array(self.places.ledger)[...]).ravel()
+        return self._read(self.places.ledger, ...).ravel()
 
     def write_ledger(self, states: np.ndarray) -> None:
         """Replace the ledger (driver only)."""
@@ -131,45 +138,37 @@ class BasinStore(SolutionArrays):
     def write_image_words(self, basin: int, words: np.ndarray) -> None:
         """Write the distinct images of a basin (driver only)."""
         self._fence()
-        with told_as_store_failure(self.location):
-            self._kept(layout.IMAGE_WORDS)[*self.job.place_of(basin), :] = words
+        self._write(layout.IMAGE_WORDS, words, *self.job.place_of(basin), ...)
 
     def read_image_words(self, basin: int) -> ImageSet:
         """Read the distinct images of a basin."""
-        with told_as_store_failure(self.location):
-            return with_counts(np.asarray(self._kept(layout.IMAGE_WORDS)[*self.job.place_of(basin), :]))
+        return with_counts(self._read(layout.IMAGE_WORDS, *self.job.place_of(basin), ...))
 
     def write_groups(self, basin: int, groups: CellGroups) -> None:
         """Write Hsu's numbers on a basin's image set, for tiles to look up."""
-        with told_as_store_failure(self.location):
-            for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True):
-                self._kept(variable)[*self.job.place_of(basin), : values.size] = values
+        for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True):
+            self._write(variable, values, *self.job.place_of(basin), slice(values.size))
 
     def read_groups(self, basin: int) -> CellGroups:
         """Read Hsu's numbers on a basin's image set."""
         members = self.read_image_words(basin)
         place = self.job.place_of(basin)
-        with told_as_store_failure(self.location):
-            group, step = (np.asarray(self._kept(each)[*place, : members.size]) for each in layout.IMAGE_SET[:2])
-            cycles = int(group.max(initial=0)) + 1
-            period = np.asarray(self._kept(layout.IMAGE_SET[2])[*place, :cycles])
+        group, step = (self._read(each, *place, slice(members.size)) for each in layout.IMAGE_SET[:2])
+        period = self._read(layout.IMAGE_SET[2], *place, slice(int(group.max(initial=0)) + 1))
         return CellGroups(members, group, step, period)
 
     def write_grazing_velocity(self, basin: int, velocity: np.ndarray) -> None:
         """Write the grazing curve of a basin."""
-        with told_as_store_failure(self.location):
-            self._kept(layout.GRAZING)[*self.job.place_of(basin), :] = velocity
+        self._write(layout.GRAZING, velocity, *self.job.place_of(basin), ...)
 
     def write_image_counts(self, counts: np.ndarray) -> None:
-        """Note how many places of each basin have each reserved image, shape (basins, 3) (driver only)."""
+        """Write how many cells of each basin have each reserved image, shape (basins, 3) (driver only)."""
         self._fence()
-        with told_as_store_failure(self.location):
-            self._array(layout.IMAGE_COUNTS)[...] = counts.reshape(*self.job.sweep_shape, 3)
+        self._write(layout.IMAGE_COUNTS, counts.reshape(*self.job.sweep_shape, 3), ...)
 
     def read_image_counts(self) -> np.ndarray:
-        """Read them, shape (basins, 3); negative where a basin is not mapped yet."""
-        with told_as_store_failure(self.location):
-            return np.asarray(self._array(layout.IMAGE_COUNTS)[...]).reshape(-1, 3)
+        """Read these counts, shape (basins, 3). They are negative if a basin is not mapped yet."""
+        return self._read(layout.IMAGE_COUNTS, ...).reshape(-1, 3)
 
     def finish(self, seconds: dict[str, float]) -> None:
         """Consolidate the store's metadata and mark it complete (driver only)."""

@@ -24,7 +24,7 @@ def list_changes(job: BasinJob, table: SolutionTable) -> tuple[np.ndarray, ...]:
     -------
     tuple of ndarray, one length
         Columns as in `layout.CHANGES`: kind, solution, parameter, its value before and after, and the value of the
-        other swept parameter (NaN where there is none).
+        other swept parameter (NaN if there is none).
     """
     motions = np.array([motion.kind != AttractorKind.UNDECIDED for motion in table.motions], bool)
     there = (np.isfinite(table.share) & motions).reshape(*job.sweep_shape, len(table.motions))

@@ -1,10 +1,10 @@
-"""Where stores lie: the one module that knows folders from buckets.
+"""Where stores are kept: the only module that distinguishes folders and buckets.
 
     /data/results/ID.zarr             a folder
     s3://bucket/results/ID.zarr       objects of S3 that share this prefix
 
-Endpoint, region and credentials of S3 come from the usual ``AWS_...`` variables of the environment, never from a
-location: locations are logged and travel to workers.
+Endpoint, region and credentials of S3 come from the usual ``AWS_...`` environment variables, never from a location,
+because locations are logged and sent to workers.
 """
 
 import asyncio
@@ -31,7 +31,7 @@ if TYPE_CHECKING:  # not there when it runs
     from obstore.store import ClientConfig, RetryConfig
 
 _S3 = "s3://"
-# A server that is gone is told within seconds, and one that is busy is asked again for longer than a leader is elected.
+# A missing server is noticed within seconds. Requests to a busy one are repeated for longer than an election takes.
 _PATIENCE_SECONDS, _FIRST_PAUSE_SECONDS, _LONGEST_PAUSE_SECONDS = 15.0, 0.1, 3.0
 _RETRIES: "RetryConfig" = {
     "max_retries": 6,
@@ -43,7 +43,7 @@ _RETRIES: "RetryConfig" = {
     },
 }
 _TIMEOUTS: "ClientConfig" = {"connect_timeout": "5s", "timeout": "30s"}
-# A fenced request ends within the five seconds by which a lease is lost before another driver may begin.
+# A lease is lost five seconds before another driver may begin. A fenced request ends within that time.
 _ONCE: "RetryConfig" = {"max_retries": 0, "retry_timeout": timedelta(0)}
 _HURRY: "ClientConfig" = {"connect_timeout": "2s", "timeout": "4s"}
 _DEFAULT_REGION = "us-east-1"
@@ -71,44 +71,44 @@ def whole(size: int, tag: str) -> tuple[int, int]:
 
 
 class Place(Protocol):
-    """Somewhere a store lies, or can lie."""
+    """A location of a store, existing or new."""
 
     @property
     def zarr(self) -> Any:
-        """What Zarr and xarray open it by."""
+        """The store for Zarr and xarray."""
 
     def check(self) -> None:
-        """Raise the system's error where no store can lie there, as where a bucket is gone."""
+        """Raise the system's error if there can be no store, for example because the bucket is gone."""
 
     def taken(self) -> bool:
-        """Whether something lies there that is not even the beginning of a store."""
+        """Whether the location holds something that is not even the beginning of a store."""
 
     def read(self, path: str, part: Part) -> StoredFile | None:
         """Part of a file by its path within; None where there is none, or the path leads out."""
 
     def folders(self, path: str) -> list[str]:
-        """Names of what lies below a path within and has something below itself, ascending."""
+        """Names of the folders below a path of the store, ascending."""
 
     def sweep(self) -> None:
-        """Remove what killed writers have left."""
+        """Remove files that killed writers have left."""
 
     def remove(self) -> None:
-        """Remove everything; nothing happens where there is nothing."""
+        """Remove everything, if there is anything."""
 
 
 def place_at(location: str, fence: Fence = unfenced) -> Place:
-    """Place by its location.
+    """Place at a location.
 
     Parameters
     ----------
     location : str
     fence : Fence
-        Of a driver whose job another one may take over.
+        Needed if another driver may take the job over.
 
     Raises
     ------
     StoreFailed
-        Where a location is neither a folder nor of the form ``s3://bucket/prefix``.
+        If the location is neither a folder nor of the form ``s3://bucket/prefix``.
     """
     if location.startswith(_S3):
         bucket, _, prefix = location.removeprefix(_S3).partition("/")
@@ -128,7 +128,7 @@ class _Folder:
         self.zarr = str(path)
 
     def check(self) -> None:
-        pass  # folders are made when a store is
+        pass  # a folder is made with its store
 
     def taken(self) -> bool:
         if not self.path.is_dir():
@@ -168,7 +168,7 @@ class _Folder:
 
 
 class _WholeObjects(ObjectStore):
-    """Objects that are written in one request each: a killed writer leaves the old one or the new one, and no parts."""
+    """Objects written in one request each, so a killed writer leaves the old one or the new one, and no parts."""
 
     async def set(self, key: str, value: Any) -> None:
         self._check_writable()
@@ -176,10 +176,10 @@ class _WholeObjects(ObjectStore):
 
 
 class _FencedObjects(_WholeObjects):
-    """Objects that a driver writes whose job another one may take over.
+    """Objects written by a driver whose job another driver may take over.
 
-    Guarantees. Each request is sent after a look at the fence and given up before another driver may begin, so that
-    none is accepted later by a server that hangs; what fails is sent again, after another look.
+    Guarantees. Each request is sent after a check of the fence, and given up before another driver may begin. So a
+    server that hangs accepts none of them later. A failed request is sent again after another check.
     """
 
     def __init__(self, store: Any, hurried: Any, fence: Fence, *, read_only: bool = False) -> None:
@@ -217,7 +217,7 @@ class _Objects:
     """Objects of S3 below a prefix."""
 
     def __init__(self, location: str, bucket: str, prefix: str, fence: Fence) -> None:
-        # Whoever writes an address that begins with http:// has decided to do without TLS.
+        # An address that begins with http:// is a decision to do without TLS.
         options: ClientConfig = {**_TIMEOUTS, "allow_http": _variable(_ENDPOINTS).startswith("http://")}
         region = _variable(_REGIONS) or _DEFAULT_REGION
         self._store = S3Store(bucket, prefix=prefix, region=region, retry_config=_RETRIES, client_options=options)
@@ -253,7 +253,7 @@ class _Objects:
         return sorted(prefix.rstrip("/").rpartition("/")[2] for prefix in found["common_prefixes"])
 
     def sweep(self) -> None:
-        """Nothing: objects appear as a whole or not at all."""
+        """Do nothing: objects appear as a whole or not at all."""
 
     def remove(self) -> None:
         obstore.delete(self._store, self._paths())

@@ -61,7 +61,7 @@ def create_unless_there(location: str, what: str, create: Callable[[], None], fe
     fence()
     with told_as_store_failure(location):
         if place_at(location).taken():
-            raise StoreConflict(f"{location} exists and is no {what}: choose another place, or remove it")
+            raise StoreConflict(f"{location} exists and is no {what}: choose another location, or remove it")
         create()
 
 
@@ -85,6 +85,6 @@ def demand_same_request(location: str, digest: str, there: str, request: dict[st
     """
     if there != digest:
         raise StoreConflict(
-            f"{location} holds the store of another request: choose another place, or remove it\n"
+            f"{location} holds the store of another request: choose another location, or remove it\n"
             f"it holds {json.dumps(request)}"
         )

@@ -14,9 +14,9 @@ from worker.stores.solution_table import SolutionTable, share_error
 
 @dataclass(frozen=True)
 class SweptBasinSummary:
-    """One basin of a sweep: values of the swept parameters, and the share of each solution that it has, by number.
+    """One basin of a sweep: values of the swept parameters, and the share of each of its solutions, by number.
 
-    ``shares`` is empty until the basin is complete; ``errors`` are standard errors, of samples alone.
+    ``shares`` is empty until the basin is complete. ``errors`` are standard errors, for samples only.
     """
 
     values: dict[str, float]
@@ -29,7 +29,7 @@ class SweptBasinSummary:
 class Change:
     """Birth or death of a solution, between two neighbouring values of a swept parameter.
 
-    ``beside`` is the value of the other swept parameter, None where there is none.
+    ``beside`` is the value of the other swept parameter, None if there is none.
     """
 
     kind: ChangeKind
@@ -42,7 +42,7 @@ class Change:
 
 @dataclass(frozen=True)
 class BasinSummary:
-    """Answer of one job: its motions with their shares, and how complete it is.
+    """Result of one job: its motions with their shares, and how complete it is.
 
     ``attractors`` are by number, each as the first basin has it; ``shares`` those of all basins' cells, NaN until
     every basin is complete; ``image_counts`` says how many places have each reserved image, once all are mapped;
@@ -92,7 +92,7 @@ def summarise(location: str) -> BasinSummary:
 
 
 def fingerprint(location: str) -> bytes:
-    """What changes whenever a picture of the store does: its ledger, and what is known of its solutions.
+    """Bytes that change whenever a picture of the store does: from its ledger and its solutions.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def fingerprint(location: str) -> bytes:
 
 
 def representatives(store: BasinStore, table: SolutionTable) -> tuple[Attractor, ...]:
-    """Each solution as the first basin that has it does; while none is complete, as the first basin's catalogue."""
+    """Each solution as in the first basin that has it, or while none is complete as in the first basin's catalogue."""
     there = np.isfinite(table.share)
     first = np.where(there.any(axis=0), there.argmax(axis=0), 0)
     found: dict[int, Attractor] = {}
@@ -118,7 +118,7 @@ def representatives(store: BasinStore, table: SolutionTable) -> tuple[Attractor,
 
 
 def count_images(store: BasinStore, basin: int | None = None) -> dict[str, int]:
-    """How many places of a basin, or of all, have each reserved image; empty until all of them are mapped."""
+    """How many cells of a basin, or of all, have each reserved image. Empty until all of them are mapped."""
     counts = store.read_image_counts()[slice(None) if basin is None else slice(basin, basin + 1)]
     if (counts < 0).any():
         return {}

@@ -1,7 +1,7 @@
 """A stored table as one declaration: from objects to the columns of a store, and back.
 
-All arrays are by columns. A row may have one value in a column, several in further dimensions, or a whole run of values
-along a dimension that all rows share (a contiguous ragged array).
+A row has one value in a column, several in further dimensions, or a run of values along a dimension that all rows share
+(a contiguous ragged array).
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -24,9 +24,10 @@ class Column:
     ----------
     name : str
     dtype : type
-    get : str, callable or None
-        An object's value: the attribute of this name, or what the callable returns. None if objects do not have it.
     meaning : str
+    get : str, callable or None
+        An object's value: an attribute (by default of the column's name without the table's prefix), or what the
+        callable returns. None if objects do not have it.
     attributes : dict
         Of the stored array.
     dims : dict of str to int
@@ -39,35 +40,35 @@ class Column:
 
     name: str
     dtype: Any
-    get: str | Callable[[Any], Any] | None
     meaning: str
+    get: str | Callable[[Any], Any] | None = ""
     attributes: dict[str, Any] = field(default_factory=dict)
     dims: dict[str, int] = field(default_factory=dict)
     along: str = ""
     fill: Any = None
 
+    @property
+    def padded(self) -> bool:
+        """Whether rows differ in length."""
+        return 0 in self.dims.values()
+
     def variable(self, dimension: str) -> Variable:
         """Layout of the column in the store."""
-        padded = 0 in self.dims.values()
-        default = "" if self.dtype is str else np.nan if padded else np.inf if self.dtype is np.float64 else MISSING
+        default: Any = "" if self.dtype is str else MISSING
+        if self.dtype is np.float64:
+            default = np.nan if self.padded else np.inf
         fill = default if self.fill is None else self.fill
-        dims = (self.along or dimension, *self.dims)
-        return Variable(self.name, dims, self.dtype, fill, self.meaning, self.attributes)
-
-    def of(self, each: Any) -> np.ndarray:
-        """Values of one object."""
-        assert self.get is not None
-        value = attrgetter(self.get)(each) if isinstance(self.get, str) else self.get(each)
-        array = np.asarray(value, object if self.dtype is str else self.dtype)
-        return array if self.along else array[None]
+        return Variable(
+            self.name, (self.along or dimension, *self.dims), self.dtype, fill, self.meaning, self.attributes
+        )
 
     def join(self, parts: Sequence[np.ndarray]) -> np.ndarray:
-        """Values of several objects or parts, one after another."""
+        """Values of several parts, one after another."""
         if not parts:
             return np.empty((0, *self.dims.values()), object if self.dtype is str else self.dtype)
-        shape = np.max([part.shape[1:] for part in parts], axis=0).astype(int).tolist()
-        if 0 in self.dims.values():
-            widths = [[(0, 0), *((0, a - b) for a, b in zip(shape, part.shape[1:], strict=True))] for part in parts]
+        if self.padded:
+            shape = np.max([part.shape[1:] for part in parts], axis=0)
+            widths = [[(0, 0), *((0, more) for more in shape - part.shape[1:])] for part in parts]
             parts = [np.pad(part, width, constant_values=np.nan) for part, width in zip(parts, widths, strict=True)]
         return np.concatenate(parts)
 
@@ -82,7 +83,7 @@ class Table:
         Along which the objects are.
     columns : tuple of Column
     prefix : str
-        With which the names of columns begin; `rows` leaves it out.
+        Beginning of the names of columns, left out in attributes of objects and rows.
     length : str
         Column that says how many of a padded column's values a row has.
     """
@@ -97,13 +98,16 @@ class Table:
         """Layout of the table in a store."""
         return tuple(column.variable(self.dimension) for column in self.columns)
 
+    def _part(self, column: Column, each: Any) -> np.ndarray:
+        get = column.get or column.name.removeprefix(self.prefix)
+        value = get(each) if callable(get) else attrgetter(get)(each)
+        array = np.asarray(value, object if column.dtype is str else column.dtype)
+        return array if column.along else array[None]
+
     def of(self, objects: Iterable[Any]) -> Columns:
         """Columns of some objects."""
-        listed = list(objects)
-        return {
-            column.name: column.join([column.of(each) for each in listed])
-            for column in self.columns if column.get is not None
-        }  # fmt: skip
+        own, listed = [column for column in self.columns if column.get is not None], list(objects)
+        return {column.name: column.join([self._part(column, each) for each in listed]) for column in own}
 
     def join(self, parts: Sequence[Columns]) -> Columns:
         """Columns of several tables, one after another. A column that they lack is empty."""
@@ -113,34 +117,29 @@ class Table:
         }
 
     def rows(self, columns: Mapping[str, Any]) -> list[SimpleNamespace]:
-        """Rows of such columns, of a part, a store or an xarray dataset, with columns as attributes.
+        """Rows of the columns of a part, a store or an xarray dataset, with the columns as attributes.
 
         Single values are Python's, padding is left out, and runs are slices of their arrays.
         """
         arrays = {column.name: np.asarray(columns[column.name]) for column in self.columns if column.name in columns}
-        runs = {
-            column.attributes["sample_dimension"]: slices(arrays[column.name])
-            for column in self.columns if "sample_dimension" in column.attributes
-        }  # fmt: skip
-        own = [column for column in self.columns if column.name in arrays and column.along in ("", *runs)]
-        count = len(next(arrays[column.name] for column in own if not column.along))
-        return [
-            SimpleNamespace(
-                **{
-                    column.name.removeprefix(self.prefix): arrays[column.name][runs[column.along][row]]
-                    if column.along
-                    else self._value(arrays, column, row)
-                    for column in own
-                }
-            )
-            for row in range(count)
-        ]
+        parts: dict[str, Sequence[Any]] = {}
+        for column in self.columns:
+            array, name = arrays.get(column.name), column.name.removeprefix(self.prefix)
+            if array is None or column.along not in ("", *self._runs):
+                continue
+            if column.along:
+                parts[name] = [array[run] for run in slices(arrays[self._runs[column.along]])]
+            elif column.padded and self.length:
+                parts[name] = [values[:count] for values, count in zip(array, arrays[self.length], strict=True)]
+            else:
+                parts[name] = list(array) if column.dims else array.tolist()
+        return [SimpleNamespace(**dict(zip(parts, row, strict=True))) for row in zip(*parts.values(), strict=True)]
 
-    def _value(self, arrays: Columns, column: Column, row: int) -> Any:
-        value = arrays[column.name][row]
-        if not column.dims:
-            return value.item() if isinstance(value, np.generic) else value
-        return value[: int(arrays[self.length][row])] if self.length and 0 in column.dims.values() else value
+    @cached_property
+    def _runs(self) -> dict[str, str]:
+        """Column with the lengths of the runs along each dimension."""
+        sized = [column for column in self.columns if "sample_dimension" in column.attributes]
+        return {column.attributes["sample_dimension"]: column.name for column in sized}
 
 
 def slices(sizes: np.ndarray) -> list[slice]:

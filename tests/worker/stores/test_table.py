@@ -7,20 +7,15 @@ import numpy as np
 from worker.stores.layout import MISSING
 from worker.stores.table import Column, Table
 
-TABLE = Table(
-    "walk",
-    (
-        Column("walk_name", str, "name", "name"),
-        Column("walk_steps", np.int32, "x.size", "steps"),
-        Column("walk_marks", np.float64, "marks", "one for each step", dims={"step": 0}),
-        Column("walk_ends", np.float64, lambda walk: walk.x[[0, -1]], "first and last", dims={"end": 2}),
-        Column("walk_size", np.int64, "x.size", "points of a walk", {"sample_dimension": "point"}),
-        Column("x", np.float64, "x", "positions", along="point"),
-        Column("walk_owner", np.int32, None, "filled in later"),
-    ),
-    prefix="walk_",
-    length="walk_steps",
-)
+TABLE = Table("walk", (
+    Column("walk_name", str, "name"),
+    Column("walk_steps", np.int32, "steps", "x.size"),
+    Column("walk_marks", np.float64, "one for each step", dims={"step": 0}),
+    Column("walk_ends", np.float64, "first and last", lambda walk: walk.x[[0, -1]], dims={"end": 2}),
+    Column("walk_size", np.int64, "points of a walk", "x.size", {"sample_dimension": "point"}),
+    Column("x", np.float64, "positions", along="point"),
+    Column("walk_owner", np.int32, "filled in later", None),
+), prefix="walk_", length="walk_steps")  # fmt: skip
 SHORT = SimpleNamespace(name="short", x=np.array([1.0, 2.0]), marks=[5.0, 6.0])
 LONG = SimpleNamespace(name="long", x=np.array([3.0, 4.0, 5.0]), marks=[7.0, 8.0, np.nan])
 
