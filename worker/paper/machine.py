@@ -10,10 +10,10 @@ from matplotlib.patches import Patch
 
 from rattle_kernels import Attractor, AttractorKind, CellGrid, Oscillator
 from worker.jobs.basin_job import BasinJob
-from worker.paper.basin_panel import draw_panel, model_of
-from worker.paper.basin_view import BasinView, view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
-from worker.paper.solutions_told import told_oscillator
+from worker.paper.numbers.solutions import told_oscillator
+from worker.paper.panels.basin_panel import draw_panel, model_of
+from worker.paper.panels.basin_view import BasinView, view_basin
 from worker.pictures.colours import colours_of
 from worker.views.reading import open_basin
 

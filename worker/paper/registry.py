@@ -1,24 +1,21 @@
 """The figures that can be recomputed, in the paper's order, and those of the machine."""
 
 from worker.errors import InvalidJob
-from worker.paper.fig1 import FIG1
-from worker.paper.fig2 import FIG2
-from worker.paper.fig3 import FIG3
-from worker.paper.fig4 import FIG4
-from worker.paper.fig5 import FIG5
-from worker.paper.fig6 import FIG6
-from worker.paper.fig7 import FIG7
-from worker.paper.fig8 import FIG8
-from worker.paper.fig9 import FIG9
-from worker.paper.fig10 import FIG10
-from worker.paper.fig11 import FIG11
-from worker.paper.fig12 import FIG12
-from worker.paper.fig13 import FIG13
-from worker.paper.fig14 import FIG14
-from worker.paper.fig15 import FIG15
-from worker.paper.fig16 import FIG16
-from worker.paper.fig17 import FIG17
 from worker.paper.figure import PaperFigure
+from worker.paper.figures.fig1 import FIG1
+from worker.paper.figures.fig2_fig3 import FIG2, FIG3
+from worker.paper.figures.fig4 import FIG4
+from worker.paper.figures.fig5 import FIG5
+from worker.paper.figures.fig6 import FIG6
+from worker.paper.figures.fig7 import FIG7
+from worker.paper.figures.fig8_fig9 import FIG8, FIG9
+from worker.paper.figures.fig10 import FIG10
+from worker.paper.figures.fig11 import FIG11
+from worker.paper.figures.fig12_fig13 import FIG12, FIG13
+from worker.paper.figures.fig14 import FIG14
+from worker.paper.figures.fig15 import FIG15
+from worker.paper.figures.fig16 import FIG16
+from worker.paper.figures.fig17 import FIG17
 from worker.paper.machine import MACHINE, MACHINE_SOFT
 from worker.paper.machine_sweep import MACHINE_SWEEP
 

@@ -11,7 +11,8 @@ from matplotlib.image import imread
 
 from rattle_kernels import CellGrid, Oscillator, next_impacts
 from worker.errors import InvalidJob, JobCancelled
-from worker.paper import fig1, fig11, fig17, machine, machine_sweep
+from worker.paper import machine, machine_sweep
+from worker.paper.figures import fig1, fig11, fig17
 from worker.paper.production import produce
 from worker.paper.registry import PAPER_FIGURES, figure_named
 

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rattle_kernels import Oscillator, next_impacts
-from worker.paper.anatomy import manifold_overlays, manifolds, saddle_overlays, told_manifold
 from worker.paper.figure import PaperFigure, Sheet, Tell
+from worker.paper.numbers.solutions import told_oscillator
+from worker.paper.panels.anatomy import manifold_overlays, manifolds, saddle_overlays, told_manifold
 from worker.paper.papers_oscillator import papers_oscillator
-from worker.paper.solutions_told import told_oscillator
 from worker.pictures.panel_picture import frame
 
 _HIGHEST = 40.0

@@ -4,7 +4,9 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from worker.paper.anatomy import (
+from worker.paper.figure import PaperFigure, Sheet, Tell
+from worker.paper.numbers.solutions import told_oscillator
+from worker.paper.panels.anatomy import (
     BASIN,
     manifold_overlays,
     manifolds,
@@ -13,10 +15,8 @@ from worker.paper.anatomy import (
     the_basin,
     told_manifold,
 )
-from worker.paper.basin_panel import draw_panel
-from worker.paper.basin_view import view_basin
-from worker.paper.figure import PaperFigure, Sheet, Tell
-from worker.paper.solutions_told import told_oscillator
+from worker.paper.panels.basin_panel import draw_panel
+from worker.paper.panels.basin_view import view_basin
 
 # Of each branch: no boundary cell of a picture of 2000 x 2000 cells is left over then (docs/theory/manifolds.md).
 ARCLENGTH = 100.0

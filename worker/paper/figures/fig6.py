@@ -6,11 +6,11 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import CellGrid
 from worker.jobs.basin_job import BasinJob
-from worker.paper.basin_panel import draw_panel, legend_of, model_of
-from worker.paper.basin_view import view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
+from worker.paper.numbers.solutions import told_basin, told_differences
+from worker.paper.panels.basin_panel import draw_panel, legend_of, model_of
+from worker.paper.panels.basin_view import view_basin
 from worker.paper.papers_oscillator import papers_basin
-from worker.paper.solutions_told import told_basin, told_differences
 
 _STIFFNESSES = {"kappa 1e2": 1e2, "kappa 1e3": 1e3, "kappa 1e4": 1e4, "kappa 1e5": 1e5}
 _LIMIT = "impacting"

@@ -7,8 +7,8 @@ import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind, Oscillator
 from rattle_kernels.attractors.attractor import PERMANENT_CONTACT_ATTRACTOR
-from worker.paper.basin_view import BasinView
-from worker.paper.transients import on_transient
+from worker.paper.numbers.transients import on_transient
+from worker.paper.panels.basin_view import BasinView
 
 
 def told_oscillator(oscillator: Oscillator) -> dict[str, Any]:

@@ -17,12 +17,12 @@ from rattle_kernels import (
     continue_orbit,
 )
 from worker.jobs.basin_job import BasinJob
-from worker.paper.basin_panel import draw_panel, legend_of
-from worker.paper.basin_view import BasinView, view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
-from worker.paper.orbits_told import orbits_named, the_orbit, the_point, told_orbit, told_point
+from worker.paper.numbers.orbits import orbits_named, the_orbit, the_point, told_orbit, told_point
+from worker.paper.numbers.solutions import told_basin
+from worker.paper.panels.basin_panel import draw_panel, legend_of
+from worker.paper.panels.basin_view import BasinView, view_basin
 from worker.paper.papers_oscillator import papers_basin, papers_oscillator
-from worker.paper.solutions_told import told_basin
 from worker.pictures.overlay import attractor_marks, saddle_marks
 
 _NAME = "P(1,2,0)"

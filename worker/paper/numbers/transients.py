@@ -13,7 +13,7 @@ import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind, Oscillator, grazing_velocity, next_impacts
 from rattle_kernels.lanes.lyapunov import tangent_growth
-from worker.paper.basin_view import BasinView
+from worker.paper.panels.basin_view import BasinView
 
 # An orbit's multipliers bring a motion this close within some tens of impacts; by chance, a point of the transients is
 # as close to one of n points of an orbit once in some 1e6/n landings.

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import Direction, Oscillator, TimeHistory, time_history
 from worker.paper.figure import PaperFigure, Sheet, Tell
-from worker.paper.solutions_told import told_oscillator
+from worker.paper.numbers.solutions import told_oscillator
 
 # Contact that is soft enough for single swings to be seen.
 _OSCILLATOR = Oscillator(damping=0.6, eccentricity=0.1, half_backlash=0.6, stiffness=500.0)

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from rattle_kernels import arclength
-from worker.paper.anatomy import BASIN, preimages, share_of_boundaries, the_basin
-from worker.paper.basin_panel import draw_panel
-from worker.paper.basin_view import view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
-from worker.paper.solutions_told import told_oscillator
+from worker.paper.numbers.solutions import told_oscillator
+from worker.paper.panels.anatomy import BASIN, preimages, share_of_boundaries, the_basin
+from worker.paper.panels.basin_panel import draw_panel
+from worker.paper.panels.basin_view import view_basin
 from worker.pictures.overlay import preimage_lines
 
 

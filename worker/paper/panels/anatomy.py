@@ -17,8 +17,8 @@ from rattle_kernels import (
     stable_manifold,
 )
 from worker.jobs.basin_job import BasinJob
-from worker.paper.basin_view import BasinView
-from worker.paper.orbits_told import orbits_named, told_orbit
+from worker.paper.numbers.orbits import orbits_named, told_orbit
+from worker.paper.panels.basin_view import BasinView
 from worker.paper.papers_oscillator import papers_basin
 from worker.pictures.overlay import Lines, Marks, manifold_lines, saddle_marks
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import BifurcationDiagram, SpecialKind, SpecialPoint, bifurcation_diagram, continue_orbit
 from worker.paper.figure import PaperFigure, Sheet, Tell
-from worker.paper.orbits_told import the_orbit, the_point, told_orbit, told_point
+from worker.paper.numbers.orbits import the_orbit, the_point, told_orbit, told_point
 from worker.paper.papers_oscillator import papers_oscillator
 
 _FIRST, _LAST, _VALUES = 0.5, 0.6, 1001

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from worker.jobs.basin_job import BasinJob, basin_job
-from worker.paper.basin_view import BasinView, view_basin
+from worker.paper.panels.basin_view import BasinView, view_basin
 from worker.stores.summary import Change, summarise
 
 

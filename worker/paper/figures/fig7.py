@@ -14,13 +14,13 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import Attractor, CellGrid, Oscillator, TimeHistory, time_history
 from worker.jobs.basin_job import BasinJob
-from worker.paper.basin_panel import attractor_overlays, draw_panel, landings_on_transient, legend_of, model_of
-from worker.paper.basin_view import BasinView, view_basin
 from worker.paper.figure import PaperFigure, Sheet, Tell
-from worker.paper.history_panel import draw_history_panel, point_from
+from worker.paper.numbers.solutions import told_basin, told_differences
+from worker.paper.numbers.transients import measure_transient, on_transient
+from worker.paper.panels.basin_panel import attractor_overlays, draw_panel, landings_on_transient, legend_of, model_of
+from worker.paper.panels.basin_view import BasinView, view_basin
+from worker.paper.panels.history_panel import draw_history_panel, point_from
 from worker.paper.papers_oscillator import papers_basin
-from worker.paper.solutions_told import told_basin, told_differences
-from worker.paper.transients import measure_transient, on_transient
 
 _STIFF, _LIMIT = "piecewise linear", "impacting"
 _STIFFNESS = 1e6

@@ -25,8 +25,8 @@ from rattle_kernels import (
 from rattle_kernels.attractors.classify import UNASSIGNED
 from rattle_kernels.lanes.run import run_lanes
 from worker.paper.figure import PaperFigure, Sheet, Tell
-from worker.paper.history_panel import draw_history_panel
-from worker.paper.solutions_told import told_motion, told_oscillator
+from worker.paper.numbers.solutions import told_motion, told_oscillator
+from worker.paper.panels.history_panel import draw_history_panel
 
 MACHINE = Oscillator(damping=6e-4, eccentricity=1e-4, half_backlash=6e-4, stiffness=1000.0)
 

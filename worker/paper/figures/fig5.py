@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import CellGrid, next_impacts
 from worker.paper.figure import PaperFigure, Sheet, Tell
+from worker.paper.numbers.solutions import told_oscillator
 from worker.paper.papers_oscillator import papers_oscillator
-from worker.paper.solutions_told import told_oscillator
 
 _GRID = CellGrid(0.8, 1.0, 8, 3.4, 4.1, 7)
 _STEPS = 4

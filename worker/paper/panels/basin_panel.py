@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from rattle_kernels import Attractor, AttractorKind, Oscillator
-from worker.paper.basin_view import BasinView
-from worker.paper.transients import on_transient
+from worker.paper.numbers.transients import on_transient
+from worker.paper.panels.basin_view import BasinView
 from worker.pictures import colours
 from worker.pictures.overlay import Overlay, attractor_marks, grazing_line
 from worker.pictures.panel_picture import frame

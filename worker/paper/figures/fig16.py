@@ -6,7 +6,10 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import CellGrid
 from worker.jobs.basin_job import BasinJob
-from worker.paper.anatomy import (
+from worker.paper.figure import PaperFigure, Sheet, Tell
+from worker.paper.figures.fig15 import ARCLENGTH
+from worker.paper.numbers.solutions import told_oscillator
+from worker.paper.panels.anatomy import (
     BASIN,
     manifold_overlays,
     manifolds,
@@ -14,12 +17,9 @@ from worker.paper.anatomy import (
     saddle_overlays,
     share_of_boundaries,
 )
-from worker.paper.basin_panel import draw_panel
-from worker.paper.basin_view import view_basin
-from worker.paper.fig15 import ARCLENGTH
-from worker.paper.figure import PaperFigure, Sheet, Tell
+from worker.paper.panels.basin_panel import draw_panel
+from worker.paper.panels.basin_view import view_basin
 from worker.paper.papers_oscillator import papers_basin
-from worker.paper.solutions_told import told_oscillator
 from worker.pictures.overlay import preimage_lines
 
 # The paper does not print its section. This one holds both saddles, all three basins, and both kinds of curves.

@@ -1,0 +1,1 @@
+"""Panels that figures are made of, and what they show."""
