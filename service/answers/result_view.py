@@ -43,7 +43,7 @@ def result_view(kind: str, location: str, zarr: str) -> ResultView | AnalysisRes
     if kind not in ANALYSES:
         return ResultView.from_summary(summarise(location), zarr)
     fields = dataclasses.asdict(summarise_analysis(ANALYSES[kind], location))
-    return _ANALYSIS_RESULT.validate_python(fields | fields.pop("told") | {"zarr": zarr})
+    return _ANALYSIS_RESULT.validate_python(fields | fields.pop("result") | {"zarr": zarr})
 
 
 def draw_result(kind: str, location: str, target: IO[bytes], layer: Layer) -> None:
