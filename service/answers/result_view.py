@@ -59,7 +59,7 @@ def _result_view(kind: str, location: str, zarr: str) -> AnyResult:
     if KINDS[kind].analysis is None:
         return ResultView.from_summary(summarise(location), zarr)
     fields = dataclasses.asdict(summarise_analysis(KINDS[kind].loaded_analysis, location))
-    return ANALYSIS_VIEWS.get(kind, AnyAnalysisView)(**fields | fields.pop("told"), zarr=zarr)
+    return ANALYSIS_VIEWS.get(kind, AnyAnalysisView)(**fields | fields.pop("result"), zarr=zarr)
 
 
 def draw_result(kind: str, location: str, target: IO[bytes], layer: Layer) -> None:
