@@ -23,21 +23,17 @@ from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 from rattle_kernels.numerics.jit import KERNELS, watch_compiling
 from rattle_kernels.orbits.bifurcation_diagram import bifurcation_diagram
-from rattle_kernels.orbits.bifurcation_point import (
-    SpecialKind,
-    describe_point,
-    locate,
-    shallowest_in_contact,
-)
+from rattle_kernels.orbits.bifurcation_point import describe_point, locate, shallowest_in_contact
 from rattle_kernels.orbits.closure import OrbitShape
 from rattle_kernels.orbits.continuation import continue_orbit
+from rattle_kernels.orbits.orbit_equations import SpecialKind
 from rattle_kernels.orbits.orbit_search import find_orbit, find_orbits
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
 OF_ANALYSES = frozenset(
     {
         "impact_map.grazing_distance", "orbits.bifurcation_diagram", "orbits.bifurcation_point", "orbits.closure",
-        "orbits.orbit_search",
+        "orbits.orbit_equations", "orbits.orbit_search",
     }
 )  # fmt: skip
 """Modules whose kernels analyses need, and basins do not."""

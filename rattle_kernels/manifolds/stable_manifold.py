@@ -13,8 +13,6 @@ as the only error, which F makes smaller across the manifold, and it finds the c
 chord h and angle alpha is off by h alpha/8; at a graze the root of that would show.)
 """
 
-import math
-from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +30,13 @@ from rattle_kernels.manifolds.curve_images import (
     next_image,
 )
 from rattle_kernels.manifolds.grazing_preimages import speed_of_no_return
+from rattle_kernels.manifolds.manifold_branch import (
+    DEFAULT_LIMITS,
+    ManifoldBranch,
+    ManifoldEnd,
+    ManifoldLimits,
+    check_limits,
+)
 from rattle_kernels.manifolds.polyline import (
     DEFAULT_RESOLUTION,
     CurveResolution,
@@ -55,73 +60,6 @@ _START = 1e-7
 # Branches shrunk to this length have ended.
 _SETTLED = 1e-8
 _MOST_IMAGES = 2000
-
-
-class ManifoldEnd(StrEnum):
-    """Why a branch was grown no further."""
-
-    ARCLENGTH = "it is as long as asked for"
-    POINTS = "it would take more points than allowed"
-    FAST = "all the rest is faster than asked for and than the speed of no return"
-    SETTLED = "its images shrink to points: it ends in an attracting orbit"
-    IMAGES = "its images grow no more: it is captured by ever lower bounces, or its multiplier is next to 1"
-
-
-class ManifoldBranch(NamedTuple):
-    """One of the two halves into which a point of a saddle divides its manifold.
-
-    ``point`` numbers the point of the orbit, ``side`` is +1 where the branch leaves it towards later phases, else -1;
-    ``pieces`` are its smooth arcs, in order from the saddle; ``arclength`` counts them all in the plane (t,
-    v/velocity_scale); ``end`` tells why there are no more.
-    """
-
-    point: int
-    side: int
-    pieces: tuple[Piece, ...]
-    arclength: float
-    end: ManifoldEnd
-
-
-class ManifoldLimits(NamedTuple):
-    """How far a manifold is grown.
-
-    Parameters
-    ----------
-    arclength : float
-        Length of each branch in the plane (t, v/velocity_scale), within the velocity limits.
-    lowest_velocity, highest_velocity : float
-        Speeds to keep.
-    points : int
-        Most points of a branch, and of the image it is growing by.
-    """
-
-    arclength: float = 20.0
-    lowest_velocity: float = 0.0
-    highest_velocity: float = math.inf
-    points: int = 1_000_000
-
-
-DEFAULT_LIMITS = ManifoldLimits()
-
-
-def check_limits(limits: ManifoldLimits) -> ManifoldLimits:
-    """Return the limits, or say what is wrong with them.
-
-    Raises
-    ------
-    ValueError
-        Naming the field, its value and what would be right.
-    """
-    if not (math.isfinite(limits.arclength) and limits.arclength > 0.0):
-        raise ValueError(f"arclength must be positive and finite, not {limits.arclength}")
-    if not 0.0 <= limits.lowest_velocity < limits.highest_velocity:
-        raise ValueError(
-            f"velocities must be 0 <= lowest_velocity < highest_velocity, not {limits.lowest_velocity} and "
-            f"{limits.highest_velocity}"
-        )
-    if limits.points < 100:
-        raise ValueError(f"points must be at least 100, not {limits.points}")
-    return limits
 
 
 def _appended(branch: CurvePoints, image: CurvePoints) -> CurvePoints:

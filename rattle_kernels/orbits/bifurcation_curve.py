@@ -16,15 +16,9 @@ from rattle_kernels.model.oscillator import PARAMETERS
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap
 from rattle_kernels.numerics.pseudo_arclength import Steps, System, follow_curve, solve
-from rattle_kernels.orbits.bifurcation_point import (
-    SpecialKind,
-    SpecialPoint,
-    Unknowns,
-    nears_edge_of_domain,
-    special_system,
-    unknowns,
-)
+from rattle_kernels.orbits.bifurcation_point import SpecialPoint, nears_edge_of_domain
 from rattle_kernels.orbits.closure import OrbitShape, closure, orbit_from
+from rattle_kernels.orbits.orbit_equations import SpecialKind, Unknowns, special_system, unknowns
 
 
 class SpecialCurve(NamedTuple):

@@ -22,8 +22,9 @@ from rattle_kernels.model.oscillator import Oscillator, check_impacting
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.pseudo_arclength import solve
-from rattle_kernels.orbits.bifurcation_point import SpecialKind, SpecialPoint, unknowns, with_differences
+from rattle_kernels.orbits.bifurcation_point import SpecialPoint
 from rattle_kernels.orbits.closure import OrbitShape
+from rattle_kernels.orbits.orbit_equations import SpecialKind, unknowns, with_differences
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 
 

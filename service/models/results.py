@@ -9,8 +9,7 @@ from pydantic import ConfigDict, Field
 from service.models.analysis import AnalysisView
 from service.models.basin_result import ResultView
 from service.models.bifurcation import BifurcationView
-from service.models.grazing_curve import GrazingCurveView
-from service.models.manifold import ManifoldView
+from service.models.curves import GrazingCurveView, ManifoldView
 from service.models.orbits import OrbitsView
 
 

@@ -6,8 +6,8 @@ import json
 import numpy as np
 import zarr
 
-VARIES = {"started", "finished", "seconds", "versions", "git_revision"}
-"""Attributes that tell of times, versions and revisions."""
+VARIES = {"started", "finished", "seconds", "versions", "git_revision", "fused_multiply_add"}
+"""Attributes that depend on the run: times, versions, the revision, the processor."""
 METADATA = "zarr.json"
 ENCODING = ("zarr_format", "node_type", "chunk_key_encoding", "codecs", "storage_transformers")
 """Metadata that most arrays have in common."""

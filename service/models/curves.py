@@ -1,4 +1,4 @@
-"""Results of manifolds over HTTP."""
+"""Results of curves over HTTP: grazing curves and manifolds."""
 
 from typing import Literal
 
@@ -6,6 +6,23 @@ from pydantic import BaseModel, Field
 
 from service.models.analysis import AnalysisView
 from service.models.orbits import OrbitView
+
+
+class OrderView(BaseModel):
+    """A pre-image of one order."""
+
+    order: int
+    complete: bool = Field(description="False where it is not there yet, or needs more points than were allowed")
+    pieces: int
+    vertices: int
+    arclength: float
+
+
+class GrazingCurveView(AnalysisView):
+    """Summary of a grazing curve; its vertices are in the store."""
+
+    kind: Literal["grazing_curve"]
+    orders: list[OrderView]
 
 
 class ManifoldBranchView(BaseModel):
