@@ -23,8 +23,9 @@ from typing import Any
 import httpx2 as httpx
 
 from rattle_kernels import warm_up
+from service.cli.analysis_tables import print_result
 from service.cli.console import ProgressLine, out, progress_line
-from service.cli.remote import print_basins, until_the_end
+from service.cli.remote import until_the_end
 
 HERE = Path(__file__).parent
 RATTLE = [sys.executable, "-c", "from service.cli import app; app()"]
@@ -108,7 +109,7 @@ def main(request: Path, folder: Path) -> None:
     shutil.rmtree(store, ignore_errors=True)
     shutil.move(data / "results" / f"{job['id']}.zarr", store)
     shutil.rmtree(data)
-    print_basins(result)
+    print_result("basin", result)
     opener = "open" if sys.platform == "darwin" else "xdg-open"
     look = f"import xarray; print(xarray.open_zarr({from_here(store)!r}))"
     for text in (

@@ -15,6 +15,7 @@ from service.cli import command_line, local_run
 from service.openapi import document
 from tests.service.idle_service import idle_service
 from worker.analyses.analysis import Analysis, Piece, ready_of
+from worker.cluster.driver import Driver
 from worker.fence import unfenced
 from worker.jobs.job import AnalysisJob
 from worker.kinds import KINDS, JobKind
@@ -84,7 +85,7 @@ def test_a_fifth_kind_is_run_over_http(fifth, client, monkeypatch, tmp_path):
         location = result_location(service.results, record.store or record.id)
         run_it = KINDS[record.kind].run
         asked = KINDS[record.kind].job_class.from_request(record.request)
-        run_it(asked, location, client, report=lambda _: None, cancel=threading.Event(), fence=unfenced)
+        run_it(asked, location, Driver(client), report=lambda _: None, cancel=threading.Event(), fence=unfenced)
         result = service.request("GET", job["links"]["result"]).json()
         assert result["complete"] and result["kind"] == "grazing_speed" and result["largest"] > 0.0
         assert service.request("GET", job["links"]["picture"]).content.startswith(b"\x89PNG")

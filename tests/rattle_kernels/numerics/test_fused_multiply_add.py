@@ -8,7 +8,7 @@ import pytest
 from tests.processors import NATIVE, ROOT, V2, V3, V4, environment_for, reason_against, run_on
 from tests.rattle_kernels.numerics.small_maps import OSCILLATORS
 
-ASK = "from rattle_kernels import fuses_multiply_add; print(fuses_multiply_add())"
+ASK = "from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add as fuses; print(fuses())"
 
 
 @pytest.mark.parametrize(("target", "fused"), [(V2, False), (V3, True), (V4, True)])

@@ -76,7 +76,7 @@ def test_a_tile_that_is_known_is_not_sent_again(service, finished):
 def test_tiles_and_panels_that_are_not_there_are_told_so(service, finished):
     there = f"/v1/jobs/{finished['id']}"
     assert_problem(service.request("GET", f"{there}/tiles/999"), 404, "none of this number")
-    assert_problem(service.request("GET", f"{there}/outline?panel=1"), 422, "panel 1 is none of the job's 1")
+    assert_problem(service.request("GET", f"{there}/outline?panel=1"), 422, "basin 1 is none of the job's 1")
     assert_problem(service.request("GET", "/v1/jobs/nothing/outline"), 404, "no job nothing")
 
 
