@@ -63,7 +63,7 @@ class DrawnSolution(BaseModel):
         )  # fmt: skip
 
 
-class CurveView(BaseModel):
+class PolylineView(BaseModel):
     """A curve in the (t, v) plane."""
 
     time: list[float]
@@ -76,7 +76,7 @@ class OverlayView(BaseModel):
     label: str
     colour: str = Field(description="A colour by its name, as in the paper's pictures")
     marker: Literal["+", "x", "."] | None = Field(description="null for curves")
-    pieces: list[CurveView] = Field(description="Each by itself: none is joined to another")
+    pieces: list[PolylineView] = Field(description="Each by itself: none is joined to another")
 
     @classmethod
     def from_overlay(cls, overlay: Overlay) -> "OverlayView":
@@ -86,7 +86,7 @@ class OverlayView(BaseModel):
         else:
             marker, pieces = overlay.marker, [(overlay.t, overlay.v)]
         # Finer than any screen, and a third of the bytes.
-        curves = [CurveView(time=t.round(_DIGITS).tolist(), velocity=v.round(_DIGITS).tolist()) for t, v in pieces]
+        curves = [PolylineView(time=t.round(_DIGITS).tolist(), velocity=v.round(_DIGITS).tolist()) for t, v in pieces]
         return cls(label=overlay.label, colour=overlay.colour, marker=marker, pieces=curves)
 
 
@@ -107,7 +107,7 @@ class OutlineView(BaseModel):
     solutions: list[DrawnSolution] = Field(description="By number; those of the whole job")
     missing_colour: str
     speckle: list[float] = Field(description="Brightness of chaotic cells by their group, counted round")
-    grazing: CurveView = Field(description="The grazing curve v*(t)")
+    grazing: PolylineView = Field(description="The grazing curve v*(t)")
 
     @classmethod
     def from_outline(cls, outline: PanelOutline) -> "OutlineView":
@@ -130,5 +130,5 @@ class OutlineView(BaseModel):
                 first=outline.first_tile, states=list(outline.states),
             ),
             complete=outline.complete, solutions=solutions, missing_colour=_hex(MISSING), speckle=list(SPECKLE),
-            grazing=CurveView(time=outline.curve[0].tolist(), velocity=outline.curve[1].tolist()),
+            grazing=PolylineView(time=outline.curve[0].tolist(), velocity=outline.curve[1].tolist()),
         )  # fmt: skip
