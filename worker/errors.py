@@ -106,7 +106,7 @@ class JobCancelled(WorkerError):
 
 
 @contextlib.contextmanager
-def told_as_store_failure(location: str) -> Iterator[None]:
+def as_store_failure(location: str) -> Iterator[None]:
     """Say of any failure of the system which store it befell."""
     try:
         yield

@@ -49,7 +49,7 @@ class Attractor(NamedTuple):
         return self.name if np.isnan(self.mean_life) else f"{self.name} of some {self.mean_life:.1g} impacts"
 
     @property
-    def wanders(self) -> bool:
+    def is_chaotic(self) -> bool:
         """Whether it is chaos, on an attractor or on a transient."""
         return self.kind in (AttractorKind.CHAOTIC, AttractorKind.CHAOTIC_TRANSIENT)
 

@@ -6,9 +6,9 @@ A seed (a landing point) is followed by P itself until it is clear where it ends
 2. it lands on an attractor already in the catalogue (`neighbourhoods`): nothing new;
 3. it comes back close to itself after p impacts: the orbit there is polished by Newton and its multipliers decide.
    Slow convergence is not chaos;
-4. else a crowd is started beside it (`wandering`). Where most of the crowd settle it was on a short transient, and ends
-   in what they end in. Where most do not, and their largest Lyapunov exponent is positive by several standard errors,
-   this is chaos: an attractor where none of the crowd leaves it, else a transient, beside what it is left for;
+4. else an ensemble is started beside it (`chaotic_transient`). If most of it settle, the motion was on a short
+   transient and ends in what they end in. If most do not, and their largest Lyapunov exponent is positive by several
+   standard errors, this is chaos: an attractor if none leaves it, else a transient, beside what it is left for;
 5. else it is undecided, and says so.
 
 Seeds are taken in ascending order, so the catalogue depends on the set of seeds alone.
@@ -24,7 +24,7 @@ from rattle_kernels.attractors.attractor import (
     Attractor,
     AttractorKind,
 )
-from rattle_kernels.attractors.chaotic_transient import CROWD, wander
+from rattle_kernels.attractors.chaotic_transient import ENSEMBLE, follow_ensemble
 from rattle_kernels.attractors.neighbourhoods import hit_the_same_boxes, locate, neighbourhoods
 from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
 from rattle_kernels.lanes.run import run_lanes
@@ -35,7 +35,7 @@ from rattle_kernels.numerics.pausing import Pause, never_stopped
 _SETTLING = 4096
 # A quarter of a second.
 _APPLICATIONS_AT_A_TIME = 1 << 24
-# Transients through a chaotic saddle are given this many crowds of 16,384 impacts before a motion is left undecided.
+# Transients through a chaotic saddle are given this many ensembles of 16,384 impacts before a motion is left undecided.
 _PATIENCE = 4
 # After so many seeds in a row that led to nothing new, the rest is left to be named, and counted where it cannot be.
 _FRUITLESS_SEEDS = 8
@@ -53,16 +53,16 @@ def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Pause) -> lis
         orbit = settled_orbit(oscillator, t, v)
         if orbit is not None:
             return [attractor_of(orbit)]
-        crowd = wander(oscillator, t, v, pause)
-        ends = _orbits_of(oscillator, crowd.settled if crowd.chaotic else crowd.ends)
-        left = crowd.captured + len(ends)
-        if 2 * left > CROWD:
+        ensemble = follow_ensemble(oscillator, t, v, pause)
+        ends = _orbits_of(oscillator, ensemble.settled if ensemble.chaotic else ensemble.ends)
+        left = ensemble.captured + len(ends)
+        if 2 * left > ENSEMBLE:
             return ends or [PERMANENT_CONTACT_ATTRACTOR]
-        if crowd.chaotic:
+        if ensemble.chaotic:
             kind = AttractorKind.CHAOTIC_TRANSIENT if left else AttractorKind.CHAOTIC
-            points = crowd.t, crowd.v, crowd.mean_life(left)
-            return [Attractor(kind, 0, 0, 0, crowd.exponent, crowd.error, *points), *ends]
-        t, v = float(crowd.t[-1]), float(crowd.v[-1])
+            points = ensemble.t, ensemble.v, ensemble.mean_life(left)
+            return [Attractor(kind, 0, 0, 0, ensemble.exponent, ensemble.error, *points), *ends]
+        t, v = float(ensemble.t[-1]), float(ensemble.v[-1])
     return [UNDECIDED_ATTRACTOR]
 
 
@@ -81,14 +81,14 @@ def _overlapping(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[
     One of the two may be a long transient through the other's surroundings. Listed apart, they would share their boxes,
     which then would tell nothing, so that every seed would find one attractor more.
     """
-    if not motion.wanders:
+    if not motion.is_chaotic:
         return None
-    chaotic = [i for i, listed in enumerate(catalogue) if listed.wanders]
+    chaotic = [i for i, listed in enumerate(catalogue) if listed.is_chaotic]
     return next((i for i in chaotic if hit_the_same_boxes(oscillator, motion, catalogue[i])), None)
 
 
 def _united(known: Attractor, motion: Attractor) -> Attractor:
-    """One chaos with half of the points of either; a transient where one of the crowds has been seen to leave."""
+    """One chaos with half of the points of either; a transient where one of the ensembles has been seen to leave."""
     time = np.concatenate([known.time[::2], motion.time[::2]])
     velocity = np.concatenate([known.velocity[::2], motion.velocity[::2]])
     rates = np.nan_to_num([1.0 / known.mean_life, 1.0 / motion.mean_life])

@@ -1,4 +1,4 @@
-"""A crowd beside a trajectory that does not settle, to tell whether this is chaos, and for how long chaos holds it.
+"""A ensemble beside a trajectory that does not settle, to tell whether this is chaos, and for how long chaos holds it.
 
 64 trajectories start a hair's breadth apart. Chaos parts them within some tens of impacts; from there on they are
 independent. All are carried for 16,384 impacts, or for as many as settle a motion at the oscillator's damping where
@@ -23,7 +23,7 @@ from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import Outcome
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
-CROWD = LANES
+ENSEMBLE = LANES
 # Apart by rounding's thousandfold in speed, they are e^-21 of the speed from being one.
 _APART = 1e-9
 _LEGS = 64
@@ -41,8 +41,8 @@ _PACES = (0.5, 2.0)
 _LEAST_TURNS = 8.0
 
 
-class Wandering(NamedTuple):
-    """What a crowd has done in so many ``impacts`` of each.
+class EnsembleRun(NamedTuple):
+    """What a ensemble has done in so many ``impacts`` of each.
 
     ``exponent`` per forcing period and its standard ``error`` at the end, over so many ``turns`` of the forcing, in
     which the logarithm of a tangent vector grew by ``growth``, and by no more than ``regular`` were it not chaos;
@@ -85,16 +85,16 @@ class Wandering(NamedTuple):
 
         The law is exponential, and when each of them left is not known: so many are gone after all impacts.
         """
-        return math.nan if left == 0 else -self.impacts / math.log1p(-left / CROWD)
+        return math.nan if left == 0 else -self.impacts / math.log1p(-left / ENSEMBLE)
 
 
-def _all_captured(impacts: int) -> Wandering:
+def _all_captured(impacts: int) -> EnsembleRun:
     nothing, nowhere = (math.nan,) * 6, np.empty(0)
-    return Wandering(impacts, *nothing, nowhere, nowhere, CROWD, np.empty((0, 2)))
+    return EnsembleRun(impacts, *nothing, nowhere, nowhere, ENSEMBLE, np.empty((0, 2)))
 
 
-def wander(oscillator: Oscillator, t: float, v: float, pause: Pause = never_stopped) -> Wandering:
-    """Follow a crowd beside a trajectory.
+def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = never_stopped) -> EnsembleRun:
+    """Follow a ensemble beside a trajectory.
 
     Parameters
     ----------
@@ -107,18 +107,18 @@ def wander(oscillator: Oscillator, t: float, v: float, pause: Pause = never_stop
 
     Returns
     -------
-    Wandering
+    EnsembleRun
     """
     leg = max(_SHORTEST_LEG, settled_iterations(oscillator.damping) // _LEGS)
-    begun = tangent_growth(oscillator, np.full(CROWD, t), v * (1.0 + _APART * np.arange(CROWD)), _GROWING[0])
-    visits = np.full((_LEGS, 2, CROWD), np.nan)
+    begun = tangent_growth(oscillator, np.full(ENSEMBLE, t), v * (1.0 + _APART * np.arange(ENSEMBLE)), _GROWING[0])
+    visits = np.full((_LEGS, 2, ENSEMBLE), np.nan)
     going = np.flatnonzero(np.isfinite(begun.t))
     times, speeds = begun.t[going], begun.v[going]
     for visit in visits:
         visit[:, going] = times, speeds
         kept, times, speeds = _carried(oscillator, times, speeds, leg, pause)
         going = going[kept]
-    ended, grown_over = _growth_that_tells(oscillator, times, speeds)
+    ended, grown_over = _resolved_growth(oscillator, times, speeds)
     there = np.isfinite(ended.growth)
     if there.sum() < 2:
         return _all_captured(_LEGS * leg)
@@ -126,18 +126,18 @@ def wander(oscillator: Oscillator, t: float, v: float, pause: Pause = never_stop
     # Where half of them do not grow this is no chaos that others could have left.
     settled = there & (ended.growth < _SLUGGISH * median) & (median > 0.0)
     kept, *ends = _carried(oscillator, ended.t[settled], ended.v[settled], _LEGS * leg, pause)
-    wandering = ended.of(there & ~settled)
+    staying = ended.of(there & ~settled)
     points = visits[:, :, going[there & ~settled]]
-    turns = float(wandering.elapsed.mean())
+    turns = float(staying.elapsed.mean())
     pace = turns / grown_over / (float(np.nanmean(begun.elapsed)) / _GROWING[0])
-    return Wandering(
-        _LEGS * leg, wandering.exponent, wandering.error, float(wandering.growth.mean()),
+    return EnsembleRun(
+        _LEGS * leg, staying.exponent, staying.error, float(staying.growth.mean()),
         math.log(_REGULAR_GROWTH * grown_over), turns, pace, points[:, 0].ravel(), points[:, 1].ravel(),
-        CROWD - int(there.sum()) + int((~kept).sum()), np.column_stack(ends),
+        ENSEMBLE - int(there.sum()) + int((~kept).sum()), np.column_stack(ends),
     )  # fmt: skip
 
 
-def _growth_that_tells(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> tuple[Growth, int]:
+def _resolved_growth(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> tuple[Growth, int]:
     """Growth of tangent vectors over as many impacts as tell chaos from regular motion; and how many these are."""
     for impacts in _GROWING:
         ended = tangent_growth(oscillator, t, v, impacts)

@@ -1,22 +1,16 @@
 """The same attractor at neighbouring parameters: orbits continued by Newton, and how far apart attractors are."""
 
-import math
-
 import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.attractors.settled_orbit import attractor_of
+from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator, check_domain
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
 # Points of an orbit that Newton's method is started from, and of a chaotic attractor that are compared.
 _STARTS = 8
 _COMPARED = 256
-
-
-def _speed_scale(oscillator: Oscillator) -> float:
-    """Speed gained in a fall through the backlash at the mean acceleration 4 pi delta."""
-    return math.sqrt(16.0 * math.pi * oscillator.damping * oscillator.half_backlash)
 
 
 def continue_attractor(oscillator: Oscillator, attractor: Attractor) -> Attractor | None:
@@ -45,7 +39,7 @@ def continue_attractor(oscillator: Oscillator, attractor: Attractor) -> Attracto
     if attractor.kind != AttractorKind.PERIODIC:
         return None
     checked = check_domain(oscillator)
-    scale = _speed_scale(checked)
+    scale = fall_speed(checked)
     for t, v in zip(attractor.time[:_STARTS].tolist(), attractor.velocity[:_STARTS].tolist(), strict=True):
         orbit = find_periodic_orbit(checked, t, v, attractor.upper_contacts, scale)
         if orbit is not None and orbit.attracts:
@@ -78,7 +72,7 @@ def attractor_distance(oscillator: Oscillator, one: Attractor, other: Attractor)
     """
     if not one.time.size or not other.time.size:
         return 0.0
-    scale = _speed_scale(oscillator)
+    scale = fall_speed(oscillator)
     apart = one.time[:_COMPARED, None] - other.time[None, :_COMPARED]
     apart -= np.rint(apart)
     distance = np.hypot(apart, (one.velocity[:_COMPARED, None] - other.velocity[None, :_COMPARED]) / scale)

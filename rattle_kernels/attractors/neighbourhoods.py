@@ -62,9 +62,9 @@ class Neighbourhoods(NamedTuple):
     largest_grazing_speed: float
 
 
-def _contracting_form(jacobian: np.ndarray, speed_scale: float) -> tuple[np.ndarray, float]:
-    """Quadratic form in (dt, dv/speed_scale) that DP^p contracts, and the factor per turn."""
-    scaling = np.diag([1.0, 1.0 / speed_scale])
+def _contracting_form(jacobian: np.ndarray, scale: float) -> tuple[np.ndarray, float]:
+    """Quadratic form in (dt, dv/scale) that DP^p contracts, and the factor per turn."""
+    scaling = np.diag([1.0, 1.0 / scale])
     scaled = scaling @ jacobian @ np.linalg.inv(scaling)
     factor = 0.5 * (1.0 + np.abs(np.linalg.eigvals(scaled)).max())
     slow = scaled / factor
@@ -80,22 +80,22 @@ def _ring(root: np.ndarray) -> np.ndarray:
 
 
 def _norms_after(
-    oscillator: Oscillator, orbit: PeriodicOrbit, at: int, offsets: np.ndarray, form: np.ndarray, speed_scale: float
+    oscillator: Oscillator, orbit: PeriodicOrbit, at: int, offsets: np.ndarray, form: np.ndarray, scale: float
 ) -> np.ndarray | None:
     """Norms of offsets from a point of an orbit, once they have come to its first one; None where one cannot start."""
-    t, v = orbit.t[at] + offsets[0], orbit.v[at] + offsets[1] * speed_scale
+    t, v = orbit.t[at] + offsets[0], orbit.v[at] + offsets[1] * scale
     if not v.min() > 0.0:
         return None
     landed = next_impacts(oscillator, t, v, orbit.upper_contacts - at)
     apart = landed.t - orbit.t[0]
-    offset = np.array([apart - np.rint(apart), (landed.v - orbit.v[0]) / speed_scale])
+    offset = np.array([apart - np.rint(apart), (landed.v - orbit.v[0]) / scale])
     return np.sqrt(np.einsum("in,ij,jn->n", offset, form, offset))
 
 
-def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, speed_scale: float) -> list[np.ndarray]:
+def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) -> list[np.ndarray]:
     """Roots of the forms of ellipses around an orbit's points: P^p contracts the first, P brings the others into it."""
-    scaling = np.diag([1.0, 1.0 / speed_scale])
-    first, factor = _contracting_form(orbit.jacobians[0], speed_scale)
+    scaling = np.diag([1.0, 1.0 / scale])
+    first, factor = _contracting_form(orbit.jacobians[0], scale)
     bounds = 0.5 * (1.0 + factor) * np.repeat(_RINGS, _DIRECTIONS)
     roots, size = [], _LARGEST_ELLIPSE
     root_of_first = np.linalg.cholesky(first).T
@@ -110,7 +110,7 @@ def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, speed_scale: f
         root = np.linalg.qr(np.vstack([root_of_first @ onward, reach * np.eye(2)])).R
         rings, here = _ring(root), size if at == 0 else 0.5 * size
         while here > _SMALLEST_ELLIPSE:
-            norms = _norms_after(oscillator, orbit, at, here * rings, first, speed_scale)
+            norms = _norms_after(oscillator, orbit, at, here * rings, first, scale)
             if norms is not None and (norms <= (here * bounds if at == 0 else size)).all():
                 break
             here *= 0.5
@@ -204,7 +204,7 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
         if not attractor.time.size:  # permanent contact; or a sweep's catalogue, which lists what other basins have
             continue
         points = attractor.time.tobytes(), attractor.velocity.tobytes()
-        if attractor.wanders:
+        if attractor.is_chaotic:
             marked[index] = _boxes(oscillator, *points)
         elif attractor.kind == AttractorKind.PERIODIC:
             ellipses.append(_ellipses(oscillator, *points))

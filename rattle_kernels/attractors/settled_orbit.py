@@ -30,7 +30,7 @@ def attractor_of(orbit: PeriodicOrbit) -> Attractor:
 
 
 @kernel
-def _distances_on_return(oscillator, t, v, speed_scale, distances):
+def _distances_on_return(oscillator, t, v, scale, distances):
     """Distance from a departure after 1, 2, ... impacts; infinite from where contact is permanent."""
     here_t, here_v = t, v
     distances[:] = math.inf
@@ -40,7 +40,7 @@ def _distances_on_return(oscillator, t, v, speed_scale, distances):
             return
         here_t, here_v = impact.t, impact.v
         apart = here_t - t
-        distances[i] = math.hypot(apart - math.floor(apart + 0.5), (here_v - v) / speed_scale)
+        distances[i] = math.hypot(apart - math.floor(apart + 0.5), (here_v - v) / scale)
 
 
 def _closest_return(oscillator: Oscillator, t: float, v: float) -> tuple[int, float]:

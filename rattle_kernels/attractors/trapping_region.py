@@ -63,13 +63,13 @@ class Trap(NamedTuple):
     coefficients: np.ndarray
 
 
-def _eigenframe(orbit: PeriodicOrbit, speed_scale: float) -> np.ndarray | None:
+def _eigenframe(orbit: PeriodicOrbit, scale: float) -> np.ndarray | None:
     """Real and imaginary part of the eigencoordinate of DP^p as rows; none where the multipliers are real."""
     values, vectors = np.linalg.eig(orbit.jacobians[0])
     if values[0].imag == 0.0:
         return None
     row = np.linalg.inv(vectors)[0]
-    row = row / np.linalg.norm(row * [1.0, speed_scale])
+    row = row / np.linalg.norm(row * [1.0, scale])
     return np.array([row.real, row.imag])
 
 
@@ -164,7 +164,7 @@ def _trap_within(turn: _Turn, radius: float, rate: float) -> Trap | None:
     return Trap(turn.orbit, turn.frame, radius, level, floor, fitted) if level > 0.0 else None
 
 
-def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, speed_scale: float) -> Trap | None:
+def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) -> Trap | None:
     """Largest trap found around an orbit.
 
     Parameters
@@ -173,7 +173,7 @@ def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, speed_scale: float) 
         Checked by the caller.
     orbit : PeriodicOrbit
         An attracting one.
-    speed_scale : float
+    scale : float
         Speed that weighs as much as one forcing period.
 
     Returns
@@ -181,7 +181,7 @@ def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, speed_scale: float) 
     Trap or None
         None where the multipliers are real or nothing larger than 1e-6 could be shown to be a trap.
     """
-    frame = _eigenframe(orbit, speed_scale)
+    frame = _eigenframe(orbit, scale)
     if frame is None or not orbit.attracts:
         return None
     turn = _Turn(oscillator, orbit, frame)
@@ -196,7 +196,7 @@ def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, speed_scale: float) 
     return None
 
 
-def _along(oscillator: Oscillator, trap: Trap, speed_scale: float) -> tuple[np.ndarray, np.ndarray]:
+def _along(oscillator: Oscillator, trap: Trap, scale: float) -> tuple[np.ndarray, np.ndarray]:
     """At every point of a trap's orbit: the frame of what z will be on arrival at the slowest one, and the stretch."""
     orbit = trap.orbit
     derivatives = derivatives_along(oscillator, orbit)
@@ -207,7 +207,7 @@ def _along(oscillator: Oscillator, trap: Trap, speed_scale: float) -> tuple[np.n
         arriving.append(ahead)
     for derivative in derivatives[:-1]:
         leaving.append(derivative @ leaving[-1])
-    scaled = np.array(leaving) * np.array([1.0, 1.0 / speed_scale])[:, None]
+    scaled = np.array(leaving) * np.array([1.0, 1.0 / scale])[:, None]
     return np.array(arriving[::-1]), np.linalg.norm(scaled, ord=2, axis=(1, 2))
 
 
@@ -236,10 +236,10 @@ def _paint(time, speed, frames, radius, top, nearest, closeness):
                     nearest[row, column % columns] = i
 
 
-def _gather(oscillator: Oscillator, traps: Sequence[Trap], speed_scale: float) -> LaneTraps:
+def _gather(oscillator: Oscillator, traps: Sequence[Trap], scale: float) -> LaneTraps:
     periods = np.array([trap.orbit.upper_contacts for trap in traps])
     first = np.cumsum(periods) - periods
-    frames, stretches = zip(*(_along(oscillator, trap, speed_scale) for trap in traps), strict=True)
+    frames, stretches = zip(*(_along(oscillator, trap, scale) for trap in traps), strict=True)
     time, speed = (np.concatenate([getattr(trap.orbit, name) for trap in traps]) for name in ("t", "v"))
     radius = np.array([trap.radius for trap in traps])
     nearest = np.full((_ROWS, _COLUMNS), NOWHERE, np.int32)

@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
 from rattle_kernels.impact_map.apply import next_impact
-from rattle_kernels.impact_map.chatter import descent_bound, is_captured
+from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import PARAMETERS, Oscillator, check_domain, eccentricity_bound_quiet
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
@@ -24,7 +25,7 @@ from rattle_kernels.numerics.phase import part_turn
 # The paper keeps the last twenty impacts.
 _KEPT = 20
 _TRANSIENT = 1000
-# Whether a bounce is captured is asked only of low ones: the bound costs milliseconds to compute.
+# Whether a bounce is captured is asked only of low ones: the bound costs milliseconds, at weak damping half a second.
 _LOW_BOUNCE = 0.1
 # From rest on the wall: slower than this, relative to the fall through the backlash, is no motion.
 _AT_REST = 1e-9
@@ -95,13 +96,6 @@ def _follow(oscillator, t, v, transient, times, speeds):
 
 
 @inlined
-def _bounces_ever_lower(oscillator, t, v, work):
-    if v > _LOW_BOUNCE * fall_speed(oscillator):
-        return False
-    return is_captured(oscillator, descent_bound(oscillator, work[0], work[1]), t, v)
-
-
-@inlined
 def _impact_period(times, speeds, scale):
     """Shortest period after which the last departure had been there before, 0 where there is none."""
     last = times.size - 1
@@ -113,26 +107,29 @@ def _impact_period(times, speeds, scale):
 
 
 @kernel
-def _settle_along(fields, quiet, seed_t, seed_v, captured, transient, work, t, v, outcome, period):
-    """Fill the diagram of one direction; the seeds are left where the last value's motions are."""
-    for i in range(fields.shape[0]):
-        oscillator = Oscillator(fields[i, 0], fields[i, 1], fields[i, 2], fields[i, 3], fields[i, 4])
-        scale = fall_speed(oscillator)
-        for j in range(seed_t.size):
-            if captured[j] and quiet[i]:
-                outcome[i, j] = OUTCOME_PERMANENT_CONTACT
-                continue
-            if captured[j]:
-                seed_t[j], seed_v[j] = 0.0, _AT_REST * scale
-            outcome[i, j] = _follow(oscillator, seed_t[j], seed_v[j], transient, t[i, j], v[i, j])
-            if outcome[i, j] == OUTCOME_RETURNED:
-                seed_t[j], seed_v[j] = t[i, j, -1], v[i, j, -1]
-                period[i, j] = _impact_period(t[i, j], v[i, j], scale)
-                if period[i, j] == 0 and _bounces_ever_lower(oscillator, seed_t[j], seed_v[j], work):
-                    outcome[i, j] = OUTCOME_PERMANENT_CONTACT
-            if outcome[i, j] != OUTCOME_RETURNED:
-                t[i, j], v[i, j], period[i, j] = math.nan, math.nan, 0
-            captured[j] = outcome[i, j] == OUTCOME_PERMANENT_CONTACT
+def _settle_at(oscillator, quiet, seed_t, seed_v, captured, transient, t, v, outcome, period):
+    """Fill the rows of one value; the seeds are left where its motions are."""
+    scale = fall_speed(oscillator)
+    for j in range(seed_t.size):
+        if captured[j] and quiet:
+            outcome[j] = OUTCOME_PERMANENT_CONTACT
+            continue
+        if captured[j]:
+            seed_t[j], seed_v[j] = 0.0, _AT_REST * scale
+        outcome[j] = _follow(oscillator, seed_t[j], seed_v[j], transient, t[j], v[j])
+        if outcome[j] == OUTCOME_RETURNED:
+            seed_t[j], seed_v[j] = t[j, -1], v[j, -1]
+            period[j] = _impact_period(t[j], v[j], scale)
+
+
+def _find_captured(
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, outcome: np.ndarray, period: np.ndarray
+) -> None:
+    """Mark the motions of one value that bounce ever lower."""
+    low = v[:, -1] <= _LOW_BOUNCE * fall_speed(oscillator)
+    for j in np.flatnonzero(low & (outcome == OUTCOME_RETURNED) & (period == 0)):
+        if is_captured(oscillator, capture_bound(oscillator), t[j, -1], v[j, -1]):
+            outcome[j] = OUTCOME_PERMANENT_CONTACT
 
 
 class Motions(NamedTuple):
@@ -174,13 +171,17 @@ def follow_values(
         Where a value lies outside the domain of the map.
     """
     oscillators = [check_domain(oscillator._replace(**{parameter: float(value)})) for value in values]
-    fields = np.array(oscillators, dtype=np.float64)
-    quiet = np.array([o.eccentricity < eccentricity_bound_quiet(o) for o in oscillators])
     after = Motions(*(field.copy() for field in motions))
     shape = len(oscillators), after.t.size
     t, v = np.full((*shape, kept), np.nan), np.full((*shape, kept), np.nan)
     outcome, period = np.zeros(shape, np.int8), np.zeros(shape, np.int16)
-    _settle_along(fields, quiet, *after, transient, np.empty((2, 12)), t, v, outcome, period)
+    for i, at in enumerate(oscillators):
+        quiet = at.eccentricity < eccentricity_bound_quiet(at)
+        _settle_at(at, quiet, *after, transient, t[i], v[i], outcome[i], period[i])
+        _find_captured(at, t[i], v[i], outcome[i], period[i])
+        lost = outcome[i] != OUTCOME_RETURNED
+        t[i, lost], v[i, lost], period[i, lost] = np.nan, np.nan, 0
+        after.captured[:] = outcome[i] == OUTCOME_PERMANENT_CONTACT
     return BifurcationDiagram(parameter, np.array(values, np.float64), t, v, outcome, period), after
 
 

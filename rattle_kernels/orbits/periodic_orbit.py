@@ -74,14 +74,14 @@ def _iterate(oscillator, t, v, period):
 
 
 @kernel
-def newton_orbit(oscillator, t, v, period, speed_scale):
+def newton_orbit(oscillator, t, v, period, scale):
     """Newton's method on P^p(x) - x, halving steps that would leave v > 0; the residual tells how it ended."""
     residual = math.inf
     for _ in range(_NEWTON_STEPS):
         t1, v1, jacobian, _, _ = _iterate(oscillator, t, v, period)
         f = part_turn(t1 - t)
         g = v1 - v
-        residual = math.hypot(f, g / speed_scale)
+        residual = math.hypot(f, g / scale)
         if not residual > 1e-15:
             break
         a, b, c, d = jacobian.tt - 1.0, jacobian.tv, jacobian.vt, jacobian.vv - 1.0
@@ -92,7 +92,7 @@ def newton_orbit(oscillator, t, v, period, speed_scale):
         while v + dv <= 0.0:
             dt, dv = 0.5 * dt, 0.5 * dv
         t, v = t + dt, v + dv
-        if math.hypot(dt, dv / speed_scale) < 1e-15:
+        if math.hypot(dt, dv / scale) < 1e-15:
             break
     return wrap(t), v, residual
 
@@ -130,9 +130,7 @@ def _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians):
     return elapsed, lower
 
 
-def find_periodic_orbit(
-    oscillator: Oscillator, t: float, v: float, period: int, speed_scale: float
-) -> PeriodicOrbit | None:
+def find_periodic_orbit(oscillator: Oscillator, t: float, v: float, period: int, scale: float) -> PeriodicOrbit | None:
     """Periodic orbit near a seed, or none.
 
     Parameters
@@ -143,7 +141,7 @@ def find_periodic_orbit(
         Seed: phase and speed of a departure from +beta.
     period : int
         Impact period p; the orbit found may have a divisor of it as its own, which is then used.
-    speed_scale : float
+    scale : float
         Speed that weighs as much as one forcing period.
 
     Returns
@@ -151,10 +149,10 @@ def find_periodic_orbit(
     PeriodicOrbit or None
         None where Newton's method does not end with a residual of at most 1e-11, or ends at rest on the wall.
     """
-    t, v, residual = newton_orbit(oscillator, t, v, period, speed_scale)
+    t, v, residual = newton_orbit(oscillator, t, v, period, scale)
     if not residual <= _RESIDUAL:
         return None
-    period = _own_period(oscillator, t, v, period, speed_scale)
+    period = _own_period(oscillator, t, v, period, scale)
     times, speeds = np.empty(period), np.empty(period)
     steps, jacobians = np.empty((period, 2, 2)), np.empty((period, 2, 2))
     elapsed, lower = _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians)
@@ -193,14 +191,14 @@ def derivatives_along(oscillator: Oscillator, orbit: PeriodicOrbit) -> np.ndarra
 
 
 @kernel
-def _returns_after(oscillator, t, v, divisor, speed_scale):
+def _returns_after(oscillator, t, v, divisor, scale):
     t1, v1, _, _, _ = _iterate(oscillator, t, v, divisor)
     f = part_turn(t1 - t)
-    return math.hypot(f, (v1 - v) / speed_scale)
+    return math.hypot(f, (v1 - v) / scale)
 
 
-def _own_period(oscillator: Oscillator, t: float, v: float, period: int, speed_scale: float) -> int:
+def _own_period(oscillator: Oscillator, t: float, v: float, period: int, scale: float) -> int:
     for divisor in range(1, period // 2 + 1):
-        if period % divisor == 0 and _returns_after(oscillator, t, v, divisor, speed_scale) < 1e-9:
+        if period % divisor == 0 and _returns_after(oscillator, t, v, divisor, scale) < 1e-9:
             return divisor
     return period

@@ -21,7 +21,7 @@ from service.records.jobs import Jobs
 from service.runner import metrics as run_metrics
 from service.runner.runner import Runner
 from service.settings import Settings
-from worker.cluster.reconnecting_cluster import LastingCluster
+from worker.cluster.reconnecting_cluster import ReconnectingCluster
 
 _log = logging.getLogger("rattle.runner")
 # Answers come first. A small job's store takes a processor for half a second; at niceness 2 the answering process got
@@ -136,7 +136,7 @@ def _run_jobs(settings: Settings, commands: Connection, reports: Connection) -> 
     os.nice(_NICENESS)
     log = write_logs(settings.log_format, settings.log_level)
     engine, sessions = open_database(settings.database)
-    cluster = LastingCluster(
+    cluster = ReconnectingCluster(
         settings.scheduler, settings.workers, settings.certificates, _Compiling(), run_metrics.task_retried
     )
     cluster.open()

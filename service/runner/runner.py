@@ -18,7 +18,7 @@ from service.records.lease import Lease
 from service.records.replica import replica_name
 from service.runner import metrics as run_metrics
 from worker.cluster.driver import Driver
-from worker.cluster.reconnecting_cluster import LastingCluster
+from worker.cluster.reconnecting_cluster import ReconnectingCluster
 from worker.errors import ClusterFailed, JobCancelled, LeaseLost, WorkerError
 from worker.kinds import KINDS
 from worker.progress import Progress, Stage
@@ -55,7 +55,7 @@ class Runner:
     Parameters
     ----------
     jobs : Jobs
-    cluster : LastingCluster
+    cluster : ReconnectingCluster
     results : str
         Folder of the Zarr stores.
     most : int
@@ -63,7 +63,7 @@ class Runner:
         jobs and for submitters that have nothing running.
     """
 
-    def __init__(self, jobs: Jobs, cluster: LastingCluster, results: str, most: int) -> None:
+    def __init__(self, jobs: Jobs, cluster: ReconnectingCluster, results: str, most: int) -> None:
         self.jobs, self.cluster, self.results, self.most = jobs, cluster, results, most
         self._name = replica_name()
         self._claims = itertools.count(1)

@@ -47,7 +47,7 @@ def find_seeds(oscillator: Oscillator, region: Region, *, pause: Pause) -> Colum
     pause()
     seeds = choose_seeds(oscillator, landed.t, landed.v)
     found = find_attractors(oscillator, seeds.time, seeds.velocity)
-    moving = [each for each in found if each.kind == AttractorKind.PERIODIC or each.wanders]
+    moving = [each for each in found if each.kind == AttractorKind.PERIODIC or each.is_chaotic]
     if not moving:
         raise NotFound(
             f"all motions from v = {region.velocity.start:g} to {region.velocity.stop:g} end in permanent contact at "

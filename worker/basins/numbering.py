@@ -112,7 +112,7 @@ class Numbering:
 
 def _thinned(attractor: Attractor) -> Attractor:
     """Attractor with enough points to locate it, if it is chaotic: a row of basins is kept in memory."""
-    if not attractor.wanders:
+    if not attractor.is_chaotic:
         return attractor
     return attractor._replace(time=attractor.time[:_POINTS_KEPT], velocity=attractor.velocity[:_POINTS_KEPT])
 

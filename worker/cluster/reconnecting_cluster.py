@@ -18,7 +18,7 @@ _NO_WORKER_SECONDS = 240.0
 _ANSWER_SECONDS = 2.0
 
 
-class LastingCluster:
+class ReconnectingCluster:
     """The driver of a cluster, made anew after the cluster has been lost.
 
     It belongs to one thread. Other threads may call `workers` only.

@@ -135,7 +135,7 @@ def paint_cells(solution: np.ndarray, group: np.ndarray, attractors: tuple[Attra
     """
     palette = np.array([*colours_of(attractors), MISSING])
     image = palette[np.where(solution >= 0, solution, len(attractors))]
-    chaotic = [i for i, attractor in enumerate(attractors) if attractor.wanders]
+    chaotic = [i for i, attractor in enumerate(attractors) if attractor.is_chaotic]
     inside = np.isin(solution, chaotic)
     speckle = np.array(SPECKLE)[group[inside] % len(SPECKLE)]
     image[inside] = np.minimum(image[inside] * speckle[:, None], 1.0)

@@ -73,7 +73,7 @@ def attractor_marks(attractors: Iterable[Attractor], colour: str = "white") -> t
     for attractor in attractors:
         if attractor.kind == AttractorKind.PERIODIC:
             marks.append(Marks(attractor.name, colour, attractor.time, attractor.velocity, "x"))
-        elif attractor.wanders:
+        elif attractor.is_chaotic:
             marks.append(Marks(attractor.name, "black", attractor.time, attractor.velocity, ".", 1.0))
     return tuple(marks)
 

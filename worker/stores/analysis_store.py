@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import zarr
 
-from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
+from worker.errors import StoreConflict, StoreFailed, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob
 from worker.rounding import demand_same_rounding
@@ -100,7 +100,7 @@ class AnalysisStore:
 
     def write_part(self, name: str, columns: Columns) -> None:
         """Write the columns of a piece, and mark them whole."""
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             part = self._group.create_group(f"{_PARTS}/{name}", overwrite=True)
             for column, values in columns.items():
                 _write(part, column, np.asarray(values), (), {})
@@ -117,12 +117,12 @@ class AnalysisStore:
         part = self._part(name)
         if part is None:
             raise StoreFailed(f"the store {self.location} has no part {name} any more")
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             return {column: np.asarray(array[...]) for column, array in part.arrays()}
 
     def _part(self, name: str) -> Any | None:
         """Group of a piece, None if it is missing."""
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             try:
                 return self._group[f"{_PARTS}/{name}"]
             except KeyError:
@@ -131,7 +131,7 @@ class AnalysisStore:
     def parts(self) -> "StoredParts":
         """Pieces that are done."""
         # Zarr's own list of groups would warn of temporary files that writers of other parts have open.
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             names = place_at(self.location).folders(_PARTS)
         found = {name: self._part(name) for name in names}
         return StoredParts(self, [name for name, part in found.items() if part is not None and part.attrs.get(_WHOLE)])
@@ -139,7 +139,7 @@ class AnalysisStore:
     def publish(self, variables: tuple[Variable, ...], columns: Columns) -> None:
         """Write the tables in place of the existing ones (driver only)."""
         self._fence()
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             for variable in variables:
                 if variable.name in self._group:
                     del self._group[variable.name]
@@ -149,20 +149,20 @@ class AnalysisStore:
 
     def read_tables(self) -> Columns:
         """Columns of the tables."""
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             return {name: np.asarray(array[...]) for name, array in self._group.arrays()}
 
     def finish(self, seconds: dict[str, float]) -> None:
         """Mark the store complete, and remove the parts (driver only)."""
         self._fence()
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             self._group.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
         self.remove_parts()
 
     def remove_parts(self) -> None:
         """Remove the parts of a store whose tables are complete (driver only)."""
         self._fence()
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             if _PARTS in self._group:
                 del self._group[_PARTS]
             consolidate(self.location, self._fence)
@@ -205,7 +205,7 @@ def kind_of_store(location: str) -> str:
     """
     if not holds_store(location):
         raise StoreConflict(f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open")
-    with told_as_store_failure(location):
+    with as_store_failure(location):
         return str(open_group(location, "r").attrs.get("kind", "basin"))
 
 

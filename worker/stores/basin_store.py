@@ -15,7 +15,7 @@ import numpy as np
 
 from rattle_kernels import CellGroups
 from rattle_kernels.cell_mapping.image_set import ImageSet, with_counts
-from worker.errors import StoreConflict, StoreFailed, told_as_store_failure
+from worker.errors import StoreConflict, StoreFailed, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
@@ -90,7 +90,7 @@ class BasinStore(SolutionArrays):
     def write_tile(self, variables: Sequence[Variable], tile: Tile, values: Sequence[np.ndarray]) -> None:
         """Write one tile, of shape (rows, columns), of some variables."""
         region = self._region(tile)
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             for variable, value in zip(variables, values, strict=True):
                 self._kept(variable)[region] = value if self.job.sample is None else value[0]
 
@@ -104,7 +104,7 @@ class BasinStore(SolutionArrays):
         """
         region = self._region(tile)
         shape = tile.rows[1] - tile.rows[0], tile.columns[1] - tile.columns[0]
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             values = tuple(np.asarray(self._kept(variable)[region]).reshape(shape) for variable in variables)
         for variable, value in zip(variables, values, strict=True):
             if (value == variable.fill).any():
@@ -113,15 +113,15 @@ class BasinStore(SolutionArrays):
 
     def read_whole(self, variables: Sequence[Variable]) -> tuple[np.ndarray, ...]:
         """Read some variables whole."""
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             return tuple(np.asarray(self._array(variable)[...]) for variable in variables)
 
     def _read(self, variable: Variable, *index: Any) -> np.ndarray:
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             return np.asarray(self._kept(variable)[index])
 
     def _write(self, variable: Variable, values: np.ndarray, *index: Any) -> None:
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             self._kept(variable)[index] = values
 
     def read_ledger(self) -> np.ndarray:
@@ -131,7 +131,7 @@ class BasinStore(SolutionArrays):
     def write_ledger(self, states: np.ndarray) -> None:
         """Replace the ledger (driver only)."""
         self._fence()
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             array = self._kept(self.places.ledger)
             array[...] = states.reshape(array.shape)
 
@@ -173,7 +173,7 @@ class BasinStore(SolutionArrays):
     def finish(self, seconds: dict[str, float]) -> None:
         """Consolidate the store's metadata and mark it complete (driver only)."""
         self._fence()
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             consolidate(self.location, self._fence)
             # Written with the consolidated metadata, in one piece: what is complete is so for every reader.
             whole = open_group(self.location, "r+", consolidated=True, fence=self._fence)
@@ -187,5 +187,5 @@ class BasinStore(SolutionArrays):
     def sweep_orphans(self) -> None:
         """Remove temporary files that killed writers left behind (driver only)."""
         self._fence()
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             place_at(self.location).sweep()

@@ -6,7 +6,7 @@ from typing import Any
 
 import zarr
 
-from worker.errors import StoreConflict, told_as_store_failure
+from worker.errors import StoreConflict, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.stores.object_storage import place_at
 
@@ -28,7 +28,7 @@ def open_store_at(location: str, what: str, fence: Fence) -> Any:
     StoreFailed
         If it cannot be read.
     """
-    with told_as_store_failure(location):
+    with as_store_failure(location):
         try:
             return open_group(location, "r+", fence=fence)
         except _NOTHING_THERE as error:
@@ -37,7 +37,7 @@ def open_store_at(location: str, what: str, fence: Fence) -> Any:
 
 def holds_store(location: str) -> bool:
     """Whether a location holds a store of any kind. Its attributes are created last of all."""
-    with told_as_store_failure(location):
+    with as_store_failure(location):
         try:
             group = open_group(location, "r")
         except _NOTHING_THERE:
@@ -59,7 +59,7 @@ def create_unless_there(location: str, what: str, create: Callable[[], None], fe
     if holds_store(location):
         return
     fence()
-    with told_as_store_failure(location):
+    with as_store_failure(location):
         if place_at(location).taken():
             raise StoreConflict(f"{location} exists and is no {what}: choose another location, or remove it")
         create()

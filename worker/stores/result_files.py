@@ -1,6 +1,6 @@
 """Where results lie, and their files."""
 
-from worker.errors import told_as_store_failure
+from worker.errors import as_store_failure
 from worker.stores.object_storage import Part, StoredFile, place_at, whole
 
 
@@ -17,7 +17,7 @@ def remove_result(location: str) -> None:
     StoreFailed
         Where it cannot be removed.
     """
-    with told_as_store_failure(location):
+    with as_store_failure(location):
         place_at(location).remove()
 
 
@@ -38,5 +38,5 @@ def read_file_of_store(location: str, path: str, part: Part = whole) -> StoredFi
     StoreFailed
         Where it cannot be read.
     """
-    with told_as_store_failure(location):
+    with as_store_failure(location):
         return place_at(location).read(path, part)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind
-from worker.errors import told_as_store_failure
+from worker.errors import as_store_failure
 from worker.fence import Fence
 from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
@@ -56,7 +56,7 @@ class SolutionArrays:
             Most points of an attractor.
         """
         self._fence()
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             there = self._kept_with_room(layout.POINTS[0], (len(table.motions), points)).shape[-2:]
             room = max(there[0], len(table.motions)), max(there[1], points)
             if room == there:
@@ -88,7 +88,7 @@ class SolutionArrays:
         """
         place = self.job.place_of(basin)
         shape = max(numbers) + 1, max(attractor.time.size for attractor in attractors)
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             for variable, field in zip(layout.POINTS, ("time", "velocity"), strict=True):
                 padded = np.full(shape, np.nan)
                 for number, attractor in zip(numbers, attractors, strict=True):
@@ -102,7 +102,7 @@ class SolutionArrays:
         columns = table.columns
         if self.job.sample is not None:
             columns.append(share_error(table.share, self.job.sample.points))
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             # Shares come last, because they say which basins are complete.
             for variable, values in reversed(list(zip(self._measured(), columns, strict=True))):
                 array = self._array(variable)
@@ -111,7 +111,7 @@ class SolutionArrays:
 
     def read_solutions(self) -> SolutionTable:
         """Solutions, and what they are like in each basin, as far as that is known."""
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             motions = [np.asarray(self._array(variable)[...]) for variable in layout.MOTIONS[:4]]
             columns = [np.asarray(self._array(variable)[...]) for variable in layout.MEASURED]
         # A driver killed while it made room leaves some arrays longer than others, or empty at their ends.
@@ -128,7 +128,7 @@ class SolutionArrays:
 
     def read_catalogue(self, basin: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
         """Some of the attractors of a basin, by number. One whose points are still being written has none."""
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             place = self.job.place_of(basin)
             points = [np.asarray(self._array(variable)[*place, :, :]) for variable in layout.POINTS]
         # The two arrays are lengthened and written one after the other, and this may come in between.
@@ -147,7 +147,7 @@ class SolutionArrays:
     def write_changes(self, columns: Sequence[np.ndarray]) -> None:
         """Write the births and deaths of solutions (driver only)."""
         self._fence()
-        with told_as_store_failure(self.location):
+        with as_store_failure(self.location):
             for variable, values in zip(layout.CHANGES, columns, strict=True):
                 if variable.name in self._group:
                     del self._group[variable.name]

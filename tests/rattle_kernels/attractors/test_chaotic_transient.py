@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rattle_kernels import CellGrid, Oscillator, find_attractors, map_points, name_solutions, next_impacts
-from rattle_kernels.attractors.chaotic_transient import CROWD, wander
+from rattle_kernels.attractors.chaotic_transient import ENSEMBLE, follow_ensemble
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
 from rattle_kernels.lanes.lyapunov import tangent_growth
@@ -55,16 +55,16 @@ def test_what_is_captured_on_the_way_has_no_exponent():
 
 
 def test_the_exponent_of_chaos_is_positive_within_its_error_whatever_the_start():
-    crowds = [wander(IMPACTING, t, 4.5) for t in (0.6, 0.65)]
-    assert all(crowd.chaotic and crowd.captured == 0 and not crowd.settled.size for crowd in crowds)
-    assert abs(crowds[0].exponent - crowds[1].exponent) < 5.0 * np.hypot(crowds[0].error, crowds[1].error)
+    ensembles = [follow_ensemble(IMPACTING, t, 4.5) for t in (0.6, 0.65)]
+    assert all(ensemble.chaotic and ensemble.captured == 0 and not ensemble.settled.size for ensemble in ensembles)
+    assert abs(ensembles[0].exponent - ensembles[1].exponent) < 5.0 * np.hypot(ensembles[0].error, ensembles[1].error)
 
 
 def test_points_of_chaos_are_departures_far_apart_in_time():
-    crowd = wander(IMPACTING, *CHAOTIC)
-    assert crowd.t.size == 4096 and np.unique(crowd.t).size == crowd.t.size
-    ahead = next_impacts(IMPACTING, crowd.t[:64], crowd.v[:64], 256)
-    np.testing.assert_array_equal(ahead.t, crowd.t[64:128])
+    ensemble = follow_ensemble(IMPACTING, *CHAOTIC)
+    assert ensemble.t.size == 4096 and np.unique(ensemble.t).size == ensemble.t.size
+    ahead = next_impacts(IMPACTING, ensemble.t[:64], ensemble.v[:64], 256)
+    np.testing.assert_array_equal(ahead.t, ensemble.t[64:128])
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_points_of_chaos_are_departures_far_apart_in_time():
 )  # fmt: skip
 def test_low_bounces_are_not_taken_for_chaos(oscillator, start):
     # Close to the bound of Eq. (8) low bounces are captured late; their tangent vectors grow, but not exponentially.
-    assert not wander(oscillator, *start).chaotic
+    assert not follow_ensemble(oscillator, *start).chaotic
 
 
 def catalogue_of(oscillator, speed=7.0, count=200):
@@ -109,10 +109,10 @@ def test_a_transient_of_1e5_impacts_is_one_and_its_end_is_in_the_catalogue(dampi
 )  # fmt: skip
 def test_weak_chaos_behind_a_cascade_is_chaos_by_an_exponent_that_a_longer_run_has_too(damping, start):
     oscillator = Oscillator(damping=damping)
-    crowd = wander(oscillator, *start)
-    assert crowd.chaotic and 0.003 < crowd.exponent < 0.007
+    ensemble = follow_ensemble(oscillator, *start)
+    assert ensemble.chaotic and 0.003 < ensemble.exponent < 0.007
     longer = tangent_growth(oscillator, np.full(64, start[0]), start[1] * (1.0 + 1e-9 * np.arange(64)), 65_536)
-    assert longer.exponent == pytest.approx(crowd.exponent, rel=0.1)
+    assert longer.exponent == pytest.approx(ensemble.exponent, rel=0.1)
 
 
 def test_far_down_a_cascade_of_period_doublings_the_orbit_that_attracts_is_found():
@@ -134,7 +134,7 @@ def test_a_chaotic_attractor_holds_what_is_on_it(damping):
 
 def test_at_the_machines_damping_nothing_is_called_chaotic_after_too_few_impacts():
     catalogue, _ = catalogue_of(MACHINE, 12.0 * MACHINE.damping, 64)
-    assert not any(attractor.wanders for attractor in catalogue)
+    assert not any(attractor.is_chaotic for attractor in catalogue)
 
 
 def impacts_until_settled(oscillator, t, v, most):
@@ -153,7 +153,7 @@ def impacts_until_settled(oscillator, t, v, most):
 
 
 def test_the_mean_life_is_that_of_the_exponential_law():
-    crowd = wander(IMPACTING, *CHAOTIC)
-    assert crowd.impacts == 64 * 256 and np.isnan(crowd.mean_life(0))
-    assert crowd.mean_life(CROWD // 2) == pytest.approx(crowd.impacts / np.log(2.0))
-    assert crowd.mean_life(1) == pytest.approx(CROWD * crowd.impacts, rel=0.01)
+    ensemble = follow_ensemble(IMPACTING, *CHAOTIC)
+    assert ensemble.impacts == 64 * 256 and np.isnan(ensemble.mean_life(0))
+    assert ensemble.mean_life(ENSEMBLE // 2) == pytest.approx(ensemble.impacts / np.log(2.0))
+    assert ensemble.mean_life(1) == pytest.approx(ENSEMBLE * ensemble.impacts, rel=0.01)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from rattle_kernels import Oscillator, Outcome, OutsideDomain, bifurcation_diagram, next_impacts
+from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
+from rattle_kernels.impact_map.chatter import descent_bound, fastest_below
 
 # A departure of P(3,3,2) at damping 0.5 (Fig. 9(a)), where the paper's Fig. 11 begins.
 P332 = (0.7641229, 4.00020845)
@@ -65,6 +67,18 @@ def test_permanent_contact_is_marked_and_stays_while_quiet_exists():
     # P(1,1,0) ends at the bound of Eq. (41), 0.0596; what is left is quiet.
     assert quiet.tolist() == (diagram.values < 0.0596).tolist()
     assert np.isnan(diagram.v[quiet]).all() and np.isfinite(diagram.v[~quiet]).all()
+
+
+def test_captured_means_what_it_means_everywhere():
+    """At weak damping the corrected action proves more bounces captured than the plain one does: those count, too."""
+    oscillator = Oscillator(damping=0.01, eccentricity=0.0015, half_backlash=0.6)
+    bound = capture_bound(oscillator)
+    plain = descent_bound(oscillator, np.empty(12), np.empty(12))
+    between = math.sqrt(plain * bound)
+    assert plain < 0.5 * bound
+    v = fastest_below(oscillator, between, 0.0)
+    diagram = bifurcation_diagram(oscillator, "damping", [oscillator.damping], 0.0, v, transient=0, kept=2)
+    assert diagram.outcome[0, 0] == Outcome.PERMANENT_CONTACT
 
 
 def test_contact_of_finite_stiffness_ends_where_quiet_does():

@@ -14,7 +14,7 @@ from service.records.job_record import JobState
 from service.runner import metrics as run_metrics
 from tests.service.idle_service import idle_service
 from worker.cluster.driver import Driver
-from worker.cluster.reconnecting_cluster import LastingCluster
+from worker.cluster.reconnecting_cluster import ReconnectingCluster
 from worker.progress import Progress, Stage
 
 
@@ -182,6 +182,6 @@ def test_a_scheduler_that_hangs_has_no_workers():
             assert callback_timeout <= 3
             raise TimeoutError
 
-    cluster = LastingCluster(None, 1)
+    cluster = ReconnectingCluster(None, 1)
     cluster._driver = Driver(Hanging())
     assert cluster.workers() == 0

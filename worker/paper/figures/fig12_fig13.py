@@ -49,7 +49,7 @@ def _basins_of_fig12(grid: CellGrid) -> dict[str, BasinJob]:
 
 def _make_fig12(stores: Mapping[str, str], tell: Tell) -> Sheet:
     view = view_basin(stores[_BASIN])
-    shown = tuple(each for each in view.attractors if each.name == _NAME or each.wanders)
+    shown = tuple(each for each in view.attractors if each.name == _NAME or each.is_chaotic)
     drawing = Figure(figsize=(12.0, 6.8), dpi=90, layout="constrained")
     places: Any = drawing.subplot_mosaic([["a", "b"], ["a", "c"]], width_ratios=(1.1, 1.0))
     draw_marked(places["a"], "a", view, attractor_marks(shown))

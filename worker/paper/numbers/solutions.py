@@ -22,11 +22,11 @@ def told_oscillator(oscillator: Oscillator) -> dict[str, Any]:
 def told_motion(motion: Attractor) -> dict[str, Any]:
     """Name and exponent of a motion; where it is, by its points or, of a chaotic one, by their ranges."""
     told: dict[str, Any] = {"name": motion.name}
-    if motion.kind == AttractorKind.PERIODIC or motion.wanders:
+    if motion.kind == AttractorKind.PERIODIC or motion.is_chaotic:
         told["lyapunov_exponent"] = motion.lyapunov_exponent
     if motion.kind == AttractorKind.PERIODIC:
         told["points"] = list(zip(motion.time.tolist(), motion.velocity.tolist(), strict=True))
-    if motion.wanders:
+    if motion.is_chaotic:
         told["lyapunov_error"] = motion.lyapunov_error
         if not math.isnan(motion.mean_life):
             told["mean_life"] = motion.mean_life
@@ -57,7 +57,7 @@ def told_basin(view: BasinView) -> dict[str, Any]:
 
 
 def _wanders(view: BasinView) -> np.ndarray:
-    return np.array([motion.wanders for motion in view.attractors])[view.solution]
+    return np.array([motion.is_chaotic for motion in view.attractors])[view.solution]
 
 
 def told_differences(one: BasinView, other: BasinView) -> dict[str, float]:

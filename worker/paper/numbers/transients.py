@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rattle_kernels import Attractor, AttractorKind, Oscillator, grazing_velocity, next_impacts
+from rattle_kernels import Attractor, AttractorKind, Oscillator, next_impacts
 from rattle_kernels.lanes.lyapunov import tangent_growth
+from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from worker.paper.panels.basin_view import BasinView
 
 # An orbit's multipliers bring a motion this close within some tens of impacts; by chance, a point of the transients is
@@ -40,13 +41,9 @@ class Transient:
     exponent: float
 
 
-def _speed_scale(oscillator: Oscillator) -> float:
-    return float(grazing_velocity(oscillator, np.linspace(0.0, 1.0, 256, endpoint=False)).max())
-
-
 def is_on_orbit(oscillator: Oscillator, orbit: Attractor, t: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Whether departures are within 1e-3 (forcing periods, natural speeds) of a periodic orbit's."""
-    scale = _speed_scale(oscillator)
+    scale = largest_grazing_speed(oscillator)
     on = np.zeros(t.shape, bool)
     for time, velocity in zip(orbit.time, orbit.velocity, strict=True):
         apart = t - time
