@@ -9,8 +9,8 @@ from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.attractors.classify import name_solutions
 from rattle_kernels.lanes.run import next_impacts
 from rattle_kernels.manifolds.grazing_preimages import speed_of_no_return
-from rattle_kernels.manifolds.saddle import NotASaddle, check_saddle, directions
-from rattle_kernels.model.grazing_curve import grazing_velocity
+from rattle_kernels.manifolds.saddle import directions, is_saddle
+from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.orbits.orbit_search import find_orbits
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
@@ -43,19 +43,11 @@ def boundary_saddles(oscillator: Oscillator, attractors: tuple[Attractor, ...]) 
     velocity = 0.0, speed_of_no_return(oscillator)  # above it a departure has no past at lower speeds
     found = [each.orbit for each in find_orbits(oscillator, _LONGEST, velocity=velocity, cells=_SEARCH_CELLS)]
     there = [each for each in attractors if each.kind == AttractorKind.PERMANENT_CONTACT or each.time.size]
-    return tuple(orbit for orbit in found if _is_saddle(orbit) and _parts_basins(oscillator, there, orbit))
-
-
-def _is_saddle(orbit: PeriodicOrbit) -> bool:
-    try:
-        check_saddle(orbit)
-    except NotASaddle:
-        return False
-    return True
+    return tuple(orbit for orbit in found if is_saddle(orbit) and _parts_basins(oscillator, there, orbit))
 
 
 def _parts_basins(oscillator: Oscillator, attractors: list[Attractor], saddle: PeriodicOrbit) -> bool:
-    scale = float(grazing_velocity(oscillator, np.linspace(0.0, 1.0, 256, endpoint=False)).max())
+    scale = largest_grazing_speed(oscillator)
     leaving = directions(saddle, 0, scale)
     steps = _NEAR * np.abs(leaving.unstable_multiplier) ** (np.arange(_LEAVING) / _LEAVING)
     away = np.concatenate([steps, -steps])[:, None] * leaving.unstable

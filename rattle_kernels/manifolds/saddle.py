@@ -71,6 +71,15 @@ def check_saddle(orbit: PeriodicOrbit) -> PeriodicOrbit:
     return orbit
 
 
+def is_saddle(orbit: PeriodicOrbit) -> bool:
+    """Whether `check_saddle` accepts the orbit."""
+    try:
+        check_saddle(orbit)
+    except NotASaddle:
+        return False
+    return True
+
+
 def find_saddle(oscillator: Oscillator, t: float, v: float, period: int = 1) -> PeriodicOrbit:
     """Saddle near a seed, by Newton's method on P^p.
 

@@ -22,6 +22,7 @@ from rattle_kernels import (
     stable_manifold,
     unstable_manifold,
 )
+from rattle_kernels.manifolds.saddle import is_saddle
 from rattle_kernels.numerics.pausing import Pause
 from rattle_kernels.orbits.orbit_search import merge_orbits
 from worker.analyses.analysis import Analysis, Parts, Piece, Plan, in_order, ready_of
@@ -88,18 +89,14 @@ def saddles_named(
         pause()
         found += find_orbits(oscillator, itinerary.upper_contacts, region.time.ends, region.velocity.ends, cells, rows)
     orbits = merge_orbits(oscillator, found)
-    saddles = [each for each in orbits if each.orbit.name == itinerary.name and _is_saddle(each.orbit)]
+    saddles = [each for each in orbits if each.orbit.name == itinerary.name and is_saddle(each.orbit)]
     if not saddles:
-        others = ", ".join(f"{o.orbit.name} {'saddle' if _is_saddle(o.orbit) else 'that attracts'}" for o in orbits)
+        others = ", ".join(f"{o.orbit.name} {'saddle' if is_saddle(o.orbit) else 'that attracts'}" for o in orbits)
         raise NotFound(
             f"saddles.{number}: the search found no saddle {itinerary.name}; it found {others or 'no orbit'}: ask for "
             "one of these, search more cells or another region, or give a seed"
         )
     return ORBITS.of(saddles)
-
-
-def _is_saddle(orbit: PeriodicOrbit) -> bool:
-    return not orbit.attracts and not np.abs(orbit.multipliers.imag).any()
 
 
 def grow_branch(
