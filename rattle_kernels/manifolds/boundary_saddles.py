@@ -1,6 +1,6 @@
-"""Saddles whose stable manifold is a boundary of basins: departures close to them end in more than one motion.
+"""Saddles whose stable manifold is a basin boundary: departures close to them end in more than one motion.
 
-A saddle amid a chaotic attractor has stable and unstable manifolds too, but whatever leaves it stays in that attractor.
+A saddle in a chaotic attractor has stable and unstable manifolds too, but all that leaves it stays in that attractor.
 """
 
 import numpy as np
@@ -15,32 +15,32 @@ from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.orbits.orbit_search import find_orbits
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
 
-# Impact periods looked for: boundaries of longer saddles lie within those of short ones or are too fine for a picture.
+# Largest impact period. Boundaries of longer saddles lie within those of short ones or are too fine for a picture.
 _LONGEST = 2
-# P(1,1,1) next to a graze, with a multiplier of 30, is missed with 48 cells at damping 0.65, found with 64: 2 s.
+# At damping 0.65, P(1,1,1) next to a graze (multiplier 30) is missed with 48 cells and found with 64, in 2 s.
 _SEARCH_CELLS = 64
-# Departures on either side along the unstable direction, from one to its image: what leaves the saddle passes there.
+# Departures on each side along the unstable direction, from one to its image: all that leaves the saddle passes here.
 _LEAVING = 12
 _NEAR = 1e-6
 _IMPACTS = 1499
 
 
 def boundary_saddles(oscillator: Oscillator, attractors: tuple[Attractor, ...]) -> tuple[PeriodicOrbit, ...]:
-    """Saddles P(m, 1, .) and P(m, 2, .) whose stable manifolds part basins.
+    """Saddles P(m, 1, .) and P(m, 2, .) whose stable manifolds separate basins.
 
     Parameters
     ----------
     oscillator : Oscillator
         Either model.
     attractors : tuple of Attractor
-        Catalogue of its motions, permanent contact first; those without points are left out.
+        Catalogue of the oscillator's motions, permanent contact first. Other motions without points are ignored.
 
     Returns
     -------
     tuple of PeriodicOrbit
-        By (n+, m, n-) and lowest speed. The search is systematic, not exhaustive.
+        Ordered by (n+, m, n-) and lowest speed. The search is systematic, not exhaustive.
     """
-    velocity = 0.0, speed_of_no_return(oscillator)  # above it a departure has no past at lower speeds
+    velocity = 0.0, speed_of_no_return(oscillator)  # faster departures have no past at lower speeds
     found = [each.orbit for each in find_orbits(oscillator, _LONGEST, velocity=velocity, cells=_SEARCH_CELLS)]
     there = [each for each in attractors if each.kind == AttractorKind.PERMANENT_CONTACT or each.time.size]
     return tuple(orbit for orbit in found if is_saddle(orbit) and _parts_basins(oscillator, there, orbit))

@@ -1,19 +1,18 @@
 """Images of a curve under a power of P or of its inverse, as polylines (impacting model).
 
-P and its inverse are continuous, yet not smooth: where a flight grazes -beta, one side of the curve never meets -beta
-and is mapped smoothly, the other meets it with a speed that grows like the square root of the distance. So images of a
-smooth curve are smooth arcs that meet at corners: on the grazing curve (inverse of P) or on its image (P), where the
-arc that meets -beta is tangent to it, and on the images of those corners.
+P and its inverse are continuous but not smooth. Where a flight grazes -beta, one side of the curve never meets -beta
+and is mapped smoothly. The other side meets it with a speed that grows like the square root of the distance. So images
+of a smooth curve are smooth arcs that meet at corners. Corners lie on the grazing curve (inverse of P) or on its image
+(P), where the arc that meets -beta is tangent to it, and on the images of those corners.
 
 The image of an arc is refined by mapping new points, never by interpolating the image:
 
 1. A chord that is too long, or that makes too large an angle with its neighbour, is divided. The new point starts from
    the youngest ancestor of the chord that is so short (1e-7) that the curve there is straight to rounding, or else from
-   the first curve itself. Hence the accuracy does not depend on the resolution, and errors across an invariant manifold
-   shrink from image to image.
-2. Between neighbours of which one meets -beta where the other does not lies a corner. It is found by bisection, down to
-   neighbouring numbers before the last mapping, and taken from the side that does not meet -beta, where P is smooth:
-   the other side of the bracket may still be the root of rounding (1e-8) away, along the grazing curve.
+   the first curve. So accuracy does not depend on resolution, and images shrink errors across an invariant manifold.
+2. If one of two neighbours meets -beta and the other does not, a corner lies between them. It is found by bisection,
+   down to neighbouring numbers before the last mapping. It is taken from the side that does not meet -beta, where P is
+   smooth. The other side of the bracket may still be the square root of rounding (1e-8) away, along the grazing curve.
 """
 
 from collections.abc import Callable
@@ -29,20 +28,20 @@ from rattle_kernels.numerics.jit import kernel
 FORWARDS = 1.0
 BACKWARDS = -1.0
 
-# A smooth curve departs from a chord c by curvature c^2/8: 1e-15 of this one at curvature 1.
+# A smooth curve is off a chord c by curvature c^2/8: by 1e-15 for this chord at curvature 1.
 _STRAIGHT = 1e-7
-# Halvings until two neighbouring numbers remain: from 1 to 1e-16, once among ancestors and once before the last map.
+# Halvings to reach neighbouring numbers: from 1 to 1e-16, once among ancestors and once before the last map.
 _HALVINGS = 120
 _ROUNDS = 64
 LARGEST_POWER = 62
-"""Which applications met -beta is kept in the bits of an int64."""
+"""An int64 has a bit for each application, set if it met -beta."""
 
 
 class CurveMap(NamedTuple):
-    """The map whose images are drawn: P (FORWARDS) or its inverse (BACKWARDS), applied `power` times at once.
+    """The map to draw images of: P (FORWARDS) or its inverse (BACKWARDS), applied `power` times at once.
 
-    ``turns`` forcing periods are taken off the phase each time, so that it does not run away. ``onto`` gives the speed
-    of the first curve at a phase where that is known; None where the first curve is straight.
+    ``turns`` forcing periods are subtracted from the phase each time, so that it does not run away. ``onto`` gives the
+    speed of the first curve at a phase, if known. It is None if the first curve is straight.
     """
 
     oscillator: Oscillator
@@ -54,11 +53,11 @@ class CurveMap(NamedTuple):
 
 
 class CurvePoints(NamedTuple):
-    """Points along an image and where they came from.
+    """Points along an image, and where they came from.
 
-    ``t``, ``v`` (shape (ancestors + 1, points)): the last row is the image, the one before it the points that it is
-    made of, and so on. ``corner``: smooth arcs meet here. ``joined``: whether a point is joined to the next. ``before``
-    and ``after``: which applications of the last mapping met -beta, just before and just after the point, as bits.
+    ``t``, ``v`` (shape (ancestors + 1, points)): the last row is the image, the row before it the points that map to
+    it, and so on. ``corner``: smooth arcs meet here. ``joined``: whether a point is joined to the next. ``before`` and
+    ``after``: bits of the applications of the last mapping that met -beta, just before and just after the point.
     """
 
     t: np.ndarray
@@ -69,12 +68,12 @@ class CurvePoints(NamedTuple):
     after: np.ndarray
 
     def at(self, index: np.ndarray | slice) -> "CurvePoints":
-        """The points of an index or mask, with their ancestors."""
+        """Select points by index or mask, with their ancestors."""
         return CurvePoints(*(field[..., index] for field in self))
 
 
 class UndecidedFlight(ArithmeticError):
-    """A root-finder gave up on a point of a curve; none are expected."""
+    """A root-finder gave up on a point of a curve. This is not expected."""
 
 
 @kernel
@@ -104,7 +103,7 @@ def _map_from(curve_map: CurveMap, base: np.ndarray, t: np.ndarray, v: np.ndarra
 
 
 def first_points(t: np.ndarray, v: np.ndarray) -> CurvePoints:
-    """A curve that has no ancestors.
+    """A curve without ancestors.
 
     Parameters
     ----------
@@ -120,7 +119,7 @@ def first_points(t: np.ndarray, v: np.ndarray) -> CurvePoints:
 
 
 def _midpoints(curve_map: CurveMap, low: CurvePoints, high: CurvePoints) -> CurvePoints:
-    """Points of the image between others, mapped from the youngest ancestors between which the curve is straight."""
+    """Points of the image between others, mapped from the youngest ancestors with a straight curve between them."""
     t, v = 0.5 * (low.t + high.t), 0.5 * (low.v + high.v)
     chords = np.hypot(high.t - low.t, (high.v - low.v) / curve_map.velocity_scale)[:-1]
     rows = np.arange(chords.shape[0])[:, None]
@@ -131,7 +130,7 @@ def _midpoints(curve_map: CurveMap, low: CurvePoints, high: CurvePoints) -> Curv
 
 
 def _insert(points: CurvePoints, at: np.ndarray, new: CurvePoints) -> CurvePoints:
-    """The points with new ones after those of the indices `at`."""
+    """Insert new points after those at the indices `at`."""
     return CurvePoints(*(np.insert(old, at + 1, more, axis=-1) for old, more in zip(points, new, strict=True)))
 
 
@@ -140,7 +139,7 @@ def _choose(first: np.ndarray, one: CurvePoints, other: CurvePoints) -> CurvePoi
 
 
 def _bisect(curve_map: CurveMap, low: CurvePoints, high: CurvePoints) -> CurvePoints:
-    """Corners between pairs of points of which an application meets -beta on one side only."""
+    """Corners between pairs of points where an application meets -beta on one side only."""
     for _ in range(_HALVINGS):
         middle = _midpoints(curve_map, low, high)
         ends = [(middle.t[-2] == end.t[-2]) & (middle.v[-2] == end.v[-2]) for end in (low, high)]
@@ -148,14 +147,14 @@ def _bisect(curve_map: CurveMap, low: CurvePoints, high: CurvePoints) -> CurvePo
         low, high = _choose(stays_low, middle, low), _choose(stays_low, high, middle)
         if (ends[0] | ends[1]).all():
             break
-    # The application that differs first misses -beta where its bit is 0, and earlier bits weigh more.
+    # The first application that differs misses -beta where its bit is 0. Earlier applications have higher bits.
     corner = _choose(low.after < high.before, low, high)
     every = np.ones(corner.corner.size, np.bool_)
     return corner._replace(corner=every, joined=every, before=low.after, after=high.before)
 
 
 def _with_corners(curve_map: CurveMap, points: CurvePoints) -> CurvePoints:
-    """The points and, between them, every corner that their cases tell of."""
+    """Insert every corner that the bits of neighbouring points reveal."""
     while True:
         flips = np.flatnonzero(points.joined[:-1] & (points.after[:-1] != points.before[1:]))
         if not flips.size:
@@ -164,7 +163,7 @@ def _with_corners(curve_map: CurveMap, points: CurvePoints) -> CurvePoints:
 
 
 def _too_coarse(points: CurvePoints, resolution: CurveResolution, velocity_scale: float) -> np.ndarray:
-    """Indices of the points whose chord to the next is too long, or turns too far and can still be divided."""
+    """Indices of points whose chord to the next is too long, or turns too far and can still be divided."""
     t, v, joined = points.t[-1], points.v[-1], points.joined[:-1]
     chords = chord_lengths(t, v, velocity_scale)
     sharp = turning_angles(t, v, velocity_scale) > resolution.angle
@@ -178,20 +177,20 @@ def _too_coarse(points: CurvePoints, resolution: CurveResolution, velocity_scale
 def refine(
     curve_map: CurveMap, points: CurvePoints, resolution: CurveResolution, most_points: int
 ) -> CurvePoints | None:
-    """Divide chords until the polyline is as fine as asked, or tell that it takes too many points.
+    """Divide chords until the polyline has the required resolution.
 
     Parameters
     ----------
     curve_map : CurveMap
     points : CurvePoints
-        At least two.
+        At least two points.
     resolution : CurveResolution
     most_points : int
 
     Returns
     -------
     CurvePoints or None
-        None where more than `most_points` would be needed.
+        None if more than `most_points` would be needed.
     """
     points = _with_corners(curve_map, points)
     for _ in range(_ROUNDS):
@@ -206,7 +205,7 @@ def refine(
 
 
 def map_points(curve_map: CurveMap, points: CurvePoints) -> CurvePoints:
-    """Images of the points themselves, none added.
+    """Images of the points, none added.
 
     Parameters
     ----------
@@ -216,7 +215,7 @@ def map_points(curve_map: CurveMap, points: CurvePoints) -> CurvePoints:
     Returns
     -------
     CurvePoints
-        With one ancestor more.
+        With one more ancestor.
     """
     t, v = (np.concatenate([rows, rows[-1:]]) for rows in (points.t, points.v))
     base = np.full(points.corner.size, points.t.shape[0] - 1)
@@ -232,20 +231,20 @@ def next_image(
     ----------
     curve_map : CurveMap
     points : CurvePoints
-        The curve, as `first_points` or this function gave it.
+        The curve, from `first_points` or this function.
     resolution : CurveResolution
     most_points : int
 
     Returns
     -------
     CurvePoints or None
-        With one ancestor more. None where it takes more than `most_points`.
+        With one more ancestor. None if it takes more than `most_points`.
     """
     return refine(curve_map, map_points(curve_map, points), resolution, most_points)
 
 
 def forget_ancestors(points: CurvePoints, velocity_scale: float) -> CurvePoints:
-    """Leave out ancestors that no new point will start from: all chords of a younger one are straight."""
+    """Drop ancestors from which no new point will start, because all chords of a younger one are straight."""
     chords = np.hypot(np.diff(points.t), np.diff(points.v) / velocity_scale)[:-1]
     short = np.flatnonzero((chords < _STRAIGHT)[:, points.joined[:-1]].all(axis=1))
     oldest = int(short[-1]) if short.size else 0
@@ -253,7 +252,7 @@ def forget_ancestors(points: CurvePoints, velocity_scale: float) -> CurvePoints:
 
 
 def drop_fast(points: CurvePoints, highest: float) -> CurvePoints:
-    """Leave out chords of which both ends are faster than a bound, and points that are then joined to none."""
+    """Drop chords with both ends faster than a bound, and points that are then joined to no other."""
     fast = points.v[-1] > highest
     joined = points.joined & ~(fast & np.roll(fast, -1))
     keep = joined | np.roll(joined, 1)

@@ -1,8 +1,8 @@
 """Pre-images of the grazing curve (Sec. 6.1): departures whose (n+1)th flight touches -beta.
 
-The pre-image of order n is ``P^-n`` of the grazing curve v*(t): flights followed backwards in time from a graze, by the
-same root-finders. Each is a closed curve round the cylinder (t, v), as v* is and P is continuous and one to one. It has
-corners where a graze is followed by another one, and their images: there it is cut into smooth pieces.
+The pre-image of order n is ``P^-n`` of the grazing curve v*(t): flights are followed backwards in time from a graze, by
+the same root-finders. Each is a closed curve round the cylinder (t, v), because v* is one and P is continuous and
+one-to-one. It has corners where one graze follows another, and at their images. There it is cut into smooth pieces.
 """
 
 import math
@@ -36,18 +36,18 @@ from rattle_kernels.numerics.pausing import Pause, never_stopped
 
 _FIRST_POINTS = 65
 STRETCHES = 8
-"""Parts into which the grazing curve can be cut: `preimages_of_stretch`."""
+"""Number of stretches of the grazing curve, as in `preimages_of_stretch`."""
 _MOST_POINTS = 1_000_000
-# Phases of one point, put on [0, 1) from two ends.
+# Phases of the same point, wrapped to [0, 1) from the ends of two pieces, differ by less.
 _SAME_PHASE = 1e-12
 
 
 class TooManyPoints(ValueError):
-    """A curve needs more points than are allowed; what to ask for instead."""
+    """A curve needs more points than allowed. The message says what to ask for instead."""
 
 
 def speed_of_no_return(oscillator: Oscillator) -> float:
-    """Speed above which the inverse of P makes every departure faster, so that nothing comes back from there.
+    """Speed above which the inverse of P makes every departure faster, so that none returns to lower speeds.
 
     Parameters
     ----------
@@ -62,9 +62,9 @@ def speed_of_no_return(oscillator: Oscillator) -> float:
     -----
     At rest the acceleration is ``4 pi delta`` plus a forcing of amplitude ``A = 2 pi eps sqrt(4 pi^2 + delta^2)``, at
     most ``a_max = 4 pi delta + A`` (Eq. 7). Backwards in time a flight loses at most ``2 a_max 2 beta`` of v^2 on its
-    way to -beta, so for ``v^2 > (A/delta)^2 + 4 beta a_max`` it is always faster than A/delta. Then damping gives more
-    energy than the forcing can take, ``delta Phi'^2 > A |Phi'|``, and over the way there and back the constant part of
-    the acceleration gives none.
+    way to -beta. So for ``v^2 > (A/delta)^2 + 4 beta a_max`` it is always faster than A/delta, and damping adds more
+    energy than the forcing can remove, ``delta Phi'^2 > A |Phi'|``. The constant part of the acceleration adds none
+    over the way there and back.
     """
     weakest, strongest = acceleration_range(oscillator)
     forcing = 0.5 * (strongest - weakest) / oscillator.damping
@@ -89,7 +89,7 @@ def grazing_preimages(
     most_points: int = _MOST_POINTS,
     pause: Pause = never_stopped,
 ) -> tuple[tuple[Piece, ...], ...]:
-    """Grazing curve and its pre-images, as smooth pieces.
+    """The grazing curve and its pre-images, as smooth pieces.
 
     Parameters
     ----------
@@ -98,13 +98,13 @@ def grazing_preimages(
     order : int
         Highest order, not negative; 0 is the grazing curve itself.
     resolution : CurveResolution
-        Speeds count in units of the largest v*.
+        Speeds are in units of the largest v*.
     velocity_limits : (float, float), optional
-        Lowest and highest speed to keep; all by default.
+        Lowest and highest speed to keep. All speeds by default.
     most_points : int
-        Largest number of points of one order.
+        Largest number of points per order.
     pause : callable
-        Called between orders; whoever wants the work to stop raises an exception there.
+        Called between orders. To stop the work, raise an exception there.
 
     Returns
     -------
@@ -115,15 +115,15 @@ def grazing_preimages(
     Raises
     ------
     OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map, or its stiffness is finite.
+        If the oscillator's parameters lie outside the domain of the map, or its stiffness is finite.
     TooManyPoints
-        Where a pre-image needs more points than `most_points`.
+        If a pre-image needs more points than `most_points`.
     ValueError
-        Where another argument is not valid.
+        If another argument is not valid.
 
     Notes
     -----
-    Order n is ``P^-n {(t, v*(t))}``: the touch comes n impacts with +beta later. Sec. 6.1, Fig. 14.
+    Order n is ``P^-n {(t, v*(t))}``: the flight touches -beta after n more impacts with +beta. Sec. 6.1, Fig. 14.
     """
     task = _task(oscillator, order, resolution, velocity_limits, most_points, pause)
     orders = []
@@ -139,7 +139,7 @@ def grazing_preimages(
 
 
 class _Task(NamedTuple):
-    """What pre-images to draw, checked."""
+    """A checked request for pre-images."""
 
     backwards: CurveMap
     order: int
@@ -169,7 +169,7 @@ def _task(
 
 
 def _images(task: _Task, phase: np.ndarray) -> Iterator[CurvePoints]:
-    """The grazing curve over some phases and its pre-images, as many as the bound on points allows."""
+    """The grazing curve over some phases, then its pre-images, as many as the bound on points allows."""
     oscillator = task.backwards.oscillator
     beyond = max(task.velocity_limits[1], speed_of_no_return(oscillator))
     first = first_points(phase, grazing_velocity(oscillator, phase))
@@ -193,24 +193,24 @@ def preimages_of_stretch(
     most_points: int = _MOST_POINTS,
     pause: Pause = never_stopped,
 ) -> tuple[tuple[Piece, ...], ...]:
-    """Pre-images of one stretch of the grazing curve, of `STRETCHES`: a part of the work of `grazing_preimages`.
+    """Pre-images of one of `STRETCHES` stretches of the grazing curve: a part of the work of `grazing_preimages`.
 
     Parameters
     ----------
     oscillator, order, resolution, velocity_limits, most_points, pause
-        As for `grazing_preimages`; points count for the stretch alone.
+        As for `grazing_preimages`. `most_points` applies to the stretch alone.
     stretch : int
         0 to ``STRETCHES - 1``.
 
     Returns
     -------
     tuple of tuple of Piece
-        Pieces of each order, in order along it; fewer orders where the next one needs too many points.
+        Pieces of each order, in order along the curve. Orders end before the first that needs too many points.
 
     Raises
     ------
     OutsideDomain, ValueError
-        As `grazing_preimages`.
+        As for `grazing_preimages`.
     """
     task = _task(oscillator, order, resolution, velocity_limits, most_points, pause)
     chords = (_FIRST_POINTS - 1) // STRETCHES
@@ -222,17 +222,17 @@ def preimages_of_stretch(
 
 
 def join_stretches(stretches: Sequence[Sequence[Piece]]) -> tuple[Piece, ...]:
-    """Pieces of one order from those of its stretches, joined where one stretch goes on from another.
+    """Pieces of one order from those of its stretches, joined where one stretch continues another.
 
     Parameters
     ----------
     stretches : sequence of sequence of Piece
-        In order along the curve; those that are missing are empty.
+        In order along the curve. Missing stretches are empty.
 
     Returns
     -------
     tuple of Piece
-        First phases in [0, 1).
+        The first phase of each lies in [0, 1).
     """
     joined: list[Piece] = []
     for pieces in stretches:
@@ -246,7 +246,7 @@ def join_stretches(stretches: Sequence[Sequence[Piece]]) -> tuple[Piece, ...]:
 
 
 def _goes_on(piece: Piece, following: Piece) -> bool:
-    """Whether a piece ends at the very point where another begins."""
+    """Whether a piece ends exactly where another begins."""
     apart = following.t[0] - piece.t[-1]
     return bool(following.v[0] == piece.v[-1] and abs(apart - np.rint(apart)) < _SAME_PHASE)
 

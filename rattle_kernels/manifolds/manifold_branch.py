@@ -1,4 +1,4 @@
-"""A branch of a manifold: its pieces, where it ends, and how far it may be grown."""
+"""A branch of a manifold: its pieces, why it ends, and how far it may grow."""
 
 import math
 from enum import StrEnum
@@ -10,7 +10,7 @@ from rattle_kernels.manifolds.polyline import (
 
 
 class ManifoldEnd(StrEnum):
-    """Why a branch was grown no further."""
+    """Why a branch stopped growing."""
 
     ARCLENGTH = "it is as long as asked for"
     POINTS = "it would take more points than allowed"
@@ -22,9 +22,9 @@ class ManifoldEnd(StrEnum):
 class ManifoldBranch(NamedTuple):
     """One of the two halves into which a point of a saddle divides its manifold.
 
-    ``point`` numbers the point of the orbit, ``side`` is +1 where the branch leaves it towards later phases, else -1;
-    ``pieces`` are its smooth arcs, in order from the saddle; ``arclength`` counts them all in the plane (t,
-    v/velocity_scale); ``end`` tells why there are no more.
+    ``point`` is the index of the point in the orbit. ``side`` is +1 if the branch leaves it towards later phases, else
+    -1. ``pieces`` are its smooth arcs, in order from the saddle. ``arclength`` is their total length in the plane (t,
+    v/velocity_scale). ``end`` states why there are no more.
     """
 
     point: int
@@ -35,16 +35,16 @@ class ManifoldBranch(NamedTuple):
 
 
 class ManifoldLimits(NamedTuple):
-    """How far a manifold is grown.
+    """How far a manifold may grow.
 
     Parameters
     ----------
     arclength : float
         Length of each branch in the plane (t, v/velocity_scale), within the velocity limits.
     lowest_velocity, highest_velocity : float
-        Speeds to keep.
+        Lowest and highest speed to keep.
     points : int
-        Most points of a branch, and of the image it is growing by.
+        Largest number of points of a branch, and of the image that extends it.
     """
 
     arclength: float = 20.0
@@ -57,12 +57,12 @@ DEFAULT_LIMITS = ManifoldLimits()
 
 
 def check_limits(limits: ManifoldLimits) -> ManifoldLimits:
-    """Return the limits, or say what is wrong with them.
+    """Return the limits if they are valid.
 
     Raises
     ------
     ValueError
-        Naming the field, its value and what would be right.
+        If a limit is not valid. The message names it, its value and what is valid.
     """
     if not (math.isfinite(limits.arclength) and limits.arclength > 0.0):
         raise ValueError(f"arclength must be positive and finite, not {limits.arclength}")

@@ -1,4 +1,4 @@
-"""Pieces of curves on the cylinder (t, v) as polylines: how fine they are, how long, and how they are cut.
+"""Pieces of curves on the cylinder (t, v) as polylines: resolution, length and cuts.
 
 Lengths and angles are those of the plane (t, v/velocity_scale). Along a piece the phase is unwrapped: it runs on beyond
 [0, 1) instead of jumping.
@@ -19,7 +19,7 @@ class Piece(NamedTuple):
 
 
 class CurveResolution(NamedTuple):
-    """How fine a polyline is.
+    """Resolution of a polyline.
 
     Parameters
     ----------
@@ -40,12 +40,12 @@ DEFAULT_RESOLUTION = CurveResolution()
 
 
 def check_resolution(resolution: CurveResolution) -> CurveResolution:
-    """Return the resolution with plain float fields, or say what is wrong with it.
+    """Return the resolution with plain float fields if it is valid.
 
     Raises
     ------
     ValueError
-        Naming the field, its value and what would be right.
+        If a field is not valid. The message names it, its value and what is valid.
     """
     checked = CurveResolution(*(float(value) for value in resolution))
     for name, value in checked._asdict().items():
@@ -69,12 +69,12 @@ def turning_angles(t: np.ndarray, v: np.ndarray, velocity_scale: float) -> np.nd
 
 
 def from_first_period(piece: Piece) -> Piece:
-    """The same piece, its first phase in [0, 1)."""
+    """The piece, shifted so that its first phase lies in [0, 1)."""
     return Piece(piece.t - math.floor(piece.t[0]), piece.v)
 
 
 def arclength(pieces: Iterable[Piece], velocity_scale: float) -> float:
-    """Length of all pieces together.
+    """Total length of pieces.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def arclength(pieces: Iterable[Piece], velocity_scale: float) -> float:
 
 
 def cut_at_arclength(pieces: Iterable[Piece], length: float, velocity_scale: float) -> tuple[Piece, ...]:
-    """First pieces of a curve, up to a given length along them."""
+    """First pieces of a curve, cut at a given length along it."""
     kept, left = [], length
     for piece in pieces:
         along = np.concatenate([[0.0], np.cumsum(chord_lengths(piece.t, piece.v, velocity_scale))])
@@ -107,7 +107,7 @@ def cut_at_arclength(pieces: Iterable[Piece], length: float, velocity_scale: flo
 
 
 def _with_crossings(piece: Piece, axis: int, level: float) -> Piece:
-    """The piece with a point wherever it crosses a level of t (axis 0) or of v (axis 1)."""
+    """Insert a point wherever the piece crosses a level of t (axis 0) or of v (axis 1)."""
     above = piece[axis] - level
     at = np.flatnonzero(above[:-1] * above[1:] < 0.0)
     part = above[at] / (above[at] - above[at + 1])
@@ -117,7 +117,7 @@ def _with_crossings(piece: Piece, axis: int, level: float) -> Piece:
 
 
 def _runs(piece: Piece, chord_of: np.ndarray) -> list[tuple[int, Piece]]:
-    """Runs of chords that share a label, each with its label and the points at both ends."""
+    """Runs of chords with the same label: the label, and the piece with the points at both ends."""
     changes = np.flatnonzero(np.diff(chord_of)) + 1
     bounds = [0, *changes.tolist(), chord_of.size]
     pairs = zip(bounds[:-1], bounds[1:], strict=True)
@@ -125,7 +125,7 @@ def _runs(piece: Piece, chord_of: np.ndarray) -> list[tuple[int, Piece]]:
 
 
 def clip_velocity(pieces: Iterable[Piece], lowest: float, highest: float) -> tuple[Piece, ...]:
-    """Parts of pieces with speeds between two bounds, cut where they cross them.
+    """Parts of pieces with speeds between two bounds, cut where they cross a bound.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def clip_velocity(pieces: Iterable[Piece], lowest: float, highest: float) -> tup
     Returns
     -------
     tuple of Piece
-        First phases in [0, 1).
+        The first phase of each lies in [0, 1).
     """
     inside = []
     for piece in pieces:
@@ -148,7 +148,7 @@ def clip_velocity(pieces: Iterable[Piece], lowest: float, highest: float) -> tup
 
 
 def split_at_wrap(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
-    """Pieces for drawing: cut where the phase passes a whole period, and put back on [0, 1].
+    """Pieces for drawing: cut where the phase passes a whole period, and shifted to [0, 1].
 
     Parameters
     ----------
@@ -170,13 +170,13 @@ def split_at_wrap(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
 
 
 def split_at_corners(t: np.ndarray, v: np.ndarray, corner: np.ndarray, joined: np.ndarray) -> tuple[Piece, ...]:
-    """Smooth arcs of a curve that turns sharply at some points and is torn after others.
+    """Smooth arcs of a curve with corners at some points and gaps after others.
 
     Parameters
     ----------
     t, v : ndarray of float64, shape (points,)
     corner : ndarray of bool, shape (points,)
-        Where two arcs meet; the point belongs to both.
+        Where two arcs meet. The point belongs to both.
     joined : ndarray of bool, shape (points,)
         Whether a point is joined to the next.
 

@@ -1,8 +1,8 @@
 """Saddles: periodic orbits of P with one multiplier inside the unit circle and one outside.
 
-A periodic orbit of impact period p has a stable and an unstable manifold where the multipliers of DP^p are real, one of
-modulus below 1 and one above. By the damping their product, ``e^{-delta m}`` over m forcing periods, is below 1: so no
-orbit repels, and one that is no saddle is a node or a focus, or at a bifurcation.
+A periodic orbit of impact period p has a stable and an unstable manifold if the multipliers of DP^p are real, one of
+modulus below 1 and one above. Damping makes their product, ``e^{-delta m}`` over m forcing periods, less than 1. So no
+orbit repels, and an orbit that is not a saddle is a node, a focus or at a bifurcation.
 """
 
 import math
@@ -14,20 +14,20 @@ from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator, check_domain
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 
-# Closer to the unit circle a multiplier says nothing: a saddle-node's orbit is known to the root of rounding.
+# Closer to the unit circle a multiplier proves nothing: at a saddle-node the orbit's error is the root of rounding.
 _MARGIN = 1e-6
 
 
 class NotASaddle(ValueError):
-    """There is no saddle where one was looked for; the message tells what is there, and what would be right."""
+    """There is no saddle where one was expected. The message says what is there, and what to try instead."""
 
 
 class Directions(NamedTuple):
     """Invariant directions at one point of a saddle.
 
-    ``stable`` and ``unstable`` are vectors (dt, dv), of length 1 in the plane (t, v/velocity_scale), towards later
-    phases (towards higher speeds, where the phase does not change); ``stable_multiplier`` and ``unstable_multiplier``
-    are those of DP^p.
+    ``stable`` and ``unstable`` are vectors (dt, dv) of length 1 in the plane (t, v/velocity_scale). They point towards
+    later phases, or towards higher speeds if the phase does not change. ``stable_multiplier`` and
+    ``unstable_multiplier`` are the eigenvalues of DP^p.
     """
 
     stable: np.ndarray
@@ -42,7 +42,7 @@ def orbit_name(orbit: PeriodicOrbit) -> str:
 
 
 def check_saddle(orbit: PeriodicOrbit) -> PeriodicOrbit:
-    """Return the orbit, or say why it is no saddle.
+    """Return the orbit, or raise an error that says why it is not a saddle.
 
     Raises
     ------
@@ -99,11 +99,11 @@ def find_saddle(oscillator: Oscillator, t: float, v: float, period: int = 1) -> 
     Raises
     ------
     OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map.
+        If the oscillator's parameters lie outside the domain of the map.
     NotASaddle
-        Where there is no periodic orbit, or another than a saddle.
+        If there is no periodic orbit, or it is not a saddle.
     ValueError
-        Where the seed is no departure, or the period is below 1.
+        If the seed is not a departure, or the period is below 1.
     """
     checked = check_domain(oscillator)
     if not (math.isfinite(t) and math.isfinite(v) and v > 0.0):
@@ -127,7 +127,7 @@ def directions(orbit: PeriodicOrbit, at: int, velocity_scale: float) -> Directio
     orbit : PeriodicOrbit
         A saddle.
     at : int
-        Which of its points.
+        Index of the point.
     velocity_scale : float
         Speed that counts as much as one forcing period.
 

@@ -1,16 +1,16 @@
-"""Stable and unstable manifolds of saddles of the impacting model, one-dimensional (Sec. 6.2, Figs. 15-17).
+"""One-dimensional stable and unstable manifolds of saddles of the impacting model (Sec. 6.2, Figs. 15-17).
 
-A branch starts along the eigenvector, with a fundamental domain: the chord from a point close to the saddle to its
-image under ``F = P^-p`` (stable manifold) or ``F = P^p`` (unstable); twice the power where the multiplier is negative,
-so that F keeps to one side of the saddle. The images of that chord under F, F^2, ... follow each other without gaps and
-are the branch. Each is refined by `curve_images`: a new point starts from ancestors that are straight to rounding.
+A branch starts along the eigenvector with a fundamental domain: the chord from a point close to the saddle to its image
+under ``F = P^-p`` (stable manifold) or ``F = P^p`` (unstable). If the multiplier is negative the power is doubled, so
+that F keeps to one side of the saddle. The images of that chord under F, F^2, ... follow each other without gaps and
+form the branch. `curve_images` refines each: a new point starts from a chord of ancestors that is straight to rounding.
 
-Man1D (Krauskopf & Osinga), which the paper used, adds points at the end of the branch one by one, each the image of a
-point found on the polyline already there, by interpolation. Here only the choice of points follows it, a bound on
-chords and one on angles (which is not asked where one image continues another). Mapping ancestors instead of
-interpolating costs some five applications of F for each point, of a quarter of a microsecond or two; it leaves rounding
-as the only error, which F makes smaller across the manifold, and it finds the corners where they are. (A polyline of
-chord h and angle alpha is off by h alpha/8; at a graze the root of that would show.)
+Man1D (Krauskopf & Osinga), which the paper used, adds points at the end of the branch one by one. Each is the image of
+a point interpolated on the polyline so far. Here only the choice of points follows Man1D: a bound on chords and one on
+angles (not applied where one image continues another). Mapping ancestors instead costs about five applications of F per
+point, of 0.25 to 0.5 microseconds each. Rounding is then the only error, which F shrinks across the manifold, and
+corners are found where they are. (A polyline of chord h and angle alpha is off by h alpha/8; at a graze the square root
+of that would show.)
 """
 
 from typing import NamedTuple
@@ -54,16 +54,16 @@ from rattle_kernels.model.oscillator import Oscillator, check_impacting
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
 
-# How far from the saddle the fundamental domain ends: the manifold leaves its tangent by 5e-15 times the curvature
-# there. Saddles next to a graze have a large one, and a large multiplier too, so the other end will not do.
+# Distance from the saddle to the far end of the fundamental domain: the manifold is 5e-15 times its curvature off its
+# tangent there. Next to a graze the curvature is large, and the multiplier too, so fixing the near end will not do.
 _START = 1e-7
-# Branches shrunk to this length have ended.
+# A branch whose image has shrunk to this length has ended.
 _SETTLED = 1e-8
 _MOST_IMAGES = 2000
 
 
 def _appended(branch: CurvePoints, image: CurvePoints) -> CurvePoints:
-    """The branch with its next image, which begins where it ends unless fast parts were left out."""
+    """Append the next image to the branch. It begins where the branch ends unless fast parts were dropped."""
     image = image._replace(t=image.t[-1:], v=image.v[-1:])
     if branch.t[0, -1] == image.t[0, 0] and branch.v[0, -1] == image.v[0, 0]:
         branch.joined[-1] = image.joined[0]
@@ -72,7 +72,7 @@ def _appended(branch: CurvePoints, image: CurvePoints) -> CurvePoints:
 
 
 def _length_within(image: CurvePoints, limits: ManifoldLimits, velocity_scale: float) -> float:
-    """Length of an image between the velocity limits, to about a chord at each crossing."""
+    """Length of an image between the velocity limits, accurate to about a chord at each crossing."""
     t, v = image.t[-1], image.v[-1]
     within = image.joined[:-1] & (v[:-1] >= limits.lowest_velocity) & (v[:-1] <= limits.highest_velocity)
     return float(chord_lengths(t, v, velocity_scale)[within].sum())
@@ -81,7 +81,7 @@ def _length_within(image: CurvePoints, limits: ManifoldLimits, velocity_scale: f
 def _next_that_fits(
     curve_map: CurveMap, image: CurvePoints, resolution: CurveResolution, most_points: int
 ) -> tuple[CurvePoints | None, bool]:
-    """The next image, or that of the first half, quarter, ... which keeps the bound on points; whether it is whole."""
+    """The next image, or that of the first half, quarter, ... within the bound on points; whether it is whole."""
     following = next_image(curve_map, image, resolution, most_points)
     whole = following is not None
     while following is None and image.corner.size > 2:
@@ -92,7 +92,7 @@ def _next_that_fits(
 
 
 class _Growth(NamedTuple):
-    """A branch so far, the image that it is to be continued by, its length, and why it ends (None: it goes on)."""
+    """The branch so far, the image to map next, the length, and why the branch ends (None if it goes on)."""
 
     branch: CurvePoints
     image: CurvePoints
@@ -101,7 +101,7 @@ class _Growth(NamedTuple):
 
 
 def _grow(curve_map: CurveMap, growth: _Growth, limits: ManifoldLimits, resolution: CurveResolution) -> _Growth:
-    """The branch, longer by one image."""
+    """Extend the branch by one image."""
     scale = curve_map.velocity_scale
     image, whole = _next_that_fits(curve_map, growth.image, resolution, limits.points)
     if image is None:
@@ -123,7 +123,7 @@ def _grow(curve_map: CurveMap, growth: _Growth, limits: ManifoldLimits, resoluti
 
 
 def _begin(curve_map: CurveMap, saddle: np.ndarray, first_step: np.ndarray) -> _Growth:
-    """The chord from a point close to the saddle to its image under F, and the one from the saddle to it."""
+    """Begin with the chord from the saddle to a point close to it, and the chord from there to its image under F."""
     near = saddle + first_step
     image = map_points(curve_map, first_points(*near[:, None]))
     domain = first_points(image.t[:, 0], image.v[:, 0])
@@ -138,7 +138,7 @@ def _branch(
     resolution: CurveResolution,
     pause: Pause,
 ) -> tuple[tuple[Piece, ...], ManifoldEnd]:
-    """Pieces of one branch, which begins with a step away from a point of a saddle, and why there are no more."""
+    """Pieces of the branch that begins with a step away from a point of a saddle, and why it ends."""
     growth = _begin(curve_map, saddle, first_step)
     for _ in range(_MOST_IMAGES):
         pause()
@@ -194,20 +194,20 @@ def stable_manifold(
     only: tuple[int, int] | None = None,
     pause: Pause = never_stopped,
 ) -> tuple[ManifoldBranch, ...]:
-    """Stable manifold of a saddle: the departures that P takes to it, grown by the inverse of P.
+    """Stable manifold of a saddle: the departures that tend to it under P. It is grown by the inverse of P.
 
     Parameters
     ----------
     oscillator : Oscillator
         Impacting model.
     saddle : PeriodicOrbit
-        As `find_saddle` gives it.
+        From `find_saddle`.
     limits : ManifoldLimits
-        How far each branch is grown.
+        How far each branch may grow.
     resolution : CurveResolution
-        Speeds count in units of the largest v*.
+        Speeds are in units of the largest v*.
     only : (int, int), optional
-        Point and side of the one branch to grow; all by default.
+        Point and side of a single branch to grow. All branches by default.
     pause : callable
         Called before every image of a branch. To stop the work, raise an exception there.
 
@@ -219,11 +219,11 @@ def stable_manifold(
     Raises
     ------
     OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map, or its stiffness is finite.
+        If the oscillator's parameters lie outside the domain of the map, or its stiffness is finite.
     NotASaddle
-        Where the orbit is another.
+        If the orbit is not a saddle.
     ValueError
-        Where another argument is not valid.
+        If another argument is not valid.
 
     References
     ----------
@@ -242,20 +242,20 @@ def unstable_manifold(
     only: tuple[int, int] | None = None,
     pause: Pause = never_stopped,
 ) -> tuple[ManifoldBranch, ...]:
-    """Unstable manifold of a saddle: the departures that the inverse of P takes to it, grown by P.
+    """Unstable manifold of a saddle: the departures that tend to it under the inverse of P. It is grown by P.
 
     Parameters
     ----------
     oscillator : Oscillator
         Impacting model.
     saddle : PeriodicOrbit
-        As `find_saddle` gives it.
+        From `find_saddle`.
     limits : ManifoldLimits
-        How far each branch is grown.
+        How far each branch may grow.
     resolution : CurveResolution
-        Speeds count in units of the largest v*.
+        Speeds are in units of the largest v*.
     only : (int, int), optional
-        Point and side of the one branch to grow; all by default.
+        Point and side of a single branch to grow. All branches by default.
     pause : callable
         Called before every image of a branch. To stop the work, raise an exception there.
 
@@ -267,6 +267,6 @@ def unstable_manifold(
     Raises
     ------
     OutsideDomain, NotASaddle, ValueError
-        As `stable_manifold` does.
+        As for `stable_manifold`.
     """
     return _manifold(oscillator, saddle, FORWARDS, limits, resolution, only, pause)

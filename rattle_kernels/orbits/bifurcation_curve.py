@@ -1,9 +1,9 @@
-"""Curves of special points in the plane of two parameters: where saddle-nodes, doublings, grazes or contact losses lie.
+"""Curves of special points in two parameters: of saddle-nodes, period doublings, grazes or contact losses.
 
-The equations of `special_point` in (t, v, p) have one unknown more when a second parameter q is free, so their
-solutions form a curve, which `pseudo_arclength` follows. Such curves bound the regions of the (p, q) plane in which a
-motion exists or attracts. Where two of them meet (a flight grazes at a saddle-node, say) the impacting model's map is
-not smooth and the curve stalls, which tells a point of codimension two.
+If a second parameter q is free, the equations of `bifurcation_point` in (t, v, p) have one more unknown. Their
+solutions then form a curve, which `pseudo_arclength` follows. Such curves bound the regions of the (p, q) plane in
+which a motion exists or attracts. Where two of them meet (a flight grazes at a saddle-node, say), the impacting model's
+map is not smooth and the curve stalls. The stall marks a point of codimension two.
 """
 
 import math
@@ -24,9 +24,9 @@ from rattle_kernels.orbits.orbit_equations import SpecialKind, Unknowns, special
 class SpecialCurve(NamedTuple):
     """A curve of special points, in order along it.
 
-    ``values`` (shape (n, 2)) are those of the two ``parameters``; ``t``, ``v`` (shape (n,)) the first departure, as in
-    `SpecialPoint` (v = 0 for contact loss); ``residual`` (shape (n,)) what is left of the equations. ``ends`` say why
-    the curve ends at its first and its last point.
+    ``values`` (shape (n, 2)) are the values of the two ``parameters``. ``t``, ``v`` (shape (n,)) are the first
+    departure, as in `SpecialPoint` (v = 0 for contact loss). ``residual`` (shape (n,)) is the residual of the
+    equations. ``ends`` state why the curve ends at its first and last point.
     """
 
     kind: SpecialKind
@@ -39,7 +39,7 @@ class SpecialCurve(NamedTuple):
 
 
 class _Plane(NamedTuple):
-    """The equations, what they are in, and where to stop."""
+    """The equations, their unknowns, and where to stop."""
 
     system: System
     space: Unknowns
@@ -61,7 +61,7 @@ class _Plane(NamedTuple):
 
 
 def _land(plane: _Plane, before: np.ndarray, beyond: np.ndarray) -> np.ndarray | None:
-    """Point of the curve on the bound that was passed between two points; the point before where it is not found."""
+    """Point of the curve on the bound that lies between two points; `before` if Newton's method does not find it."""
     for i in (0, 1):
         at = len(before) - 2 + i
         for bound in plane.bounds[i] / plane.space.scales[at]:
@@ -102,7 +102,7 @@ def _one_way(plane: _Plane, start: np.ndarray, way: float) -> tuple[list[np.ndar
 
 
 def _smooth_side(point: SpecialPoint, shape: OrbitShape) -> int | None:
-    """Flights that must go on meeting -beta: all that do, where the map is not smooth across a graze."""
+    """Bits of all flights that meet -beta and must keep meeting it, if the map is not smooth across a graze."""
     if not math.isinf(point.oscillator.stiffness):
         return None
     closed = closure(point.oscillator, point.parameter, shape, float(point.t[0]), float(point.v[0]))
@@ -118,32 +118,32 @@ def continue_special_point(
     steps: Steps = Steps(),  # noqa: B008 (immutable)
     pause: Pause = never_stopped,
 ) -> SpecialCurve:
-    """Follow a special point as a second parameter varies, both ways.
+    """Follow a special point as a second parameter varies, in both directions.
 
     Parameters
     ----------
     point : SpecialPoint
-        From a branch.
+        A special point of a branch.
     second : str
-        The second parameter; the first is the point's own.
+        The second parameter. The first is the point's own.
     bounds, second_bounds : (float, float)
-        Where to stop, for the first and the second parameter.
+        Values of the first and the second parameter at which to stop.
     most_points : int
-        For each way.
+        Largest number of points in each direction.
     steps : Steps
-        In scaled unknowns, as for `continue_orbit`.
+        Step sizes in scaled unknowns, as for `continue_orbit`.
     pause : callable
-        Called at every point; whoever wants the work to stop raises an exception there.
+        Called at every point. To stop the work, raise an exception there.
 
     Returns
     -------
     SpecialCurve
-        From where the second parameter falls first to where it grows first.
+        The part on which the second parameter falls at first, reversed, then the part on which it grows at first.
 
     Raises
     ------
     ValueError
-        Where the second parameter is none, or the first.
+        If `second` is not a parameter, or is the first one.
     """
     if second not in PARAMETERS or second == point.parameter:
         raise ValueError(f"the second parameter must be another of {', '.join(PARAMETERS)}, not {second!r}")

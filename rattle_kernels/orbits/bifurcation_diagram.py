@@ -1,11 +1,11 @@
 """Bifurcation diagrams by pseudo-continuation: where a motion settles as one parameter is varied (Sec. 5.3, Fig. 11).
 
-At each value of the parameter P is applied many times to let transients die away, and the last departures are kept;
-the very last one seeds the next value. So an attractor is followed until it disappears, and what is reached then
-depends on the direction: attractors that coexist show as two stretches of the diagram, one for each way.
+At each value of the parameter, P is applied many times until transients have died away. The last departures are kept,
+and the very last one seeds the next value. So an attractor is followed until it disappears. What is reached then
+depends on the direction: coexisting attractors show as two stretches of the diagram, one for each direction.
 
-Permanent contact is a state like any other, and is marked as such: contact once permanent stays so while the quiet
-solution exists (Eqs. 3, 8). Where it does not, the motion resumes from rest on the wall.
+Permanent contact is a state like any other and is marked as such. It stays permanent while the quiet solution exists
+(Eqs. 3, 8). Where that does not exist, the motion resumes from rest on the wall.
 """
 
 import math
@@ -25,29 +25,29 @@ from rattle_kernels.numerics.phase import part_turn
 # The paper keeps the last twenty impacts.
 _KEPT = 20
 _TRANSIENT = 1000
-# Whether a bounce is captured is asked only of low ones: the bound costs milliseconds, at weak damping half a second.
+# Only low bounces are tested for capture: the bound costs milliseconds, at weak damping half a second.
 _LOW_BOUNCE = 0.1
-# From rest on the wall: slower than this, relative to the fall through the backlash, is no motion.
+# Speed given to a motion at rest on the wall, relative to the fall through the backlash. Anything slower is rest.
 _AT_REST = 1e-9
-# A turn that closes to this, speeds relative to the fall through the backlash, counts as periodic.
+# A turn that closes to within this counts as periodic; speeds are relative to the fall through the backlash.
 _CLOSED = 1e-7
 
 
 class BifurcationDiagram(NamedTuple):
-    """Last departures at each value of a parameter, in the order in which the values were visited.
+    """Last departures at each value of a parameter, in the order visited.
 
     Parameters
     ----------
     parameter : str
         Field of `Oscillator` that was varied.
     values : ndarray, shape (n,)
-        Its values as visited.
+        Its values, in the order visited.
     t, v : ndarray, shape (n, seeds, kept)
         Phases and speeds of the last departures; NaN where contact is permanent.
     outcome : ndarray of int8, shape (n, seeds)
         `Outcome` codes: RETURNED, PERMANENT_CONTACT or NOT_CONVERGED.
     period : ndarray of int16, shape (n, seeds)
-        Impact period of the departures kept, 0 where none is seen (longer, chaotic, or not yet settled).
+        Impact period of the departures kept; 0 if none is seen (longer, chaotic, or not yet settled).
     """
 
     parameter: str
@@ -60,11 +60,10 @@ class BifurcationDiagram(NamedTuple):
 
 @inlined
 def _settle(oscillator, t, v, transient):
-    """Apply P `transient` times: outcome, phase and speed.
+    """Apply P `transient` times. Returns the outcome, phase and speed.
 
-    A motion that is back at the very same numbers repeats itself for ever, so whole turns of it are left out: orbits
-    that attract are there after some hundred impacts. Looked for as Brent does, from a state that moves on at powers of
-    two.
+    A motion that returns to exactly the same numbers repeats itself, so whole turns of it are skipped: attracting
+    orbits get there after some hundred impacts. The search is Brent's: the reference state moves on at powers of two.
     """
     marked_t, marked_v, marked_at, n = t, v, 0, 0
     while n < transient:
@@ -82,7 +81,7 @@ def _settle(oscillator, t, v, transient):
 
 @inlined
 def _follow(oscillator, t, v, transient, times, speeds):
-    """Apply P `transient` times, then keep one departure after the other; how it ended."""
+    """Apply P `transient` times, then keep every departure. Returns the outcome."""
     outcome, t, v = _settle(oscillator, t, v, transient)
     if outcome != OUTCOME_RETURNED:
         return outcome
@@ -97,7 +96,7 @@ def _follow(oscillator, t, v, transient, times, speeds):
 
 @inlined
 def _impact_period(times, speeds, scale):
-    """Shortest period after which the last departure had been there before, 0 where there is none."""
+    """Shortest period after which the last departure repeats an earlier one; 0 if there is none."""
     last = times.size - 1
     for period in range(1, times.size // 2 + 1):
         apart = part_turn(times[last] - times[last - period])
@@ -108,7 +107,7 @@ def _impact_period(times, speeds, scale):
 
 @kernel
 def _settle_at(oscillator, quiet, seed_t, seed_v, captured, transient, t, v, outcome, period):
-    """Fill the rows of one value; the seeds are left where its motions are."""
+    """Fill the rows of one value. The seeds move on to where the motions end."""
     scale = fall_speed(oscillator)
     for j in range(seed_t.size):
         if captured[j] and quiet:
@@ -125,7 +124,7 @@ def _settle_at(oscillator, quiet, seed_t, seed_v, captured, transient, t, v, out
 def _find_captured(
     oscillator: Oscillator, t: np.ndarray, v: np.ndarray, outcome: np.ndarray, period: np.ndarray
 ) -> None:
-    """Mark the motions of one value that bounce ever lower."""
+    """Mark the motions of one value that are captured by ever lower bounces."""
     low = v[:, -1] <= _LOW_BOUNCE * fall_speed(oscillator)
     for j in np.flatnonzero(low & (outcome == OUTCOME_RETURNED) & (period == 0)):
         if is_captured(oscillator, capture_bound(oscillator), t[j, -1], v[j, -1]):
@@ -133,7 +132,7 @@ def _find_captured(
 
 
 class Motions(NamedTuple):
-    """Motions side by side where they are left: departures, and whether contact is permanent by now; shape (seeds,)."""
+    """Present state of several motions: departures, and whether contact is permanent; shape (seeds,)."""
 
     t: np.ndarray
     v: np.ndarray
@@ -141,7 +140,7 @@ class Motions(NamedTuple):
 
     @classmethod
     def from_seeds(cls, t: np.typing.ArrayLike, v: np.typing.ArrayLike) -> "Motions":
-        """Motions that begin with departures."""
+        """Motions that start from departures."""
         phase, speed = (np.array(a, dtype=np.float64).ravel() for a in np.broadcast_arrays(t, v))
         return cls(phase, speed, np.zeros(phase.size, np.bool_))
 
@@ -149,26 +148,26 @@ class Motions(NamedTuple):
 def follow_values(
     oscillator: Oscillator, parameter: str, values: np.ndarray, motions: Motions, transient: int, kept: int
 ) -> tuple[BifurcationDiagram, Motions]:
-    """Follow motions from value to value, in the order given: one stretch of a diagram, which others may continue.
+    """Follow motions from value to value, in the order given. The result is a stretch of a diagram.
 
     Parameters
     ----------
     oscillator, parameter, transient, kept
         As for `bifurcation_diagram`.
     values : ndarray, shape (n,)
-        In the order in which they are visited.
+        Values in the order of the visit.
     motions : Motions
-        Where they begin.
+        States to start from.
 
     Returns
     -------
     (BifurcationDiagram, Motions)
-        The stretch, and where the motions are left.
+        The stretch, and the states from which the next stretch may continue.
 
     Raises
     ------
     OutsideDomain
-        Where a value lies outside the domain of the map.
+        If a value lies outside the domain of the map.
     """
     oscillators = [check_domain(oscillator._replace(**{parameter: float(value)})) for value in values]
     after = Motions(*(field.copy() for field in motions))
@@ -206,20 +205,20 @@ def bifurcation_diagram(
     transient: int = _TRANSIENT,
     kept: int = _KEPT,
 ) -> BifurcationDiagram:
-    """Follow motions while one parameter varies, each value's last departure seeding the next value.
+    """Follow motions while one parameter varies. The last departure at each value seeds the next.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Either model. Its own value of the parameter that varies is of no importance.
+        Either model. Its own value of the varied parameter does not matter.
     parameter : str
         ``damping``, ``eccentricity``, ``half_backlash`` or ``stiffness``.
     values : array_like, shape (n,)
-        Values to visit; sorted here.
+        Values to visit. They are sorted first.
     t, v : array_like, shape (seeds,)
-        Departures to begin with, such as one of each attractor known at the first value visited.
+        Departures to start from, such as one of each attractor known at the first value visited.
     direction : {"up", "down", "both"}
-        ``both`` goes up and then, from where that ends, down again: 2 n rows.
+        ``both`` goes up and then down again from where that ends: 2 n rows.
     transient : int
         Applications of P at each value before any departure is kept.
     kept : int
@@ -232,9 +231,9 @@ def bifurcation_diagram(
     Raises
     ------
     OutsideDomain
-        Where a value lies outside the domain of the map.
+        If a value lies outside the domain of the map.
     ValueError
-        Where an argument is none of those named.
+        If another argument is not valid.
 
     References
     ----------

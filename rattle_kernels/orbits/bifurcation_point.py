@@ -1,21 +1,21 @@
-"""Special points of periodic orbits: where a branch turns, doubles, grazes or loses contact; each by its own equations.
+"""Special points of periodic orbits: saddle-node, period doubling, grazing and contact loss, each by its own equations.
 
-*Saddle-node*: a multiplier is +1, trace DP^p = 1 + e^{-delta m}. *Period doubling*: a multiplier is -1, trace DP^p = -1
-- e^{-delta m}. A Neimark-Sacker bifurcation is impossible, because the multipliers' product is e^{-delta m} < 1
+*Saddle-node*: a multiplier is +1, trace DP^p = 1 + e^{-delta m}. *Period doubling*: a multiplier is -1, trace
+DP^p = -1 - e^{-delta m}. A Neimark-Sacker bifurcation is impossible: the multipliers' product is e^{-delta m} < 1
 (`periodic_orbit`).
 
-*Grazing*: a flight of the orbit touches -beta with no speed, v = v*(t) at its departure. Seen from orbits that miss the
-wall the departure's speed reaches v*; seen from orbits that meet it the speed there falls to zero like the square root
-of v - v*, and DP grows without bound (impacting model). The touching flight itself belongs to both, so the equations
-use one that passes -beta as if it were not there, and stay smooth.
+*Grazing*: a flight of the orbit touches -beta with zero speed, v = v*(t) at its departure. On orbits that miss the wall
+the departure speed reaches v*. On orbits that meet it, the speed there falls to zero like the square root of v - v*,
+and DP grows without bound (impacting model). The touching flight itself belongs to both. The equations use a flight
+that passes -beta as if it were not there, and so stay smooth.
 
-*Contact loss* (finite stiffness): a stay beyond +beta touches Phi = +beta from inside at phase t, x = x' = 0, so that
-beyond this point it splits in two, with one more departure of speed 0 between. The orbit is followed from rest on the
-wall at t through its departures to its last stay, whose x and x' the time m after t are the two equations in (t, p).
+*Contact loss* (finite stiffness): a contact with +beta touches Phi = +beta from inside at phase t, x = x' = 0. Beyond
+this point it splits in two, with one more departure, of speed 0, in between. The orbit is followed from rest on the
+wall at t through its departures to its last contact. There x and x', a time m after t, are the equations in (t, p).
 
-All are solved by Newton's method on the closing equations and the special one together, in (t, v, p); what is not known
-in closed form of the Jacobian, the gradient of the special equation, is taken by central differences: their error slows
-the last step or two and does not enter the result.
+Newton's method solves the closing equations and the special one together, in (t, v, p). The gradient of the special
+equation is not known in closed form and is taken by central differences. Their error slows the last step or two and
+does not enter the result.
 """
 
 import math
@@ -42,20 +42,20 @@ from rattle_kernels.orbits.orbit_equations import (
     unknowns,
 )
 
-# The least steps of a curve end within this part of the bound of Eq. (8).
+# A curve that runs into the bound of Eq. (8) stalls within this fraction of it.
 _EDGE = 1e-5
-# Points of a stay at which its least depth is looked for, a guess to start from.
+# Samples of a contact among which its least depth is sought, as a first guess.
 _SAMPLES = 400
 
 
 class SpecialPoint(NamedTuple):
-    """A special point, located.
+    """A located special point.
 
-    ``oscillator`` has the parameter's value there. ``t``, ``v`` (shape (upper_contacts,)) are the orbit's departures;
-    the first one is that which grazes, or the one of speed 0 at which contact is lost. ``multipliers`` are those of
-    DP^p, at a graze of the orbits that miss the wall, NaN at contact loss. ``residual`` is what is left of the
-    equations (phases in periods, speeds relative to a fall through the backlash), ``error`` the last change of the
-    parameter by Newton's method.
+    ``oscillator`` has the parameter's value there. ``t``, ``v`` (shape (upper_contacts,)) are the orbit's departures.
+    The first is the one that grazes, or the one of speed 0 at which contact is lost. ``multipliers`` are the
+    eigenvalues of DP^p: for a graze on the orbits that miss the wall, NaN for contact loss. ``residual`` is the
+    residual of the equations (phases in periods, speeds relative to a fall through the backlash). ``error`` is the last
+    Newton step in the parameter.
     """
 
     kind: SpecialKind
@@ -73,14 +73,14 @@ class SpecialPoint(NamedTuple):
 
 
 def nears_edge_of_domain(oscillator: Oscillator) -> bool:
-    """Whether the eccentricity is all but at the bound of Eq. (8), beyond which P is not defined."""
+    """Whether the eccentricity is just below the bound of Eq. (8), beyond which P is not defined."""
     bound = eccentricity_bound_smooth_maxima(oscillator)
     return bool(bound - oscillator.eccentricity < _EDGE * bound)
 
 
 @kernel
 def _shallowest(oscillator, t, v):
-    """Phase of the least depth inside any stay beyond +beta that follows these departures; NaN where none has one."""
+    """Phase of the least depth inside any contact with +beta after these departures; NaN if none has a minimum."""
     least, phase = math.inf, math.nan
     for i in range(t.size):
         elapsed, begins, velocity = entry_after(oscillator, t[i], v[i])
@@ -96,18 +96,18 @@ def _shallowest(oscillator, t, v):
 
 
 def shallowest_in_contact(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> float:
-    """Phase at which the stays after these departures come closest to leaving +beta between their ends.
+    """Phase at which the contacts after these departures come closest to leaving +beta before their end.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Of finite stiffness, checked by the caller.
+        With finite stiffness, checked by the caller.
     t, v : ndarray of float64, shape (n,)
 
     Returns
     -------
     float
-        NaN where no stay has a minimum inside.
+        NaN if no contact has a minimum inside.
     """
     return float(_shallowest(oscillator, t, v))
 
@@ -121,18 +121,18 @@ def locate(
     ----------
     kind : SpecialKind
     oscillator : Oscillator
-        With the guess of the parameter.
+        With a guess of the parameter's value.
     parameter : str
-        The field to solve for.
+        Field of `Oscillator` to solve for.
     shape : OrbitShape
         As for `special_system`.
     t, v : float
-        Guess of a departure of the orbit: for a graze the one that grazes, for contact loss the touch (its v is 0).
+        Guess of a departure of the orbit. For a graze the one that grazes, for contact loss the touch, with v = 0.
 
     Returns
     -------
     SpecialPoint or None
-        None where Newton's method does not converge from here.
+        None if Newton's method does not converge.
     """
     space = unknowns(oscillator, (parameter,), kind != SpecialKind.CONTACT_LOSS)
     system = special_system(kind, space, shape)
@@ -156,14 +156,14 @@ def describe_point(
     residual: float,
     error: float,
 ) -> SpecialPoint:
-    """Special point from a solution of its equations: all departures and the multipliers.
+    """Special point from a solution of its equations, with all departures and the multipliers.
 
     Parameters
     ----------
     kind, parameter, shape
         As for `locate`.
     oscillator : Oscillator
-        With the parameter's value found.
+        With the parameter's value at the solution.
     t, v : float
         The first departure.
     residual, error : float

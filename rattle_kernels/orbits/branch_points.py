@@ -1,4 +1,4 @@
-"""Special points on a branch: those between two of its stations, and those near the place where it stalls."""
+"""Special points on a branch: between two neighbouring stations, and near the point where it stalls."""
 
 import math
 from collections.abc import Iterator
@@ -18,14 +18,14 @@ from rattle_kernels.orbits.bifurcation_point import (
 from rattle_kernels.orbits.closure import OrbitShape, closure, orbit_from, stability_gap
 from rattle_kernels.orbits.orbit_equations import SpecialKind, Unknowns
 
-# A special point that Newton's method finds further away than this, in scaled unknowns, is another one.
+# A special point located further away than this, in scaled unknowns, is a different one.
 _REACH = 0.05
-# Departures as close as this to one graze, all of them, have merged there.
+# Departures that all lie within this distance of one graze have merged there.
 _MERGED = 1e-3
 
 
 class BranchTask(NamedTuple):
-    """What stays the same along a branch."""
+    """Quantities that are constant along a branch."""
 
     space: Unknowns
     shape: OrbitShape
@@ -46,7 +46,7 @@ class BranchTask(NamedTuple):
 
 
 class Station(NamedTuple):
-    """A point of a branch: the oscillator there, the orbit's departures and their distance from grazing."""
+    """A point of a branch: the oscillator, the orbit's departures and their distances from grazing."""
 
     z: np.ndarray
     oscillator: Oscillator
@@ -58,7 +58,7 @@ class Station(NamedTuple):
 
 
 def station_at(task: BranchTask, z: np.ndarray) -> Station:
-    """Read a point of the branch that the corrector has accepted."""
+    """Station at a point that the corrector has accepted."""
     read = task.space.read(z)
     assert read is not None
     oscillator, t, v = read
@@ -70,7 +70,7 @@ def station_at(task: BranchTask, z: np.ndarray) -> Station:
 
 
 def critical_between(task: BranchTask, before: Station, after: Station) -> Iterator[SpecialPoint | None]:
-    """Saddle-nodes and doublings between neighbouring points; None for one that was not located."""
+    """Saddle-nodes and period doublings between neighbouring points; None for one that was not located."""
     for kind, multiplier in ((SpecialKind.SADDLE_NODE, 1.0), (SpecialKind.PERIOD_DOUBLING, -1.0)):
         gaps = [stability_gap(at.oscillator, task.shape, at.jacobian, multiplier) for at in (before, after)]
         if gaps[0] * gaps[1] < 0.0:
@@ -82,7 +82,7 @@ def critical_between(task: BranchTask, before: Station, after: Station) -> Itera
 
 
 def grazes_between(task: BranchTask, before: Station, after: Station) -> Iterator[SpecialPoint | None]:
-    """Flights that began or ceased to meet -beta between neighbouring points (finite stiffness; else branches end)."""
+    """Grazes between neighbouring points: a flight begins or ceases to meet -beta. Impacting branches end there."""
     if task.infinitely_stiff:
         return
     for i in np.flatnonzero((before.margin > 0) != (after.margin > 0)):
@@ -90,14 +90,14 @@ def grazes_between(task: BranchTask, before: Station, after: Station) -> Iterato
 
 
 def _half_turn(task: BranchTask, station: Station) -> np.ndarray:
-    """From the first departure to the one half a turn later, in scaled unknowns."""
+    """Vector from the first departure to the one half a turn later, in scaled unknowns."""
     half = task.shape.upper_contacts // 2
     apart = station.t[half] - station.t[0]
     return np.array([apart - np.rint(apart), (station.v[half] - station.v[0]) / task.space.scales[1]])
 
 
 def halved_between(task: BranchTask, before: Station, after: Station) -> SpecialPoint | None:
-    """The doubling at which the branch was born, if it lies between: there both halves of the orbit change places."""
+    """Period doubling at which the branch was born, if it lies between the points: there the orbit's halves swap."""
     if task.shape.upper_contacts % 2 or task.shape.forcing_periods % 2:
         return None
     halves = _half_turn(task, before), _half_turn(task, after)
@@ -111,7 +111,7 @@ def halved_between(task: BranchTask, before: Station, after: Station) -> Special
 
 
 def distance_to(task: BranchTask, point: SpecialPoint, station: Station, departure: int) -> float:
-    """Distance of a special point's first departure from one of a station's, in scaled unknowns."""
+    """Distance between a special point's first departure and one of a station, in scaled unknowns."""
     apart = float(point.t[0]) - float(station.t[departure])
     faster = (float(point.v[0]) - float(station.v[departure])) / task.space.scales[-2]
     further = (point.value - getattr(station.oscillator, task.parameter)) / task.space.scales[-1]
@@ -119,7 +119,7 @@ def distance_to(task: BranchTask, point: SpecialPoint, station: Station, departu
 
 
 def graze_near(task: BranchTask, station: Station, departure: int) -> SpecialPoint | None:
-    """Graze of one flight, if the orbit there is the branch's: near, and no other flight of it on another side."""
+    """Graze of one flight, if it lies on the branch: it is near, and no other flight is on another side of grazing."""
     shape = task.shape._replace(over=True)
     t, v = float(station.t[departure]), float(station.v[departure])
     point = locate(SpecialKind.GRAZING, station.oscillator, task.parameter, shape, t, v)
@@ -131,7 +131,7 @@ def graze_near(task: BranchTask, station: Station, departure: int) -> SpecialPoi
 
 
 def repeated_graze_near(task: BranchTask, station: Station) -> SpecialPoint | None:
-    """Graze of a shorter orbit that the branch's becomes several turns of, so that several of its flights graze."""
+    """Graze where the orbit becomes several turns of a shorter one, so that several of its flights graze at once."""
     for turns in range(task.shape.upper_contacts, 1, -1):
         shape = OrbitShape(task.shape.forcing_periods // turns, task.shape.upper_contacts // turns, True)
         if (shape.forcing_periods * turns, shape.upper_contacts * turns) != task.shape[:2]:
@@ -146,7 +146,7 @@ def repeated_graze_near(task: BranchTask, station: Station) -> SpecialPoint | No
 
 
 def contact_loss_near(task: BranchTask, station: Station) -> Iterator[SpecialPoint]:
-    """Contact losses near a point: a departure about to vanish, or a stay about to split."""
+    """Contact losses near a point: a departure about to vanish, or a contact about to split."""
     if task.infinitely_stiff:
         return
     slowest = float(station.t[int(np.argmin(station.v))])

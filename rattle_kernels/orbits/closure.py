@@ -1,4 +1,4 @@
-"""The equations of a periodic orbit, P^p(t, v) = (t + m, v), with every derivative that continuation needs."""
+"""The equations of a periodic orbit, P^p(t, v) = (t + m, v), with the derivatives that continuation needs."""
 
 import math
 from typing import NamedTuple
@@ -15,10 +15,10 @@ from rattle_kernels.numerics.phase import wrap
 
 
 class OrbitShape(NamedTuple):
-    """What stays the same along a branch: P(m, n+, .).
+    """Shape of an orbit, P(m, n+, .), constant along a branch.
 
-    ``over`` says that the first flight passes -beta as if it were not there, which makes the equations of an orbit that
-    grazes there smooth: a graze belongs to the flights on either side of it.
+    With ``over`` the first flight passes -beta as if it were not there. The equations of an orbit that grazes there are
+    then smooth, since a grazing flight belongs both to the flights that meet -beta and to those that miss it.
     """
 
     forcing_periods: int
@@ -27,10 +27,10 @@ class OrbitShape(NamedTuple):
 
 
 class Closure(NamedTuple):
-    """How far a departure is from closing, and the derivatives.
+    """Closing error of a departure, and the derivatives of P^p.
 
-    ``gap`` = (elapsed time - m, change of speed); ``jacobian`` = DP^p; ``sensitivity`` = dP^p/dp, shape (2,);
-    ``lower`` has bit i set where flight i meets -beta.
+    ``gap`` = (elapsed time - m, change of speed); ``jacobian`` = DP^p; ``sensitivity`` = dP^p/dp, shape (2,); ``lower``
+    has bit i set if flight i meets -beta.
     """
 
     gap: np.ndarray
@@ -69,7 +69,7 @@ def closure(oscillator: Oscillator, parameter: str, shape: OrbitShape, t: float,
     oscillator : Oscillator
         Checked by the caller.
     parameter : str
-        The field by which to differentiate.
+        Field of `Oscillator` to differentiate by.
     shape : OrbitShape
     t, v : float
         Phase (any value) and speed of the departure.
@@ -77,7 +77,7 @@ def closure(oscillator: Oscillator, parameter: str, shape: OrbitShape, t: float,
     Returns
     -------
     Closure or None
-        None where v is not positive or contact becomes permanent on the way.
+        None if v is not positive or contact becomes permanent on the way.
     """
     if not v > 0.0:
         return None
@@ -90,7 +90,7 @@ def closure(oscillator: Oscillator, parameter: str, shape: OrbitShape, t: float,
 
 @kernel
 def _departures(oscillator, shape, t, v):
-    """Departures of an orbit from the first one on; how many flights meet -beta, not counting one that passes over."""
+    """Fill in all departures after the first. Count the flights that meet -beta, without one that passes over it."""
     lower = 0
     for i in range(t.size):
         impact, _, _ = next_impact_with_sensitivity(oscillator, 0, t[i], v[i], shape.over and i == 0)
@@ -101,7 +101,7 @@ def _departures(oscillator, shape, t, v):
 
 
 def orbit_from(oscillator: Oscillator, shape: OrbitShape, t: float, v: float) -> tuple[np.ndarray, np.ndarray, int]:
-    """All departures of an orbit from one of them.
+    """All departures of an orbit, from one of them.
 
     Parameters
     ----------
@@ -109,13 +109,13 @@ def orbit_from(oscillator: Oscillator, shape: OrbitShape, t: float, v: float) ->
         Checked by the caller.
     shape : OrbitShape
     t, v : float
-        Phase (any value) and speed of the first one.
+        Phase (any value) and speed of the first departure.
 
     Returns
     -------
     (ndarray, ndarray, int)
-        Phases in [0, 1) and speeds, shape (upper_contacts,), and how many flights meet -beta, not counting one that
-        passes over it.
+        Phases in [0, 1) and speeds, shape (upper_contacts,), and the number of flights that meet -beta. A flight that
+        passes over -beta is not counted.
     """
     times, speeds = np.full(shape.upper_contacts, wrap(t)), np.full(shape.upper_contacts, v)
     lower = _departures(oscillator, shape, times, speeds)
@@ -124,7 +124,7 @@ def orbit_from(oscillator: Oscillator, shape: OrbitShape, t: float, v: float) ->
 
 @kernel
 def grazing_speed_at(oscillator, t):
-    """v*(t) of one phase, without the cost of arrays.
+    """v*(t) at one phase, without the cost of arrays.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def grazing_speed_at(oscillator, t):
 
 
 def stability_gap(oscillator: Oscillator, shape: OrbitShape, jacobian: np.ndarray, multiplier: float) -> float:
-    """Trace of DP^p less the one at which `multiplier` (+1 or -1) is an eigenvalue; det DP^p = e^{-delta m} exactly.
+    """Trace of DP^p minus the trace at which `multiplier` is an eigenvalue; det DP^p = e^{-delta m} exactly.
 
     Parameters
     ----------

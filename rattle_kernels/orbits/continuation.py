@@ -1,13 +1,13 @@
-"""Branches of periodic orbits in one parameter, through folds, with every special point on the way located.
+"""Continuation of periodic orbits in one parameter, through folds, locating every special point on the way.
 
 The orbit's two equations in (t, v, p) are followed by pseudo-arclength (`pseudo_arclength`) with exact derivatives
-(`impact_sensitivity`). Between neighbouring points the tests of `special_point` are watched: where the trace passes one
-of its two critical values a saddle-node or period doubling is located, and the branch goes on. Where a flight begins or
-ceases to meet -beta the orbit grazes. In the impacting model DP has a square root there and the branch ends: what
-continues it has another itinerary, another tangent, perhaps the other direction. With finite stiffness the stay at
--beta begins so softly (its duration grows with its speed) that DP is continuous, and the branch passes.
+(`impact_map.sensitivity`). The tests of `bifurcation_point` are watched from point to point. Where the trace passes one
+of its two critical values, a saddle-node or period doubling is located and the branch goes on. Where a flight begins or
+ceases to meet -beta, the orbit grazes. In the impacting model DP has a square-root singularity there and the branch
+ends: what continues it has another itinerary, another tangent and perhaps the other direction. With finite stiffness
+the contact begins so softly (its duration grows with its speed) that DP is continuous, and the branch passes.
 
-A branch that can go no further says why, as one of `BranchEnd`, and where, and keeps what it has.
+A branch that can go no further keeps what it has and reports where it ended and why (`BranchEnd`).
 """
 
 import math
@@ -38,7 +38,7 @@ from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
 
 
 class BranchEnd(StrEnum):
-    """Why a branch ends, in words."""
+    """Why a branch ends."""
 
     START = "the orbit it began with"
     BOUND = "a bound of the parameter"
@@ -52,7 +52,7 @@ class BranchEnd(StrEnum):
 
 
 class End(NamedTuple):
-    """Why a branch ends, at which value of the parameter, and a sentence that says both."""
+    """Why a branch ends, the parameter's value there, and a message that states both."""
 
     reason: BranchEnd
     value: float
@@ -62,10 +62,10 @@ class End(NamedTuple):
 class Branch(NamedTuple):
     """A branch of orbits P(m, n+, .), in order along it.
 
-    ``values`` (shape (n,)) are the parameter's; ``t``, ``v``, ``grazing_margin`` and ``lower_speed`` (shape (n,
-    upper_contacts)) as in `FoundOrbit`, in order of time from the same departure on; ``trace`` is that of DP^p and
-    ``area`` its determinant e^{-delta m}. ``special_points`` are in order along the branch, ``ends`` those of its first
-    and its last point.
+    ``values`` (shape (n,)) are the parameter's values. ``t``, ``v``, ``grazing_margin`` and ``lower_speed`` (shape (n,
+    upper_contacts)) are as in `FoundOrbit`, in order of time from the same departure on. ``trace`` is the trace of DP^p
+    and ``area`` its determinant e^{-delta m}. ``special_points`` are in order along the branch. ``ends`` belong to its
+    first and its last point.
     """
 
     parameter: str
@@ -98,7 +98,7 @@ _Side = tuple[list[Station], list[SpecialPoint], End]
 
 
 def _why_it_stalls(task: BranchTask, station: Station) -> tuple[End, list[SpecialPoint]]:
-    """The nearest graze or contact loss that explains why no further step succeeds, else a plain stall."""
+    """The nearest graze or contact loss that explains the stall, else the edge of the domain, else a plain stall."""
     merged = repeated_graze_near(task, station)
     if merged is not None:
         return _end(task, BranchEnd.GRAZING, merged.value), [merged]
@@ -125,7 +125,7 @@ def _end(task: BranchTask, reason: BranchEnd, value: float) -> End:
 
 
 def _land(task: BranchTask, before: np.ndarray, beyond: np.ndarray, system: System) -> np.ndarray | None:
-    """The branch's point on the bound that was passed between two points, if any was."""
+    """The branch's point on the bound that lies between two points, if there is one."""
     scale = task.space.scales[-1]
     for bound in task.bounds:
         if (before[-1] * scale - bound) * (beyond[-1] * scale - bound) < 0.0:
@@ -177,33 +177,33 @@ def continue_orbit(
     Parameters
     ----------
     oscillator : Oscillator
-        Either model, the one whose orbit is given.
+        Either model: the oscillator of the given orbit.
     orbit : PeriodicOrbit
         From `find_orbits` or `find_periodic_orbit`.
     parameter : str
         ``damping``, ``eccentricity``, ``half_backlash`` or ``stiffness``.
     bounds : (float, float)
-        Where to stop.
+        Values of the parameter at which to stop.
     direction : {"up", "down", "both"}
-        Which way the parameter changes first; a fold may turn it.
+        Direction in which the parameter changes first. A fold may reverse it.
     most_points : int
-        For each way.
+        Largest number of points in each direction.
     steps : Steps
-        In scaled unknowns: periods, falls through the backlash, multiples of the parameter's value.
+        Step sizes in scaled unknowns: periods, speeds of a fall through the backlash, multiples of the parameter.
     pause : callable
-        Called at every point; whoever wants the work to stop raises an exception there.
+        Called at every point. To stop the work, raise an exception there.
 
     Returns
     -------
     Branch
-        Up from its first point to its last where both ways were asked for.
+        From the end of its downward part to the end of its upward part if both directions are followed.
 
     Raises
     ------
     OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map.
+        If the oscillator's parameters lie outside the domain of the map.
     ValueError
-        Where an argument is none of those named.
+        If `parameter` or `direction` is not one of those named, or `bounds` exclude the orbit.
     """
     checked = check_domain(oscillator)
     if parameter not in PARAMETERS:
@@ -227,7 +227,7 @@ def continue_orbit(
 
 
 def _join(task: BranchTask, down: _Side, up: _Side) -> Branch:
-    """One branch from its two sides."""
+    """Join the two sides of a branch."""
     stations = down[0][:0:-1] + up[0]
     return Branch(
         task.parameter, task.shape.forcing_periods, task.shape.upper_contacts,

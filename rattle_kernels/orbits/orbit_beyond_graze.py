@@ -1,15 +1,15 @@
-"""The orbit on the other side of a graze (impacting model): the same flights, but one meets -beta, not misses it.
+"""The orbit on the other side of a graze (impacting model): one flight meets -beta instead of missing it.
 
-Seen from +beta the orbits that meet the wall begin at a graze with an infinite DP, in which Newton's method is lost.
-Seen from the touch they begin smoothly: let the contact be at phase t with speed u. The flight up from there, then P
-n+ - 1 times, leads to the departure before the next contact; the flight backwards in time from that contact leads to
-it too:
+Seen from +beta, the orbits that meet the wall begin at a graze with an infinite DP, where Newton's method fails. Seen
+from the touch they begin smoothly. Let the contact be at phase t with speed u. The flight up from there, then n+ - 1
+applications of P, lead to the departure before the next contact. The flight backwards in time from that contact leads
+to the same departure:
 
-    (departure reached forwards from (t, u)) = (departure reached backwards from (t + m, u)),
+    (departure reached forwards from (t, u)) = (departure reached backwards from (t + m, u)).
 
-two equations in (t, u, p), smooth through u = 0, where the graze is. Solved at a small given u they give the other
-orbit and the side of the graze on which it exists: with the orbit that misses on the other side a motion merely changes
-its name, with it on the same side the two meet and vanish (a nonsmooth fold).
+These are two equations in (t, u, p), smooth through u = 0, where the graze is. Solved at a small given u, they give the
+other orbit and the side of the graze on which it exists. If the orbit that misses is on the opposite side, a motion
+merely changes its name. If it is on the same side, the two meet and vanish (a nonsmooth fold).
 """
 
 import numpy as np
@@ -30,7 +30,7 @@ from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_or
 
 @kernel
 def _meeting(oscillator, shape, t, u):
-    """Gap in time and speed between the forward and the backward departure, and the backward one."""
+    """Gap in time and speed between the forward and the backward departure, then the backward one."""
     up = next_contact(oscillator, LOWER, t, u, 1.0)
     back = next_contact(oscillator, LOWER, t, -u, -1.0)
     here, speed, elapsed = up.phase, up.velocity, up.duration
@@ -50,26 +50,26 @@ def _touch_phase(oscillator, t):
 
 
 def orbit_beyond_graze(point: SpecialPoint, lower_speed: float = 0.01) -> tuple[Oscillator, PeriodicOrbit] | None:
-    """Orbit that meets -beta where that of a graze just touches it.
+    """Orbit that meets -beta where the orbit of a graze just touches it.
 
     Parameters
     ----------
     point : SpecialPoint
         A graze of the impacting model.
     lower_speed : float
-        Speed with which -beta is to be met, relative to a fall through the backlash; small.
+        Small speed at which to meet -beta, relative to a fall through the backlash.
 
     Returns
     -------
     (Oscillator, PeriodicOrbit) or None
-        The oscillator for which the orbit does so, and the orbit; None where Newton's method does not find it.
+        The oscillator that has this orbit, and the orbit. None if Newton's method does not find it.
 
     Raises
     ------
     OutsideDomain
-        Where the stiffness is finite: there `continue_orbit` passes by itself.
+        If the stiffness is finite: there `continue_orbit` passes the graze by itself.
     ValueError
-        Where the point is no graze.
+        If the point is not a graze.
     """
     if point.kind != SpecialKind.GRAZING:
         raise ValueError(f"the point must be a graze, not a {point.kind}")

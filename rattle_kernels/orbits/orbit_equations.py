@@ -1,4 +1,4 @@
-"""The equations of bifurcation points: closure of the orbit, and the one condition more of each kind."""
+"""The equations of bifurcation points: the orbit closes, and one more condition for each kind of point."""
 
 import math
 from collections.abc import Callable
@@ -20,12 +20,12 @@ from rattle_kernels.numerics.jit import inlined, kernel
 from rattle_kernels.numerics.pseudo_arclength import System
 from rattle_kernels.orbits.closure import OrbitShape, closure, grazing_speed_at, stability_gap
 
-# Central differences of quantities known to 1e-13 or so: truncation 1e-12, round-off 1e-7.
+# Step of central differences. The quantities are known to about 1e-13: truncation 1e-12, round-off 1e-7.
 _DIFFERENCE = 1e-6
 
 
 class SpecialKind(StrEnum):
-    """What happens at a special point."""
+    """Kinds of special points."""
 
     SADDLE_NODE = "saddle-node"
     PERIOD_DOUBLING = "period doubling"
@@ -34,7 +34,7 @@ class SpecialKind(StrEnum):
 
 
 class Unknowns(NamedTuple):
-    """What z = (t, v/v_scale, p/p_scale, ...) stands for; contact loss has no v."""
+    """Meaning of z = (t, v/v_scale, p/p_scale, ...). Contact loss has no v."""
 
     oscillator: Oscillator
     parameters: tuple[str, ...]
@@ -42,7 +42,7 @@ class Unknowns(NamedTuple):
     with_speed: bool = True
 
     def read(self, z: np.ndarray) -> tuple[Oscillator, float, float] | None:
-        """Oscillator, t and v (0 where it is no unknown), or None outside the domain of the map."""
+        """Oscillator, t and v of z; v is 0 if it is not an unknown. None outside the domain of the map."""
         values = z * self.scales
         first = len(z) - len(self.parameters)
         named = dict(zip(self.parameters, values[first:].tolist(), strict=True))
@@ -53,13 +53,13 @@ class Unknowns(NamedTuple):
         return oscillator, float(values[0]), float(values[1]) if self.with_speed else 0.0
 
     def write(self, oscillator: Oscillator, t: float, v: float) -> np.ndarray:
-        """The unknowns z of an oscillator and a departure."""
+        """Unknowns z of an oscillator and a departure."""
         begin = [t, v] if self.with_speed else [t]
         return np.array(begin + [getattr(oscillator, name) for name in self.parameters]) / self.scales
 
 
 def unknowns(oscillator: Oscillator, parameters: tuple[str, ...], with_speed: bool = True) -> Unknowns:
-    """Unknowns scaled so that 1 is a whole period, a fall through the backlash, the parameter's own value."""
+    """Unknowns in units of a forcing period, the speed of a fall through the backlash and the parameter's own value."""
     own = [abs(getattr(oscillator, name)) or oscillator.damping for name in parameters]
     begin = [1.0, float(fall_speed(oscillator))] if with_speed else [1.0]
     return Unknowns(oscillator, parameters, np.array(begin + own), with_speed)
@@ -73,7 +73,7 @@ def closing_system(space: Unknowns, shape: OrbitShape, lower: int | None = None)
     space : Unknowns
     shape : OrbitShape
     lower : int, optional
-        Flights that must meet -beta, as bits; elsewhere the system is not defined.
+        Bits of the flights that must meet -beta. For any other flights the system is undefined.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def closing_system(space: Unknowns, shape: OrbitShape, lower: int | None = None)
 
 
 def with_differences(function: Callable[[np.ndarray], np.ndarray | None]) -> System:
-    """A system whose Jacobian is taken by central differences."""
+    """System with a Jacobian by central differences."""
 
     def system(z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         value = function(z)
@@ -130,21 +130,21 @@ def _special_equation(kind: SpecialKind, space: Unknowns, shape: OrbitShape) -> 
 
 @inlined
 def entry_after(oscillator, t, v):
-    """How long after a departure +beta is met again, at which phase and speed."""
+    """Time from a departure to the next contact with +beta, and the phase and velocity there."""
     passage = walk(oscillator, t, v, FORWARDS, False, False)
     return passage.flown, passage.rise.phase, passage.rise.velocity
 
 
 @kernel
 def from_rest(oscillator, t):
-    """Departure after rest on the wall at t, and the time until then."""
+    """Phase and speed of the departure that follows rest on the wall at t, and the time between."""
     stay = follow_contact(oscillator, UPPER, t, 0.0)
     return t + stay.duration, stay.speed, stay.duration
 
 
 @kernel
 def _touch_gap(oscillator, shape, t):
-    """Depth and its rate of the orbit's last stay the time m after rest on the wall at t; NaN where it is never met."""
+    """Depth and its rate in the orbit's last contact, a time m after rest on the wall at t; NaN if there is none."""
     here, speed, elapsed = from_rest(oscillator, t)
     for _ in range(shape.upper_contacts - 2):
         impact = next_impact(oscillator, here, speed)
@@ -159,7 +159,7 @@ def _touch_gap(oscillator, shape, t):
 
 
 def special_system(kind: SpecialKind, space: Unknowns, shape: OrbitShape, lower: int | None = None) -> System:
-    """All equations of a special point: one less than the unknowns of a curve, as many as those of a point.
+    """All equations of a special point: as many as the unknowns of a point, one fewer than those of a curve.
 
     Parameters
     ----------
@@ -167,9 +167,9 @@ def special_system(kind: SpecialKind, space: Unknowns, shape: OrbitShape, lower:
     space : Unknowns
         With speed, except for contact loss.
     shape : OrbitShape
-        ``over`` for a graze; for contact loss ``upper_contacts`` counts the departure of speed 0.
+        With ``over`` for a graze. For contact loss ``upper_contacts`` includes the departure of speed 0.
     lower : int, optional
-        As for `closing_system`; not used for contact loss.
+        As in `closing_system`. Not used for contact loss.
 
     Returns
     -------

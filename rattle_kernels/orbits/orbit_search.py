@@ -1,14 +1,14 @@
-"""All periodic orbits of a region, stable or not, by a systematic search.
+"""Systematic search for the periodic orbits of a region, stable or not.
 
-For each impact period p up to n+, Newton's method on P^p starts
+For each impact period p up to a given n+, Newton's method on P^p starts
 
 1. from a grid of departures over the region, and
-2. from recurrences: along the trajectories of the same departures, where P^p comes closest to where it was. A
-   trajectory passes close to saddles that few grid points would lead Newton to.
+2. from recurrences: on each trajectory from this grid, the point that P^p brings back closest to itself. Trajectories
+   pass close to saddles that few grid points would lead Newton's method to.
 
-What converges is reduced to its own period and kept once. Newton's basins are of the size of a cell or so for short
-orbits and shrink like 1/|multiplier| for longer ones: a finer grid finds more, and what is found is certain (its
-residual says so), not what is missed.
+Each orbit found is reduced to its own period and kept once. For short orbits Newton's method converges from about a
+cell around the orbit. For longer ones this distance shrinks like 1/|multiplier|, so a finer grid finds more. The
+residual proves what is found. It says nothing about what is missed.
 """
 
 import math
@@ -28,16 +28,15 @@ from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_or
 _SEED_RESIDUAL = 1e-9
 _RECURRENCE_APPLICATIONS = 200
 _CLOSE = 0.1
-# Two orbits closer than this are one. Near a fold, which splits them like a square root, Newton's own error is 1e-8.
+# Orbits closer than this are one. Near a fold, where two orbits part like a square root, Newton's error is 1e-8.
 _SAME = 1e-6
 
 
 class FoundOrbit(NamedTuple):
     """A periodic orbit and how close it passes to grazing.
 
-    ``grazing_margin`` (shape (upper_contacts,)) is v - v*(t) of each departure: positive where the flight meets -beta.
-    ``lower_speed`` (same shape) is the speed with which it does, NaN where it does not; the least of them tends to zero
-    where the orbit grazes.
+    ``grazing_margin`` (shape (upper_contacts,)) is v - v*(t) of each departure, positive if the flight meets -beta.
+    ``lower_speed`` (same shape) is the speed at which it does, else NaN. Its minimum tends to zero at a graze.
     """
 
     orbit: PeriodicOrbit
@@ -46,7 +45,7 @@ class FoundOrbit(NamedTuple):
 
     @property
     def grazing_distance(self) -> float:
-        """Least |v - v*| of its departures: 0 where the orbit grazes."""
+        """Smallest |v - v*| of the departures: 0 where the orbit grazes."""
         return float(np.abs(self.grazing_margin).min())
 
 
@@ -58,7 +57,7 @@ def _newton_all(oscillator, t, v, period, scale, residual):
 
 @kernel
 def _recurrences(oscillator, t, v, longest, applications, best_t, best_v, best):
-    """Closest return after each period along each trajectory: departure and distance."""
+    """For each trajectory and period, the departure that returns closest to itself, and its distance."""
     past_t, past_v = np.empty(applications + 1), np.empty(applications + 1)
     for i in range(t.size):
         past_t[0], past_v[0] = t[i], v[i]
@@ -76,7 +75,7 @@ def _recurrences(oscillator, t, v, longest, applications, best_t, best_v, best):
 
 
 def describe_orbit(oscillator: Oscillator, orbit: PeriodicOrbit) -> FoundOrbit:
-    """How close an orbit passes to grazing.
+    """Measure how close an orbit passes to grazing.
 
     Parameters
     ----------
@@ -98,7 +97,7 @@ def _seeds(
     rows: tuple[int, int],
     longest: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Departures to start from, with the period to look for."""
+    """Starting departures, each with the period to search for."""
     middles = (np.arange(cells) + 0.5) / cells
     middle_t, middle_v = np.meshgrid(
         region[0] + (region[1] - region[0]) * middles,
@@ -118,7 +117,7 @@ def _seeds(
 
 
 class _Catalogue:
-    """Orbits found so far, and whether a point lies on one of them."""
+    """Orbits found so far, with a test whether a point lies on one."""
 
     def __init__(self, scale: float) -> None:
         self.orbits: list[PeriodicOrbit] = []
@@ -149,19 +148,19 @@ def find_orbits(
     oscillator : Oscillator
         Either model.
     longest : int
-        Greatest n+ looked for.
+        Largest n+ to search for.
     time, velocity : (float, float)
         The region; phases within [0, 1].
     cells : int
         The search starts from the centres of ``cells x cells`` cells over it.
     rows : (int, int), optional
-        Start from these rows of cells only, the first included, the last not: a part of the search, of which
-        `merge_orbits` makes the whole. All rows by default.
+        Range of rows of cells to start from, the last excluded: a part of the search. `merge_orbits` combines the
+        parts. All rows by default.
 
     Returns
     -------
     tuple of FoundOrbit
-        By (n+, m, n-) and lowest speed.
+        Ordered by (n+, m, n-) and lowest speed.
 
     Raises
     ------
@@ -189,14 +188,14 @@ def find_orbits(
 
 
 def merge_orbits(oscillator: Oscillator, found: Iterable[FoundOrbit]) -> tuple[FoundOrbit, ...]:
-    """Orbits that several searches have found, each once.
+    """Merge the orbits of several searches, each kept once.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Theirs.
+        The oscillator of the orbits.
     found : iterable of FoundOrbit
-        Of two that are one, the first is kept.
+        Of duplicates the first is kept.
 
     Returns
     -------
@@ -221,17 +220,17 @@ def find_orbit(oscillator: Oscillator, t: float, v: float, period: int = 1) -> F
     t, v : float
         Phase and speed of the departure.
     period : int
-        Impact period p, at least 1; the orbit's own may be a divisor of it.
+        Impact period p, at least 1. The orbit's own period may be a divisor of it.
 
     Returns
     -------
     FoundOrbit or None
-        None where Newton's method finds none.
+        None if Newton's method finds none.
 
     Raises
     ------
     OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map.
+        If the oscillator's parameters lie outside the domain of the map.
     """
     checked = check_domain(oscillator)
     orbit = find_periodic_orbit(checked, float(t), float(v), period, float(fall_speed(checked)))

@@ -1,12 +1,12 @@
 """Periodic orbits of P: Newton's method on P^p, multipliers, itinerary P(m, n+, n-).
 
-An orbit of impact period p returns to +beta p times (n+ = p) while the forcing runs through m whole periods; n- counts
-its contacts with -beta. Its multipliers are the eigenvalues of DP^p; it attracts where both lie inside the unit circle.
+An orbit of impact period p returns to +beta p times (n+ = p) in m forcing periods; n- counts its contacts with -beta.
+Its multipliers are the eigenvalues of DP^p. It attracts if both lie inside the unit circle.
 
-Their product is e^{-delta m}, in both models: the flow of (Phi, Phi') shrinks areas like e^{-delta t} everywhere, an
-elastic impact leaves them alone, and on the section the flow carries v dv dt, so det DP = (v0/v1) e^{-delta T}. Hence a
-complex pair always lies inside the unit circle (no Neimark-Sacker bifurcation), and the trace decides all: stability is
-lost at a multiplier +1 (trace = 1 + e^{-delta m}) or -1 (trace = -1 - e^{-delta m}).
+The product of the multipliers is e^{-delta m} in both models. The flow of (Phi, Phi') contracts areas like e^{-delta t}
+everywhere, and an elastic impact preserves them. On the section the flow carries the area v dv dt, so det DP = (v0/v1)
+e^{-delta T}. Hence a complex pair always lies inside the unit circle: there is no Neimark-Sacker bifurcation. The trace
+decides everything. Stability is lost at a multiplier +1 (trace = 1 + e^{-delta m}) or -1 (trace = -1 - e^{-delta m}).
 """
 
 import math
@@ -24,10 +24,10 @@ _RESIDUAL = 1e-11
 
 
 class PeriodicOrbit(NamedTuple):
-    """A periodic orbit, polished.
+    """A periodic orbit to which Newton's method has converged.
 
-    ``t``, ``v`` (shape (upper_contacts,)) are its departures from +beta in order of time, starting with the slowest;
-    ``jacobians`` (shape (upper_contacts, 2, 2)) are DP^p at each of them; ``residual`` is |P^p(x) - x|.
+    ``t``, ``v`` (shape (upper_contacts,)) are its departures from +beta in order of time, the slowest first.
+    ``jacobians`` (shape (upper_contacts, 2, 2)) are DP^p at each of them. ``residual`` is |P^p(x) - x|.
     """
 
     t: np.ndarray
@@ -61,7 +61,7 @@ class PeriodicOrbit(NamedTuple):
 
 @inlined
 def _iterate(oscillator, t, v, period):
-    """P^p with its derivative, the time that passed, and the contacts with -beta."""
+    """P^p with its derivative, the elapsed time and the number of contacts with -beta."""
     jacobian = Jacobian(1.0, 0.0, 0.0, 1.0)
     elapsed, lower = 0.0, 0
     for _ in range(period):
@@ -75,7 +75,7 @@ def _iterate(oscillator, t, v, period):
 
 @kernel
 def newton_orbit(oscillator, t, v, period, scale):
-    """Newton's method on P^p(x) - x, halving steps that would leave v > 0; the residual tells how it ended."""
+    """Newton's method on P^p(x) - x. Steps that would make v <= 0 are halved. The residual shows if it converged."""
     residual = math.inf
     for _ in range(_NEWTON_STEPS):
         t1, v1, jacobian, _, _ = _iterate(oscillator, t, v, period)
@@ -110,7 +110,7 @@ def _read(matrix):
 
 @kernel
 def _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians):
-    """Points of the orbit with DP^p at each; elapsed time and contacts with -beta of one turn."""
+    """Fill in the points of the orbit and DP^p at each. Returns the time and the contacts with -beta of one turn."""
     elapsed, lower = 0.0, 0
     before = Jacobian(1.0, 0.0, 0.0, 1.0)
     for i in range(period):
@@ -122,7 +122,7 @@ def _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians):
         elapsed += impact.duration
         lower += impact.lower_impacts
         t, v = impact.t, impact.v
-    # A turn from point i: from there to the end, then from the start to there.
+    # DP^p at point i: from i to the end, then from the start to i.
     onward = Jacobian(1.0, 0.0, 0.0, 1.0)
     for i in range(period - 1, -1, -1):
         onward = multiply(onward, _read(steps[i]))
@@ -131,7 +131,7 @@ def _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians):
 
 
 def find_periodic_orbit(oscillator: Oscillator, t: float, v: float, period: int, scale: float) -> PeriodicOrbit | None:
-    """Periodic orbit near a seed, or none.
+    """Periodic orbit near a seed, if there is one.
 
     Parameters
     ----------
@@ -140,14 +140,14 @@ def find_periodic_orbit(oscillator: Oscillator, t: float, v: float, period: int,
     t, v : float
         Seed: phase and speed of a departure from +beta.
     period : int
-        Impact period p; the orbit found may have a divisor of it as its own, which is then used.
+        Impact period p. If the orbit's own period is a divisor of p, that one is used.
     scale : float
-        Speed that weighs as much as one forcing period.
+        Speed that counts as much as one forcing period.
 
     Returns
     -------
     PeriodicOrbit or None
-        None where Newton's method does not end with a residual of at most 1e-11, or ends at rest on the wall.
+        None if Newton's method does not reach a residual of at most 1e-11, or ends at rest on the wall.
     """
     t, v, residual = newton_orbit(oscillator, t, v, period, scale)
     if not residual <= _RESIDUAL:
@@ -157,7 +157,7 @@ def find_periodic_orbit(oscillator: Oscillator, t: float, v: float, period: int,
     steps, jacobians = np.empty((period, 2, 2)), np.empty((period, 2, 2))
     elapsed, lower = _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians)
     if round(elapsed) < 1:
-        return None  # not an orbit but the limit v -> 0, where every phase maps onto itself
+        return None  # the limit v -> 0, where every phase maps to itself, is not an orbit
     first = int(np.argmin(speeds))
     return PeriodicOrbit(
         np.roll(times, -first), np.roll(speeds, -first), round(elapsed), period, int(lower),

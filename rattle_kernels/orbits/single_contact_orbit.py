@@ -1,19 +1,19 @@
 """P(m, 1, 0) in closed form: one impact on +beta every m forcing periods, none on -beta (the family behind Eq. 41).
 
-A flight that leaves +beta with speed v and is back the time m later has s = s0 and c = c0, so its velocity there is
--v + 4 pi delta m; elastic impact demands that it be v, hence ``v = 2 pi delta m`` whatever eps and beta. With x = delta
-m, y(m) = 0 then reads phi1 (2 pi eps s0 - v) + 4 pi x phi2 = 0, that is
+A flight leaves +beta with speed v and returns after a time m. The forcing terms are then the same again, s = s0 and c =
+c0, so the velocity is -v + 4 pi delta m. An elastic impact requires it to be v, hence ``v = 2 pi delta m`` for all eps
+and beta. With x = delta m, y(m) = 0 then reads phi1 (2 pi eps s0 - v) + 4 pi x phi2 = 0, that is
 
     eps sin(2 pi t0) = 2 - x coth(x/2) = -(x^2/6 - x^4/360 + ...).
 
-So the two orbits of each m are born at the exact bound eps = x coth(x/2) - 2, of which Eq. (41) is the series, at t0 =
-3/4, and move apart. With S = (1 - e^{-x})/delta and a the acceleration at rest at t0, the trace of DP is
+So the two orbits of each m are born together, at t0 = 3/4 and at the exact bound eps = x coth(x/2) - 2, whose series is
+Eq. (41). Then they move apart. With S = (1 - e^{-x})/delta and a the acceleration at rest at t0, the trace of DP is
 
     -1 - e^{-x} + 2 a S/v = 1 + e^{-x} - 8 pi^2 eps cos(2 pi t0) S/v.
 
-Below epsilon_crit2 a is positive, so the trace exceeds -1 - e^{-x}: neither ever doubles its period. The one with
-cos(2 pi t0) > 0 attracts wherever it exists, the other is a saddle. Both exist while they stay clear of -beta, ``v <=
-v*(t0)``: beyond, the flight would meet it.
+Below epsilon_crit2, a is positive and the trace exceeds -1 - e^{-x}, so neither orbit ever doubles its period. The
+orbit with cos(2 pi t0) > 0 attracts wherever it exists; the other is a saddle. Both exist while they stay clear of
+-beta, at ``v <= v*(t0)``. Beyond that the flight would meet -beta.
 """
 
 import math
@@ -27,8 +27,8 @@ from rattle_kernels.model.oscillator import Oscillator, check_impacting
 class SingleContactOrbit(NamedTuple):
     """One of the two orbits P(m, 1, 0).
 
-    ``t``, ``v`` are its departure; ``trace`` is that of DP, whose determinant is e^{-delta m}; ``grazing_margin`` is v
-    - v*(t), negative as long as the orbit exists.
+    ``t``, ``v`` are the departure. ``trace`` is the trace of DP, whose determinant is e^{-delta m}. ``grazing_margin``
+    is v - v*(t), negative while the orbit exists.
     """
 
     forcing_periods: int
@@ -56,7 +56,7 @@ def eccentricity_bound_single_contact(damping: float, forcing_periods: int = 1) 
     Returns
     -------
     float
-        ``x coth(x/2) - 2`` with x = delta m, to rounding also where it is tiny.
+        ``x coth(x/2) - 2`` with x = delta m, accurate to rounding even where it is tiny.
     """
     x = damping * forcing_periods
     # x coth(x/2) - 2 = x (2 phi2 - phi1)/phi1, and phi1 - 2 phi2 = x phi2': nothing cancels.
@@ -76,16 +76,16 @@ def single_contact_orbits(oscillator: Oscillator, forcing_periods: int = 1) -> t
     Returns
     -------
     tuple of SingleContactOrbit
-        The attracting one first, then the saddle; whether either stays clear of -beta is said by `exists`.
+        The attracting orbit first, then the saddle. `exists` says whether an orbit stays clear of -beta.
 
     Raises
     ------
     OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map.
+        If the oscillator's parameters lie outside the domain of the map.
 
     References
     ----------
-    Sec. 5.2, Eq. (41), there as a series and without its derivation (Halse et al., 2007; Mason et al., 2007).
+    Sec. 5.2, Eq. (41), given there as a series without derivation (Halse et al., 2007; Mason et al., 2007).
     """
     checked = check_impacting(oscillator)
     bound = eccentricity_bound_single_contact(checked.damping, forcing_periods)
