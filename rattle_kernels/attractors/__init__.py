@@ -1,1 +1,1 @@
-"""Attractors: which motion a point ends in."""
+"""Attractors: the motions that trajectories end in."""

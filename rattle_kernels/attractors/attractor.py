@@ -1,4 +1,4 @@
-"""What a motion that trajectories end in, or are on for long, is: permanent contact, a periodic orbit, chaos."""
+"""Attractors and chaotic transients: permanent contact, periodic orbits and chaos."""
 
 from enum import IntEnum
 from typing import NamedTuple
@@ -7,7 +7,7 @@ import numpy as np
 
 
 class AttractorKind(IntEnum):
-    """What a motion is. Codes are append-only."""
+    """Kind of a motion. Codes are append-only."""
 
     PERIODIC = 1
     CHAOTIC = 2
@@ -17,13 +17,13 @@ class AttractorKind(IntEnum):
 
 
 class Attractor(NamedTuple):
-    """A motion that trajectories end in; or a chaotic transient, on which they are for very long before they do.
+    """A motion that trajectories end in, or a chaotic transient that they follow for very long before.
 
-    ``time`` and ``velocity`` (shape (points,)) are its departures from +beta: one turn of a periodic orbit from its
-    slowest on, some thousand of chaos, none of permanent contact. Exponents are per forcing period, NaN where
-    there is none; ``lyapunov_error`` is the standard error (0 for a periodic orbit, whose exponent comes from its
-    multipliers). ``mean_life`` is known of chaos that trajectories leave again: impacts until one does, on average;
-    NaN where none was seen to leave.
+    ``time`` and ``velocity`` (shape (points,)) are its departures from +beta: one turn of a periodic orbit, starting
+    with the slowest; some thousand for chaos; none for permanent contact. Exponents are per forcing period, NaN if not
+    defined. ``lyapunov_error`` is the standard error (0 for a periodic orbit, whose exponent comes from its
+    multipliers). ``mean_life`` is the mean number of impacts until a trajectory leaves a chaotic transient; NaN if none
+    was seen to leave.
     """
 
     kind: AttractorKind
@@ -45,12 +45,12 @@ class Attractor(NamedTuple):
 
     @property
     def label(self) -> str:
-        """The name, and for how long chaos that does not last holds a motion."""
+        """The name and, for a chaotic transient, its mean life."""
         return self.name if np.isnan(self.mean_life) else f"{self.name} of some {self.mean_life:.1g} impacts"
 
     @property
     def is_chaotic(self) -> bool:
-        """Whether it is chaos, on an attractor or on a transient."""
+        """Whether it is chaos, as an attractor or as a transient."""
         return self.kind in (AttractorKind.CHAOTIC, AttractorKind.CHAOTIC_TRANSIENT)
 
 

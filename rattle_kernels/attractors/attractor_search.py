@@ -1,17 +1,17 @@
 """The catalogue of motions that landing points end in: permanent contact, periodic orbits, chaos.
 
-A seed (a landing point) is followed by P itself until it is clear where it ends:
+P is applied to a seed (a landing point) until its final motion is clear:
 
-1. captured by ever lower bounces: permanent contact;
-2. it lands on an attractor already in the catalogue (`neighbourhoods`): nothing new;
-3. it comes back close to itself after p impacts: the orbit there is polished by Newton and its multipliers decide.
-   Slow convergence is not chaos;
-4. else an ensemble is started beside it (`chaotic_transient`). If most of it settle, the motion was on a short
-   transient and ends in what they end in. If most do not, and their largest Lyapunov exponent is positive by several
-   standard errors, this is chaos: an attractor if none leaves it, else a transient, beside what it is left for;
-5. else it is undecided, and says so.
+1. Ever lower bounces capture it: permanent contact.
+2. It arrives at an attractor already in the catalogue (`neighbourhoods`): nothing new.
+3. It returns close to itself after p impacts: Newton's method refines the orbit there, and its multipliers decide. Slow
+   convergence is not chaos.
+4. Otherwise an ensemble starts beside it (`chaotic_transient`). If most of it settles, the seed was on a short
+   transient and ends as the ensemble does. If not, and the largest Lyapunov exponent is positive by several standard
+   errors, this is chaos: an attractor if no trajectory leaves it, else a transient, listed with the motions after it.
+5. Otherwise it is listed as undecided.
 
-Seeds are taken in ascending order, so the catalogue depends on the set of seeds alone.
+Seeds are processed in ascending order, so the catalogue depends only on the set of seeds.
 """
 
 from collections.abc import Sequence
@@ -33,22 +33,22 @@ from rattle_kernels.model.outcome import Outcome
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
 _SETTLING = 4096
-# A quarter of a second.
+# These take a quarter of a second.
 _APPLICATIONS_AT_A_TIME = 1 << 24
-# Transients through a chaotic saddle are given this many ensembles of 16,384 impacts before a motion is left undecided.
+# Ensembles of 16,384 impacts for a transient through a chaotic saddle, before the motion is listed as undecided.
 _PATIENCE = 4
-# After so many seeds in a row that led to nothing new, the rest is left to be named, and counted where it cannot be.
+# The search ends after this many seeds in a row without a new motion. The rest are named later or remain unassigned.
 _FRUITLESS_SEEDS = 8
 
 
 def _orbits_of(oscillator: Oscillator, ends: np.ndarray) -> list[Attractor]:
-    """The attracting periodic orbits that settled trajectories approach, of each of them its own."""
+    """The attracting periodic orbit that each settled trajectory approaches, if it approaches one."""
     orbits = [settled_orbit(oscillator, t, v) for t, v in ends.tolist()]
     return [attractor_of(orbit) for orbit in orbits if orbit is not None]
 
 
 def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Pause) -> list[Attractor]:
-    """Motion that one trajectory ends in, whatever the catalogue holds; a transient, and what it was left for."""
+    """Final motion of one trajectory, whatever the catalogue holds; for a transient, it and the motions after it."""
     for _ in range(_PATIENCE):
         orbit = settled_orbit(oscillator, t, v)
         if orbit is not None:
@@ -67,7 +67,7 @@ def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Pause) -> lis
 
 
 def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> bool:
-    """Whether a motion is in the catalogue: by itself where it has no points, else by where its last point arrives."""
+    """Whether a motion is in the catalogue: by its kind if it has no points, else by where its last point arrives."""
     if not motion.time.size:
         return any(listed.kind == motion.kind for listed in catalogue)
     return bool(
@@ -76,10 +76,10 @@ def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Att
 
 
 def _overlapping(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> int | None:
-    """Which chaotic attractor of the catalogue a chaotic motion is a part of, or has as its part; None where none is.
+    """Index of the chaotic motion in the catalogue that contains a chaotic motion or is contained in it, if any.
 
-    One of the two may be a long transient through the other's surroundings. Listed apart, they would share their boxes,
-    which then would tell nothing, so that every seed would find one attractor more.
+    One of the two may be a long transient through the other's surroundings. Listed separately they would share boxes.
+    Shared boxes identify neither, so every seed would add another attractor.
     """
     if not motion.is_chaotic:
         return None
@@ -88,7 +88,7 @@ def _overlapping(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[
 
 
 def _united(known: Attractor, motion: Attractor) -> Attractor:
-    """One chaos with half of the points of either; a transient where one of the ensembles has been seen to leave."""
+    """Merge two chaotic motions, with half of the points of each; a transient if trajectories were seen to leave."""
     time = np.concatenate([known.time[::2], motion.time[::2]])
     velocity = np.concatenate([known.velocity[::2], motion.velocity[::2]])
     rates = np.nan_to_num([1.0 / known.mean_life, 1.0 / motion.mean_life])
@@ -100,7 +100,7 @@ def _united(known: Attractor, motion: Attractor) -> Attractor:
 
 
 def _list(oscillator: Oscillator, motion: Attractor, catalogue: list[Attractor]) -> bool:
-    """Enter a motion in the catalogue; whether it is new there."""
+    """Add a motion to the catalogue; return whether it is new."""
     same = _overlapping(oscillator, motion, catalogue)
     if same is not None:
         catalogue[same] = _united(catalogue[same], motion)
@@ -114,7 +114,7 @@ def _list(oscillator: Oscillator, motion: Attractor, catalogue: list[Attractor])
 def _settle(
     oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int, pause: Pause
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where points are after many applications, those captured left out."""
+    """Points after many applications, without those captured."""
     times, speeds = [t[:0]], [v[:0]]
     at_a_time = max(64, _APPLICATIONS_AT_A_TIME // applications)
     for start in range(0, t.size, at_a_time):
@@ -150,24 +150,24 @@ def find_attractors(
     Parameters
     ----------
     oscillator : Oscillator
-        Impacting model.
+        Either model.
     t, v : array_like, shape (n,)
-        Seeds: phases and speeds of departures from +beta, such as one landing point of every part of the plane.
+        Seeds: phases and speeds of departures from +beta, such as one landing point from each part of the plane.
     known : sequence of Attractor
         A catalogue to extend.
     pause : callable
-        Called several times a second; what it raises ends the search.
+        Called several times a second; an exception raised there ends the search.
 
     Returns
     -------
     tuple of Attractor
-        Permanent contact first, always; then periodic orbits by (n+, m, n-) and lowest speed, then chaotic attractors,
-        then chaotic transients; UNDECIDED last and only where some seed is.
+        Always permanent contact first. Then periodic orbits by (n+, m, n-) and lowest speed, chaotic attractors and
+        chaotic transients. UNDECIDED last, if any seed is.
 
     Raises
     ------
     OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map.
+        If the oscillator's parameters lie outside the domain of the map.
     """
     checked = check_domain(oscillator)
     catalogue = list(known) or [PERMANENT_CONTACT_ATTRACTOR]
@@ -186,7 +186,7 @@ def find_attractors(
             fruitless = 0
         else:
             fruitless += 1
-            # A long transient: the others are likely on one too, and lanes follow them a hundred times faster than one
-            # by one.
+            # A long transient: the other seeds are probably on one too. Lanes follow them a hundred times faster than
+            # one by one.
             t_left, v_left = _settle(checked, t_left, v_left, 16 * _SETTLING, pause)
     return _canonical(catalogue)

@@ -1,13 +1,13 @@
-"""A ensemble beside a trajectory that does not settle, to tell whether this is chaos, and for how long chaos holds it.
+"""An ensemble beside a trajectory that does not settle: whether the motion is chaotic, and how long the chaos lasts.
 
-64 trajectories start a hair's breadth apart. Chaos parts them within some tens of impacts; from there on they are
-independent. All are carried for 16,384 impacts, or for as many as settle a motion at the oscillator's damping where
-that is more, and tell by how their tangent vectors grow then:
+64 trajectories start at neighbouring speeds, 1e-9 v apart. Chaos separates them within some tens of impacts; after that
+they are independent. All are followed for 16,384 impacts, or more if a motion takes longer to settle at the
+oscillator's damping. The growth of their tangent vectors then decides two questions:
 
-- whether the motion is chaotic: their mean exponent is positive by several standard errors;
-- whether it lasts: a trajectory that has left chaos is captured, or its tangent vector no longer grows, and when it has
-  been carried as far again it is on a periodic orbit. Chaos that some leave is a chaotic saddle, no attractor; how many
-  leave it within so many impacts gives its mean life.
+- Is the motion chaotic? It is if the mean exponent is positive by several standard errors.
+- Does it last? A trajectory that has left chaos is captured, or its tangent vector no longer grows. Followed as far
+  again, it is on a periodic orbit. Chaos that some trajectories leave is a chaotic saddle, not an attractor. The number
+  that leave gives its mean life.
 """
 
 import math
@@ -24,32 +24,31 @@ from rattle_kernels.model.outcome import Outcome
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
 ENSEMBLE = LANES
-# Apart by rounding's thousandfold in speed, they are e^-21 of the speed from being one.
+# Initial separation of neighbouring trajectories: 1e-9 v, which is e^-21 v.
 _APART = 1e-9
 _LEGS = 64
 _SHORTEST_LEG = 256
-# Chaos shows within the first; behind a cascade of period doublings it is so weak that it takes the second.
+# Impacts of a test for chaos. Beyond a cascade of period doublings chaos is so weak that it needs the second.
 _GROWING = 512, 8192
 _STANDARD_ERRORS = 5.0
-# Regular motions part, too, but no faster than in proportion to the impacts: by no more than so many times them.
+# Regular motions separate too, but at most in proportion to the impacts: by at most this factor times their number.
 _REGULAR_GROWTH = 6.0
-# A vector that has grown by less than this part of the median does not grow as in chaos.
+# A tangent vector whose logarithm has grown by less than this part of the median is not in chaos.
 _SLUGGISH = 0.25
-# A motion that bounces ever lower needs less and less time for an impact, and thousands of impacts fit into a period;
-# one on an attractor has a steady pace, and turns of the forcing enough to have one.
+# Ever lower bounces take less and less time, down to thousands of impacts per period. On an attractor the pace is
+# steady, and there are enough turns of the forcing to measure it.
 _PACES = (0.5, 2.0)
 _LEAST_TURNS = 8.0
 
 
 class EnsembleRun(NamedTuple):
-    """What a ensemble has done in so many ``impacts`` of each.
+    """Result of following an ensemble for a number of ``impacts`` each.
 
-    ``exponent`` per forcing period and its standard ``error`` at the end, over so many ``turns`` of the forcing, in
-    which the logarithm of a tangent vector grew by ``growth``, and by no more than ``regular`` were it not chaos;
-    ``pace`` is the time that an impact took then, as a part of what it took at the beginning. ``t``, ``v`` are
-    departures on the way, at least 256 impacts apart, of those that have neither been captured nor settled;
-    ``captured`` counts the former, and ``settled`` (shape (n, 2)) are phases and speeds of those that seem to have
-    settled, carried on for as long again.
+    ``exponent`` (per forcing period) and its standard ``error`` are measured at the end, over ``turns`` of the forcing.
+    There the logarithm of a tangent vector grew by ``growth``; in regular motion it grows by ``regular`` at most.
+    ``pace`` is the time per impact there, relative to that at the beginning. ``t``, ``v`` are departures, at least 256
+    impacts apart, of the trajectories that were neither captured nor settled. ``captured`` is the number captured.
+    ``settled`` (shape (n, 2)) holds phases and speeds of those that seem to have settled, followed for as long again.
     """
 
     impacts: int
@@ -66,24 +65,24 @@ class EnsembleRun(NamedTuple):
 
     @property
     def chaotic(self) -> bool:
-        """Whether an exponent is five standard errors above zero at a steady pace.
+        """Whether the exponent is five standard errors above zero and the pace steady.
 
-        The second matters for low bounces: close to the bound of Eq. (8) their tangent vectors grow while they decay,
-        and the exponent alone would take the decay for an attractor.
+        The pace matters for low bounces: close to the bound of Eq. (8) their tangent vectors grow while they decay. By
+        the exponent alone the decay would pass for an attractor.
         """
         steady = _PACES[0] < self.pace < _PACES[1] and self.turns > _LEAST_TURNS
         return self.exponent > _STANDARD_ERRORS * self.error and self.growth > self.regular and steady
 
     @property
     def ends(self) -> np.ndarray:
-        """Phases and speeds, shape (n, 2), of the last departures of all that have not been captured."""
+        """Phases and speeds, shape (n, 2), of the last departures of all trajectories that were not captured."""
         last = self.t.size - self.t.size // _LEGS
         return np.vstack([self.settled, np.column_stack([self.t[last:], self.v[last:]])])
 
     def mean_life(self, left: int) -> float:
-        """Impacts after which a trajectory leaves, on average, where so many have; NaN where none has.
+        """Mean number of impacts before a trajectory leaves, if `left` of them have by the end; NaN if none has.
 
-        The law is exponential, and when each of them left is not known: so many are gone after all impacts.
+        Times of leaving are not known, so this takes an exponential law and the number gone at the end.
         """
         return math.nan if left == 0 else -self.impacts / math.log1p(-left / ENSEMBLE)
 
@@ -94,7 +93,7 @@ def _all_captured(impacts: int) -> EnsembleRun:
 
 
 def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = never_stopped) -> EnsembleRun:
-    """Follow a ensemble beside a trajectory.
+    """Follow an ensemble beside a trajectory.
 
     Parameters
     ----------
@@ -103,7 +102,7 @@ def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = n
     t, v : float
         Phase and speed of a departure from +beta.
     pause : callable
-        Called several times a second; what it raises ends the search.
+        Called several times a second; an exception raised there ends the search.
 
     Returns
     -------
@@ -123,7 +122,7 @@ def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = n
     if there.sum() < 2:
         return _all_captured(_LEGS * leg)
     median = np.nanmedian(ended.growth)
-    # Where half of them do not grow this is no chaos that others could have left.
+    # If half of the vectors do not grow, there is no chaos for the others to have left.
     settled = there & (ended.growth < _SLUGGISH * median) & (median > 0.0)
     kept, *ends = _carried(oscillator, ended.t[settled], ended.v[settled], _LEGS * leg, pause)
     staying = ended.of(there & ~settled)
@@ -138,7 +137,7 @@ def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = n
 
 
 def _resolved_growth(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> tuple[Growth, int]:
-    """Growth of tangent vectors over as many impacts as tell chaos from regular motion; and how many these are."""
+    """Growth of tangent vectors over enough impacts to distinguish chaos from regular motion, and that number."""
     for impacts in _GROWING:
         ended = tangent_growth(oscillator, t, v, impacts)
         growth = ended.growth[np.isfinite(ended.growth)]
@@ -150,7 +149,7 @@ def _resolved_growth(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> tu
 def _carried(
     oscillator: Oscillator, t: np.ndarray, v: np.ndarray, impacts: int, pause: Pause
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Which of some departures are not captured within so many impacts, and where those are then."""
+    """Which departures are not captured within a number of impacts, and where these are then."""
     carried, _ = run_lanes(oscillator, t, v, impacts, shortcuts=True, pause=pause)
     kept = carried.outcome == Outcome.RETURNED
     return kept, carried.t[kept], carried.v[kept]

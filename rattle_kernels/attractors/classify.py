@@ -1,4 +1,4 @@
-"""Solution of each landing point: the motion it truly ends in, whatever window it was seen in."""
+"""Solution of each landing point: the motion it ends in, whatever the window."""
 
 from collections.abc import Sequence
 
@@ -12,12 +12,12 @@ from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap_all
 
 UNASSIGNED = -1
-"""No attractor of a catalogue."""
+"""Arrived at no attractor of the catalogue."""
 
-# Transients of chaotic saddles: 32 more legs of 4093 impacts before a point is called a stranger.
+# For transients of chaotic saddles: 32 more legs of 4093 impacts before a point remains unassigned.
 _LEGS = 32
 _LATTICE = 512
-# A leg of so many points takes some 0.4 s.
+# A leg of this many points takes about 0.4 s.
 _POINTS_AT_A_TIME = 8192
 
 
@@ -28,30 +28,30 @@ def name_solutions(
     v: np.typing.ArrayLike,
     pause: Pause = never_stopped,
 ) -> np.ndarray:
-    """Index of the attractor that each landing point ends in, found by following P from it.
+    """Index of the attractor that each landing point ends in, found by applying P to it.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Impacting model.
+        Either model.
     attractors : sequence of Attractor
-        A catalogue of `find_attractors`: permanent contact first.
+        Catalogue from `find_attractors`: permanent contact first.
     t, v : array_like, shape (n,)
         Landing points: finite phases and speeds of departures from +beta.
     pause : callable
-        Called several times a second; what it raises ends the search.
+        Called several times a second; an exception raised there ends the search.
 
     Returns
     -------
     ndarray of int16, shape (n,)
-        UNASSIGNED (-1) where a point arrived at no attractor of the catalogue within some 130,000 impacts.
+        UNASSIGNED (-1) for a point that reaches no attractor of the catalogue within about 130,000 impacts.
 
     Raises
     ------
     OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map.
+        If the oscillator's parameters lie outside the domain of the map.
     ValueError
-        Where a point is no departure: not finite, or not faster than 0.
+        If a point is not a departure: not finite, or without a positive speed.
     """
     checked = check_domain(oscillator)
     times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
@@ -67,16 +67,16 @@ def name_solutions(
 
 
 def landing_boxes(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.ArrayLike) -> np.ndarray:
-    """Box of a coarse lattice in which each landing point lies: 512 to a period and to the natural speed.
+    """Box of each landing point in a coarse lattice: 512 boxes to a period and to the largest grazing speed.
 
-    One landing point of every box is seed enough for a catalogue, however many cells there are.
+    One landing point from every box suffices to seed a catalogue, however many cells there are.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Impacting model.
+        Either model.
     t, v : array_like, shape (n,)
-        Landing points; NaN where a cell has none.
+        Landing points; NaN for a cell that has none.
 
     Returns
     -------
@@ -92,12 +92,12 @@ def landing_boxes(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.A
 
 
 def coarser_boxes(boxes: np.ndarray) -> np.ndarray:
-    """Boxes of the lattice that is half as fine each way, in which given ones lie.
+    """Boxes of the next coarser lattice, with half as many each way, that contain given boxes.
 
     Parameters
     ----------
     boxes : ndarray of int64, shape (n,)
-        Numbers of `landing_boxes`, or of this function; not negative.
+        Numbers from `landing_boxes` or from this function; not negative.
 
     Returns
     -------

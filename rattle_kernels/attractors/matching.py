@@ -1,4 +1,4 @@
-"""The same attractor at neighbouring parameters: orbits continued by Newton, and how far apart attractors are."""
+"""The same attractor at neighbouring parameters: continuation by Newton's method, and a distance of attractors."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator, check_domain
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
-# Points of an orbit that Newton's method is started from, and of a chaotic attractor that are compared.
+# Points of an orbit from which Newton's method starts, and points of a chaotic attractor that are compared.
 _STARTS = 8
 _COMPARED = 256
 
@@ -16,20 +16,20 @@ _COMPARED = 256
 def continue_attractor(oscillator: Oscillator, attractor: Attractor) -> Attractor | None:
     """Continue a periodic attractor to a neighbouring oscillator.
 
-    Newton's method starts from the points of the old orbit, one after the other, until it ends on an orbit of the same
-    itinerary that attracts.
+    Newton's method starts from one point of the old orbit after another, until it finds an attracting orbit of the same
+    itinerary.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Where the attractor is looked for.
+        The oscillator at the new parameters.
     attractor : Attractor
-        What it was at other parameters, close by.
+        The attractor at the old parameters, close by.
 
     Returns
     -------
     Attractor or None
-        None if it has vanished, has lost its stability or was never periodic.
+        None if it has vanished or lost its stability, or is not periodic.
 
     Raises
     ------
@@ -50,20 +50,20 @@ def continue_attractor(oscillator: Oscillator, attractor: Attractor) -> Attracto
 
 
 def attractor_distance(oscillator: Oscillator, one: Attractor, other: Attractor) -> float:
-    """Distance between two attractors of one kind and itinerary, in forcing periods and natural speeds.
+    """Distance of two attractors of the same kind and itinerary, in forcing periods and natural speeds.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Of one of them; its natural speed weighs as much as a period.
+        Oscillator of one of them; its natural speed counts as much as a period.
     one, other : Attractor
-        Of the same kind and itinerary.
+        Attractors of the same kind and itinerary.
 
     Returns
     -------
     float
-        Periodic orbits: the largest distance between points of the same turn, for the best shift. Chaotic attractors:
-        the mean distance from a point of either to the nearest of the other. Otherwise 0.
+        For periodic orbits, the largest distance between corresponding points of a turn, for the best shift. For
+        chaotic attractors, the mean distance from a point of either to the nearest of the other. Otherwise 0.
 
     Raises
     ------

@@ -1,17 +1,17 @@
-"""When a trajectory may be said to have arrived at an attractor.
+"""Criteria by which a trajectory has arrived at an attractor.
 
 *Periodic orbit*: an ellipse around its slowest point in which P^p contracts. The quadratic form solves the discrete
-Lyapunov equation of DP^p (which exists because both multipliers lie inside the unit circle), and the ellipse is shrunk
-until P^p itself brings points on four rings in it closer, in that norm. Grazing inside the ellipse would break that and
-so shrinks it. Around every other point an ellipse that P brings into the first one, seen in the same way.
+Lyapunov equation of DP^p. A solution exists because both multipliers lie inside the unit circle. The ellipse shrinks
+until P^p itself contracts, in that norm, points on four rings in it. Grazing inside the ellipse would break this, and
+so shrinks it. Every other point has an ellipse that P maps into the first one, found in the same way.
 
-*Chaos*, an attractor or a long transient: a lattice of boxes, 2048 to a period and to the natural speed, marked by a
-million of its points. A trajectory has arrived when it has hit marked boxes of one attractor on 24 impacts in a row. A
-trajectory of a neighbouring basin can pass through marked boxes, but to do so 24 times it would have to start within
-2048^-1 e^(-24 lambda) or so of the attractor's own orbits, lambda its exponent per impact: the sets are told apart far
-below the size of any cell.
+*Chaos*, an attractor or a long transient: a lattice of boxes, 2048 to a period and to the largest grazing speed, marked
+by a million of its points. A trajectory has arrived when it hits marked boxes of one attractor at 24 impacts in a row.
+A trajectory of a neighbouring basin can pass through marked boxes too. But to do so 24 times it must start within about
+2048^-1 e^(-24 lambda) of the attractor's own orbits, where lambda is its exponent per impact. So the sets are
+distinguished far below the size of any cell.
 
-*Capture* by ever lower bounces is decided by `capture`.
+*Capture* by ever lower bounces: as in `impact_map.chatter`.
 """
 
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, derivatives_alon
 
 _MARKING_ROUNDS = 256
 _ROUNDS = 200
-# After a carry: enough for a streak. What has settled is recognised at once, what has not is carried on.
+# After a carry this is enough for a streak. Settled points are recognised at once, others are carried on.
 _ROUNDS_AFTER_A_CARRY = 40
 _SHARED_BOX = -2
 _SAME_PART = 0.1
@@ -44,13 +44,13 @@ _RINGS = (1.0, 0.5, 0.25, 0.125)
 
 
 class Neighbourhoods(NamedTuple):
-    """Where each attractor of a catalogue is recognised.
+    """Regions in which each attractor of a catalogue is recognised.
 
-    ``centre`` (shape (n, 2)): points of periodic orbits, phase and speed; ``form`` (n, 3): the ellipse ``form0 dt^2 + 2
-    form1 dt dv + form2 dv^2 <= 1`` around each; ``owner`` (n,): index of the attractor. ``ellipse``: numbers of those
-    that reach into each of ELLIPSE_COLUMNS parts of the period, from ``first_ellipse`` of the part to that of the next.
-    ``box_owner`` (rows, BOXES) int16: index of the chaos that marked a box. ``largest_grazing_speed``: BOXES rows
-    make it up.
+    ``centre`` (shape (n, 2)) holds phase and speed of the points of periodic orbits, ``form`` (n, 3) the ellipse
+    ``form0 dt^2 + 2 form1 dt dv + form2 dv^2 <= 1`` around each, ``owner`` (n,) the index of the attractor. The period
+    has ELLIPSE_COLUMNS columns. ``ellipse`` lists, column by column, the ellipses that reach into it, beginning at
+    ``first_ellipse``. ``box_owner`` (rows, BOXES) int16 is the index of the chaotic motion that marked a box.
+    ``largest_grazing_speed`` spans BOXES rows.
     """
 
     centre: np.ndarray
@@ -63,7 +63,7 @@ class Neighbourhoods(NamedTuple):
 
 
 def _contracting_form(jacobian: np.ndarray, scale: float) -> tuple[np.ndarray, float]:
-    """Quadratic form in (dt, dv/scale) that DP^p contracts, and the factor per turn."""
+    """Quadratic form in (dt, dv/scale) that DP^p contracts, and its factor per turn."""
     scaling = np.diag([1.0, 1.0 / scale])
     scaled = scaling @ jacobian @ np.linalg.inv(scaling)
     factor = 0.5 * (1.0 + np.abs(np.linalg.eigvals(scaled)).max())
@@ -82,7 +82,7 @@ def _ring(root: np.ndarray) -> np.ndarray:
 def _norms_after(
     oscillator: Oscillator, orbit: PeriodicOrbit, at: int, offsets: np.ndarray, form: np.ndarray, scale: float
 ) -> np.ndarray | None:
-    """Norms of offsets from a point of an orbit, once they have come to its first one; None where one cannot start."""
+    """Norms of offsets from a point of an orbit after they reach its first point; None if one is not a departure."""
     t, v = orbit.t[at] + offsets[0], orbit.v[at] + offsets[1] * scale
     if not v.min() > 0.0:
         return None
@@ -93,7 +93,7 @@ def _norms_after(
 
 
 def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) -> list[np.ndarray]:
-    """Roots of the forms of ellipses around an orbit's points: P^p contracts the first, P brings the others into it."""
+    """Roots of the forms of ellipses around an orbit's points: P^p contracts the first, P maps the others into it."""
     scaling = np.diag([1.0, 1.0 / scale])
     first, factor = _contracting_form(orbit.jacobians[0], scale)
     bounds = 0.5 * (1.0 + factor) * np.repeat(_RINGS, _DIRECTIONS)
@@ -102,10 +102,10 @@ def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) 
     onward, derivatives = np.eye(2), derivatives_along(oscillator, orbit)
     for at in (0, *range(orbit.upper_contacts - 1, 0, -1)):
         if at > 0:
-            # What the linear map brings to the edge of the first ellipse is taken half as far, for what is not linear.
+            # Half the size that the linear map takes to the edge of the first ellipse: room for nonlinear terms.
             onward = onward @ (scaling @ derivatives[at] @ np.linalg.inv(scaling))
-        # Where damping is strong an ellipse would reach far beyond where anything is linear. The form's root is put
-        # together, not the form: along orbits of hundreds of impacts its eigenvalues are sixteen digits apart.
+        # With strong damping an ellipse would reach far beyond the linear range. This builds the root of the form, not
+        # the form, whose eigenvalues differ by sixteen orders of magnitude along orbits of hundreds of impacts.
         reach = 0.0 if at == 0 else size / _LARGEST_ELLIPSE
         root = np.linalg.qr(np.vstack([root_of_first @ onward, reach * np.eye(2)])).R
         rings, here = _ring(root), size if at == 0 else 0.5 * size
@@ -121,7 +121,7 @@ def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) 
 
 @lru_cache(maxsize=256)
 def _ellipses(oscillator: Oscillator, times: bytes, speeds: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points of a periodic orbit, the forms of the ellipses around them, and how far in time these reach."""
+    """Points of a periodic orbit, the forms of their ellipses, and how far these reach in time."""
     scale = largest_grazing_speed(oscillator)
     t, v = np.frombuffer(times), np.frombuffer(speeds)
     orbit = find_periodic_orbit(oscillator, float(t[0]), float(v[0]), t.size, scale)
@@ -135,7 +135,7 @@ def _ellipses(oscillator: Oscillator, times: bytes, speeds: bytes) -> tuple[np.n
 
 @lru_cache(maxsize=16)
 def _boxes(oscillator: Oscillator, times: bytes, speeds: bytes) -> np.ndarray:
-    """Numbers of the boxes that the points of a chaotic attractor and their next iterates hit, ascending."""
+    """Numbers of the boxes that the points of a chaotic attractor and their iterates hit, ascending."""
     t, v = np.frombuffer(times), np.frombuffer(speeds)
     passed = np.empty((t.size, _MARKING_ROUNDS), np.int64)
     boxes_passed(oscillator, lane_tables(oscillator), t, v, passed)
@@ -145,14 +145,14 @@ def _boxes(oscillator: Oscillator, times: bytes, speeds: bytes) -> np.ndarray:
 
 
 def hit_the_same_boxes(oscillator: Oscillator, one: Attractor, other: Attractor) -> bool:
-    """Whether two chaotic motions are one: a tenth of the boxes that the lesser hits are hit by the other, too.
+    """Whether two chaotic motions are one: they share more than a tenth of the boxes of the smaller one.
 
     Parameters
     ----------
     oscillator : Oscillator
         Checked by the caller.
     one, other : Attractor
-        Chaotic ones.
+        Chaotic motions.
 
     Returns
     -------
@@ -164,7 +164,7 @@ def hit_the_same_boxes(oscillator: Oscillator, one: Attractor, other: Attractor)
 
 
 def _own_boxes(marked: dict[int, np.ndarray]) -> np.ndarray:
-    """Lattice of the boxes' owners; a box that two attractors hit tells nothing."""
+    """Owner of each box of the lattice; a box that two attractors hit has none."""
     rows = 1 + max((int(boxes[-1]) // BOXES for boxes in marked.values()), default=0)
     owner = np.full(rows * BOXES, UNMARKED, np.int16)
     for index, boxes in marked.items():
@@ -173,7 +173,7 @@ def _own_boxes(marked: dict[int, np.ndarray]) -> np.ndarray:
 
 
 def _by_column(phase: np.ndarray, reach: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where the ellipses of each column of phases begin, and their numbers, ascending in each."""
+    """Start of each column's ellipses in the list, and the list of their numbers, ascending in each column."""
     reach = reach + 1e-12
     lowest = np.floor((phase - reach) * ELLIPSE_COLUMNS).astype(np.int64)
     columns = np.minimum(np.floor((phase + reach) * ELLIPSE_COLUMNS).astype(np.int64) - lowest + 1, ELLIPSE_COLUMNS)
@@ -185,7 +185,7 @@ def _by_column(phase: np.ndarray, reach: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> Neighbourhoods:
-    """Neighbourhoods of a catalogue; what belongs to one attractor is built once per process.
+    """Neighbourhoods of a catalogue; those of each attractor are built once per process.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
     ellipses, owner = [(np.empty((0, 2)), np.empty((0, 3)), np.empty(0))], []
     marked = {}
     for index, attractor in enumerate(attractors):
-        if not attractor.time.size:  # permanent contact; or a sweep's catalogue, which lists what other basins have
+        if not attractor.time.size:  # permanent contact, or in a sweep an attractor of other basins
             continue
         points = attractor.time.tobytes(), attractor.velocity.tobytes()
         if attractor.is_chaotic:
@@ -224,7 +224,7 @@ def locate(
     legs: int = 0,
     pause: Pause = never_stopped,
 ) -> np.ndarray:
-    """Follow points by P until each has arrived at an attractor.
+    """Apply P to points until each has arrived at an attractor.
 
     Parameters
     ----------
@@ -235,15 +235,15 @@ def locate(
     t, v : ndarray of float64, shape (n,)
         Departures from +beta.
     legs : int
-        How often a point that has not arrived within 200 impacts is carried another 4093 and looked at for 40 more
-        (transients).
+        How often a point that has not arrived within 200 impacts, as on a transient, is carried another 4093 and
+        checked for 40 more.
     pause : callable
-        Called between legs; what it raises ends the search.
+        Called between legs; an exception raised there ends the search.
 
     Returns
     -------
     ndarray of int64, shape (n,)
-        Index of the attractor, -1 where it arrived at none. Each point's answer is independent of the others.
+        Index of the attractor, -1 if it arrived at none. Each result is independent of the other points.
     """
     tables = lane_tables(oscillator)
     place = np.full(t.size, -1, np.int64)

@@ -1,9 +1,9 @@
-"""The seed pass: attractors found before a basin is mapped, so that its trajectories can be trapped by them.
+"""The seed pass: find attractors before a basin is mapped, so that they can trap its trajectories.
 
-Where damping is weak a trajectory is found out long before it has settled, if only it is known what there is to settle
-on. Points of the window, followed to the end, tell: a few without any traps, then more with the traps of what those
-have found. What they miss is still reached by patience. Images do not depend on it, so each process makes the pass for
-itself.
+With weak damping, the end of a trajectory can be recognised long before it settles, if the attractors are known. The
+seed pass follows points of the window to their ends: a few without traps, then more with the traps of the attractors
+found. Trajectories on attractors that it misses take longer, but their images are the same. Since images do not depend
+on the seed pass, each process makes its own.
 """
 
 from functools import lru_cache
@@ -19,11 +19,11 @@ from rattle_kernels.lanes.traps import NO_TRAPS, LaneTraps
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
-# Rounds of seeds. At 6e-4 the first finds the orbits of 93 % of the window, the second those of 98 %.
+# Seeds in each round. At a damping of 6e-4 the first finds the orbits of 93 % of the window, the second those of 98 %.
 _ROUNDS = (128, 2048)
-# At 0.06 a second of scouting saves three quarters of the applications; at 0.6, half a per cent.
+# At a damping of 0.06 a seed pass of one second saves three quarters of the applications; at 0.6, half a per cent.
 _LARGEST_DAMPING = 0.1
-# With fewer the pass would cost more than it saves.
+# With fewer cells the pass would cost more than it saves.
 _CELLS_PER_SEED = 8
 
 
@@ -31,7 +31,7 @@ _CELLS_PER_SEED = 8
 def traps_of_seeds(
     oscillator: Oscillator, grid: CellGrid, iterations: int, places: int, pause: Pause = never_stopped
 ) -> LaneTraps:
-    """Traps of the attractors that a sample of the window ends in; none where they would not pay.
+    """Traps of the attractors that a sample of the window ends in; none if they would not pay.
 
     Parameters
     ----------
@@ -39,9 +39,9 @@ def traps_of_seeds(
         Checked by the caller.
     grid : CellGrid
     iterations : int
-        k, after which the seeds have settled or are left out.
+        k, applied to each seed. Seeds captured or undecided by then are left out.
     places : int
-        Cells or points that the traps are for.
+        Number of cells or points that will use the traps.
     pause : callable
         Called several times a second; an exception raised there ends the work.
 

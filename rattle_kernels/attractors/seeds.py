@@ -1,4 +1,4 @@
-"""Seeds: one landing point of every box of a coarse lattice, the seeds of a catalogue of attractors."""
+"""Seeds of a catalogue of attractors: one landing point from every box of a coarse lattice."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 from rattle_kernels.attractors.classify import coarser_boxes, landing_boxes
 from rattle_kernels.model.oscillator import Oscillator
 
-# Every seed is followed for some thousand impacts: a quarter of a second for this many.
+# Every seed is followed for some thousand impacts. This many take a quarter of a second.
 _MOST_SEEDS = 4096
 
 
@@ -22,7 +22,7 @@ class Seeds:
 
 
 def choose_seeds(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> Seeds:
-    """The first of some landing points in every box; NaN are passed over."""
+    """The first landing point in every box; NaN are skipped."""
     boxes = landing_boxes(oscillator, t.ravel(), v.ravel())
     numbers, first = np.unique(boxes, return_index=True)
     first = first[numbers >= 0]
@@ -30,10 +30,10 @@ def choose_seeds(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> Seeds:
 
 
 def gather_seeds(parts: Sequence[Seeds]) -> Seeds:
-    """The first seed of each box, of boxes so coarse that a few thousand seeds are left.
+    """The first seed of each box. Boxes are coarsened until at most a few thousand seeds remain.
 
-    Parts come in the order of tiles, so the first is the same whenever its tile was computed. What a thinned crowd of
-    seeds misses, landing points that arrive nowhere report when they are named.
+    Parts are in the order of tiles, so the first seed does not depend on when its tile was computed. Attractors that
+    the thinned seeds miss show up when landing points are named, as unassigned points.
     """
     boxes = np.concatenate([part.box for part in parts])
     numbers, first = np.unique(boxes, return_index=True)

@@ -1,7 +1,7 @@
 """The periodic orbit on which a trajectory has settled, or nearly so.
 
-A trajectory comes back close to where it was after p impacts; the orbit there is polished by Newton, and its
-multipliers decide. Slow convergence is not chaos.
+If a trajectory returns close to itself after p impacts, Newton's method refines the orbit there, and its multipliers
+decide. Slow convergence is not chaos.
 """
 
 import math
@@ -22,7 +22,7 @@ _CLOSE_RETURN = 1e-6
 
 
 def attractor_of(orbit: PeriodicOrbit) -> Attractor:
-    """Attractor that a periodic orbit is, where it attracts."""
+    """An attracting periodic orbit as an attractor."""
     return Attractor(
         AttractorKind.PERIODIC, orbit.forcing_periods, orbit.upper_contacts, orbit.lower_contacts,
         orbit.lyapunov_exponent, 0.0, orbit.t, orbit.v,
@@ -31,7 +31,7 @@ def attractor_of(orbit: PeriodicOrbit) -> Attractor:
 
 @kernel
 def _distances_on_return(oscillator, t, v, scale, distances):
-    """Distance from a departure after 1, 2, ... impacts; infinite from where contact is permanent."""
+    """Distance from a departure after 1, 2, ... impacts; infinite once contact is permanent."""
     here_t, here_v = t, v
     distances[:] = math.inf
     for i in range(distances.size):
@@ -44,7 +44,7 @@ def _distances_on_return(oscillator, t, v, scale, distances):
 
 
 def _closest_return(oscillator: Oscillator, t: float, v: float) -> tuple[int, float]:
-    """Impact period after which a trajectory first comes back within 1e-6, or else closest; and that distance."""
+    """Impact period after which a trajectory first returns within 1e-6, or else closest; and that distance."""
     distances = np.empty(_LONGEST_PERIOD)
     _distances_on_return(oscillator, t, v, largest_grazing_speed(oscillator), distances)
     close = np.flatnonzero(distances < _CLOSE_RETURN)
@@ -55,16 +55,16 @@ def _closest_return(oscillator: Oscillator, t: float, v: float) -> tuple[int, fl
 def _down_the_cascade(
     oscillator: Oscillator, t: float, v: float, period: int, orbit: PeriodicOrbit
 ) -> PeriodicOrbit | None:
-    """The orbit that a repelling one has become by period doublings, where a departure is on it.
+    """The orbit near a departure into which period doublings have turned a repelling one.
 
-    In a cascade of them orbits come to lie closer to each other than a close return is.
+    In a cascade, orbits come to lie closer to each other than the distance of a close return.
     """
     scale = largest_grazing_speed(oscillator)
     while not orbit.attracts and orbit.multipliers.real.min() < -1.0 and 2 * period <= _LONGEST_DOUBLED:
         period *= 2
         doubled = find_periodic_orbit(oscillator, t, v, period, scale)
         if doubled is None or doubled.upper_contacts <= orbit.upper_contacts:
-            return None  # the same one again: this is no cascade
+            return None  # the same orbit again: not a cascade
         orbit = doubled
     return orbit
 

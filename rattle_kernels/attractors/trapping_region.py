@@ -1,27 +1,27 @@
-"""Traps: neighbourhoods of attracting periodic orbits that are too weakly damped to be waited for.
+"""Traps: neighbourhoods of attracting periodic orbits, for damping so weak that convergence takes too long.
 
-A turn around a periodic orbit brings a trajectory closer by e^{-delta m/2} only, m the forcing periods of a turn; at a
-damping of 6e-4 it takes some 10^5 periods to converge. But once inside a neighbourhood that P^p maps into itself it is
-finished: its phase on the orbit is known for good, and with it every later image.
+A turn around a periodic orbit brings a trajectory closer only by e^{-delta m/2}, where m is the number of forcing
+periods in a turn. At a damping of 6e-4, convergence takes some 10^5 periods. But once a trajectory is inside a
+neighbourhood that P^p maps into itself, its phase on the orbit is known for good, and with it every later image.
 
-Where the multipliers are complex, P^p turns in its eigencoordinate z and contracts |z|; further out nonlinear terms
-bend circles by far more than the contraction of a turn. So circles are replaced by the levels of a polynomial
+If the multipliers are complex, P^p rotates its eigencoordinate z and contracts |z|. Further out nonlinear terms deform
+circles by far more than one turn contracts them. So levels of a polynomial replace circles:
 
     V = |z|^2 + sum c_jk z^j conj(z)^k,   3 <= j + k <= 8, j > k,
 
-fitted to ``V(P^p z) = e^{-delta m} V(z)``, which is linear in c (Birkhoff's normal form, by least squares). They follow
-the invariant curves of the undamped map through most of the island.
+It is fitted to ``V(P^p z) = e^{-delta m} V(z)``, which is linear in c (Birkhoff's normal form, by least squares). The
+levels follow the invariant curves of the undamped map through most of the island.
 
-A fit proves nothing; the trap is the region V < level within a disc |z| <= radius, for which is tested:
+A fit proves nothing. The trap is the region V < level within a disc |z| <= radius that passes three tests:
 
-1. the outer circle stays on the orbit's side of the grazing curve at every impact of a turn, with a margin from node to
-   node. P maps the disc that the circle bounds to the disc that its image bounds, so no flight from inside grazes;
-2. the descent ``(change of ln V)/(delta m)``, -1 at the centre, is at most -1/2 at all nodes of a polar mesh and
-   differs by less than 1/4 between neighbours;
-3. V is above the level on the outer circle. The image of the trap is connected and holds the centre, so it cannot leave
-   the disc.
+1. The outer circle stays on the orbit's side of the grazing curve at every impact of a turn, with a margin from node to
+   node. P maps the disc inside the circle to the disc inside its image, so no flight from inside grazes.
+2. The descent ``(change of ln V)/(delta m)``, -1 at the centre, is at most -1/2 at all nodes of a polar mesh and
+   differs by less than 1/4 between neighbours.
+3. V is above the level on the outer circle. The image of the trap is connected and contains the centre, so it cannot
+   leave the disc.
 
-Hence V falls by e^{-delta m/2} at least with every turn.
+Hence every turn multiplies V by e^{-delta m/2} at most.
 """
 
 import math
@@ -42,13 +42,13 @@ from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, derivatives_along, find_periodic_orbit
 
 _LARGEST, _SMALLEST, _SHRINK = 0.2, 1e-6, 0.5
-# Once a trap is found, what lies between it and the last failure is tried from above.
+# Once a trap is found, radii between it and the last failure are tried, the largest first.
 _STRETCHES = (1.7, 1.4, 1.2)
 _FIT_RADII, _FIT_ANGLES = 12, 48
 _TEST_RADII, _TEST_ANGLES = 16, 64
 _LONGEST_PERIOD = 512
 _ROWS, _COLUMNS = 1024, 512
-# How far beyond a trap the lattice still points to it, in its own radii.
+# Distance from an orbit's point up to which the lattice points to it, in radii of its trap.
 _REACH = 2.0
 
 
@@ -64,7 +64,7 @@ class Trap(NamedTuple):
 
 
 def _eigenframe(orbit: PeriodicOrbit, scale: float) -> np.ndarray | None:
-    """Real and imaginary part of the eigencoordinate of DP^p as rows; none where the multipliers are real."""
+    """Real and imaginary part of the eigencoordinate of DP^p as rows; None if the multipliers are real."""
     values, vectors = np.linalg.eig(orbit.jacobians[0])
     if values[0].imag == 0.0:
         return None
@@ -80,7 +80,7 @@ def _monomials(z: np.ndarray) -> np.ndarray:
 
 
 class _Turn:
-    """Points z around an orbit's slowest one, and where a turn takes them."""
+    """Points z around the slowest point of an orbit, and their images after a turn."""
 
     def __init__(self, oscillator: Oscillator, orbit: PeriodicOrbit, frame: np.ndarray) -> None:
         self.oscillator, self.orbit, self.frame = oscillator, orbit, frame
@@ -93,7 +93,7 @@ class _Turn:
         return self.orbit.t[0] + dt, self.orbit.v[0] + dv
 
     def after(self, z: np.ndarray) -> np.ndarray | None:
-        """Points after a turn, none where one took another way."""
+        """Points after a turn; None if one does not follow the orbit."""
         t, v = self.departures(z)
         if not v.min() > 0.0:
             return None
@@ -105,7 +105,7 @@ class _Turn:
         return x + 1j * y
 
     def keeps_clear_of_grazing(self, ring: np.ndarray) -> bool:
-        """Whether at every impact of a turn a closed curve stays on the orbit's side of the grazing curve."""
+        """Whether a closed curve stays on the orbit's side of the grazing curve at every impact of a turn."""
         t, v = self.departures(ring)
         if not v.min() > 0.0:
             return False
@@ -138,14 +138,14 @@ def _fit(turn: _Turn, radius: float, shrinks: float) -> np.ndarray | None:
 
 
 def _descends(before: np.ndarray, after: np.ndarray, rate: float) -> bool:
-    """Whether V falls at every node of a polar mesh by half of what it does at the centre, and evenly."""
+    """Whether V falls evenly, and at every node of a polar mesh at least half as fast as at the centre."""
     if not (before.min() > 0.0 and after.min() > 0.0):
         return False
     return bool(descends_everywhere(np.log(after / before) / rate))
 
 
 def _trap_within(turn: _Turn, radius: float, rate: float) -> Trap | None:
-    """Trap in a disc, none where it cannot be shown to be one."""
+    """Trap in a disc; None if it fails a test."""
     z = _polar(radius * (np.arange(_TEST_RADII) + 1) / _TEST_RADII, _TEST_ANGLES)
     edge = turn.after(z[-1])
     if edge is None or np.abs(edge).max() > 2.0 * radius or not turn.keeps_clear_of_grazing(z[-1]):
@@ -172,14 +172,14 @@ def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) -> Tra
     oscillator : Oscillator
         Checked by the caller.
     orbit : PeriodicOrbit
-        An attracting one.
+        An attracting orbit.
     scale : float
-        Speed that weighs as much as one forcing period.
+        Speed that counts as much as one forcing period.
 
     Returns
     -------
     Trap or None
-        None where the multipliers are real or nothing larger than 1e-6 could be shown to be a trap.
+        None if the multipliers are real, or no disc with a radius above 1e-6 passes the tests.
     """
     frame = _eigenframe(orbit, scale)
     if frame is None or not orbit.attracts:
@@ -197,7 +197,7 @@ def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) -> Tra
 
 
 def _along(oscillator: Oscillator, trap: Trap, scale: float) -> tuple[np.ndarray, np.ndarray]:
-    """At every point of a trap's orbit: the frame of what z will be on arrival at the slowest one, and the stretch."""
+    """For each point of a trap's orbit, the frame that gives z on arrival at the slowest point, and the stretch."""
     orbit = trap.orbit
     derivatives = derivatives_along(oscillator, orbit)
     arriving, leaving = [], [np.linalg.inv(trap.frame)]
@@ -213,13 +213,13 @@ def _along(oscillator: Oscillator, trap: Trap, scale: float) -> tuple[np.ndarray
 
 @kernel
 def _paint(time, speed, frames, radius, top, nearest, closeness):
-    """Write into the lattice which orbit's point is closest, measured in the radii of its trap."""
+    """Write the nearest orbit point within reach into each cell of the lattice; distances are in radii of its trap."""
     rows, columns = nearest.shape
     high, wide = top / rows, 1.0 / columns
     for i in range(time.size):
         a, b, c, d = frames[i, 0, 0], frames[i, 0, 1], frames[i, 1, 0], frames[i, 1, 1]
         determinant = abs(a * d - b * c)
-        # A cell counts as near when some of it is.
+        # A cell counts as near if any part of it is.
         size = radius[i] + 0.5 * (wide * math.hypot(a, c) + high * math.hypot(b, d))
         span_t, span_v = _REACH * size * math.hypot(b, d) / determinant, _REACH * size * math.hypot(a, c) / determinant
         first_row = max(int((speed[i] - span_v) / high), 0)
@@ -288,7 +288,7 @@ def build_trap_table(oscillator: Oscillator, attractors: Sequence[Attractor]) ->
     Returns
     -------
     LaneTraps
-        Of those orbits around which one was found.
+        Traps of the orbits around which one was found.
     """
     orbits = tuple(
         (float(each.time[0]), float(each.velocity[0]), each.upper_contacts)

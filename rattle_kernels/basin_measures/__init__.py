@@ -1,1 +1,1 @@
-"""Measures of a drawn basin."""
+"""Measures of basins, from their pictures."""

@@ -1,10 +1,10 @@
-"""What the measures of a basin picture take: an array of solutions, one for each cell."""
+"""The input of measures of a basin picture: an array with the solution of each cell."""
 
 import numpy as np
 
 
 def check_basins(solution: np.typing.ArrayLike) -> np.ndarray:
-    """Return solutions as a contiguous array of int64, or say what is wrong with them.
+    """Return solutions as a contiguous array of int64, or raise if they are not valid.
 
     Parameters
     ----------
@@ -18,7 +18,7 @@ def check_basins(solution: np.typing.ArrayLike) -> np.ndarray:
     Raises
     ------
     ValueError
-        Where it is no plane of integers, or a cell has no solution (negative: missing, or followed to nowhere).
+        If it is not a plane of integers, or a cell has no solution (negative: missing or unassigned).
     """
     array = np.asarray(solution)
     if array.ndim != 2 or array.size == 0 or array.dtype.kind not in "iub":

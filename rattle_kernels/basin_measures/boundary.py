@@ -1,4 +1,4 @@
-"""Basin boundaries in a picture, and how much of them lies on given curves, such as stable manifolds (Sec. 6.2)."""
+"""Basin boundaries in a picture, and their share on given curves, such as stable manifolds (Sec. 6.2)."""
 
 from collections.abc import Iterable
 
@@ -8,12 +8,12 @@ from rattle_kernels.basin_measures.arrays import check_basins
 from rattle_kernels.cell_mapping.cell_grid import CellGrid, check_grid
 from rattle_kernels.manifolds.polyline import Piece
 
-# Samples to a cell along a curve: what it crosses by less than a quarter of a cell may be missed.
+# Samples per cell along a curve. A cell that it crosses for less than a quarter of a cell may be missed.
 _SAMPLES = 4
 
 
 def boundary_cells(solution: np.typing.ArrayLike, wraps: bool = True) -> np.ndarray:
-    """Cells of which a neighbour along time or velocity ends in another motion.
+    """Cells with a neighbour, along time or velocity, that ends in a different motion.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def cells_along(pieces: Iterable[Piece], grid: CellGrid) -> np.ndarray:
 
 
 def widened(cells: np.ndarray, wraps: bool = True) -> np.ndarray:
-    """Marked cells and the eight around each."""
+    """Marked cells and the eight neighbours of each."""
     wide = cells.copy()
     wide[1:] |= cells[:-1]
     wide[:-1] |= cells[1:]
@@ -76,7 +76,7 @@ def widened(cells: np.ndarray, wraps: bool = True) -> np.ndarray:
 
 
 def boundary_share(solution: np.typing.ArrayLike, grid: CellGrid, pieces: Iterable[Piece]) -> float:
-    """Share of the boundary cells that lie within one cell of some curves.
+    """Share of the boundary cells that lie within one cell of given curves.
 
     Parameters
     ----------
@@ -90,12 +90,12 @@ def boundary_share(solution: np.typing.ArrayLike, grid: CellGrid, pieces: Iterab
     Returns
     -------
     float
-        NaN where the picture has no boundary.
+        NaN if the picture has no boundary.
 
     Raises
     ------
     ValueError
-        Where solutions and grid do not fit.
+        If the shapes of solutions and grid differ.
     """
     grid = check_grid(grid)
     boundary = boundary_cells(solution, grid.wraps)

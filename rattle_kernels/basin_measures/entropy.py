@@ -1,14 +1,14 @@
-"""Basin entropy: how uncertain the final motion is, seen at the size of a box.
+"""Basin entropy: the uncertainty of the final motion at the scale of a box.
 
-The picture is cut into boxes of e x e cells. In box i a share p_ij of the cells ends in motion j; its Gibbs entropy is
-``S_i = -sum_j p_ij ln p_ij``. The basin entropy S_b is its mean over all N boxes, the boundary basin entropy S_bb its
-mean over the N_b boxes that hold more than one motion:
+The picture is divided into boxes of e x e cells. In box i a share p_ij of the cells ends in motion j, so its Gibbs
+entropy is ``S_i = -sum_j p_ij ln p_ij``. The basin entropy S_b is the mean over all N boxes. The boundary basin entropy
+S_bb is the mean over the N_b boxes that contain more than one motion:
 
     S_b = (sum_i S_i)/N,    S_bb = (sum_i S_i)/N_b
 
-Where boundaries are smooth, nearly every boundary box is cut into two parts by one curve, so S_bb <= ln 2; hence the
+If boundaries are smooth, one curve divides nearly every boundary box into two parts, so S_bb <= ln 2. Hence the
 *ln 2 criterion*: S_bb > ln 2 implies fractal boundaries. It is sufficient, not necessary: with two motions S_i <= ln 2
-whatever the boundary.
+for any boundary.
 
 Daza, Wagemakers, Georgeot, Guéry-Odelin and Sanjuán, Basin entropy: a new tool to analyze uncertainty in dynamical
 systems, Sci. Rep. 6, 31416 (2016).
@@ -24,10 +24,10 @@ from rattle_kernels.numerics.jit import kernel
 
 
 class BasinEntropy(NamedTuple):
-    """Entropies of a picture, in natural units, and of how many boxes they are means.
+    """Entropies of a picture, in natural units, and the numbers of boxes averaged.
 
-    ``basin_entropy`` is S_b, ``boundary_entropy`` S_bb (NaN where no box holds a boundary); ``boundary_boxes`` of the
-    ``boxes`` hold more than one motion.
+    ``basin_entropy`` is S_b, ``boundary_entropy`` S_bb (NaN if no box contains a boundary). Of the ``boxes``,
+    ``boundary_boxes`` contain more than one motion.
     """
 
     basin_entropy: float
@@ -37,7 +37,7 @@ class BasinEntropy(NamedTuple):
 
     @property
     def fractal(self) -> bool:
-        """Whether the ln 2 criterion says that the boundaries are fractal; False decides nothing."""
+        """Whether the boundaries are fractal by the ln 2 criterion; False is inconclusive."""
         return self.boundary_entropy > math.log(2.0)
 
 
@@ -51,7 +51,7 @@ def _box_entropies(solution, box_cells, entropy):
             for motion in box.flat:
                 count[motion] += 1
             total = 0.0
-            for motion in box.flat:  # each motion once: its count is taken away when it is met
+            for motion in box.flat:  # each motion once: its count is then reset
                 if count[motion] > 0:
                     part = count[motion] / cells
                     total -= part * math.log(part)
@@ -67,8 +67,8 @@ def basin_entropy(solution: np.typing.ArrayLike, box_cells: int = 5) -> BasinEnt
     solution : array_like of int, shape (velocity cells, time cells)
         Index of the motion that each cell ends in; none negative.
     box_cells : int
-        Linear size e of a box, at least 2; 5, the paper's choice, by default. Boxes do not overlap; rows and columns
-        left over at the upper ends are not counted.
+        Linear size e of a box, at least 2. The default of 5 is the paper's choice. Boxes do not overlap. Rows and
+        columns left over at the upper ends are not counted.
 
     Returns
     -------
@@ -77,12 +77,12 @@ def basin_entropy(solution: np.typing.ArrayLike, box_cells: int = 5) -> BasinEnt
     Raises
     ------
     ValueError
-        Where a cell has no solution, or no box fits into the picture.
+        If a cell has no solution, or no box fits into the picture.
 
     Notes
     -----
     ``S_b = (1/N) sum_i S_i`` and ``S_bb = (1/N_b) sum_i S_i`` with ``S_i = -sum_j p_ij ln p_ij`` (Daza et al., 2016).
-    A box of e^2 cells that sees N motions at random finds ln N - (N - 1)/(2 e^2) about: small boxes say too little.
+    For N motions at random, a box of e^2 cells gives about ln N - (N - 1)/(2 e^2): small boxes underestimate.
     """
     array = check_basins(solution)
     if not 2 <= box_cells <= min(array.shape):

@@ -1,20 +1,19 @@
-"""Integrity of one motion's basin: how much of the plane it holds, and how large a disturbance it bears.
+"""Integrity of one motion's basin: its share of the plane, and the largest safe disturbance.
 
 Three measures, for the basin of motion number `index`:
 
-- the *global integrity measure* GIM: the basin's share of the window;
-- the *local integrity measure* LIM: the radius of the largest disc about the attractor's states inside the basin, that
-  is, the least distance from a state to where the basin ends. It is the largest disturbance that is safe whatever its
-  direction;
-- the *integrity factor* IF: the radius of the largest disc anywhere inside the basin. Unlike the share it does not
+- The *global integrity measure* GIM is the basin's share of the window.
+- The *local integrity measure* LIM is the radius of the largest disc about the attractor's states inside the basin: the
+  least distance from a state to the end of the basin. It is the largest disturbance that is safe in every direction.
+- The *integrity factor* IF is the radius of the largest disc anywhere inside the basin. Unlike the share, it does not
   count fractal parts, where no state is safe.
 
-Distances are measured in the scaled plane (t, v/velocity_scale): time in forcing periods, round the cylinder where the
-window spans a whole period. Discs are drawn among cells as they are, rectangles of one colour. Beyond the window
-nothing is known, so no disc leaves it.
+Distances are measured in the scaled plane (t, v/velocity_scale), with time in forcing periods. If the window spans a
+whole period, they are taken round the cylinder. Each cell is a rectangle that belongs to one basin. Nothing is known
+beyond the window, so no disc leaves it.
 
-Permanent contact has no departures: its states are v -> 0 at every phase. Its LIM is the largest speed, scaled, below
-which every departure of the window ends in permanent contact again, and v = 0 is no end of its basin.
+Permanent contact has no departures. Its states are v -> 0 at every phase. Its LIM is the largest speed, scaled, below
+which every departure of the window ends in permanent contact again. The line v = 0 is not an end of its basin.
 
 Thompson, Chaotic phenomena triggering the escape from a potential well, Proc. R. Soc. A 421, 195 (1989); Soliman and
 Thompson, Integrity measures quantifying the erosion of smooth and fractal basins of attraction, J. Sound Vib. 135, 453
@@ -36,9 +35,9 @@ from rattle_kernels.numerics.jit import inlined, kernel
 
 
 class LargestDisc(NamedTuple):
-    """A disc inside a basin: its radius in the scaled plane, and its centre as phase and speed, not scaled.
+    """A disc inside a basin: its radius in the scaled plane, and its centre as phase and unscaled speed.
 
-    Radius 0 and a centre of NaN where the basin has no cell.
+    If the basin has no cell, the radius is 0 and the centre NaN.
     """
 
     radius: float
@@ -77,8 +76,8 @@ def global_integrity_measure(solution: np.typing.ArrayLike, index: int = 0) -> f
 
     Notes
     -----
-    ``GIM = (cells of the basin)/(cells of the window)`` (Soliman and Thompson, 1989, for a window instead of all safe
-    states): it depends on the window.
+    ``GIM = (cells of the basin)/(cells of the window)``, as in Soliman and Thompson (1989) but for a window instead of
+    all safe states. So it depends on the window.
     """
     return float((check_basins(solution) == index).mean())
 
@@ -93,7 +92,7 @@ def integrity_factor(
     solution : array_like of int, shape (velocity cells, time cells)
         Index of the motion that each cell ends in; none negative.
     grid : CellGrid
-        The window; where it spans the whole period discs reach round the cylinder.
+        The window. If it spans a whole period, discs reach round the cylinder.
     index : int
         The motion; 0 is permanent contact.
     velocity_scale : float
@@ -102,12 +101,12 @@ def integrity_factor(
     Returns
     -------
     LargestDisc
-        Of several largest discs, the one with the lowest cell number.
+        If several are largest, the one with the lowest cell number.
 
     Notes
     -----
-    ``IF = max_x min_y |x - y|`` over centres x of the basin's cells and points y outside it (Rega and Lenci, 2005), by
-    an exact distance transform.
+    ``IF = max_x min_y |x - y|`` over centres x of the basin's cells and points y outside it (Rega and Lenci, 2005),
+    computed by an exact distance transform.
     """
     array, grid = _check(solution, grid, velocity_scale)
     if not (array == index).any():
@@ -120,13 +119,13 @@ def integrity_factor(
 
 @inlined
 def _gap(cell, at):
-    """Cells between the coordinate `at` and the cell that spans [cell, cell + 1]; 0 inside it."""
+    """Distance, in cells, from the coordinate `at` to the cell that spans [cell, cell + 1]; 0 inside it."""
     return max(cell - at, at - (cell + 1), 0.0)
 
 
 @inlined
 def _row_gap(outside, row, at, wraps, most):
-    """Least gap, below `most`, from the column coordinate `at` to a cell of a row that is outside; else `most`."""
+    """Least gap from the column coordinate `at` to a cell of a row outside the basin, but at most `most`."""
     columns = outside.shape[1]
     middle = int(at)
     for away in range(columns):
@@ -145,7 +144,7 @@ def _row_gap(outside, row, at, wraps, most):
 
 @kernel
 def _least_distance(outside, row, column, wraps, width, height, ends_below):
-    """Distance from the point at coordinates (row, column), counted in cells, to what is outside."""
+    """Distance from a point to the outside of the basin; its coordinates (row, column) are in cells."""
     rows, columns = outside.shape
     best = min((rows - row) * height, row * height if ends_below else math.inf)
     if not wraps:
@@ -165,7 +164,7 @@ def _least_distance(outside, row, column, wraps, width, height, ends_below):
 
 
 def _distance_of_contact(outside: np.ndarray, grid: CellGrid, velocity_scale: float) -> float:
-    """Height, scaled, of the rows from v = 0 up that are all inside."""
+    """Scaled height of the rows, from v = 0 up, that lie entirely inside."""
     if grid.velocity_start > 0.0:
         return math.nan
     rows = np.flatnonzero(outside.any(axis=1))
@@ -192,9 +191,9 @@ def local_integrity_measure(
     solution : array_like of int, shape (velocity cells, time cells)
         Index of the motion that each cell ends in; none negative.
     grid : CellGrid
-        The window; where it spans the whole period discs reach round the cylinder.
+        The window. If it spans a whole period, discs reach round the cylinder.
     attractors : sequence of Attractor
-        The catalogue that `solution` points into.
+        The catalogue that `solution` indexes.
     index : int
         The motion; 0 is permanent contact.
     velocity_scale : float
@@ -203,13 +202,13 @@ def local_integrity_measure(
     Returns
     -------
     float
-        In the scaled plane. 0 where a state lies in a cell of another motion; NaN where a state lies outside the window
-        (for permanent contact: the window does not begin at v = 0), or what the motion is was left undecided.
+        In the scaled plane. 0 if a state lies in a cell of another motion. NaN if a state lies outside the window (for
+        permanent contact: if the window does not begin at v = 0), or if the motion is undecided.
 
     Notes
     -----
     ``LIM = min |x - y|`` over the attractor's states x and points y outside its basin (Soliman and Thompson, 1989). For
-    permanent contact x runs along v = 0. Speeds below 0 are no states: v = 0 ends no basin.
+    permanent contact x runs along v = 0. Negative speeds are not states, so v = 0 is not the end of a basin.
     """
     array, grid = _check(solution, grid, velocity_scale)
     outside = array != index

@@ -1,15 +1,15 @@
 """Least disturbance: the smallest change of velocity that leads from quiet to rattle, at each phase.
 
-In permanent contact the teeth touch at every phase. A disturbance at phase t that parts them with speed v is a
-departure (t, v); if v is small they bounce ever lower and are quiet again. The least disturbance v_q(t) is the lowest
-speed from which they are not:
+In permanent contact the teeth touch at every phase. A disturbance at phase t that separates them with speed v is a
+departure (t, v). If v is small, they bounce ever lower and are quiet again. The least disturbance v_q(t) is the lowest
+speed from which they do not become quiet:
 
     v_q(t) = inf {v > 0 : (t, v) does not end in permanent contact}
 
-In each column of a picture the lowest cell of another motion brackets it, between the centre of the quiet cell below
-and its own; bisection with P itself then narrows the bracket. What is found is an end of the quiet basin for certain:
-quiet on one side, rattling on the other, less than the tolerance apart. That it is the lowest is seen at the resolution
-of the picture only: a tongue of rattle thinner than a cell may lie below.
+In each column of a picture, v_q lies between the centre of the lowest cell of another motion and that of the quiet cell
+below it. Bisection with P itself then narrows this bracket. The result is certainly an end of the quiet basin: quiet on
+one side, rattling on the other, less than the tolerance apart. That it is the lowest holds only at the resolution of
+the picture: a tongue of rattle thinner than a cell may lie below.
 """
 
 import math
@@ -24,16 +24,16 @@ from rattle_kernels.basin_measures.arrays import check_basins
 from rattle_kernels.cell_mapping.cell_grid import CellGrid, check_grid
 from rattle_kernels.model.oscillator import Oscillator, check_domain
 
-# Permanent contact's place in every catalogue.
+# Index of permanent contact in every catalogue.
 _QUIET = 0
 
 
 class LeastDisturbance(NamedTuple):
     """Least disturbance of permanent contact at each phase, arrays of shape (time cells,).
 
-    ``time`` are the phases, in [0, 1); ``velocity`` (float64) the least speed found that leads to another motion, at
-    most the tolerance above one that does not; ``solution`` (int16) is that motion, UNASSIGNED where bisection met one
-    that the catalogue lacks. NaN and 0 where every cell of the column is quiet.
+    ``time`` holds the phases, in [0, 1). ``velocity`` (float64) is the least speed found that leads to another motion,
+    at most the tolerance above a quiet one. ``solution`` (int16) is that motion, or UNASSIGNED if bisection met one
+    that the catalogue lacks. If every cell of the column is quiet, they are NaN and 0.
     """
 
     time: np.ndarray
@@ -42,7 +42,7 @@ class LeastDisturbance(NamedTuple):
 
 
 def _lowest_rattle(array: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Columns in which anything rattles, and the row of the lowest cell that does."""
+    """Columns with a rattling cell, and the row of the lowest one."""
     rattles = array != _QUIET
     columns = np.flatnonzero(rattles.any(axis=0))
     return columns, rattles[:, columns].argmax(axis=0)
@@ -60,15 +60,15 @@ def least_disturbance(
     Parameters
     ----------
     oscillator : Oscillator
-        Impacting model.
+        Either model.
     attractors : sequence of Attractor
-        The catalogue that `solution` points into: permanent contact first.
+        The catalogue that `solution` indexes: permanent contact first.
     solution : array_like of int, shape (velocity cells, time cells)
         Index of the motion that each cell ends in; none negative.
     grid : CellGrid
-        The window; its speeds must begin at 0, so that nothing rattles unseen below it.
+        The window. Its speeds must begin at 0, so that no rattle lies below it.
     tolerance : float
-        Width of the bracket to which each speed is narrowed.
+        Largest final width of each bracket.
 
     Returns
     -------
@@ -77,15 +77,15 @@ def least_disturbance(
     Raises
     ------
     OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map.
+        If the oscillator's parameters lie outside the domain of the map.
     ValueError
-        Where the grid does not fit, or the tolerance is not positive.
+        If the grid does not fit, or the tolerance is not positive.
 
     Notes
     -----
-    ``v_q(t) = inf {v > 0 : (t, v) does not end in permanent contact}``, an upper bound of it where the basin has parts
-    thinner than a cell. Its least value over all phases is the local integrity measure of permanent contact, times the
-    velocity scale, beyond the resolution of the cells.
+    ``v_q(t) = inf {v > 0 : (t, v) does not end in permanent contact}``, or an upper bound if the basin has parts
+    thinner than a cell. Its minimum over all phases is the local integrity measure of permanent contact times the
+    velocity scale, at a resolution finer than the cells.
     """
     checked, array, grid = check_domain(oscillator), check_basins(solution), check_grid(grid)
     if array.shape != grid.shape or grid.velocity_start > 0.0:
@@ -111,11 +111,11 @@ def _bisect(
     motion: np.ndarray,
     tolerance: float,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Narrow brackets between a speed that is quiet (or 0) and one that leads to `motion`; return the upper ends."""
+    """Narrow brackets from a quiet speed (or 0) to one that leads to `motion`; return the upper ends and motions."""
     quiet, rattling = bracket
     while True:
         middle = 0.5 * (quiet + rattling)
-        # Neighbouring numbers have none between them.
+        # Adjacent floating-point numbers have none between them.
         wide = (rattling - quiet > tolerance) & (quiet < middle) & (middle < rattling)
         if not wide.any():
             return rattling, motion

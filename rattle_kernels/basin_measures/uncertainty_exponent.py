@@ -1,15 +1,15 @@
 """Uncertainty exponent: how slowly better knowledge of the initial condition makes the final motion certain.
 
-A cell is *uncertain* at the distance e when one of its four neighbours e cells away, along time or along velocity, ends
-in another motion. The share of such cells goes as
+A cell is *uncertain* at distance e if any of the four cells e away, along time or velocity, ends in a different motion.
+The share of such cells scales as
 
     f(e) ~ e^alpha,    alpha = 2 - d
 
-with d the box dimension of the boundary in the plane. A smooth boundary has alpha = 1: knowing the initial condition
-ten times better makes ten times fewer cells uncertain. For a fractal one alpha < 1.
+where d is the box dimension of the boundary in the plane. A smooth boundary has alpha = 1: knowing the initial
+condition ten times better makes ten times fewer cells uncertain. A fractal boundary has alpha < 1.
 
-A picture shows alpha at the scale of its cells. Stripes without end that thin out towards a curve, f ~ e ln(1/e), look
-fractal in any one picture, though their alpha tends to 1: compare grids before calling a boundary fractal.
+A picture shows alpha at the scale of its cells. Infinitely many stripes that thin out towards a curve, f ~ e ln(1/e),
+look fractal in any one picture, though their alpha tends to 1. So compare grids before calling a boundary fractal.
 
 Grebogi, McDonald, Ott and Yorke, Final state sensitivity: an obstruction to predictability, Phys. Lett. A 99, 415
 (1983); McDonald, Grebogi, Ott and Yorke, Fractal basin boundaries, Physica D 17, 125 (1985).
@@ -28,10 +28,10 @@ _DISTANCES = (1, 2, 3, 4, 6, 8, 12, 16)
 
 
 class UncertaintyExponent(NamedTuple):
-    """Slope alpha of ln f over ln e with its standard error, and what it was fitted to.
+    """Slope alpha of ln f over ln e with its standard error, and the data fitted.
 
-    ``distance`` (int64) are the distances e in cells, ``uncertain_share`` (float64) the shares f(e) of uncertain cells.
-    Exponent and error are NaN where fewer than three of the shares are positive: no boundary, or hardly any.
+    ``distance`` (int64) holds the distances e in cells, ``uncertain_share`` (float64) the shares f(e) of uncertain
+    cells. Exponent and error are NaN if fewer than three shares are positive: there is hardly any boundary, or none.
     """
 
     exponent: float
@@ -47,14 +47,14 @@ class UncertaintyExponent(NamedTuple):
 
 @kernel
 def _count_uncertain(solution, distance, margin, wraps):
-    """Uncertain cells among those at least `margin` cells away from every edge of the window."""
+    """Number of uncertain cells at least `margin` cells away from every edge of the window."""
     rows, columns = solution.shape
     side = 0 if wraps else margin
     count = 0
     for i in range(margin, rows - margin):
         for j in range(side, columns - side):
             here = solution[i, j]
-            # Only where time wraps do these leave the row.
+            # These leave the row only if time wraps.
             left = j - distance if j >= distance else j - distance + columns
             right = j + distance if j + distance < columns else j + distance - columns
             same = solution[i, left] == here and solution[i, right] == here
@@ -66,9 +66,9 @@ def _count_uncertain(solution, distance, margin, wraps):
 def _fit(distance: np.ndarray, count: np.ndarray, cells: int) -> tuple[float, float]:
     """Slope of ln(count) over ln(distance) and its standard error, by weighted least squares.
 
-    A share f of n cells has a logarithm of variance (1 - f)/(f n): its inverse is the weight (one cell is added to both
-    sides, so that no weight is infinite). Neighbouring cells are no independent draws, so the size of the error comes
-    from the residuals' scatter about the line, not from n.
+    The logarithm of a share f of n cells has variance (1 - f)/(f n). The weight is its inverse, with one cell added to
+    both sides so that no weight is infinite. Neighbouring cells are not independent draws, so the error comes from the
+    scatter of the residuals about the line, not from n.
     """
     x, y = np.log(distance), np.log(count / cells)
     weight = (count + 1.0) / (cells - count + 1.0)
@@ -88,11 +88,11 @@ def uncertainty_exponent(
     Parameters
     ----------
     solution : array_like of int, shape (velocity cells, time cells)
-        Index of the motion that each cell ends in; none negative. ``solution == index`` asks for the boundary of one
-        motion's basin alone.
+        Index of the motion that each cell ends in; none negative. Pass ``solution == index`` for the boundary of a
+        single basin.
     distances : sequence of int
-        Distances e in cells, at least three different ones. The cells that are counted are the same for all: those with
-        every neighbour in the window.
+        Distances e in cells, at least three different ones. The same cells are counted for all: those with every
+        neighbour in the window.
     wraps : bool
         Whether the window spans a whole period (`CellGrid.wraps`), so that its last column is next to its first.
 
@@ -103,12 +103,12 @@ def uncertainty_exponent(
     Raises
     ------
     ValueError
-        Where a cell has no solution, or the distances do not fit into the window.
+        If a cell has no solution, or the distances do not fit into the window.
 
     Notes
     -----
     ``f(e) ~ e^alpha`` (Grebogi et al., 1983), fitted as ``ln f = alpha ln e + c`` with weights ``f/(1 - f)``. The error
-    is that of the straight line: it tells how well a power law fits, not what a finer grid would find.
+    is that of the straight line: it shows how well a power law fits, not what a finer grid would give.
     """
     array = check_basins(solution)
     distance = np.unique(np.asarray(distances, np.int64))

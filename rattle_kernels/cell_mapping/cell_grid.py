@@ -1,4 +1,4 @@
-"""The grid of cells over a window of the (t, v) plane, and which cell a point lies in."""
+"""The grid of cells over a window of the (t, v) plane, and the cell that holds a point."""
 
 import math
 from typing import NamedTuple
@@ -7,18 +7,18 @@ import numpy as np
 
 from rattle_kernels.numerics.jit import inlined
 
-# stop - start of a whole period rounds: 1.001 - 0.001 is not 1.
+# Rounding: 1.001 - 0.001 is not 1, yet that window spans a whole period.
 _WHOLE_PERIOD = 1.0 - 1e-12
 
 SINK = -1
-"""Image of a cell whose landing point lies outside the grid."""
+"""Image of a cell that lands outside the grid."""
 
 
 class CellGrid(NamedTuple):
     """Equal cells over ``[time_start, time_stop) x [velocity_start, velocity_stop)``.
 
-    Cell number is ``i_v * time_cells + i_t``. Time is a phase (forcing periods): the window may cross phase 0, as from
-    0.9 to 1.1, and wraps where it spans the whole period. The defaults are the paper's.
+    The cell number is ``i_v * time_cells + i_t``. Time is a phase in forcing periods. The window may cross phase 0, as
+    from 0.9 to 1.1, and it wraps if it spans a whole period. The defaults are the paper's.
     """
 
     time_start: float = 0.0
@@ -40,11 +40,11 @@ class CellGrid(NamedTuple):
 
     @property
     def wraps(self) -> bool:
-        """Whether the window spans the whole period, so that no point lies outside it in time."""
+        """Whether the window spans a whole period. No point then lies outside it in time."""
         return self.time_stop - self.time_start >= _WHOLE_PERIOD
 
     def time_centres(self) -> np.ndarray:
-        """Phases of the cell centres, shape (time_cells,); beyond 1 where the window crosses phase 0."""
+        """Phases of the cell centres, shape (time_cells,). They exceed 1 if the window crosses phase 0."""
         width = (self.time_stop - self.time_start) / self.time_cells
         return self.time_start + (np.arange(self.time_cells) + 0.5) * width
 
@@ -55,12 +55,12 @@ class CellGrid(NamedTuple):
 
 
 def check_grid(grid: CellGrid) -> CellGrid:
-    """Return the grid with plain float and int fields, or say what is wrong with it.
+    """Return the grid with plain float and int fields, or raise if it is not valid.
 
     Raises
     ------
     ValueError
-        Naming the field, its value and what would be right.
+        Names the field, its value and the values allowed.
     """
     checked = CellGrid(
         float(grid.time_start), float(grid.time_stop), int(grid.time_cells),
@@ -87,14 +87,14 @@ def check_grid(grid: CellGrid) -> CellGrid:
 
 @inlined
 def cell_number(grid, t, v):
-    """Cell that holds the point (t, v), or SINK where none does.
+    """Cell that holds the point (t, v), SINK if none does.
 
     Parameters
     ----------
     grid : CellGrid
         Checked by the caller.
     t, v : float
-        A phase (any value) and a speed, finite.
+        Phase (any value) and speed, finite.
 
     Returns
     -------
@@ -105,10 +105,10 @@ def cell_number(grid, t, v):
     span = grid.time_stop - grid.time_start
     up = v - grid.velocity_start
     height = grid.velocity_stop - grid.velocity_start
-    # A whole period has no outside: a phase just below the start may round up to span itself.
+    # A whole period has no outside, but a phase just below the start may round up to the span itself.
     if (into >= span and span < _WHOLE_PERIOD) or not 0.0 <= up < height:
         return SINK
-    # The quotient of a point just inside an upper edge may round up to the number of cells.
+    # Just inside an upper edge the quotient may round up to the number of cells.
     i_t = min(int(into / span * grid.time_cells), grid.time_cells - 1)
     i_v = min(int(up / height * grid.velocity_cells), grid.velocity_cells - 1)
     return i_v * grid.time_cells + i_t

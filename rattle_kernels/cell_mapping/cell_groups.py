@@ -1,10 +1,10 @@
 """Group, period and step of every cell, as Hsu (1980, 1987) defines them, from the image set alone.
 
-A cell map sends each cell to one image, so following images from any cell ends on a cycle of cells (a group; its length
-is the period) or in a reserved image. The *image set* R, the distinct images of all cells, is closed under the map and
-holds every cycle. So `find_groups` runs Hsu's algorithm on R only, which for ``P^k`` with a large k is far smaller than
-the grid, and `label_cells` then labels any cells by looking up their images: ``group(c) = group(image(c))``, and
-``step(c) = step(image(c)) + 1`` unless c is on a cycle.
+A cell map sends each cell to one image. The sequence of images from any cell therefore ends on a cycle of cells (a
+group, whose length is the period) or in a reserved image. The *image set* R holds the distinct images of all cells. It
+is closed under the map and contains every cycle, and for ``P^k`` with a large k it is far smaller than the grid. So
+`find_groups` runs Hsu's algorithm on R only. `label_cells` then labels any cells by their images: ``group(c) =
+group(image(c))``, and ``step(c) = step(image(c)) + 1`` unless c is on a cycle.
 """
 
 from typing import NamedTuple
@@ -18,10 +18,10 @@ from rattle_kernels.numerics.jit import kernel
 class CellGroups(NamedTuple):
     """Hsu's numbers on the image set.
 
-    ``members`` is the image set R; ``group`` and ``step`` (int32) have an entry for each of its members in ascending
-    order: ``group`` is 1, 2, ... by each cycle's lowest cell number, 0 the sink, -1 permanent contact, -2 undecided;
-    ``step`` the applications to reach the cycle, 0 on it, or to get into the reserved image. ``period_of_group``
-    (int32) is the length of each group's cycle, 0 for entry 0.
+    ``members`` is the image set R. ``group`` and ``step`` (int32) have an entry for each member, in ascending order.
+    ``group`` is 1, 2, ... in the order of each cycle's lowest cell number, 0 for the sink, -1 for permanent contact, -2
+    for undecided. ``step`` is the number of applications to the cycle (0 on it) or to the reserved image.
+    ``period_of_group`` (int32) is the length of each group's cycle, 0 for entry 0.
     """
 
     members: ImageSet
@@ -32,11 +32,11 @@ class CellGroups(NamedTuple):
 
 @kernel
 def _peel(place, degree, order):
-    """Take off members that are no member's image any more, until cycles alone are left; return how many.
+    """Remove members that are no longer the image of a member, until only cycles remain; return how many.
 
-    `order` lists them as they come off, so that each stands before its image; `degree` counts the images a member
-    still is. Unlike a walk along images, one member after the other, the steps of this pass do not wait for one
-    another: twice as fast where images lie scattered.
+    `order` lists them in the order of removal, so each precedes its image. `degree` is the number of remaining members
+    that map to a member. The steps of this pass do not wait for one another, unlike those of a walk from image to
+    image. That makes it twice as fast when images are scattered.
     """
     for i in range(place.size):
         if place[i] >= 0:
@@ -60,9 +60,9 @@ def _peel(place, degree, order):
 
 @kernel
 def _number_cycles(place, degree, period):
-    """Number the cycles that peeling has left; in ascending order of members, so by their lowest cell.
+    """Number the cycles that remain after peeling, in the order of their lowest cells.
 
-    Their members' place is replaced by the number of the cycle, their degree (1 on a cycle) by 0, their step.
+    For their members, the cycle's number replaces the place, and the step, 0, replaces the degree, which is 1.
     """
     cycles = 0
     for start in range(place.size):
@@ -81,7 +81,7 @@ def _number_cycles(place, degree, period):
 
 @kernel
 def _step_back(place, order, peeled, step):
-    """Replace the place of what was peeled by its group, from the cycles and reserved images outwards."""
+    """Replace the places of peeled members by their groups, from the cycles and reserved images outwards."""
     for i in range(peeled - 1, -1, -1):
         member = order[i]
         image = place[member]
@@ -97,10 +97,10 @@ def find_groups(members: ImageSet, place: np.ndarray) -> CellGroups:
     Parameters
     ----------
     members : ImageSet
-        The distinct images of all cells that are cell numbers; below 2e9 of them.
+        The distinct images of all cells, without reserved images; fewer than 2e9.
     place : ndarray of int32, shape (members.size,)
-        Where among the members each one's image stands, or its reserved image (see `image_set.place_images`).
-        Overwritten: with 1e8 members, to touch another 400 MB costs as much as the work.
+        For each member, the place of its image among the members, or its reserved image (`image_set.place_images`).
+        Overwritten, since touching another 400 MB, with 1e8 members, costs as much as the work itself.
 
     Returns
     -------
@@ -114,7 +114,7 @@ def find_groups(members: ImageSet, place: np.ndarray) -> CellGroups:
     peeled = _peel(place, degree, order)
     period = np.zeros(members.size - peeled + 1, np.int32)
     cycles = _number_cycles(place, degree, period)
-    group, step = place, degree  # what they have become
+    group, step = place, degree  # the same arrays, overwritten
     _step_back(group, order, peeled, step)
     return CellGroups(members, group, step, period[: cycles + 1].copy())
 
@@ -140,7 +140,7 @@ def _label(groups, own_cells, image_cell, labels):
 def label_cells(
     groups: CellGroups, own_cells: np.ndarray, image_cell: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Group, period and step of any cells, by their images.
+    """Group, period and step of any cells, from their images.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Image of each cell under ``P_corr o P^k`` (Sec. 4, Fig. 5b).
 
-The map starts from the cell's centre; only where ``P^k`` ends is put back on the grid.
+Trajectories start from cell centres. Only the landing point of ``P^k`` is rounded to a cell.
 """
 
 from typing import NamedTuple
@@ -25,9 +25,9 @@ UNDECIDED = -3
 class CellImages(NamedTuple):
     """Images of a rectangle of cells, arrays of shape (rows, columns).
 
-    ``image_cell`` (int64) is a cell number or SINK, PERMANENT_CONTACT, UNDECIDED; ``landing_time`` and
-    ``landing_velocity`` (float64) are ``P^k(centre)``, NaN where captured or undecided; ``applications`` counts the
-    applications of P that were computed.
+    ``image_cell`` (int64) is a cell number, SINK, PERMANENT_CONTACT or UNDECIDED. ``landing_time`` and
+    ``landing_velocity`` (float64) are ``P^k(centre)``, NaN if captured or undecided. ``applications`` is the number of
+    applications of P computed.
     """
 
     image_cell: np.ndarray
@@ -62,12 +62,12 @@ def map_cells(
     traps: LaneTraps = NO_TRAPS,
     pause: Pause = never_stopped,
 ) -> CellImages:
-    """Image cells of a rectangle of the grid.
+    """Images of the cells in a rectangle of the grid.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Impacting model.
+        Either model.
     grid : CellGrid
         The whole grid, not only the rectangle.
     iterations : int
@@ -75,10 +75,10 @@ def map_cells(
     rows, columns : (int, int)
         Start and stop of the rectangle along velocity and along time.
     shortcuts : bool
-        Lock and capture (see `impact_lanes`); without them every cell takes all k applications. No image of a
-        trajectory that is not chaotic depends on them.
+        Whether to use lock and capture (`lanes.run`). Without them every cell takes all k applications. Only
+        images of chaotic trajectories depend on them.
     traps : LaneTraps
-        Of attractors known before (`build_trap_table`): a shortcut, too.
+        Traps of attractors known beforehand (`build_trap_table`), another shortcut.
     pause : callable
         Called several times a second; an exception raised there ends the work.
 
@@ -89,9 +89,9 @@ def map_cells(
     Raises
     ------
     OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map.
+        If the oscillator's parameters lie outside the domain of the map.
     ValueError
-        Where the grid or `iterations` is not valid.
+        If the grid or `iterations` is not valid.
     """
     check_grid(grid)
     times, velocities = grid.time_centres()[slice(*columns)], grid.velocity_centres()[slice(*rows)]
@@ -113,7 +113,7 @@ def map_points(
     traps: LaneTraps = NO_TRAPS,
     pause: Pause = never_stopped,
 ) -> CellImages:
-    """Cells in which points land under ``P^k``, wherever they start.
+    """Cells in which arbitrary points land under ``P^k``.
 
     Parameters
     ----------
@@ -140,9 +140,9 @@ def map_points(
     Raises
     ------
     OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map.
+        If the oscillator's parameters lie outside the domain of the map.
     ValueError
-        Where `iterations` is not valid.
+        If `iterations` is not valid.
     """
     checked = check_domain(oscillator)
     check_iterations(iterations)

@@ -1,8 +1,8 @@
-"""The image set: the distinct images of all cells, one bit a cell.
+"""The image set: the distinct images of all cells, one bit per cell.
 
-Closed under the map, it holds every cycle, and Hsu's algorithm needs nothing else. A bit a cell is 12 MB for 1e8 cells
-whatever the map does: marking an image and asking for its place among the members are one look-up each, where sorted
-cell numbers would have to be searched. What a tile reports are only the words in which it set a bit.
+The set is closed under the map, so it holds every cycle, and Hsu's algorithm needs nothing else. One bit per cell takes
+12 MB for 1e8 cells, whatever the map. Marking an image and finding its place among the members take one look-up each;
+sorted cell numbers would need a search. A tile reports only the words in which it set a bit.
 """
 
 from typing import NamedTuple
@@ -15,10 +15,10 @@ _WORD = 64
 
 
 class ImageSet(NamedTuple):
-    """Members of a set of cells, and how many come before each word.
+    """Members of a set of cells, and the number of members before each word.
 
-    ``words`` (uint64, one for 64 cells) has bit ``cell % 64`` of word ``cell // 64`` set where a cell is a member;
-    ``before`` (int64, one more than words) counts the members below each word, the last entry all of them.
+    ``words`` (uint64) holds 64 cells per word: bit ``cell % 64`` of word ``cell // 64`` is set if the cell is a member.
+    ``before`` (int64, one entry more than words) counts the members below each word; its last entry counts all.
     """
 
     words: np.ndarray
@@ -31,7 +31,7 @@ class ImageSet(NamedTuple):
 
 
 class MarkedWords(NamedTuple):
-    """Part of a set as it travels: the words with a bit set (uint64), and which they are (int64, ascending)."""
+    """Part of a set, as tiles report it: the words with a bit set (uint64) and their numbers (int64, ascending)."""
 
     number: np.ndarray
     word: np.ndarray
@@ -61,7 +61,7 @@ def _list_members(words, cells):
 
 @inlined
 def place_of(image_set, cell):
-    """Place of a cell among the members, in ascending order; -1 where it is none."""
+    """Place of a cell among the members, in ascending order; -1 if it is not a member."""
     words, before = image_set
     number = cell >> 6
     if number >= words.size:
@@ -74,7 +74,7 @@ def place_of(image_set, cell):
 
 @inlined
 def _count_bits(word):
-    # The bitwise sum that LLVM knows as one instruction.
+    # LLVM recognises this bitwise sum and compiles it to one instruction.
     word = word - ((word >> np.uint64(1)) & np.uint64(0x5555555555555555))
     word = (word & np.uint64(0x3333333333333333)) + ((word >> np.uint64(2)) & np.uint64(0x3333333333333333))
     word = (word + (word >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
@@ -82,14 +82,14 @@ def _count_bits(word):
 
 
 def mark_images(cells: int, image_cell: np.ndarray) -> MarkedWords:
-    """Distinct images among some.
+    """Set of the distinct images in an array.
 
     Parameters
     ----------
     cells : int
         Number of cells of the whole grid.
     image_cell : ndarray of int64
-        Cell numbers below `cells`; negative (reserved) images are passed over.
+        Cell numbers below `cells`; negative (reserved) images are skipped.
 
     Returns
     -------
@@ -102,7 +102,7 @@ def mark_images(cells: int, image_cell: np.ndarray) -> MarkedWords:
 
 
 def unite(cells: int, parts: list[MarkedWords]) -> ImageSet:
-    """Union of the images that all tiles have reported.
+    """Union of the images reported by all tiles.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def unite(cells: int, parts: list[MarkedWords]) -> ImageSet:
 
 
 def with_counts(words: np.ndarray) -> ImageSet:
-    """Image set of these words."""
+    """Image set with these words."""
     before = np.zeros(words.size + 1, np.int64)
     np.cumsum(np.bitwise_count(words), out=before[1:])
     return ImageSet(words, before)
@@ -178,12 +178,12 @@ def has_members(image_set: ImageSet, rows: tuple[int, int], columns: tuple[int, 
 def place_images(
     image_set: ImageSet, first: tuple[int, int], time_cells: int, image_cell: np.ndarray, place: np.ndarray
 ) -> None:
-    """Say of a rectangle's members where among the members their images stand.
+    """For the members in a rectangle, find the places of their images among all members.
 
     Parameters
     ----------
     image_set : ImageSet
-        Of fewer than 2e9 members.
+        Fewer than 2e9 members.
     first : (int, int)
         Row and column of the rectangle's first cell.
     time_cells : int
@@ -191,12 +191,12 @@ def place_images(
     image_cell : ndarray of int64, shape (rows, columns)
         Images of the rectangle.
     place : ndarray of int32, shape (image_set.size,)
-        Written where the rectangle holds members: the place of the member's image, or its reserved (negative) image.
+        Written for the members in the rectangle: the place of the member's image, or its reserved (negative) image.
 
     Raises
     ------
     ValueError
-        Where an image is no member: the set is not closed under the map.
+        If an image is not a member: the set is not closed under the map.
     """
     missing = _place_images(image_set, *first, time_cells, image_cell, place)
     if missing >= 0:

@@ -1,34 +1,34 @@
-"""The number k of applications in ``P_corr o P^k``: 1, or a prime.
+"""The number k of applications in ``P_corr o P^k``: 1 or a prime.
 
-Under ``P^k`` a cycle of impact period p falls apart into gcd(p, k) cycles. With k = 1 or a prime above every period
-nothing falls apart, so that the periods of the cell map are those of the motion (Sec. 4).
+Under ``P^k`` a cycle of impact period p splits into gcd(p, k) cycles. If k is 1 or a prime above every period, none
+splits, and the periods of the cell map are those of the motion (Sec. 4).
 
-How many it takes for a picture to be settled follows from the damping: distances to a weakly damped orbit shrink by
-e^{-delta/2} with every period, whatever the orbit. The paper's 1499 at its damping of 0.6 makes k delta = 900.
+The damping determines how large k must be for a picture to settle. Distances to a weakly damped orbit shrink by
+e^{-delta/2} in every period, whatever the orbit. The paper's k = 1499 at its damping of 0.6 makes k delta = 900.
 """
 
 import math
 
 PAPERS_ITERATIONS = 1499
-# The paper keeps its k from here on (Fig. 9).
+# The paper keeps its k from this damping up (Fig. 9).
 _PAPERS_DAMPING = 0.5
 _SETTLED = 900.0
 _LEAST_DAMPING = 9e-5
-# Below it no chaotic attractor is known, in which a trajectory would do all k.
+# No chaotic attractor is known below this damping. On one, a trajectory takes all k applications.
 _WEAK_DAMPING = 0.02
-# Impacts until a trajectory is trapped or captured, times delta: 50 at 6e-4, less above.
+# Impacts until a trajectory is trapped or captured, times delta: 50 at a damping of 6e-4, fewer above it.
 _TRAPPED = 54.0
 
 
 def is_prime(number: int) -> bool:
-    """Whether `number` is a prime, by trial division (a request bounds it to a millisecond)."""
+    """Whether `number` is a prime, by trial division (requests bound it, so this takes a millisecond at most)."""
     if number < 4:
         return number > 1
     return number % 2 == 1 and all(number % divisor for divisor in range(3, math.isqrt(number) + 1, 2))
 
 
 def nearest_primes(number: int) -> tuple[int, ...]:
-    """The primes next to `number`, below (where there is one) and above."""
+    """The nearest primes below (if there is one) and above `number`."""
     above = max(number + 1, 2)
     while not is_prime(above):
         above += 1
@@ -39,12 +39,12 @@ def nearest_primes(number: int) -> tuple[int, ...]:
 
 
 def check_iterations(iterations: int) -> int:
-    """Return `iterations` where it is 1 or a prime.
+    """Return `iterations` if it is 1 or a prime.
 
     Raises
     ------
     ValueError
-        Naming the nearest primes.
+        If it is neither; names the nearest primes.
     """
     if iterations == 1 or is_prime(iterations):
         return iterations
@@ -55,14 +55,14 @@ def check_iterations(iterations: int) -> int:
 
 
 def settled_iterations(damping: float) -> int:
-    """The k of a request that names none: 1499 where the damping is 0.5 or more, else the first prime from 900/damping.
+    """Default k of a request: 1499 for a damping of 0.5 or more, else the first prime from 900/damping up.
 
-    Below a damping of 9e-5 it grows no further.
+    Below a damping of 9e-5 it stays constant.
 
     Parameters
     ----------
     damping : float
-        delta > 0, the smallest of a sweep.
+        delta > 0; for a sweep, the smallest.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def settled_iterations(damping: float) -> int:
 
 
 def expected_applications(damping: float, iterations: int) -> float:
-    """Estimate how many applications of P a cell takes. Below k only where damping is weak, and orbits are known.
+    """Estimate the applications of P per cell: k, or fewer where damping is weak and orbits are known.
 
     Parameters
     ----------

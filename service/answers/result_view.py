@@ -2,7 +2,6 @@
 
 import dataclasses
 import threading
-from typing import IO
 
 from cachetools import TTLCache, cached
 
@@ -11,11 +10,8 @@ from service.errors import NotReady
 from service.models.basin_result import ResultView
 from service.models.results import ANALYSIS_VIEWS, AnyAnalysisView, AnyResult
 from service.records.job_record import JobRecord
-from worker.analyses.kinds import draw_analysis
 from worker.analyses.run import fingerprint_of_analysis, summarise_analysis
 from worker.kinds import KINDS
-from worker.pictures.panel_picture import Layer
-from worker.pictures.picture import draw_basin
 from worker.stores.opening import holds_store
 from worker.stores.result_files import result_location
 from worker.stores.summary import fingerprint, summarise
@@ -60,14 +56,6 @@ def _result_view(kind: str, location: str, zarr: str) -> AnyResult:
         return ResultView.from_summary(summarise(location), zarr)
     fields = dataclasses.asdict(summarise_analysis(KINDS[kind].loaded_analysis, location))
     return ANALYSIS_VIEWS.get(kind, AnyAnalysisView)(**fields | fields.pop("result"), zarr=zarr)
-
-
-def draw_result(kind: str, location: str, target: IO[bytes], layer: Layer) -> None:
-    """Draw the result of a job; `layer` selects what is drawn of a basin's cells."""
-    if KINDS[kind].analysis is None:
-        draw_basin(location, target, layer=layer)
-    else:
-        draw_analysis(location, target)
 
 
 def result_fingerprint(kind: str, location: str) -> bytes:

@@ -14,14 +14,12 @@ from service.cli.keys import opened_keys
 from service.logs import write_logs
 from service.server import Server, address, refusal_to_listen
 from service.settings import Settings
-from worker.analyses.kinds import draw_analysis
+from worker.analyses.picture import figure_of_store
 from worker.errors import InvalidJob, WorkerError
-from worker.kinds import KINDS
+from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
 from worker.pictures.panel_picture import Layer
-from worker.pictures.picture import draw_basin
-from worker.pictures.share_chart import draw_shares
-from worker.stores.analysis_store import kind_of_store
+from worker.pictures.share_chart import shares_figure
 
 
 def serve(
@@ -83,7 +81,7 @@ def _has_key(settings: Settings) -> bool:
 
 def plot(
     store: Annotated[str, typer.Argument(help="Zarr store of any kind, complete or not")],
-    out_: Annotated[Path, typer.Option("--out", help="PNG to write")],
+    out_: Annotated[Path, typer.Option("--out", help="Picture to write: .png, .svg or .pdf")],
     layer: Annotated[Layer, typer.Option(help="Solutions, or Hsu's group, period or step")] = Layer.SOLUTION,
     shares: Annotated[bool, typer.Option("--shares", help="Shares over the swept parameter instead")] = False,
     overlay: Annotated[str, typer.Option(help=f"What lies over basins, of {','.join(OverlayKind)}")] = ",".join(
@@ -93,12 +91,9 @@ def plot(
     """Draw a basin in the paper's colours, a sweep side by side, or what an analysis has found."""
     try:
         overlays = parse_overlays(overlay)
-        if KINDS[kind_of_store(store)].analysis is not None:
-            draw_analysis(store, out_)
-        elif shares:
-            draw_shares(store, out_)
-        else:
-            draw_basin(store, out_, layer=layer, overlays=overlays)
+        picture_format = PictureFormat.of_file(out_)
+        figure = shares_figure(store) if shares else figure_of_store(store, layer=layer, overlays=overlays)
+        save_figure(figure, out_, picture_format)
     except InvalidJob as error:
         give_up(str(error), 2)
     except WorkerError as error:

@@ -11,7 +11,8 @@ from service.cli.console import announced_compiling, give_up, out
 from service.cli.options import oscillator_group, with_options
 from service.models.trajectory import StartRequest, TrajectoryRequest, initial_state
 from worker.jobs.oscillator_request import demand_quiet
-from worker.pictures.history_picture import draw_history
+from worker.pictures.figure_file import PictureFormat, save_figure
+from worker.pictures.history_picture import history_figure
 
 _OUTCOMES = {
     Outcome.RETURNED: "rattles on",
@@ -35,8 +36,8 @@ def _oscillator(values: dict[str, Any]) -> Oscillator:
 
 def _write(oscillator: Oscillator, history: TimeHistory, target: Path) -> None:
     try:
-        if target.suffix == ".png":
-            draw_history(oscillator, history, target)
+        if target.suffix != ".csv":
+            save_figure(history_figure(oscillator, history), target)
             return
         with target.open("w", newline="") as file:
             table = csv.writer(file)
@@ -55,7 +56,7 @@ def _print_contacts(history: TimeHistory) -> None:
 @with_options(oscillator_group().options)
 def trajectory(
     velocity: Annotated[float, typer.Option(help="Speed of a departure from +beta; with --displacement, Phi'")],
-    out_: Annotated[Path, typer.Option("--out", help="Picture (.png) or table (.csv) to write")],
+    out_: Annotated[Path, typer.Option("--out", help="Picture (.png, .svg, .pdf) or table (.csv) to write")],
     time: Annotated[float, typer.Option(help="Initial time t, forcing periods")] = _START["time"].default,
     displacement: Annotated[float | None, typer.Option(help="Initial Phi; without it, +beta is left")] = None,
     periods: Annotated[float, typer.Option(help="Span, forcing periods")] = _FIELDS["periods"].default,
@@ -65,8 +66,8 @@ def trajectory(
     **values: Any,
 ) -> None:
     """Follow one motion of either model: draw Phi(t) or write it down, and list its contacts."""
-    if out_.suffix not in (".png", ".csv"):
-        give_up(f"{out_} should end in .png or .csv", 2)
+    if out_.suffix not in (".csv", *(f".{each}" for each in PictureFormat)):
+        give_up(f"{out_} should end in .png, .svg, .pdf or .csv", 2)
     if not periods * samples_per_period <= _MOST_SAMPLES:
         give_up(f"{periods * samples_per_period:.0f} samples are more than the limit of {_MOST_SAMPLES}", 2)
     try:

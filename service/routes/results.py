@@ -2,24 +2,32 @@
 
 import io
 import re
+from collections.abc import Callable
+from functools import partial
 from importlib.metadata import version
-from typing import Annotated
+from typing import Annotated, Any, TypeVar
 
 from fastapi import APIRouter, Request, Response
+from matplotlib.figure import Figure
 from pydantic import AfterValidator
 
 from service.answers.byte_range import range_of_file
 from service.answers.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, json_or_not_modified, not_modified
-from service.answers.result_view import draw_result, location_of_result, result_fingerprint, summary_of_result
+from service.answers.result_view import location_of_result, result_fingerprint, summary_of_result
 from service.errors import JobNotFound, NotReady
 from service.models.results import AnyResult
 from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems
+from worker.analyses.picture import figure_of_store
 from worker.errors import InvalidJob
+from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.panel_picture import Layer
-from worker.pictures.share_chart import draw_shares
+from worker.pictures.share_chart import shares_figure
 from worker.stores.summary import fingerprint
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
+
+Responses = dict[int | str, dict[str, Any]]
+AnyRoute = TypeVar("AnyRoute", bound=Callable[..., Response])
 
 _VERSION = version("gear-rattle")
 _NOTHING_YET = problems(s404="there is no such job, or it has not begun")
@@ -56,14 +64,29 @@ def get_result(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_ma
     return json_or_not_modified(summary_of_result(jobs.get(job_id), settings.results), if_none_match)
 
 
-@router.get(
-    "/picture.png",
-    summary="Picture of a result",
-    response_class=Response,
-    responses={200: {"content": {"image/png": {}}}, **_NOTHING_YET, **NOT_MODIFIED},
-)
+def _get_figure(name: str, summary: str, responses: Responses) -> Callable[[AnyRoute], AnyRoute]:
+    """Routes of a figure, one for each format of its file."""
+
+    def decorate(route: AnyRoute) -> AnyRoute:
+        for each in PictureFormat:
+            answers = {200: {"content": {each.media_type: {}}}, **responses, **NOT_MODIFIED}
+            router.get(f"/{name}.{each}", summary=f"{summary} as {each.upper()}", response_class=Response,
+                       responses=answers, name=f"{route.__name__}_{each}")(route)  # fmt: skip
+        return route
+
+    return decorate
+
+
+def _picture_answer(draw: Callable[[], Figure], picture_format: PictureFormat, etag: str) -> Response:
+    buffer = io.BytesIO()
+    save_figure(draw(), buffer, picture_format)
+    return Response(buffer.getvalue(), media_type=picture_format.media_type, headers={"etag": etag})
+
+
+@_get_figure("picture", "Picture of a result", _NOTHING_YET)
 def get_picture(
     job_id: JobId,
+    request: Request,
     jobs: JobsHere,
     settings: SettingsHere,
     layer: Layer = Layer.SOLUTION,
@@ -71,41 +94,32 @@ def get_picture(
 ) -> Response:
     """Draw a basin, or what an analysis has found. While a basin is computed, missing tiles are hatched."""
     location, kind = location_of(job_id, jobs, settings), jobs.get(job_id).kind
+    picture_format = PictureFormat.of_file(request.url.path)
     # Taken before the picture is drawn: a tile that arrives meanwhile is in the picture and changes the next ETag.
-    etag = etag_of(result_fingerprint(kind, location), layer, _VERSION)
+    etag = etag_of(result_fingerprint(kind, location), layer, picture_format, _VERSION)
     known = not_modified(etag, if_none_match)
-    if known is not None:
-        return known
-    buffer = io.BytesIO()
-    draw_result(kind, location, buffer, layer)
-    return Response(buffer.getvalue(), media_type="image/png", headers={"etag": etag})
+    return known or _picture_answer(partial(figure_of_store, location, layer=layer), picture_format, etag)
 
 
-@router.get(
-    "/shares.png",
-    summary="Shares over the swept parameters",
-    response_class=Response,
-    responses={
-        200: {"content": {"image/png": {}}},
-        **problems(s404="there is no such job, or none of its basins is complete yet", s422="the job sweeps nothing"),
-        **NOT_MODIFIED,
-    },
+@_get_figure(
+    "shares",
+    "Shares over the swept parameters",
+    problems(s404="there is no such job, or none of its basins is complete yet", s422="the job sweeps nothing"),
 )
-def get_shares(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
+def get_shares(
+    job_id: JobId, request: Request, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None
+) -> Response:
     """Draw the share of each solution over one swept parameter, or as maps over two, also while the sweep runs."""
-    location, buffer = location_of(job_id, jobs, settings), io.BytesIO()
-    kind = jobs.get(job_id).kind
+    location, kind = location_of(job_id, jobs, settings), jobs.get(job_id).kind
+    picture_format = PictureFormat.of_file(request.url.path)
     if kind != "sweep":
         raise InvalidJob(f"job {job_id} is of kind {kind}: only a sweep has a parameter to draw shares over")
-    etag = etag_of(fingerprint(location), "shares", _VERSION)
+    etag = etag_of(fingerprint(location), "shares", picture_format, _VERSION)
     known = not_modified(etag, if_none_match)
-    if known is not None:
-        return known
     try:
-        draw_shares(location, buffer)
+        return known or _picture_answer(partial(shares_figure, location), picture_format, etag)
     except InvalidJob as error:
         raise NotReady(f"no basin of job {job_id} is complete yet") from error
-    return Response(buffer.getvalue(), media_type="image/png", headers={"etag": etag})
 
 
 @router.head("/result.zarr/{path:path}", include_in_schema=False)

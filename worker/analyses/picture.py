@@ -1,35 +1,46 @@
-"""Pictures of analyses, whatever their kind."""
+"""The picture of a store, whatever its kind."""
 
-from pathlib import Path
-from typing import IO
+from collections.abc import Collection
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from worker.analyses.run import read_analysis
 from worker.kinds import KINDS
+from worker.pictures.figure_file import new_figure
+from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind
+from worker.pictures.panel_picture import Layer
+from worker.pictures.picture import basin_figure
 from worker.stores.analysis_store import kind_of_store
 
 
-def draw_analysis(location: str, target: str | Path | IO[bytes]) -> None:
-    """Draw the store of an analysis, complete or not, as a PNG.
+def figure_of_store(
+    location: str, *, layer: Layer = Layer.SOLUTION, overlays: Collection[OverlayKind] = USUAL_OVERLAYS
+) -> Figure:
+    """Draw a store, complete or not: its basins, or what an analysis has found.
 
     Parameters
     ----------
     location : str
-        The store.
-    target : path or binary file
-        Where the PNG goes.
+    layer : Layer
+        What is drawn of a basin's cells.
+    overlays : collection of OverlayKind
+        What is laid over each basin.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
 
     Raises
     ------
+    InvalidJob
+        If the layer or an overlay is not known for the store.
     StoreConflict, StoreFailed
-        If there is no store of an analysis, or it cannot be read.
+        If there is no store, or it cannot be read.
     """
-    analysis = KINDS[kind_of_store(location)].loaded_analysis
-    job, columns, _ = read_analysis(analysis, location)
-    figure = Figure(figsize=(10.0, 6.5), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
-    analysis.draw(job, columns, figure)
-    # No date in the file: the same store gives the same bytes.
-    figure.savefig(target, format="png", metadata={"Software": None})
+    kind = KINDS[kind_of_store(location)]
+    if kind.analysis is None:
+        return basin_figure(location, layer=layer, overlays=overlays)
+    job, columns, _ = read_analysis(kind.loaded_analysis, location)
+    figure = new_figure(10.0, 6.5)
+    kind.loaded_analysis.draw(job, columns, figure)
+    return figure

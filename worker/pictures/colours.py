@@ -1,7 +1,6 @@
-"""One colour a kind of motion, the same in every picture (Sec. 4).
+"""Colours of motions, the same in every picture (Sec. 4).
 
-Permanent contact is dark blue, shorter itineraries are bluer, chaos is dark red,
-a chaotic transient greyer.
+Permanent contact is dark blue, shorter itineraries are bluer, chaos is dark red, a chaotic transient greyer.
 """
 
 import colorsys
@@ -20,7 +19,7 @@ CHAOTIC_TRANSIENT: Colour = (0.62, 0.33, 0.33)
 UNDECIDED: Colour = (1.0, 0.0, 1.0)
 MISSING: Colour = (0.85, 0.85, 0.85)
 SPECKLE = (0.85, 1.05, 1.25, 1.45)
-"""Brightness of chaotic cells by their group, counted round."""
+"""Brightness of chaotic cells, by their group modulo 4."""
 
 _KINDS: dict[AttractorKind, Colour] = {
     AttractorKind.PERMANENT_CONTACT: PERMANENT_CONTACT,
@@ -28,8 +27,8 @@ _KINDS: dict[AttractorKind, Colour] = {
     AttractorKind.CHAOTIC_TRANSIENT: CHAOTIC_TRANSIENT,
     AttractorKind.UNDECIDED: UNDECIDED,
 }
-# Places on the scale from blue to red that the paper's text names: P(1,1,0) pale blue, P(1,2,0) blue, P(2,2,1) yellow,
-# P(3,3,2) orange. Other itineraries find theirs by length, between green and red.
+# Points on the scale from blue to red. The paper's text names P(1,1,0) pale blue, P(1,2,0) blue, P(2,2,1) yellow and
+# P(3,3,2) orange. Other itineraries are placed by length, between green and red.
 _NAMED: dict[str, Colour] = {
     "P(1,1,0)": (0.55, 0.85, 1.0),
     "P(1,2,0)": (0.1, 0.45, 1.0),
@@ -38,12 +37,12 @@ _NAMED: dict[str, Colour] = {
     "P(4,4,2)": (1.0, 0.78, 0.1),
     "P(3,3,2)": (1.0, 0.6, 0.1),
 }
-# Least and most contacts a turn, and the hues of these; between lie the yellows and oranges of the itineraries named.
+# Least and most contacts per turn, and their hues. Between lie the yellows and oranges of the named itineraries.
 _HUES = ((2, 8, 0.45, 0.2), (9, 48, 0.03, -0.07))
 _ODD_VALUE, _EVEN_VALUE = 0.6, 0.95
 _LONG_ITINERARY = 24
 
-# Okabe and Ito's colours, which people with any of the common colour blindnesses tell apart.
+# Okabe and Ito's colours: distinguishable with any of the common forms of colour blindness.
 _SAFE_KINDS: dict[AttractorKind, Colour] = {
     AttractorKind.PERMANENT_CONTACT: (0.08, 0.12, 0.25),
     AttractorKind.CHAOTIC: (0.835, 0.369, 0.0),
@@ -64,18 +63,18 @@ class Palette(StrEnum):
     """Which colours motions have."""
 
     PAPER = "paper"
-    """Those that the paper's text names."""
+    """The colours that the paper's text names."""
     COLOUR_BLIND = "colour_blind"
-    """Colours that people with a colour vision deficiency tell apart."""
+    """Colours distinguishable with a colour vision deficiency."""
 
 
 def _by_length(attractor: Attractor) -> Colour:
-    """Hue by the logarithm of contacts a turn, greens for short ones and reds for long ones; odd ones are darker."""
+    """Hue by the logarithm of contacts per turn, from green for few to red for many; odd ones are darker."""
     contacts = attractor.upper_contacts + attractor.lower_contacts
     least, most, first, last = next((each for each in _HUES if contacts <= each[1]), _HUES[-1])
     part = math.log(min(max(contacts, least), most) / least) / math.log(most / least)
     hue = (first + (last - first) * part) % 1.0
-    # Neighbours on the scale differ in length by one or two contacts: of two that would look alike one is odd, mostly.
+    # Neighbours on the scale differ in length by one or two contacts. Of two that look alike, one is usually odd.
     return colorsys.hsv_to_rgb(hue, 0.85, _ODD_VALUE if attractor.upper_contacts % 2 else _EVEN_VALUE)
 
 
@@ -84,7 +83,7 @@ def _lighter(colour: Colour, part: float) -> Colour:
 
 
 def _safe_by_length(attractor: Attractor) -> Colour:
-    """Purples, the longer the darker."""
+    """Purples, darker for longer itineraries."""
     contacts = attractor.upper_contacts + attractor.lower_contacts
     return _lighter((0.35, 0.12, 0.45), 0.65 * (1.0 - min(contacts, _LONG_ITINERARY) / _LONG_ITINERARY))
 
@@ -97,7 +96,7 @@ def _colour_of(attractor: Attractor, palette: Palette) -> Colour:
 
 
 def colours_of(attractors: tuple[Attractor, ...], palette: Palette = Palette.PAPER) -> list[Colour]:
-    """Colour of each attractor; those that share a name get lighter shades of one colour, by their order.
+    """Colour of each attractor; those with the same name get ever lighter shades of one colour, in order.
 
     Parameters
     ----------
@@ -119,14 +118,14 @@ def colours_of(attractors: tuple[Attractor, ...], palette: Palette = Palette.PAP
 
 
 def paint_cells(solution: np.ndarray, group: np.ndarray, attractors: tuple[Attractor, ...]) -> np.ndarray:
-    """Colours of cells; chaos is speckled by Hsu's groups, as in the paper.
+    """Colours of cells, with chaos speckled by Hsu's groups as in the paper.
 
     Parameters
     ----------
     solution, group : ndarray of int, one shape
-        Of each cell; a cell with a negative solution is missing.
+        Solution and group of each cell; a cell with a negative solution is missing.
     attractors : tuple of Attractor
-        The catalogue that `solution` points into.
+        The catalogue that `solution` indexes.
 
     Returns
     -------

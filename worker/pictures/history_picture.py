@@ -1,17 +1,15 @@
 """Picture of one time history: Phi(t) between the backlash boundaries, as in the paper's Figs. 1 and 7."""
 
 import math
-from pathlib import Path
-from typing import IO
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rattle_kernels import Direction, Oscillator, TimeHistory
+from worker.pictures.figure_file import new_figure
 
-# Contacts marked at the most: more would hide the curve.
+# Most contacts marked. More would hide the curve.
 _MOST_MARKS = 400
 _MARKS = {
     Direction.IMPACT: ("o", "tab:red", "impact"),
@@ -21,7 +19,7 @@ _MARKS = {
 
 
 def draw_boundaries(axes: Axes, oscillator: Oscillator, walls: tuple[int, ...] = (1, -1)) -> None:
-    """Draw +beta and -beta, or one of them, as dotted lines with their names."""
+    """Draw +beta, -beta or both as dotted lines with their names."""
     for wall in walls:
         name = "+β" if wall > 0 else "−β"
         axes.axhline(wall * oscillator.half_backlash, color="black", linestyle=":", linewidth=1.0)
@@ -56,19 +54,20 @@ def _title(oscillator: Oscillator, history: TimeHistory) -> str:
     return f"{title}\ntruncated at {history.contacts.time.size} contacts" if history.truncated else title
 
 
-def draw_history(oscillator: Oscillator, history: TimeHistory, target: str | Path | IO[bytes]) -> None:
-    """Draw a time history as a PNG.
+def history_figure(oscillator: Oscillator, history: TimeHistory) -> Figure:
+    """Draw a time history.
 
     Parameters
     ----------
     oscillator : Oscillator
-        The one whose motion it is.
+        The oscillator that made the history.
     history : TimeHistory
-    target : path or binary file
-        Where the PNG goes.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
     """
-    figure = Figure(figsize=(11.0, 4.5), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(11.0, 4.5)
     axes = figure.add_subplot()
     draw_boundaries(axes, oscillator)
     _shade_contacts(axes, oscillator, history)
@@ -79,5 +78,4 @@ def draw_history(oscillator: Oscillator, history: TimeHistory, target: str | Pat
     axes.set_xlabel("time t (forcing periods)")
     axes.set_ylabel("displacement Φ")
     axes.set_title(_title(oscillator, history))
-    # No date in the file: the same history gives the same bytes.
-    figure.savefig(target, format="png", metadata={"Software": None})
+    return figure

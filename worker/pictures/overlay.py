@@ -1,7 +1,7 @@
-"""What is laid over a picture of basins: curves, and marked departures, on the phases that the picture shows.
+"""Overlays of a picture of basins: curves and marked departures, at the phases that the picture shows.
 
-Pieces of a curve are drawn apart: none is joined to another across a break, and a piece that runs beyond the last phase
-of the picture goes on at its first.
+Pieces of a curve are drawn separately, never joined across a break. A piece that runs beyond the last phase of the
+picture continues at its first.
 """
 
 from collections.abc import Iterable
@@ -15,15 +15,14 @@ from rattle_kernels.manifolds.polyline import split_at_wrap
 
 # Points of the grazing curve: it bends little.
 _CURVE_POINTS = 513
-# Of the grazing curve and its pre-images, by order (Figs. 14 and 16).
+# Colours of the grazing curve and its pre-images, by order (Figs. 14 and 16).
 _BY_ORDER = ("white", "black", "yellow")
 
 
 class Lines(NamedTuple):
     """Curves of one kind.
 
-    ``pieces`` have phases that may run beyond a period; ``label`` names them in a legend; ``width`` is in points;
-    ``style`` is matplotlib's.
+    Phases of ``pieces`` may exceed a period. ``label`` is for a legend, ``width`` in points, ``style`` matplotlib's.
     """
 
     label: str
@@ -35,7 +34,7 @@ class Lines(NamedTuple):
     def draw(self, axes: Axes, time_start: float = 0.0) -> None:
         """Draw them on axes that show one period from `time_start` on."""
         parts = split_at_wrap(Piece(piece.t - time_start, piece.v) for piece in self.pieces)
-        # One line with gaps: thousands of pieces are drawn as fast as one.
+        # One line with gaps draws thousands of pieces as fast as one.
         gap = np.array([np.nan])
         t, v = ([array for part in parts for array in (part[axis], gap)] for axis in (0, 1))
         if parts:
@@ -46,7 +45,7 @@ class Lines(NamedTuple):
 
 
 class Marks(NamedTuple):
-    """Marked departures; ``marker`` is matplotlib's, ``size`` its size in points."""
+    """Marked departures. ``marker`` is matplotlib's, ``size`` its size in points."""
 
     label: str
     colour: str
@@ -68,7 +67,7 @@ Overlay = Lines | Marks
 
 
 def attractor_marks(attractors: Iterable[Attractor], colour: str = "white") -> tuple[Marks, ...]:
-    """Crosses on the departures of periodic attractors, in a colour, and black dots on those of chaos."""
+    """Crosses of one colour on the departures of periodic attractors, and black dots on those of chaos."""
     marks = []
     for attractor in attractors:
         if attractor.kind == AttractorKind.PERIODIC:
@@ -84,13 +83,13 @@ def saddle_marks(saddles: Iterable[PeriodicOrbit], colour: str = "white") -> tup
 
 
 def grazing_line(oscillator: Oscillator) -> Lines:
-    """The grazing curve v*(t), white, of either model."""
+    """The grazing curve v*(t) of either model, in white."""
     t = np.linspace(0.0, 1.0, _CURVE_POINTS)
     return Lines("grazing curve", _BY_ORDER[0], (Piece(t, grazing_velocity(oscillator, t)),), 1.4)
 
 
 def preimage_lines(orders: Iterable[Iterable[Piece]]) -> tuple[Lines, ...]:
-    """Pre-images of the grazing curve, orders 1, 2, ..., as `grazing_preimages` gives them after the curve itself."""
+    """Pre-images of the grazing curve, orders 1, 2, ..., as `grazing_preimages` returns them after the curve."""
     return tuple(
         Lines(f"pre-image {order} of grazing", _BY_ORDER[1 + (order - 1) % (len(_BY_ORDER) - 1)], tuple(pieces))
         for order, pieces in enumerate(orders, 1)

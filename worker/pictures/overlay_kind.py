@@ -1,4 +1,4 @@
-"""What can be laid over a picture of basins by name, and how it is computed from the oscillator alone."""
+"""Overlays of a picture of basins by name, computed from the oscillator and the catalogue."""
 
 import math
 from collections.abc import Collection
@@ -17,9 +17,9 @@ from worker.pictures.overlay import (
     saddle_marks,
 )
 
-# Those of the paper's pictures.
+# Orders of pre-images, as in the paper's pictures.
 _PREIMAGES = 2
-# Of each branch: at the paper's parameters all boundary cells of a picture of v up to 7 are then next to a manifold.
+# Arclength of each branch. At the paper's parameters it puts a manifold next to every boundary cell up to v = 7.
 _ARCLENGTH = 100.0
 _MANIFOLD_COLOURS = ("magenta", "lime", "darkorange", "cyan")
 
@@ -38,12 +38,12 @@ USUAL_OVERLAYS = (OverlayKind.GRAZING, OverlayKind.ATTRACTORS)
 
 
 def parse_overlays(text: str) -> tuple[OverlayKind, ...]:
-    """Kinds from their names with commas between, as ``grazing,attractors``; none from an empty text.
+    """Kinds from names separated by commas, such as ``grazing,attractors``; none from an empty text.
 
     Raises
     ------
     InvalidJob
-        Where a name is none of them; it lists those that there are.
+        If a name is unknown; lists the known ones.
     """
     return tuple(_kind(name.strip()) for name in text.split(",") if name.strip())
 
@@ -64,23 +64,23 @@ def overlays_for(
     kinds : collection of str
         Names of `OverlayKind`.
     oscillator : Oscillator
-        Either model; pre-images and manifolds are those of the impacting one.
+        Either model. Pre-images and manifolds exist for the impacting model only.
     attractors : tuple of Attractor
-        Catalogue of its motions, permanent contact first; empty where it is not known yet, and then there are no
-        saddles: which of them part basins is not known either.
+        Catalogue of its motions, permanent contact first; empty if not known yet. Then there are no saddles, because
+        it is not known which of them separate basins.
     velocity : (float, float)
         Lowest and highest speed of the picture.
 
     Returns
     -------
     tuple of Overlay
-        Grazing curve; first and second pre-image; stable manifolds of the saddles that part basins, of impact period 1
-        and 2; attractors; those saddles.
+        Grazing curve; first and second pre-images; stable manifolds of the saddles of impact period 1 and 2 that
+        separate basins; attractors; those saddles.
 
     Raises
     ------
     InvalidJob
-        Where one is asked for that this oscillator has not.
+        If a kind is unknown, or this oscillator has no such overlay.
     """
     asked = {_kind(name) for name in kinds}
     for kind in sorted(asked & {OverlayKind.PREIMAGES, OverlayKind.MANIFOLDS}):
@@ -114,7 +114,7 @@ def _computed(
 def manifolds_of(
     oscillator: Oscillator, saddles: tuple[PeriodicOrbit, ...], limits: ManifoldLimits
 ) -> tuple[Lines, ...]:
-    """Stable manifolds of saddles, each in a colour of its own: magenta, green as in Fig. 15, then others."""
+    """Stable manifolds of saddles, each in its own colour: magenta and green as in Fig. 15, then others."""
     return tuple(
         manifold_lines(
             stable_manifold(oscillator, saddle, limits), f"stable manifold of {saddle.name}",

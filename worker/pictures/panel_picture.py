@@ -1,4 +1,4 @@
-"""Picture of one basin in the paper's axes and colours (Figs. 6 to 16), also while tiles are still coming."""
+"""Picture of one basin in the paper's axes and colours (Figs. 6 to 16), complete or not."""
 
 from collections.abc import Collection
 from enum import StrEnum
@@ -15,7 +15,7 @@ from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MISSING, SAMPLE_COORDINATES, TileState
 from worker.stores.solution_table import SolutionTable
 
-# Of a sample, the first ones: those of a Sobol sequence cover the window evenly, but every second one only half of it.
+# Most points of a sample. The first ones of a Sobol sequence cover the window evenly, every second one only half of it.
 _MOST_POINTS = 20_000
 
 
@@ -29,7 +29,7 @@ class Layer(StrEnum):
 
 
 def frame(axes: Axes, extent: tuple[float, float, float, float]) -> None:
-    """Limit axes to a window (least and largest t, least and largest v) and say what they show."""
+    """Limit axes to a window (least and largest t, least and largest v) and label them."""
     axes.set_xlim(*extent[:2])
     axes.set_ylim(*extent[2:])
     axes.set_xlabel("time t of departure (forcing periods)")
@@ -37,17 +37,17 @@ def frame(axes: Axes, extent: tuple[float, float, float, float]) -> None:
 
 
 class PanelPicture:
-    """What is drawn of one panel.
+    """Drawing of one panel.
 
     Parameters
     ----------
     store : BasinStore
     table : SolutionTable
     solutions : tuple of Attractor
-        All solutions of the store, which share their colours among all panels.
+        All solutions of the store, with the same colours in all panels.
     panel : int
     most_cells : int
-        Cells drawn each way at the most: beyond, every n-th cell stands for its neighbours (labels are not averaged).
+        Most cells drawn each way. Beyond that, every n-th cell represents its neighbours (labels are not averaged).
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class PanelPicture:
         self.extent = grid.time_start, grid.time_stop, grid.velocity_start, grid.velocity_stop
 
     def _read(self, layer: Layer) -> np.ndarray:
-        """A layer, thinned out where it is very large, read tile by tile."""
+        """A layer, read tile by tile and thinned if it is very large."""
         every = self.every
         rows, columns = (-(-cells // every) for cells in self.store.job.grid.shape)
         picture = np.full((rows, columns), MISSING, np.int64)
@@ -80,7 +80,7 @@ class PanelPicture:
         return self.palette[np.where(solution >= 0, solution, len(self.solutions))]
 
     def draw_solutions(self, axes: Axes) -> None:
-        """Draw cells, or points of a sample, in the colours of their solutions."""
+        """Draw cells, or the points of a sample, in the colours of their solutions."""
         if self.store.job.sample is None:
             image = colours.paint_cells(self._read(Layer.SOLUTION), self._read(Layer.GROUP), self.solutions)
             axes.imshow(image, origin="lower", extent=self.extent, aspect="auto", interpolation="nearest")
@@ -96,7 +96,7 @@ class PanelPicture:
 
     def _catalogue(self) -> tuple[Attractor, ...]:
         numbers = self.table.numbers_in(self.panel)
-        if not numbers and self.panel == 0:  # not complete, but its catalogue is there
+        if not numbers and self.panel == 0:  # not complete, but its catalogue is known
             numbers = list(range(len(self.solutions)))
         return self.store.read_catalogue(self.panel, self.table, numbers)
 
@@ -109,12 +109,12 @@ class PanelPicture:
         )
 
     def hatch_missing(self, axes: Axes) -> None:
-        """Hatch the tiles that are not labelled yet: densely where even their images are missing."""
+        """Hatch the tiles that are not labelled yet, densely if even their images are missing."""
         grid = self.store.job.grid
         width = (grid.time_stop - grid.time_start) / grid.time_cells
         height = (grid.velocity_stop - grid.velocity_start) / grid.velocity_cells
         for at in np.flatnonzero(self.states != TileState.ASSEMBLED).tolist():
-            # Points of a sample lie all over the window, whatever tile they are in.
+            # Points of a sample are spread over the window, whatever their tile.
             tile = self.store.tiling.tile(self.tiles[at])
             rows, columns = (
                 (tile.rows, tile.columns) if self.store.job.sample is None else ((0, 1), (0, grid.time_cells))
@@ -127,7 +127,7 @@ class PanelPicture:
             )
 
     def draw_overlays(self, axes: Axes, kinds: Collection[OverlayKind]) -> None:
-        """Lay curves and marks over the panel, and set the limits to the window's."""
+        """Draw curves and marks over the panel, and limit the axes to the window."""
         oscillator = self.store.job.oscillator_of(self.panel)
         for overlay in overlays_for(kinds, oscillator, self._catalogue(), self.extent[2:]):
             overlay.draw(axes, self.extent[0])

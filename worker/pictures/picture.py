@@ -1,18 +1,16 @@
 """Pictures of a store: one basin, or those of a sweep side by side in shared colours."""
 
 from collections.abc import Collection
-from pathlib import Path
-from typing import IO
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from rattle_kernels import Attractor
 from worker.errors import InvalidJob
 from worker.pictures import colours
+from worker.pictures.figure_file import new_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind
 from worker.pictures.panel_picture import Layer, PanelPicture
 from worker.pictures.symbols import SYMBOLS, oscillator_told
@@ -22,7 +20,7 @@ from worker.stores.solution_table import SolutionTable
 from worker.stores.summary import representatives
 
 _MOST_CELLS = 2000
-# Panels each way: of more, some that lie evenly apart are shown.
+# Most panels each way. Of more, an evenly spaced selection is shown.
 _MOST_PANELS = 6
 _LEGEND_ROWS = 18
 
@@ -39,7 +37,7 @@ def _legend(
 
 
 def _patches(solutions: tuple[Attractor, ...], shares: np.ndarray, labels: list[str]) -> list[Patch]:
-    """Entries of a legend: permanent contact first, others by share; once shares are known, those that have one."""
+    """Legend entries: permanent contact first, others by share. Once shares are known, only those that have one."""
     palette = colours.colours_of(solutions)
     there = np.isfinite(shares) if np.isfinite(shares).any() else np.full(len(solutions), True)
     order = sorted(np.flatnonzero(there).tolist(), key=lambda i: (i > 0, -np.nan_to_num(shares[i])))
@@ -50,7 +48,7 @@ def _patches(solutions: tuple[Attractor, ...], shares: np.ndarray, labels: list[
 
 
 def draw_legend(axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray) -> None:
-    """List solutions with colour and share beside the axes; a share of NaN is not known yet."""
+    """List solutions with colours and shares beside the axes; NaN is a share not known yet."""
     told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
     labels = [f"{solution.label}   {share}" for solution, share in zip(solutions, told, strict=True)]
     handles = _patches(solutions, shares, labels)
@@ -69,12 +67,12 @@ def _title(store: BasinStore, shown: int) -> str:
 
 
 def _evenly(count: int, most: int) -> list[int]:
-    """Up to `most` of `count` numbers, evenly apart, the first and the last among them."""
+    """At most `most` of `count` numbers, evenly spaced, including the first and the last."""
     return sorted(set(np.linspace(0, count - 1, min(count, most)).round().astype(int).tolist()))
 
 
 def _arrangement(store: BasinStore) -> list[list[int]]:
-    """Panels in rows: of two swept parameters the first runs upwards, the last to the right."""
+    """Panels in rows. Of two swept parameters, the first increases upwards, the last to the right."""
     shape = store.job.sweep_shape
     if len(shape) == 2:
         columns = _evenly(shape[1], _MOST_PANELS)
@@ -84,30 +82,30 @@ def _arrangement(store: BasinStore) -> list[list[int]]:
     return [panels[start : start + across] for start in range(0, len(panels), across)]
 
 
-def draw_basin(
-    location: str, target: str | Path | IO[bytes], *, layer: Layer = Layer.SOLUTION,
-    overlays: Collection[OverlayKind] = USUAL_OVERLAYS,
-) -> None:  # fmt: skip
-    """Draw the basins in a store as a PNG.
+def basin_figure(
+    location: str, *, layer: Layer = Layer.SOLUTION, overlays: Collection[OverlayKind] = USUAL_OVERLAYS
+) -> Figure:
+    """Draw the basins in a store.
 
     Parameters
     ----------
     location : str
         The store, complete or not.
-    target : path or binary file
-        Where the PNG goes.
     layer : Layer
         Solutions in the paper's colours, or Hsu's group, period or step.
     overlays : collection of OverlayKind
-        What is laid over each basin.
+        Overlays of each basin.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
 
     Raises
     ------
     InvalidJob
-        Where the store is of a sample, which has no cells and so none of Hsu's numbers; where an overlay is not known
-        for the model.
+        If Hsu's numbers are requested for a sample, which has no cells, or the model lacks an overlay.
     StoreConflict, StoreFailed
-        Where there is no basin's store, or it cannot be read.
+        If there is no basin's store, or it cannot be read.
     """
     store = BasinStore(location)
     if store.job.sample is not None and layer != Layer.SOLUTION:
@@ -115,8 +113,7 @@ def draw_basin(
     rows = _arrangement(store)
     across, down = len(rows[0]), len(rows)
     size = (10.0, 6.5) if across == down == 1 else (3.0 + 2.6 * across, 1.2 + 2.1 * down)
-    figure = Figure(figsize=size, dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(*size)
     axes = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
     _draw_panels(figure, axes, store, rows, layer, overlays)
     shown = sum(len(row) for row in rows)
@@ -127,8 +124,7 @@ def draw_basin(
     else:
         axes[0, 0].set(xlabel="time t of departure (forcing periods)", ylabel="velocity v of departure")
         axes[0, 0].set_title(_title(store, shown))
-    # No date in the file: the same store gives the same bytes.
-    figure.savefig(target, format="png", metadata={"Software": None})
+    return figure
 
 
 def _draw_panels(

@@ -1,23 +1,20 @@
-"""Chart of a sweep: the share of each solution over the swept parameter."""
-
-from pathlib import Path
-from typing import IO
+"""Charts of a sweep: the share of each solution over the swept parameters."""
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rattle_kernels import Attractor
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob
 from worker.pictures.colours import colours_of
+from worker.pictures.figure_file import new_figure
 from worker.pictures.symbols import SYMBOLS
 from worker.stores.basin_store import BasinStore
 from worker.stores.solution_table import share_error
 from worker.stores.summary import representatives
 
-# Maps of shares over two parameters: of the solutions with the largest shares.
+# Shares over two parameters are mapped for the solutions with the largest shares only.
 _MOST_MAPS = 9
 _LEGEND_ROWS = 24
 
@@ -28,7 +25,7 @@ def _largest(share: np.ndarray, most: int) -> list[int]:
 
 
 def draw_lines(axes: Axes, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...]) -> None:
-    """One line a solution, broken where it does not exist; with standard errors where points were sampled."""
+    """Draw one line per solution, broken where it does not exist, with standard errors if points were sampled."""
     palette = colours_of(solutions)
     named = _largest(share, _LEGEND_ROWS)
     for number, solution in enumerate(solutions):
@@ -45,7 +42,7 @@ def draw_lines(axes: Axes, job: BasinJob, share: np.ndarray, solutions: tuple[At
 
 
 def _draw_maps(figure: Figure, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...]) -> None:
-    """One map a solution over both parameters."""
+    """Draw one map per solution over both parameters."""
     numbers = _largest(share, _MOST_MAPS)
     across = int(np.ceil(np.sqrt(len(numbers))))
     down = -(-len(numbers) // across)
@@ -62,22 +59,24 @@ def _draw_maps(figure: Figure, job: BasinJob, share: np.ndarray, solutions: tupl
     figure.supylabel(f"{first.parameter} {SYMBOLS[first.parameter]}")
 
 
-def draw_shares(location: str, target: str | Path | IO[bytes]) -> None:
-    """Draw the shares of a sweep's solutions as a PNG: lines over one parameter, maps over two.
+def shares_figure(location: str) -> Figure:
+    """Draw the shares of a sweep's solutions: lines over one parameter, maps over two.
 
     Parameters
     ----------
     location : str
-        The store, complete or not: basins that are not complete are gaps.
-    target : path or binary file
-        Where the PNG goes.
+        The store, complete or not. Incomplete basins are gaps.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
 
     Raises
     ------
     InvalidJob
-        Where nothing is swept, or no basin is complete yet.
+        If nothing is swept, or no basin is complete yet.
     StoreConflict, StoreFailed
-        Where there is no basin's store, or it cannot be read.
+        If there is no basin's store, or it cannot be read.
     """
     store = BasinStore(location)
     table = store.read_solutions()
@@ -87,12 +86,11 @@ def draw_shares(location: str, target: str | Path | IO[bytes]) -> None:
         raise InvalidJob(f"{location} holds no complete basin yet")
     solutions = representatives(store, table)
     share = table.share.reshape(*store.job.sweep_shape, len(solutions))
-    figure = Figure(figsize=(10.0, 6.5), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(10.0, 6.5)
     if len(store.job.vary) == 1:
         axes = figure.subplots()
         draw_lines(axes, store.job, share, solutions)
         figure.legend(loc="outside right upper", frameon=False)
     else:
         _draw_maps(figure, store.job, share, solutions)
-    figure.savefig(target, format="png", metadata={"Software": None})
+    return figure

@@ -1,4 +1,4 @@
-"""How pictures name an oscillator's parameters."""
+"""Names of an oscillator's parameters in pictures."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ SYMBOLS = {"damping": "δ", "eccentricity": "ε", "half_backlash": "β", "stiffn
 
 
 def oscillator_told(oscillator: Oscillator, without: tuple[str, ...] = ()) -> str:
-    """Model and parameters in a line, but for those left out."""
+    """Model and parameters in one line, except those in `without`."""
     fields = {name: value for name, value in oscillator._asdict().items() if name in SYMBOLS and name not in without}
     told = [f"{SYMBOLS[name]} = {value:g}" for name, value in fields.items() if np.isfinite(value)]
     model = "impacting model" if np.isinf(oscillator.stiffness) else "piecewise linear model"

@@ -1,1 +1,1 @@
-"""A store as xarray, its measures, and what a viewer draws."""
+"""A store as xarray, its measures, and the data of a viewer."""

@@ -1,7 +1,7 @@
-"""The measures of every basin of a sweep at once: `docs/guide/measures.md` says what they are.
+"""Measures of all basins of a sweep, as described in `docs/guide/measures.md`.
 
 sweep = open_basin("sweep.zarr")
-measures = measure_panels(sweep)
+measures = measure_basins(sweep)
 measures.integrity_factor.sel(attractor=0).plot()       # of permanent contact, over the swept parameter
 """
 
@@ -22,36 +22,36 @@ from worker.errors import InvalidJob
 from worker.stores.layout import TileState
 from worker.views.reading import attractors_of, basin_of, job_of
 
-# Cells either way that the longest distance of `uncertainty_exponent`, 16 on both sides, needs.
+# Cells each way required by the longest distance of `uncertainty_exponent`, 16 on both sides.
 _LEAST_SIDE = 33
 
 
 def measure_basins(dataset: xr.Dataset, tolerance: float = 1e-6) -> xr.Dataset:
-    """Measures of each basin of a sweep, or of a single one.
+    """Measures of each basin of a sweep, or of a single basin.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of `worker.views.reading.open_basin`, complete or not.
+        From `worker.views.reading.open_basin`, complete or not.
     tolerance : float
-        Width of the bracket to which each least disturbance is narrowed.
+        Largest final width of the bracket of each least disturbance.
 
     Returns
     -------
     xarray.Dataset
-        Swept parameters are its leading dimensions; NaN where a basin is not complete or has no such solution.
+        The swept parameters are the leading dimensions. NaN if a basin is not complete or lacks the solution.
 
         - ``global_integrity``, ``local_integrity``, ``integrity_factor`` (attractor): share, largest disc about the
-          states, largest disc anywhere, radii in the plane (t, v/velocity_scale);
+          states, largest disc anywhere; radii are in the plane (t, v/velocity_scale);
         - ``velocity_scale``: the greatest v* of the basin's grazing curve;
         - ``basin_entropy``, ``boundary_entropy``, ``uncertainty_exponent``, ``uncertainty_error``;
-        - ``least_disturbance`` (time): the smallest speed at each phase that leads from quiet to rattle; NaN in all
-          basins where the window does not begin at speed 0.
+        - ``least_disturbance`` (time): the smallest speed at each phase that leads from quiet to rattle; NaN if the
+          window does not begin at speed 0.
 
     Raises
     ------
     InvalidJob
-        Where the store holds a sample (it has no neighbouring cells), or cells too few for the measures.
+        If the store holds a sample (it has no neighbouring cells), or too few cells for the measures.
     """
     job = job_of(dataset)
     if job.sample is not None:

@@ -1,4 +1,4 @@
-"""All that a viewer needs to draw one basin by itself, except its cells, which come tile by tile."""
+"""The data with which a viewer draws one basin, except its cells, which come tile by tile."""
 
 from dataclasses import dataclass
 
@@ -13,17 +13,17 @@ from worker.stores.summary import representatives
 from worker.stores.tiles import Tiling
 
 _CURVE_POINTS = 512
-# Points of a chaotic attractor: enough to see its shape, on a screen and over a network.
+# Most points of an attractor: enough to see its shape on a screen, few enough for a network.
 _MOST_POINTS = 3000
 
 
 @dataclass(frozen=True)
 class PanelOutline:
-    """A basin, but for its cells.
+    """A basin without its cells.
 
-    ``solutions`` are those of the whole store, by number, with the panel's own points (none where it has no such
-    solution) and ``shares`` (NaN until the basin is complete); ``states`` are `TileState` codes of the panel's tiles,
-    the first of which has the number ``first_tile``. ``curve`` holds phases and speeds of the grazing curve.
+    ``solutions`` are those of the whole store, by number, with this basin's own points (none if it lacks the solution)
+    and ``shares`` (NaN until the basin is complete). ``states`` are `TileState` codes of the basin's tiles, numbered
+    from ``first_tile``. ``curve`` holds phases and speeds of the grazing curve.
     """
 
     values: dict[str, float]
@@ -38,14 +38,14 @@ class PanelOutline:
 
 
 def open_cells(location: str, basin: int = 0) -> BasinStore:
-    """Store of a grid of cells that has such a basin.
+    """Open a store of a grid of cells, and check that it has a basin of this number.
 
     Raises
     ------
     InvalidJob
-        Where there is no such basin, or the store is of a sample.
+        If there is no such basin, or the store holds a sample.
     StoreConflict, StoreFailed
-        Where there is no basin's store, or it cannot be read.
+        If there is no basin's store, or it cannot be read.
     """
     store = BasinStore(location)
     if store.job.sample is not None:
@@ -56,20 +56,20 @@ def open_cells(location: str, basin: int = 0) -> BasinStore:
 
 
 def catalogue_of(store: BasinStore, table: SolutionTable, basin: int) -> dict[int, Attractor]:
-    """Solutions of a basin by number, with its own points; of the first basin as soon as they are known."""
+    """Solutions of a basin by number, with its own points; for the first basin as soon as they are known."""
     numbers = table.numbers_in(basin) or (list(range(len(table.motions))) if basin == 0 else [])
     return dict(zip(numbers, store.read_catalogue(basin, table, numbers), strict=True)) if numbers else {}
 
 
 def outline_basin(location: str, basin: int) -> PanelOutline:
-    """Outline of a basin of the store at a location, finished or not.
+    """Outline of a basin, complete or not, of the store at a location.
 
     Raises
     ------
     InvalidJob
-        Where there is no such basin, or the store is of a sample.
+        If there is no such basin, or the store holds a sample.
     StoreConflict, StoreFailed
-        Where there is no basin's store, or it cannot be read.
+        If there is no basin's store, or it cannot be read.
     """
     store = open_cells(location, basin)
     table = store.read_solutions()

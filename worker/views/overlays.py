@@ -1,4 +1,4 @@
-"""What can be laid over a basin of a store: computed from its oscillator and its catalogue."""
+"""Overlays of a basin of a store, computed from its oscillator and its catalogue."""
 
 from worker.pictures.overlay import Overlay
 from worker.pictures.overlay_kind import OverlayKind, overlays_for
@@ -17,14 +17,14 @@ def overlay_basin(location: str, basin: int, kind: OverlayKind) -> tuple[Overlay
     Returns
     -------
     tuple of Overlay
-        Up to the highest speed of the window, from zero on: a curve is not cut where a window begins.
+        From speed zero to the highest of the window, so curves are not cut where the window begins.
 
     Raises
     ------
     InvalidJob
-        Where there is no such basin, or its model has no such overlay.
+        If there is no such basin, or its model lacks the overlay.
     StoreConflict, StoreFailed
-        Where there is no basin's store, or it cannot be read.
+        If there is no basin's store, or it cannot be read.
     """
     store = open_cells(location, basin)
     catalogue = catalogue_of(store, store.read_solutions(), basin)

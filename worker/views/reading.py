@@ -1,13 +1,13 @@
-"""A basin in a notebook: opened as an xarray dataset, by path or over HTTP, and drawn on axes.
+"""A basin in a notebook: open it as an xarray dataset, by path or over HTTP, and draw it on axes.
 
     basin = open_basin("basin.zarr")            # or "http://127.0.0.1:8000/v1/jobs/ID/result.zarr"
     plot_basin(basin)
-    basin_entropy(basin.solution)               # the measures of `rattle_kernels` take its arrays as they are
+    basin_entropy(basin.solution)               # the measures of `rattle_kernels` accept its arrays
     integrity_factor(basin.solution, job_of(basin).grid, velocity_scale=1.0)
     least_disturbance(job_of(basin).oscillator, attractors_of(basin), basin.solution, job_of(basin).grid)
-    basin_of(sweep, damping=0.6)                # one basin of a sweep, for all of the above
+    basin_of(sweep, damping=0.6)                # one basin of a sweep, for any of the above
 
-`worker.pictures.picture` draws the same as a PNG without a notebook.
+`worker.pictures.picture` draws the same without a notebook.
 """
 
 import json
@@ -30,30 +30,30 @@ from worker.pictures.picture import draw_legend
 from worker.stores.layout import LAYOUT_VERSION, MEASURED, MOTIONS
 from worker.stores.object_storage import place_at
 
-# Cells drawn each way at the most: a notebook's picture is smaller than a PNG that is asked for.
+# Most cells drawn each way: a picture in a notebook is smaller than one in a file.
 _MOST_CELLS = 1000
 
 
 def open_basin(location: str | Path) -> xr.Dataset:
-    """Open a basin's store, finished or not.
+    """Open a basin's store, complete or not.
 
     Parameters
     ----------
     location : str or path
-        A folder, ``s3://bucket/prefix``, or the address of a service's ``result.zarr``. Its metadata may be
-        consolidated (as this project's stores are, and as HTTP needs) or plain.
+        A folder, ``s3://bucket/prefix``, or the address of a service's ``result.zarr``. Metadata may be consolidated
+        (as in this project's stores, and as HTTP requires) or plain.
 
     Returns
     -------
     xarray.Dataset
-        Read lazily, tile by tile; ``worker.stores.layout`` says what each variable means.
+        Read lazily, tile by tile. ``worker.stores.layout`` describes each variable.
 
     Raises
     ------
     StoreConflict
-        Where there is no basin's store of this layout.
+        If there is no basin's store of this layout.
     OSError
-        Where an address does not answer.
+        If an address does not answer.
     """
     try:
         dataset = _open(str(location))
@@ -68,34 +68,34 @@ def _open(location: str) -> xr.Dataset:
     store = location if location.startswith(("http://", "https://")) else place_at(location).zarr
     try:
         return xr.open_zarr(store, consolidated=True)
-    except ValueError:  # plain metadata: slower, one request an array
+    except ValueError:  # plain metadata: slower, one request per array
         return xr.open_zarr(store, consolidated=False)
 
 
 def job_of(dataset: xr.Dataset) -> BasinJob:
-    """Job that a dataset of `open_basin` answers: its oscillator, grid and iterations."""
+    """Job of a dataset from `open_basin`: its oscillator, grid and iterations."""
     return basin_job(json.loads(dataset.attrs["request"]))
 
 
 def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
-    """One basin of a sweep, as if it had been opened alone; solutions keep the numbers that they have in the sweep.
+    """One basin of a sweep, as if opened alone. Solutions keep their numbers from the sweep.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of `open_basin`.
+        From `open_basin`.
     **values : float
-        Of every swept parameter: ``basin_of(sweep, damping=0.6)``. Of a single basin none, and it is returned.
+        The value of every swept parameter: ``basin_of(sweep, damping=0.6)``. A single basin takes no values.
 
     Returns
     -------
     xarray.Dataset
-        Its ``share`` is NaN for solutions that other basins have and this one lacks; ``share.notnull()`` tells.
+        Its ``share`` is NaN for solutions of other basins that this one lacks; ``share.notnull()`` selects its own.
 
     Raises
     ------
     InvalidJob
-        Where a parameter is missing or not swept, or a value is not among those swept.
+        If a parameter is missing or not swept, or a value is not among those swept.
     """
     job = job_of(dataset)
     names = [swept.parameter for swept in job.vary]
@@ -118,9 +118,9 @@ def _index_of(swept: SweptParameter, value: float) -> int:
 
 
 def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
-    """Catalogue of attractors that ``solution`` points into; empty before assembly.
+    """Catalogue of attractors that ``solution`` indexes; empty before assembly.
 
-    Solutions that a basin of a sweep lacks are there without points: numbers and colours are those of the sweep.
+    Solutions that a basin of a sweep lacks are listed without points, so numbers and colours are those of the sweep.
     """
     if "kind" not in dataset:
         return ()
@@ -134,7 +134,7 @@ def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
 
 
 def _edges(centres: np.ndarray, width: float) -> tuple[float, float]:
-    """Outer edges of cells, by the distance of their centres; `width` is that of a cell that stands alone."""
+    """Outer edges of cells, from the spacing of their centres, or from `width` for a single cell."""
     half = 0.5 * (float(centres[1] - centres[0]) if centres.size > 1 else width)
     return float(centres[0]) - half, float(centres[-1]) + half
 
@@ -150,20 +150,19 @@ def plot_basin(
     dataset: xr.Dataset, ax: Axes | None = None, *, legend: bool = True,
     overlays: Collection[OverlayKind] = USUAL_OVERLAYS,
 ) -> Axes:  # fmt: skip
-    """Draw the solutions of a basin in the project's colours, with curves and marks over them.
+    """Draw the solutions of a basin in the project's colours, with overlays.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of `open_basin`, whole or a part of it (``basin.sel(time=slice(0.5, 0.7))``). Cells that are not computed yet
-        are grey.
+        From `open_basin`, whole or in part (``basin.sel(time=slice(0.5, 0.7))``). Cells not computed yet are grey.
     ax : matplotlib.axes.Axes
-        Where to draw; the current axes by default.
+        Axes to draw on; the current axes by default.
     legend : bool
-        Whether the motions are listed beside the axes, with their shares of all cells.
+        Whether to list the motions beside the axes, with their shares of all cells.
     overlays : collection of OverlayKind
-        What is laid over them: ``("grazing", "preimages", "manifolds", "attractors", "saddles")`` or some of these;
-        what else there is, as an `Overlay` of `worker.pictures.overlay`, draws itself on the axes.
+        Any of ``("grazing", "preimages", "manifolds", "attractors", "saddles")``. For others, call ``draw`` of an
+        `Overlay` from `worker.pictures.overlay` on the axes.
 
     Returns
     -------
@@ -172,11 +171,11 @@ def plot_basin(
     Raises
     ------
     InvalidJob
-        Where an overlay is not known for the model.
+        If the model lacks an overlay.
 
     Notes
     -----
-    Beyond 1000 cells either way every n-th stands for its neighbours: labels cannot be averaged.
+    Beyond 1000 cells either way every n-th represents its neighbours, since labels cannot be averaged.
     """
     axes = plt.gca() if ax is None else ax
     attractors, extent = attractors_of(dataset), _extent(dataset)

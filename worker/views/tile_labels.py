@@ -1,4 +1,4 @@
-"""The labels of one tile as bytes, for a viewer that draws them itself."""
+"""The labels of one tile as bytes, for a viewer."""
 
 from dataclasses import dataclass
 
@@ -6,15 +6,15 @@ from worker.stores.layout import LABELLED, SOLUTION, TileState
 from worker.views.outline import open_cells
 
 _BY_NAME = {variable.name: variable for variable in (*LABELLED, SOLUTION)}
-# The wider ones first, so that each array begins where its type may.
+# Wider types first, so that each array is aligned.
 _ORDER = tuple(_BY_NAME[name] for name in ("step", "group", "period", "solution"))
 
 
 @dataclass(frozen=True)
 class TileLabels:
-    """Step, group and period as int32, then solution as int16: little endian, each row by row from the lowest speed.
+    """Step, group and period as int32, then solution as int16: little endian, row by row from the lowest speed.
 
-    ``final`` says that they will never change: the job is complete.
+    ``final`` is true if they will never change, because the job is complete.
     """
 
     content: bytes
@@ -24,23 +24,23 @@ class TileLabels:
 
 
 def read_tile_labels(location: str, number: int, every: int = 1) -> TileLabels | None:
-    """Labels of a tile; None where it is not labelled yet, or there is none of this number.
+    """Labels of a tile; None if it is not labelled yet or does not exist.
 
     Parameters
     ----------
     location : str
         The store.
     number : int
-        Of the tile, counted through all basins.
+        Number of the tile, counted through all basins.
     every : int
-        Only the cells whose row and whose column in the whole grid are multiples of this: labels are not averaged.
+        Keep only cells whose row and column in the whole grid are multiples of this; labels are not averaged.
 
     Raises
     ------
     InvalidJob
-        Where the store is of a sample, which has no cells.
+        If the store holds a sample, which has no cells.
     StoreConflict, StoreFailed
-        Where there is no basin's store, or it cannot be read.
+        If there is no basin's store, or it cannot be read.
     """
     store = open_cells(location)
     final = store.complete

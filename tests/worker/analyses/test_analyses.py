@@ -19,9 +19,9 @@ from rattle_kernels import (
 )
 from tests.worker.basins.test_pipeline import content
 from worker.analyses.grazing_curves import orders_of
-from worker.analyses.kinds import draw_analysis
 from worker.analyses.manifolds import branches_of
 from worker.analyses.orbit_table import orbits_of
+from worker.analyses.picture import figure_of_store
 from worker.analyses.run import run_analysis, summarise_analysis
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
@@ -34,6 +34,7 @@ from worker.jobs.orbits_job import Continuation, OrbitSeed, OrbitsJob
 from worker.jobs.region import Departure, Interval, Region
 from worker.jobs.swept_parameter import Spacing, SweptParameter
 from worker.kinds import KINDS
+from worker.pictures.figure_file import save_figure
 from worker.progress import Stage
 from worker.stores.analysis_store import AnalysisStore, kind_of_store
 
@@ -85,7 +86,7 @@ def test_a_cancelled_job_says_what_is_missing_and_resumes_to_the_same_bytes(clie
         run(job, location, client, report=cancel_soon, cancel=cancel)
     partial = summarise_analysis(KINDS[job.kind].loaded_analysis, str(location))
     assert not partial.complete and partial.pieces_done >= 1
-    draw_analysis(str(location), tmp_path / "partial.png")
+    save_figure(figure_of_store(str(location)), tmp_path / "partial.png")
     with xr.open_zarr(location) as store:
         assert not store.attrs["complete"] and store.sizes
     seen = []
@@ -139,9 +140,11 @@ def test_a_complete_store_answers_at_once_and_stays(client, stores, job):
 
 @each_kind
 def test_pictures_are_the_same_to_the_byte(stores, tmp_path, job):
-    for name in "ab":
-        draw_analysis(str(stores / job.kind), tmp_path / name)
-    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes() != b""
+    for ending, first in (("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")):
+        one, other = tmp_path / f"one.{ending}", tmp_path / f"other.{ending}"
+        for target in (one, other):
+            save_figure(figure_of_store(str(stores / job.kind)), target)
+        assert one.read_bytes() == other.read_bytes() and one.read_bytes().startswith(first)
 
 
 def test_cancelling_is_noticed_while_a_piece_is_computed(client, tmp_path):

@@ -7,13 +7,14 @@ import pytest
 from matplotlib.image import imread
 
 from rattle_kernels import Oscillator, time_history
-from worker.pictures.history_picture import draw_history
+from worker.pictures.figure_file import PictureFormat, save_figure
+from worker.pictures.history_picture import history_figure
 
 
 def drawn(oscillator, **options):
     history = time_history(oscillator, 0.3, 0.6, -4.0, **options)
     buffer = io.BytesIO()
-    draw_history(oscillator, history, buffer)
+    save_figure(history_figure(oscillator, history), buffer, PictureFormat.PNG)
     return buffer.getvalue()
 
 

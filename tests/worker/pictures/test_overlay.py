@@ -8,9 +8,10 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import Oscillator, Piece, find_attractors, grazing_velocity, next_impacts, previous_impacts
 from worker.errors import InvalidJob
+from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay import Lines, Marks, attractor_marks, grazing_line
 from worker.pictures.overlay_kind import OverlayKind, overlays_for, parse_overlays
-from worker.pictures.picture import draw_basin
+from worker.pictures.picture import basin_figure
 from worker.views.reading import open_basin, plot_basin
 
 OSCILLATOR = Oscillator(damping=0.6, eccentricity=0.1, half_backlash=0.6)
@@ -79,8 +80,10 @@ def test_basins_carry_what_is_asked_for_and_no_more(store, attractors):
         counts = [len(plot_basin(basin, Figure().subplots(), overlays=kinds).lines) for kinds in ((), ("grazing",))]
     assert counts == [0, 1]
     plain, laid = io.BytesIO(), io.BytesIO()
-    draw_basin(store.location, plain, overlays=())
-    draw_basin(store.location, laid, overlays=(OverlayKind.GRAZING, OverlayKind.PREIMAGES))
+    save_figure(basin_figure(store.location, overlays=()), plain, PictureFormat.PNG)
+    save_figure(
+        basin_figure(store.location, overlays=(OverlayKind.GRAZING, OverlayKind.PREIMAGES)), laid, PictureFormat.PNG
+    )
     assert plain.getvalue() != laid.getvalue()
     assert [marks.marker for marks in attractor_marks(attractors)] == ["x", "."]
     assert grazing_line(OSCILLATOR._replace(stiffness=1e4)).pieces[0].v.min() > 0.0

@@ -12,9 +12,10 @@ from worker.errors import InvalidJob, StoreConflict
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
+from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.panel_picture import Layer
-from worker.pictures.picture import draw_basin
-from worker.pictures.share_chart import draw_shares
+from worker.pictures.picture import basin_figure
+from worker.pictures.share_chart import shares_figure
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import LABELLED, SOLUTION, TileState
@@ -23,7 +24,7 @@ from worker.stores.solution_table import SolutionTable, motion_of
 
 def drawn(store, layer=Layer.SOLUTION):
     buffer = io.BytesIO()
-    draw_basin(store.location, buffer, layer=layer)
+    save_figure(basin_figure(store.location, layer=layer), buffer, PictureFormat.PNG)
     buffer.seek(0)
     return imread(buffer)[..., :3]
 
@@ -62,14 +63,14 @@ def test_a_store_without_any_label_is_drawn(tmp_path):
 @pytest.mark.parametrize("layer", [Layer.GROUP, Layer.PERIOD, Layer.STEP])
 def test_the_same_store_gives_the_same_bytes(store, layer):
     one, other = io.BytesIO(), io.BytesIO()
-    draw_basin(store.location, one, layer=layer)
-    draw_basin(store.location, other, layer=layer)
+    save_figure(basin_figure(store.location, layer=layer), one, PictureFormat.PNG)
+    save_figure(basin_figure(store.location, layer=layer), other, PictureFormat.PNG)
     assert one.getvalue() == other.getvalue()
 
 
 def test_a_place_that_is_no_store_is_refused(tmp_path):
     with pytest.raises(StoreConflict, match="is no basin store"):
-        draw_basin(str(tmp_path), io.BytesIO())
+        save_figure(basin_figure(str(tmp_path)), io.BytesIO(), PictureFormat.PNG)
 
 
 def test_motions_of_one_name_are_told_apart_and_kinds_keep_their_colours():
@@ -128,7 +129,7 @@ def test_of_many_basins_some_are_drawn(tmp_path):
 
 def test_shares_are_drawn_over_two_parameters_and_refused_over_none(sweep, store):
     buffer = io.BytesIO()
-    draw_shares(sweep.location, buffer)
+    save_figure(shares_figure(sweep.location), buffer, PictureFormat.PNG)
     assert buffer.getvalue().startswith(b"\x89PNG")
     with pytest.raises(InvalidJob, match="single basin"):
-        draw_shares(store.location, io.BytesIO())
+        save_figure(shares_figure(store.location), io.BytesIO(), PictureFormat.PNG)

@@ -1,0 +1,85 @@
+"""A figure as a file: PNG, SVG or PDF. The same figure gives the same bytes."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import IO
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from worker.errors import InvalidJob
+
+_DPI = 110
+# Neither a date nor a random identifier is written.
+_UNDATED = {
+    "png": {"Software": None},
+    "svg": {"Date": None, "Creator": None},
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+}
+
+
+class PictureFormat(StrEnum):
+    """Format of a picture's file."""
+
+    PNG = "png"
+    SVG = "svg"
+    PDF = "pdf"
+
+    @property
+    def media_type(self) -> str:
+        """As in the header Content-Type."""
+        return {"png": "image/png", "svg": "image/svg+xml", "pdf": "application/pdf"}[self]
+
+    @classmethod
+    def of_file(cls, path: str | Path) -> "PictureFormat":
+        """Format that a file's name asks for.
+
+        Parameters
+        ----------
+        path : str or path
+
+        Returns
+        -------
+        PictureFormat
+
+        Raises
+        ------
+        InvalidJob
+            If its name ends otherwise.
+        """
+        suffix = Path(path).suffix.removeprefix(".").lower()
+        if suffix not in list(cls):
+            endings = ", ".join(f".{each}" for each in cls)
+            raise InvalidJob(f"the name of a picture ends in one of {endings}, not as {str(path)!r} does")
+        return cls(suffix)
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Empty figure of a size in inches."""
+    figure = Figure(figsize=(width, height), dpi=_DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save_figure(figure: Figure, target: str | Path | IO[bytes], picture_format: PictureFormat | None = None) -> None:
+    """Write a figure to a file.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    target : path or binary file
+    picture_format : PictureFormat, optional
+        By default the one that the file's name asks for; needed for an open file.
+
+    Raises
+    ------
+    InvalidJob
+        If the file's name asks for no such format.
+    """
+    if picture_format is None:
+        assert isinstance(target, str | Path)
+        picture_format = PictureFormat.of_file(target)
+    if picture_format == PictureFormat.SVG:
+        mpl.rcParams["svg.hashsalt"] = "gear-rattle"  # identifiers in the file are random without it
+    figure.savefig(target, format=picture_format.value, metadata=_UNDATED[picture_format])
