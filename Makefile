@@ -21,7 +21,7 @@ install = { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install --yes 
 # Tests of one file share what they have built.
 ON_TWO_CORES := --numprocesses 2 --dist loadfile
 
-.PHONY: help demo test test-pythons test-slow test-faults test-load test-backends test-containers test-hosts test-browser screenshots check bench serve openapi settings lock clean
+.PHONY: help demo test test-pythons test-processors test-slow test-faults test-load test-backends test-containers test-hosts test-browser screenshots check bench serve openapi settings lock clean
 
 help:  ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -43,6 +43,10 @@ test: $(READY)  ## run the tests (minutes); PYTHON=python3.13 on that one
 
 test-pythons:  ## run the tests on every Python from 3.11 to 3.14 that is here
 	@.ci/test-pythons
+
+# On a cold cache most of their time is spent on compiling the kernels for each target.
+test-processors: $(READY)  ## the same bytes for every processor that this one can stand in for (minutes)
+	$(BIN)/python -m pytest -m '' tests/rattle_kernels/numerics/test_fused_multiply_add.py tests/worker/basins/test_same_bytes.py
 
 # In lanes a wrong index corrupts other lanes without a sign, unless it is checked.
 BOUNDS_CHECKED := $(addprefix tests/rattle_kernels/,numerics impact_map lanes cell_mapping attractors/test_classify.py)

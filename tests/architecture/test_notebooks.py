@@ -6,6 +6,7 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
+pytestmark = pytest.mark.slow
 NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
 
 
@@ -51,7 +52,6 @@ def test_a_sweep_is_read_over_http(service, sweep, monkeypatch):
     assert pictures >= 5
 
 
-@pytest.mark.slow
 @pytest.mark.timeout(180)
 @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning")
 def test_a_sweep_is_computed_where_none_is_given(monkeypatch):

@@ -10,11 +10,7 @@ FOLLOWED = ("branch_", "curve_", "special_")
 """Arrays of what is followed in a parameter: linear algebra makes their last digits, and each processor its own."""
 
 # The first test of all waits for the jobs of all.
-pytestmark = pytest.mark.timeout(600)
-
-
-def _case(name):
-    return pytest.param(name, marks=[pytest.mark.slow] if CASES[name].get("slow") else [])
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +20,7 @@ def done(request, service):
     return jobs.computed(service, [case for name, case in CASES.items() if name in asked])
 
 
-@pytest.fixture(scope="module", params=[_case(name) for name in CASES])
+@pytest.fixture(scope="module", params=CASES)
 def looks(request, service, done):
     """What is kept of one job: here and now, and in the golden file."""
     return jobs.looked_at(service, done[request.param]), files.read(f"stores/{request.param}.json")

@@ -88,6 +88,7 @@ def catalogue_of(oscillator, speed=7.0, count=200):
     return catalogue, name_solutions(oscillator, catalogue, t, v)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("damping", "end"), [(0.65, "P(3,3,1)"), (0.527, "P(3,3,2)")])
 def test_a_transient_of_1e5_impacts_is_one_and_its_end_is_in_the_catalogue(damping, end):
     oscillator = Oscillator(damping=damping)
@@ -132,6 +133,7 @@ def test_a_chaotic_attractor_holds_what_is_on_it(damping):
     assert catalogue[-1].name == catalogue[-1].label == "chaotic" and np.isnan(catalogue[-1].mean_life)
 
 
+@pytest.mark.slow
 def test_at_the_machines_damping_nothing_is_called_chaotic_after_too_few_impacts():
     catalogue, _ = catalogue_of(MACHINE, 12.0 * MACHINE.damping, 64)
     assert not any(attractor.is_chaotic for attractor in catalogue)

@@ -94,6 +94,7 @@ def test_motions_sink_onto_orbits_as_their_damping_says(speed, period):
     assert fall == pytest.approx(MACHINE.damping * float(elapsed), rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("speed", "period"), [(2.0 * np.pi, 1), (2.475, 2)], ids=["onto P(1,1,0)", "onto P(1,2,0)"])
 def test_energy_onto_orbits_errs_by_rounding_alone_along_1e5_impacts(speed, period):
     orbit = orbit_near(speed, period)

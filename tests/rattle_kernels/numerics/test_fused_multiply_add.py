@@ -27,6 +27,7 @@ def maps(tmp_path_factory):
     return {target: {file.name: file.read_bytes() for file in (folder / target).iterdir()} for target in targets}
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("target", [V3, V4])
 def test_images_and_landing_points_of_both_models_are_the_same_bytes(maps, target):

@@ -161,6 +161,7 @@ def test_the_list_is_walked_page_by_page_newest_first(service, finished):
     assert all(job["state"] == "cancelled" for job in only)
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(240)
 def test_a_stopped_service_resumes_its_job_at_the_next_start(tmp_path):
     body = {"grid": {"time": {"cells": 500}, "velocity": {"cells": 500}}, "iterations": 1499}
@@ -176,6 +177,7 @@ def test_a_stopped_service_resumes_its_job_at_the_next_start(tmp_path):
     assert "Traceback" not in (tmp_path / "serve.log").read_text()
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(240)
 def test_a_killed_service_resumes_its_job_at_the_next_start(tmp_path):
     body = {"grid": {"time": {"cells": 300}, "velocity": {"cells": 300}}, "iterations": 1499}

@@ -38,6 +38,9 @@ def shares(panel):
     return {solution["name"]: solution["share"] for solution in panel["solutions"]}
 
 
+pytestmark = pytest.mark.slow
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("figures")
@@ -163,7 +166,6 @@ def test_what_fig5_puts_back_to_cell_centres_goes_another_way_than_what_it_does_
     assert true[3] == pytest.approx([float(landed.t), float(landed.v)], abs=1e-10)
 
 
-@pytest.mark.slow
 def test_p120_of_fig10_ends_in_a_saddle_node_and_its_basin_with_it(client, folder):
     numbers = produced("fig10", folder, client)
     assert numbers["saddle_node"]["damping"] == pytest.approx(0.5997157625984, abs=1e-11)
