@@ -18,17 +18,17 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import httpx2 as httpx
 
+from rattle.cli.console import out, progress_line
+from rattle.cli.result_tables import print_result
+from rattle.progress import ProgressLine
+from rattle.service_client import RemoteJob, ServiceClient, ServiceFailed
 from rattle_kernels import warm_up
-from service.cli.analysis_tables import print_result
-from service.cli.console import ProgressLine, out, progress_line
-from service.cli.remote import until_the_end
 
 HERE = Path(__file__).parent
-RATTLE = [sys.executable, "-c", "from service.cli import app; app()"]
+RATTLE = [sys.executable, "-c", "from rattle.cli import app; app()"]
 READY = "ready: "
 # Seconds, but for a machine that is busy with other work.
 START_SECONDS = 300.0
@@ -68,16 +68,15 @@ def address_when_ready(process: subprocess.Popen[str], log: Path) -> str:
     raise SystemExit(f"{said}the service did not start; its log is {log}")
 
 
-def computed(url: str, request: Path, line: ProgressLine) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Job and result of a request."""
-    body, kind = request.read_bytes(), {"content-type": "application/json"}
-    answer = httpx.post(f"{url}/v1/basins", content=body, headers=kind, timeout=60.0)
-    if answer.is_error:
-        raise SystemExit(answer.json()["detail"])
-    job = until_the_end(url, answer.json()["id"], None, line)
-    if job["state"] != "succeeded":
-        raise SystemExit(f"the job is {job['state']}: {(job['error'] or {}).get('detail')}")
-    return job, httpx.get(url + job["links"]["result"], timeout=60.0).raise_for_status().json()
+def computed(url: str, request: Path, line: ProgressLine) -> RemoteJob:
+    """The job of a request, when it has succeeded."""
+    try:
+        job = ServiceClient(url).submit_text(request.read_text())
+        job.follow(line)
+        job.demand_success()
+    except ServiceFailed as error:
+        raise SystemExit(str(error)) from error
+    return job
 
 
 def from_here(path: Path) -> str:
@@ -102,12 +101,13 @@ def main(request: Path, folder: Path) -> None:
         with service(data, log) as url:
             out.print(f"ready on {url}; computing the basins of {from_here(request)}", highlight=False, soft_wrap=True)
             begin = time.monotonic()
-            job, result = computed(url, request, line)
+            job = computed(url, request, line)
             seconds = time.monotonic() - begin
-            drawn = httpx.get(url + job["links"]["picture"], timeout=60.0)
+            result = job.result()
+            drawn = httpx.get(url + job.described["links"]["picture"], timeout=60.0)
             picture.write_bytes(drawn.raise_for_status().content)
     shutil.rmtree(store, ignore_errors=True)
-    shutil.move(data / "results" / f"{job['id']}.zarr", store)
+    shutil.move(data / "results" / f"{job.id}.zarr", store)
     shutil.rmtree(data)
     print_result("basin", result)
     opener = "open" if sys.platform == "darwin" else "xdg-open"

@@ -78,6 +78,22 @@ def _reporting(report: Report | None, needed: Callable[[str], bool]) -> Iterator
         tell()
 
 
+def reporting_compilation(report: Report | None, *, analyses: bool = False) -> contextlib.AbstractContextManager[None]:
+    """Report kernels that have to be compiled while a context lasts, as `warm_up` does; none is run for that.
+
+    Parameters
+    ----------
+    report : callable, optional
+    analyses : bool
+        Whether those of analyses are counted, or those of basins.
+
+    Returns
+    -------
+    context manager
+    """
+    return _reporting(report, lambda module: module not in FROM_PYTHON_ALONE and (module in OF_ANALYSES) == analyses)
+
+
 def warm_up(report: Report | None = None) -> None:
     """Run every kernel of basins, of their pictures and of grazing curves once, on a few cells.
 
@@ -87,7 +103,7 @@ def warm_up(report: Report | None = None) -> None:
         Called with how many kernels are there and how many are needed, before each that has to be compiled and when all
         are there; not called where all of them load from the disk cache.
     """
-    with _reporting(report, lambda module: module not in OF_ANALYSES | FROM_PYTHON_ALONE):
+    with reporting_compilation(report):
         _run_kernels_of_basins()
 
 
@@ -128,7 +144,7 @@ def warm_up_analyses(report: Report | None = None) -> None:
     report : callable, optional
         As that of `warm_up`; kernels that basins need as well are not counted.
     """
-    with _reporting(report, lambda module: module in OF_ANALYSES):
+    with reporting_compilation(report, analyses=True):
         _run_kernels_of_analyses()
 
 

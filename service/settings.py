@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from pydantic import Field, PositiveInt, model_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import Field, PositiveInt
 
 from service.logs import LogFormat
-from worker.cluster.certificates import Certificates
+from worker.cluster.settings import ClusterSettings
 
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
@@ -23,19 +22,12 @@ class Quotas:
     places_each: int
 
 
-class Settings(BaseSettings):
+class Settings(ClusterSettings):
     """Settings, from ``RATTLE_...`` environment variables or from options of ``rattle serve``."""
-
-    model_config = SettingsConfigDict(env_prefix="RATTLE_", extra="ignore")
 
     data: Path = Field(Path("rattle-data"), description="Folder of the database and the results")
     database_url: str | None = Field(None, description="SQLAlchemy URL; SQLite in the data folder by default")
     store: str | None = Field(None, description="Folder of the Zarr stores; in the data folder by default")
-    scheduler: str | None = Field(None, description="Address of a Dask scheduler; an embedded cluster by default")
-    tls_ca: Path | None = Field(None, description="Certificate of the authority that a tls:// scheduler trusts")
-    tls_cert: Path | None = Field(None, description="Certificate that this service shows to the scheduler")
-    tls_key: Path | None = Field(None, description="Key of that certificate")
-    workers: PositiveInt = Field(2, description="Worker processes of the embedded cluster")
     host: str = Field("127.0.0.1", description="Address to listen on; on any but loopback, keys are required")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on")
     require_keys: bool = Field(False, description="Require keys on loopback too, as behind a proxy")
@@ -69,24 +61,6 @@ class Settings(BaseSettings):
         2_000_000, description="Most points of a branch, or of an order of pre-images"
     )
     max_order: PositiveInt = Field(16, description="Highest order of pre-images of the grazing curve")
-
-    @model_validator(mode="after")
-    def _certificates_are_complete(self) -> "Settings":
-        given = [each is not None for each in (self.tls_ca, self.tls_cert, self.tls_key)]
-        encrypted = (self.scheduler or "").startswith("tls://")
-        if any(given) and not (all(given) and encrypted) or encrypted and not all(given):
-            raise ValueError(
-                "RATTLE_TLS_CA, RATTLE_TLS_CERT and RATTLE_TLS_KEY belong to a tls:// scheduler, all three: "
-                "`rattle certs` makes them"
-            )
-        return self
-
-    @property
-    def certificates(self) -> Certificates | None:
-        """Certificates for the scheduler; None without TLS."""
-        if self.tls_ca is None or self.tls_cert is None or self.tls_key is None:
-            return None
-        return Certificates(self.tls_ca, self.tls_cert, self.tls_key)
 
     @property
     def database(self) -> str:

@@ -6,8 +6,8 @@ import os
 import pytest
 from hypothesis import settings
 
+from rattle.cli.console import announced_compiling
 from rattle_kernels import warm_up, warm_up_analyses
-from service.cli.console import announced_compiling
 from tests.object_store import running_object_store
 from tests.postgresql import running_postgresql
 from tests.running_service import BACKENDS, running_service

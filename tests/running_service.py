@@ -111,7 +111,7 @@ def running_service(data, port=None, **environment):
     command = [
         sys.executable,
         "-c",
-        "from service.cli import app; app()",
+        "from rattle.cli import app; app()",
         "serve",
         "--port",
         str(port),

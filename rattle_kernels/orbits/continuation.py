@@ -38,7 +38,7 @@ from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
 
 
 class BranchEnd(StrEnum):
-    """Why a branch ends."""
+    """Why a branch of orbits ends."""
 
     START = "the orbit it began with"
     BOUND = "a bound of the parameter"

@@ -1,13 +1,11 @@
 """Results of basins and sweeps over HTTP."""
 
-import dataclasses
 from typing import Any, Literal
 
 from pydantic import BaseModel, Field
 
-from rattle_kernels import Attractor
 from service.models.numbers import FiniteOrNone
-from worker.stores.summary import BasinSummary, Change, SweptBasinSummary
+from worker.stores.summary import BasinSummary
 
 
 class SolutionView(BaseModel):
@@ -27,17 +25,6 @@ class SolutionView(BaseModel):
         description="(t, v) of its departures; the first hundred of a chaotic one"
     )
 
-    @classmethod
-    def from_attractor(cls, attractor: Attractor, share: float) -> "SolutionView":
-        """View of an attractor."""
-        points = zip(attractor.time[:100].tolist(), attractor.velocity[:100].tolist(), strict=True)
-        return cls(
-            name=attractor.name, kind=attractor.kind.name.lower(), share=share,
-            forcing_periods=attractor.forcing_periods, upper_contacts=attractor.upper_contacts,
-            lower_contacts=attractor.lower_contacts, lyapunov_exponent=attractor.lyapunov_exponent,
-            mean_life=attractor.mean_life, points=list(points),
-        )  # fmt: skip
-
 
 class ShareView(BaseModel):
     """Share of a solution in one basin."""
@@ -54,15 +41,6 @@ class BasinView(BaseModel):
     complete: bool
     shares: list[ShareView] = Field(description="Shares of its solutions; empty until it is complete")
 
-    @classmethod
-    def from_swept(cls, swept: SweptBasinSummary) -> "BasinView":
-        """View of a basin's summary."""
-        shares = [
-            ShareView(solution=number, share=share, standard_error=swept.errors.get(number))
-            for number, share in swept.shares.items()
-        ]
-        return cls(parameters=swept.values, complete=swept.complete, shares=shares)
-
 
 class ChangeView(BaseModel):
     """Birth or death of a solution between two neighbouring values of a swept parameter."""
@@ -73,11 +51,6 @@ class ChangeView(BaseModel):
     before: float
     after: float
     beside: float | None = Field(description="Value of the other swept parameter")
-
-    @classmethod
-    def from_change(cls, change: Change) -> "ChangeView":
-        """View of a change."""
-        return cls(**dataclasses.asdict(change) | {"kind": change.kind.name.lower()})
 
 
 class ResultView(BaseModel):
@@ -100,14 +73,4 @@ class ResultView(BaseModel):
     @classmethod
     def from_summary(cls, summary: BasinSummary, zarr: str) -> "ResultView":
         """View of a summary."""
-        solutions = [
-            SolutionView.from_attractor(attractor, share)
-            for attractor, share in zip(summary.attractors, summary.shares, strict=True)
-        ]
-        return cls(
-            complete=summary.complete, request=summary.request, tiles=summary.tiles,
-            tiles_computed=summary.tiles_computed, tiles_assembled=summary.tiles_assembled, solutions=solutions,
-            image_counts=summary.image_counts, seconds=summary.seconds, zarr=zarr,
-            basins=[BasinView.from_swept(swept) for swept in summary.basins],
-            changes=[ChangeView.from_change(change) for change in summary.changes],
-        )  # fmt: skip
+        return cls.model_validate(summary.as_json() | {"zarr": zarr})

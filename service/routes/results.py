@@ -7,7 +7,7 @@ from functools import partial
 from importlib.metadata import version
 from typing import Annotated, Any, TypeVar
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 from matplotlib.figure import Figure
 from pydantic import AfterValidator
 
@@ -23,6 +23,8 @@ from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.panel_picture import Layer
 from worker.pictures.share_chart import shares_figure
 from worker.stores.summary import fingerprint
+from worker.views.reading import open_store
+from worker.views.tables import TableFormat, demand_small_table, table_of, write_table
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
 
@@ -70,8 +72,12 @@ def _get_figure(name: str, summary: str, responses: Responses) -> Callable[[AnyR
     def decorate(route: AnyRoute) -> AnyRoute:
         for each in PictureFormat:
             answers = {200: {"content": {each.media_type: {}}}, **responses, **NOT_MODIFIED}
-            router.get(f"/{name}.{each}", summary=f"{summary} as {each.upper()}", response_class=Response,
-                       responses=answers, name=f"{route.__name__}_{each}")(route)  # fmt: skip
+            own = route.__name__ if each == PictureFormat.PNG else f"{route.__name__}_{each}"
+            add = router.get(
+                f"/{name}.{each}", summary=f"{summary} as {each.upper()}", response_class=Response, responses=answers,
+                name=own,
+            )  # fmt: skip
+            add(route)
         return route
 
     return decorate
@@ -120,6 +126,46 @@ def get_shares(
         return known or _picture_answer(partial(shares_figure, location), picture_format, etag)
     except InvalidJob as error:
         raise NotReady(f"no basin of job {job_id} is complete yet") from error
+
+
+_TABLES = (
+    _NOTHING_YET | problems(s422="the result has no such table; the answer names those that it has") | NOT_MODIFIED
+)
+
+
+@router.get(
+    "/result.json",
+    summary="A table of a result as JSON",
+    response_class=Response,
+    responses={200: {"content": {TableFormat.JSON.media_type: {}}}, **_TABLES},
+    name="get_table_json",
+)
+@router.get(
+    "/result.csv",
+    summary="A table of a result as CSV",
+    response_class=Response,
+    responses={200: {"content": {TableFormat.CSV.media_type: {}}}, **_TABLES},
+    name="get_table_csv",
+)
+def get_table(
+    job_id: JobId,
+    request: Request,
+    jobs: JobsHere,
+    settings: SettingsHere,
+    table: Annotated[str | None, Query(description="A dimension or an array of the store", max_length=100)] = None,
+    if_none_match: IfNoneMatch = None,
+) -> Response:
+    """List what a result holds, row by row: by default motions, shares, orbits, orders or departures."""
+    location, kind = location_of(job_id, jobs, settings), jobs.get(job_id).kind
+    table_format = TableFormat.of_file(request.url.path)
+    etag = etag_of(result_fingerprint(kind, location), "table", table or "", table_format, _VERSION)
+    known = not_modified(etag, if_none_match)
+    if known is not None:
+        return known
+    with open_store(location) as dataset:
+        demand_small_table(dataset, table, settings.max_cells)
+        text = write_table(table_of(dataset, table), table_format)
+    return Response(text, media_type=table_format.media_type, headers={"etag": etag})
 
 
 @router.head("/result.zarr/{path:path}", include_in_schema=False)

@@ -3,9 +3,10 @@
 from fastapi import APIRouter
 
 from service.errors import LimitExceeded
-from service.models.trajectory import TrajectoryRequest, TrajectoryView
+from service.models.trajectory import TrajectoryView
 from service.routes.dependencies import SettingsHere, problems
 from service.routes.plain_json import PlainJsonRoute
+from worker.jobs.trajectory_request import TrajectoryRequest
 
 router = APIRouter(prefix="/v1", tags=["trajectories"], route_class=PlainJsonRoute)
 

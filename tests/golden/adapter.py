@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import typer
 
-from service.cli import app
+from rattle.cli import app
 from tests.running_service import running_service
 from tests.service.idle_service import idle_service
 

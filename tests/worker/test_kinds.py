@@ -10,8 +10,8 @@ import xarray as xr
 from pydantic import Field
 from typer.testing import CliRunner
 
+from rattle.cli import command_line
 from rattle_kernels import grazing_velocity
-from service.cli import command_line, local_run
 from service.openapi import document
 from tests.service.idle_service import idle_service
 from worker.analyses.analysis import Analysis, Piece, ready_of
@@ -91,15 +91,7 @@ def test_a_fifth_kind_is_run_over_http(fifth, client, monkeypatch, tmp_path):
         assert service.request("GET", job["links"]["picture"]).content.startswith(b"\x89PNG")
 
 
-def test_a_fifth_kind_is_run_from_the_command_line(fifth, client, monkeypatch, tmp_path):
-    class Connection:
-        def __enter__(self):
-            return client
-
-        def __exit__(self, *_):
-            return None
-
-    monkeypatch.setattr(local_run, "connect", lambda *_: Connection())
+def test_a_fifth_kind_is_run_from_the_command_line(fifth, tmp_path):
     helped = CliRunner().invoke(command_line(), ["grazing-speed", "--help"])
     assert "--phases" in helped.output and "Number of phases" in helped.output and "--damping" in helped.output
     store = tmp_path / "store"

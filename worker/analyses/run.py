@@ -11,8 +11,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from worker.analyses.analysis import Analysis, Plan
 from worker.cluster.driver import Driver
 from worker.cluster.task import Task, stop_if_cancelled
@@ -23,6 +21,7 @@ from worker.progress import Progress, Report, Stage
 from worker.stores.analysis_store import AnalysisStore, StoredParts
 from worker.stores.layout import Columns
 from worker.stores.opening import demand_same_digest
+from worker.stores.summary import without_nan
 
 
 @dataclass(frozen=True)
@@ -194,12 +193,3 @@ def summarise_analysis(analysis: Analysis, location: str) -> AnalysisSummary:
         job.kind, store.complete, store.request, len(store.parts()), dict(store.attributes.get("seconds", {})),
         without_nan(analysis.summarise(job, columns)),
     )  # fmt: skip
-
-
-def without_nan(value: Any) -> Any:
-    """The same value for JSON, with None for NaN and infinity."""
-    if isinstance(value, dict):
-        return {name: without_nan(each) for name, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [without_nan(each) for each in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -30,6 +30,10 @@ _ONE_TASK_A_WORKER = {"distributed.scheduler.worker-saturation": 1.0, "distribut
 _NO_PAGES: dict[str, list[str]] = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
 
 
+# Dask's sampled profiles are not read, and workers and scheduler share the cores.
+_EMBEDDED = {"distributed.worker.profile.enabled": False, **_ONE_TASK_A_WORKER, **_NO_PAGES}
+
+
 class WarmKernels(WorkerPlugin):
     """Loads the compiled kernels before a worker's first tile, also after a nanny has restarted it."""
 
@@ -64,14 +68,7 @@ def local_cluster(workers: int = 2, compiling: Report | None = None) -> Iterator
     dask.config.set(_MESSAGES_KEPT)
     # This process fills the disk cache of compiled kernels for the workers.
     warm_up(compiling)
-    settings = {
-        "distributed.comm.timeouts.connect": f"{_CONNECT_SECONDS}s",
-        # Dask's sampled profiles are not read, and workers and scheduler share two cores.
-        "distributed.worker.profile.enabled": False,
-        **_ONE_TASK_A_WORKER,
-        **_NO_PAGES,
-    }
-    with dask.config.set(settings):
+    with dask.config.set({"distributed.comm.timeouts.connect": f"{_CONNECT_SECONDS}s", **_EMBEDDED}):
         cluster = LocalCluster(
             n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0",
             silence_logs=logging.CRITICAL, host="127.0.0.1", protocol="tls://", security=Security.temporary(),
@@ -83,6 +80,34 @@ def local_cluster(workers: int = 2, compiling: Report | None = None) -> Iterator
             yield client
     finally:
         _end(cluster)
+
+
+@contextlib.contextmanager
+def thread_cluster(threads: int) -> Iterator[Client]:
+    """Client of an embedded cluster of threads of this process, which start within a tenth of a second.
+
+    Kernels release the GIL. They are compiled, or loaded from the disk cache, when a task first needs them.
+
+    Parameters
+    ----------
+    threads : int
+
+    Yields
+    ------
+    distributed.Client
+    """
+    dask.config.set(_MESSAGES_KEPT)
+    with dask.config.set(_EMBEDDED):
+        cluster = LocalCluster(
+            n_workers=1, threads_per_worker=threads, processes=False, memory_limit=0, dashboard_address="127.0.0.1:0",
+            worker_dashboard_address="127.0.0.1:0",
+            silence_logs=logging.CRITICAL, scheduler_kwargs={"dashboard": False},
+        )  # fmt: skip
+    try:
+        with _closing(Client(cluster, set_as_default=False)) as client:
+            yield client
+    finally:
+        cluster.close(timeout=_CLOSE_SECONDS)
 
 
 def _end(cluster: LocalCluster) -> None:

@@ -68,6 +68,12 @@ def history_figure(oscillator: Oscillator, history: TimeHistory) -> Figure:
     matplotlib.figure.Figure
     """
     figure = new_figure(11.0, 4.5)
+    draw_history(figure, oscillator, history)
+    return figure
+
+
+def draw_history(figure: Figure, oscillator: Oscillator, history: TimeHistory) -> None:
+    """Draw a time history on an empty figure."""
     axes = figure.add_subplot()
     draw_boundaries(axes, oscillator)
     _shade_contacts(axes, oscillator, history)
@@ -78,4 +84,3 @@ def history_figure(oscillator: Oscillator, history: TimeHistory) -> Figure:
     axes.set_xlabel("time t (forcing periods)")
     axes.set_ylabel("displacement Φ")
     axes.set_title(_title(oscillator, history))
-    return figure

@@ -31,12 +31,12 @@ def _legend(
     shares = np.nanmean(table.share, axis=0) if store.complete else np.full(len(solutions), np.nan)
     if store.job.vary:
         labels = [f"{i}: {solution.name}" for i, solution in enumerate(solutions)]
-        figure.legend(handles=_patches(solutions, shares, labels), loc="outside right upper", frameon=False)
+        figure.legend(handles=legend_patches(solutions, shares, labels), loc="outside right upper", frameon=False)
     else:
         draw_legend(axes, solutions, shares)
 
 
-def _patches(solutions: tuple[Attractor, ...], shares: np.ndarray, labels: list[str]) -> list[Patch]:
+def legend_patches(solutions: tuple[Attractor, ...], shares: np.ndarray, labels: list[str]) -> list[Patch]:
     """Legend entries: permanent contact first, others by share. Once shares are known, only those that have one."""
     palette = colours.colours_of(solutions)
     there = np.isfinite(shares) if np.isfinite(shares).any() else np.full(len(solutions), True)
@@ -51,7 +51,7 @@ def draw_legend(axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray
     """List solutions with colours and shares beside the axes; NaN is a share not known yet."""
     told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
     labels = [f"{solution.label}   {share}" for solution, share in zip(solutions, told, strict=True)]
-    handles = _patches(solutions, shares, labels)
+    handles = legend_patches(solutions, shares, labels)
     axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0)
 
 

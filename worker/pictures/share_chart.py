@@ -87,10 +87,14 @@ def shares_figure(location: str) -> Figure:
     solutions = representatives(store, table)
     share = table.share.reshape(*store.job.sweep_shape, len(solutions))
     figure = new_figure(10.0, 6.5)
-    if len(store.job.vary) == 1:
-        axes = figure.subplots()
-        draw_lines(axes, store.job, share, solutions)
+    draw_shares(figure, store.job, share, solutions)
+    return figure
+
+
+def draw_shares(figure: Figure, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...]) -> None:
+    """Draw shares, of shape (*swept values, solutions), on an empty figure."""
+    if len(job.vary) == 1:
+        draw_lines(figure.subplots(), job, share, solutions)
         figure.legend(loc="outside right upper", frameon=False)
     else:
-        _draw_maps(figure, store.job, share, solutions)
-    return figure
+        _draw_maps(figure, job, share, solutions)

@@ -46,6 +46,15 @@ def holds_store(location: str) -> bool:
         return "layout_version" in group.attrs
 
 
+def is_complete(location: str, digest: str) -> bool:
+    """Whether a location holds the complete store of the request with this digest."""
+    if not holds_store(location):
+        return False
+    with as_store_failure(location):
+        attributes = open_group(location, "r").attrs
+        return bool(attributes.get("complete")) and attributes.get("request_sha256") == digest
+
+
 def create_unless_there(location: str, what: str, create: Callable[[], None], fence: Fence) -> None:
     """Create a store, unless there is one.
 

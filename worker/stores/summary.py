@@ -1,5 +1,7 @@
 """Summary of a job's basins, read from their store."""
 
+import dataclasses
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,6 +63,41 @@ class BasinSummary:
     seconds: dict[str, float]
     basins: tuple[SweptBasinSummary, ...]
     changes: tuple[Change, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """The summary as JSON: None for NaN, and the first hundred points of a chaotic attractor."""
+        solutions = [_solution(*each) for each in zip(self.attractors, self.shares, strict=True)]
+        names = ("complete", "request", "tiles", "tiles_computed", "tiles_assembled", "image_counts", "seconds")
+        own = {name: getattr(self, name) for name in names} | {"solutions": solutions}
+        own["basins"] = [
+            {"parameters": each.values, "complete": each.complete, "shares": _shares(each)} for each in self.basins
+        ]
+        own["changes"] = [dataclasses.asdict(each) | {"kind": each.kind.name.lower()} for each in self.changes]
+        as_json: dict[str, Any] = without_nan(own)
+        return as_json
+
+
+def _solution(attractor: Attractor, share: float) -> dict[str, Any]:
+    names = ("name", "forcing_periods", "upper_contacts", "lower_contacts", "lyapunov_exponent", "mean_life")
+    points = zip(attractor.time[:100].tolist(), attractor.velocity[:100].tolist(), strict=True)
+    own = {name: getattr(attractor, name) for name in names}
+    return own | {"kind": attractor.kind.name.lower(), "share": share, "points": list(points)}
+
+
+def _shares(basin: SweptBasinSummary) -> list[dict[str, Any]]:
+    return [
+        {"solution": number, "share": share, "standard_error": basin.errors.get(number)}
+        for number, share in basin.shares.items()
+    ]
+
+
+def without_nan(value: Any) -> Any:
+    """The same value for JSON, with None for NaN and infinity."""
+    if isinstance(value, dict):
+        return {name: without_nan(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [without_nan(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def summarise(location: str) -> BasinSummary:

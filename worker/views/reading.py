@@ -13,6 +13,7 @@
 import json
 from collections.abc import Collection
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -35,18 +36,16 @@ _MOST_CELLS = 1000
 
 
 def open_basin(location: str | Path) -> xr.Dataset:
-    """Open a basin's store, complete or not.
+    """Open a basin's store, finished or not.
 
     Parameters
     ----------
     location : str or path
-        A folder, ``s3://bucket/prefix``, or the address of a service's ``result.zarr``. Metadata may be consolidated
-        (as in this project's stores, and as HTTP requires) or plain.
+        As for `open_store`.
 
     Returns
     -------
     xarray.Dataset
-        Read lazily, tile by tile. ``worker.stores.layout`` describes each variable.
 
     Raises
     ------
@@ -55,21 +54,54 @@ def open_basin(location: str | Path) -> xr.Dataset:
     OSError
         If an address does not answer.
     """
-    try:
-        dataset = _open(str(location))
-    except (FileNotFoundError, KeyError, ValueError) as error:
-        raise StoreConflict(f"{location} is no basin store: nothing there that Zarr can open") from error
+    dataset = open_store(location)
     if dataset.attrs.get("layout_version") != LAYOUT_VERSION:
         raise StoreConflict(f"{location} is no basin store of layout {LAYOUT_VERSION}")
     return dataset
 
 
-def _open(location: str) -> xr.Dataset:
-    store = location if location.startswith(("http://", "https://")) else place_at(location).zarr
+def open_store(location: str | Path, storage_options: dict[str, Any] | None = None) -> xr.Dataset:
+    """Open a store of any kind, finished or not.
+
+    Parameters
+    ----------
+    location : str or path
+        A folder, ``s3://bucket/prefix``, or the address of a service's ``result.zarr``. Its metadata may be
+        consolidated (as this project's stores are, and as HTTP needs) or plain.
+    storage_options : dict, optional
+        Of an address: ``headers`` of its requests.
+
+    Returns
+    -------
+    xarray.Dataset
+        Read lazily, tile by tile; ``worker.stores.layout`` says what each variable means.
+
+    Raises
+    ------
+    StoreConflict
+        If there is no store.
+    OSError
+        If an address does not answer.
+    """
     try:
-        return xr.open_zarr(store, consolidated=True)
-    except ValueError:  # plain metadata: slower, one request per array
-        return xr.open_zarr(store, consolidated=False)
+        dataset = _open(str(location), storage_options)
+    except (FileNotFoundError, KeyError, ValueError) as error:
+        raise StoreConflict(
+            f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open"
+        ) from error
+    if "layout_version" not in dataset.attrs:
+        raise StoreConflict(f"{location} is no store of this project")
+    return dataset
+
+
+def _open(location: str, storage_options: dict[str, Any] | None) -> xr.Dataset:
+    at_address = location.startswith(("http://", "https://"))
+    store = location if at_address else place_at(location).zarr
+    options = {"storage_options": storage_options} if at_address and storage_options else {}
+    try:
+        return xr.open_zarr(store, consolidated=True, **options)
+    except ValueError:  # plain metadata: slower, one request an array
+        return xr.open_zarr(store, consolidated=False, **options)
 
 
 def job_of(dataset: xr.Dataset) -> BasinJob:

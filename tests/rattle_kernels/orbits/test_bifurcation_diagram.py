@@ -71,7 +71,7 @@ def test_permanent_contact_is_marked_and_stays_while_quiet_exists():
 
 def test_captured_means_what_it_means_everywhere():
     """At weak damping the corrected action proves more bounces captured than the plain one does: those count, too."""
-    oscillator = Oscillator(damping=0.01, eccentricity=0.0015, half_backlash=0.6)
+    oscillator = Oscillator(damping=6e-4, eccentricity=1e-4, half_backlash=6e-4)
     bound = capture_bound(oscillator)
     plain = descent_bound(oscillator, np.empty(12), np.empty(12))
     between = math.sqrt(plain * bound)

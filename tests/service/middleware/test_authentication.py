@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from service.cli import app as rattle
+from rattle.cli import app as rattle
 from service.records import keys as keys_module
 from service.records.engine import open_database
 from service.records.key_record import KeyScope

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from service.cli import app
+from rattle.cli import app
 from tests.analysis_requests import ROUTES
 from tests.service.routes.problems import assert_problem, left_behind
 

@@ -1,0 +1,47 @@
+"""Which motion does a rattling gear end in? Ask here.
+
+>>> import rattle
+>>> basin = rattle.basin(damping=0.6, eccentricity=0.1, half_backlash=0.6, cells=20, progress=False)
+>>> basin.rattle.attractors.name.values.tolist()
+['permanent contact', 'P(1,1,0)', 'chaotic']
+
+Times count forcing periods; everything else is nondimensional. The names of this module are loaded when they are first
+used: ``import rattle`` itself takes no time.
+"""
+
+from importlib import import_module
+from typing import Any
+
+_HOMES = {
+    "rattle.verbs": ("basin", "sweep", "bifurcation", "orbits", "manifolds", "grazing_curve", "trajectory"),
+    "rattle.opening": ("open",),
+    "rattle.remote_verbs": ("connect", "Service"),
+    "rattle.service_client": ("RemoteJob", "ServiceFailed"),
+    "rattle.result_cache": ("cache",),
+    "rattle_kernels": ("Oscillator", "OutsideDomain"),
+    "worker.errors": ("WorkerError", "InvalidJob", "NotFound", "JobCancelled"),
+    "worker.jobs.basin_job": ("BasinJob", "SweepJob"),
+    "worker.jobs.bifurcation_job": ("BifurcationJob",),
+    "worker.jobs.orbits_job": ("OrbitsJob",),
+    "worker.jobs.manifold_job": ("ManifoldJob",),
+    "worker.jobs.grazing_curve_job": ("GrazingCurveJob",),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = sorted(_HOME_OF)  # noqa: PLE0605 - the names of the table
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("gear-rattle")
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'rattle' has no attribute {name!r}; it has {', '.join(__all__)}")
+    found = getattr(import_module(_HOME_OF[name]), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

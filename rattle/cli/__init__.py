@@ -1,0 +1,113 @@
+"""The command line: ``rattle COMMAND``. The module of a command is loaded when the command is run.
+
+All modules together load Numba, Dask, FastAPI and Matplotlib, which takes seconds; ``rattle jobs`` needs none of these.
+"""
+
+from importlib import import_module
+from importlib.metadata import version
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from rattle.cli.console import out
+from worker.kinds import KINDS
+
+_OTHER_COMMANDS = {
+    "serve": (
+        "serve",
+        "Start the service, its database and two local workers; Ctrl-C stops it, the next start resumes its jobs.",
+    ),
+    "trajectory": (
+        "trajectory",
+        "Follow one motion of either model: draw Phi(t) or write it down, and list its contacts.",
+    ),
+    "paper": (
+        "paper",
+        "Recompute a figure of the paper and its numbers; basins that are there already are used, unfinished resumed.",
+    ),
+    "submit": ("remote", "Submit a request to a service; the same request again is the same job."),
+    "jobs": ("remote", "List the service's jobs, newest first."),
+    "cancel": ("remote", "Stop a job; what it has computed stays readable."),
+    "keys": ("keys", "Make, list and revoke the API keys of a service."),
+    "certs": ("certs", "Make certificates for the parts of a Dask cluster."),
+    "plot": (
+        "plot",
+        "Draw a basin in the paper's colours, a sweep side by side, or what an analysis has found.",
+    ),
+    "table": (
+        "table",
+        "Write what a result lists as CSV or JSON: motions and shares, orbits, branches, curves, departures.",
+    ),
+}
+"""Module of each command, and what ``rattle --help`` says of it. The others compute a kind of `worker.kinds`."""
+
+
+def _kinds_by_command() -> dict[str, str]:
+    """Kind of job that a command computes."""
+    return {name.replace("_", "-"): name for name in KINDS}
+
+
+def _loaded(name: str) -> Any:
+    """The command itself."""
+    kinds = _kinds_by_command()
+    if name in kinds:
+        found = import_module("rattle.cli.compute").compute_command(kinds[name])
+    else:
+        found = getattr(import_module(f"rattle.cli.{_OTHER_COMMANDS[name][0]}"), name)
+    if not isinstance(found, typer.Typer):
+        alone = typer.Typer(add_completion=False)
+        alone.command(name)(found)
+        found = alone
+    return typer.main.get_command(found)
+
+
+class _OnDemand(TyperGroup):
+    """Lists commands by stand-ins, and loads a command when it is run."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        name, command, rest = super().resolve_command(ctx, args)
+        return name, command if name is None else _loaded(name), rest
+
+
+def _say_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"rattle {version('gear-rattle')}")
+        raise typer.Exit
+
+
+def _options_of_all(
+    _: Annotated[
+        bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Print the version and exit")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print errors, and what is asked for by --json")] = False,
+) -> None:
+    out.quiet = quiet
+
+
+def command_line() -> typer.Typer:
+    """Application with all commands: those of every kind of job, and the others.
+
+    Returns
+    -------
+    typer.Typer
+    """
+    app = typer.Typer(name="rattle", cls=_OnDemand, no_args_is_help=True, pretty_exceptions_enable=False, help=_HELP)
+    app.callback()(_options_of_all)
+    commands = {name: KINDS[kind].command for name, kind in _kinds_by_command().items()}
+    listed = {name: text for name, (_, text) in _OTHER_COMMANDS.items()}
+    for name, text in ({"serve": listed["serve"]} | commands | listed).items():
+        app.command(name, help=text)(lambda: None)
+    return app
+
+
+_HELP = (
+    "Which motion does a rattling gear end in? Basins of attraction of a backlash oscillator.\n\n"
+    "Alone: `rattle basin` computes one here, `rattle sweep` many, `rattle plot` draws them; "
+    "`rattle bifurcation`, `rattle orbits`, `rattle manifold` and `rattle grazing-curve` explain them; "
+    "`rattle trajectory` follows one motion, `rattle paper` recomputes a figure of the paper. "
+    "With a service: `rattle serve` starts one, "
+    "`rattle submit` sends it a request, `rattle jobs` and `rattle cancel` follow and stop what it does; "
+    "`rattle keys` and `rattle certs` guard it."
+)
+app = command_line()

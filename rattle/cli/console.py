@@ -1,0 +1,79 @@
+"""Output of commands: progress bars on a terminal, plain lines elsewhere; errors take one line and name a next step."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any, NoReturn
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from rattle import progress
+from rattle.progress import ProgressLine
+
+out = Console()
+err = Console(stderr=True)
+_MOST_CHANGES = 20
+
+
+def give_up(message: str, code: int = 1) -> NoReturn:
+    """Print an error and exit: with code 2 if the command was wrong, 1 if the work failed."""
+    err.print(f"[bold red]error:[/] {message}", highlight=False, soft_wrap=True)
+    raise typer.Exit(code)
+
+
+@contextmanager
+def announced_compiling(console: Console = err) -> Iterator[None]:
+    """Say why nothing happens for a while, once, as soon as a kernel has to be compiled."""
+    from rattle_kernels.numerics.jit import (
+        watch_compiling,  # loads Numba, which commands that only ask a service do without
+    )
+
+    said = False
+
+    def say() -> None:
+        nonlocal said
+        if not said:
+            said = True
+            progress.say_compiling(console)
+
+    with watch_compiling(say):
+        yield
+
+
+@contextmanager
+def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
+    """Progress of a command on standard output."""
+    with progress.progress_line(out, unit) as line:
+        yield line
+
+
+def print_solutions(
+    rows: Sequence[tuple[str, float | None, float | None, float | None, Sequence[tuple[float, float]]]],
+) -> None:
+    """Print a table of solutions: name, share, Lyapunov exponent, mean life of a chaotic transient, first point."""
+    table = Table("", "solution", "share", "Lyapunov exponent", "a departure (t, v)")
+    for number, (name, share, exponent, life, points) in enumerate(rows):
+        table.add_row(
+            str(number),
+            name if life is None else f"{name} for some {life:.1g} impacts",
+            "not known yet" if share is None else f"{100 * share:.3f} %",
+            "" if exponent is None else f"{exponent:.4f}",
+            f"({points[0][0]:.6f}, {points[0][1]:.6f})" if points else "",
+        )
+    out.print(table)
+
+
+def print_changes(rows: Sequence[tuple[str, int, str, str, float, float]]) -> None:
+    """Print births and deaths of solutions: kind, number, name, parameter, its values before and after."""
+    for kind, number, name, parameter, before, after in rows[:_MOST_CHANGES]:
+        out.print(f"{kind} of {number}: {name} between {parameter} {before:g} and {after:g}", highlight=False)
+    if len(rows) > _MOST_CHANGES:
+        out.print(f"and {len(rows) - _MOST_CHANGES} more births and deaths", highlight=False)
+
+
+def print_seconds(seconds: Mapping[str, Any]) -> None:
+    """Print how long each stage took."""
+    if seconds:
+        stages = ", ".join(f"{name.replace('_', ' ')} {value:.2f} s" for name, value in seconds.items())
+        out.print(stages, highlight=False, soft_wrap=True)

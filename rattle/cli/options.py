@@ -1,0 +1,181 @@
+"""Options of the command line, made from the arguments of the verbs.
+
+What Python writes as a list, a tuple or a dict is written as text here: `_WRITTEN` has those options.
+"""
+
+import inspect
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any, NamedTuple
+
+import typer
+
+from rattle.arguments import Argument, arguments_of
+from rattle.cli.texts import continuation_of, departure_of, orbit_seed_of, saddle_of, swept_of
+from worker.jobs.basin_job import SweepJob
+from worker.jobs.bifurcation_job import BifurcationJob
+from worker.jobs.job import Job
+from worker.jobs.orbits_job import OrbitsJob
+
+Values = dict[str, Any]
+"""Values of a command's options, by their names as Python has them."""
+
+
+class Written(NamedTuple):
+    """An option whose value is text, and how it is read: from all values of the command, into arguments of the verb."""
+
+    name: str
+    kind: Any
+    default: Any
+    help: str
+    read: Callable[[Any], Values]
+
+
+def option(name: str, kind: Any, default: Any, *flags: str, **details: Any) -> inspect.Parameter:
+    """Option of a command.
+
+    Parameters
+    ----------
+    name : str
+        Of the function's argument.
+    kind : type
+    default : object
+        ``...`` if it must be given.
+    *flags : str
+        As it is written, if not after its name.
+    **details
+        Of `typer.Option`: help, min.
+
+    Returns
+    -------
+    inspect.Parameter
+    """
+    default = inspect.Parameter.empty if default is ... else default
+    annotation = Annotated[kind, typer.Option(*flags, **details)]
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+
+
+def with_options(options: Sequence[inspect.Parameter]) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command more options, whose values it takes as keyword arguments.
+
+    Parameters
+    ----------
+    options : sequence of inspect.Parameter
+
+    Returns
+    -------
+    callable
+        Decorator.
+    """
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        own = inspect.signature(command).parameters.values()
+        named = [each.replace(kind=each.KEYWORD_ONLY) for each in own if each.kind is not each.VAR_KEYWORD]
+        command.__signature__ = inspect.Signature([*named, *options])  # type: ignore[attr-defined]
+        command.__annotations__ = {each.name: each.annotation for each in (*named, *options)}
+        return command
+
+    return decorate
+
+
+def options_of(arguments: Sequence[Argument]) -> list[inspect.Parameter]:
+    """Options that arguments become as they are."""
+    return [_as_option(each) for each in arguments]
+
+
+def _as_option(argument: Argument) -> inspect.Parameter:
+    # A switch has no opposite.
+    flags = [f"--{argument.name.replace('_', '-')}"] if argument.kind is bool else []
+    details = {"help": argument.text or None, "min": argument.least}
+    return option(argument.name, argument.kind, argument.default, *flags, **details)
+
+
+def job_options(job_class: type[Job]) -> list[inspect.Parameter]:
+    """Options of the command for a job.
+
+    Parameters
+    ----------
+    job_class : type
+
+    Returns
+    -------
+    list of inspect.Parameter
+    """
+    written = _written(job_class)
+    as_they_are = [each for each in arguments_of(job_class) if each.name not in written]
+    texts = [option(each.name, each.kind, each.default, help=each.help) for each in written.values()]
+    return options_of(as_they_are) + texts
+
+
+def arguments_from(job_class: type[Job], values: Values) -> Values:
+    """Arguments of the verb that options make: those that differ from the defaults.
+
+    Parameters
+    ----------
+    job_class : type
+    values : dict
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    InvalidJob
+        If an option that is written as text cannot be read.
+    """
+    written = {each.name: each for each in _written(job_class).values()}
+    defaults = {each.name: each.default for each in arguments_of(job_class)}
+    given: Values = {}
+    for name, value in values.items():
+        if name not in written and value != defaults[name]:
+            given[name] = value
+    for name, each in written.items():
+        if values[name]:
+            read = each.read(values[name])
+            # Values that are swept come last, in their order.
+            given = {key: value for key, value in given.items() if key not in read} | read
+    return given
+
+
+def _written(job_class: type[Job]) -> dict[str, Written]:
+    """Options that are written as text, by the argument that they replace."""
+    written = {}
+    if issubclass(job_class, SweepJob):
+        text = "damping=0.5,0.55,0.6 or damping=0.5:0.7:21[:geometric]; once or twice, the last fastest"
+        written["vary"] = Written("vary", list[str], ..., text, swept_of)
+    if issubclass(job_class, BifurcationJob):
+        text = "damping=0.5:0.6:1000[:geometric] or damping=0.5,0.55,0.6"
+        written["vary"] = Written("vary", str, ..., text, lambda text: swept_of([text]))
+    names = [each.name for each in arguments_of(job_class)]
+    return written | {name: make(job_class) for name, make in _REPLACED.items() if name in names}
+
+
+def _seeds(job_class: type[Job]) -> Written:
+    read: Callable[[str], tuple[float, ...]]
+    if issubclass(job_class, OrbitsJob):
+        text, read = "t,v[,period] close to an orbit; several; no search then", orbit_seed_of
+    else:
+        text, read = "Departure t,v to begin with; several; without, attractors are found", departure_of
+    return Written("seed", list[str] | None, None, text, lambda texts: {"seeds": [read(each) for each in texts]})
+
+
+def _continuation(name: str, argument: str, text: str) -> Callable[[type[Job]], Written]:
+    def read(value: str) -> Values:
+        return {argument: continuation_of(value, name)}
+
+    return lambda _: Written(name, str | None, None, text, read)
+
+
+_REPLACED: dict[str, Callable[[type[Job]], Written]] = {
+    "seeds": _seeds,
+    "saddles": lambda _: Written(
+        "saddle", list[str], ..., "t,v[,period] close to a saddle, or P(1,1,0); several",
+        lambda texts: {"saddles": [saddle_of(each) for each in texts]},
+    ),
+    "continuation": _continuation(
+        "follow", "continuation", "damping=0.45:0.7[:points]: follow orbits in a parameter"
+    ),
+    "curves": _continuation(
+        "curves", "curves", "eccentricity=0.05:0.15[:points]: and special points in a second one"
+    ),
+}  # fmt: skip

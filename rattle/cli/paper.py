@@ -1,0 +1,64 @@
+"""The command that recomputes a figure of the paper."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rattle.cli.console import announced_compiling, give_up, out, progress_line
+from rattle.interruptible import run_interruptibly
+from rattle_kernels import CellGrid
+from worker.cluster.connection import connect
+from worker.cluster.settings import ClusterSettings
+from worker.errors import InvalidJob, JobCancelled, WorkerError
+
+if TYPE_CHECKING:
+    from rattle.paper.figure import PaperFigure
+    from rattle.paper.production import Produced
+
+
+def paper(
+    figure: Annotated[str, typer.Argument(help="Which one, as in fig7; another name lists them")],
+    out_: Annotated[Path, typer.Option("--out", help="Folder of the PNG, its numbers (JSON) and the basins' stores")],
+    cells: Annotated[tuple[int, int], typer.Option(help="Cells of basins along time and along velocity")] = (
+        1000,
+        1000,
+    ),
+    workers: Annotated[int, typer.Option(min=1, help="Worker processes")] = 2,
+) -> None:
+    """Recompute a figure of the paper and its numbers; basins that are there already are used, unfinished resumed."""
+    from rattle.paper.registry import figure_named  # loads xarray, which no other command should wait for
+
+    try:
+        grid = CellGrid(time_cells=cells[0], velocity_cells=cells[1])
+        produced = _produce(figure_named(figure), out_, grid, workers)
+    except InvalidJob as error:
+        give_up(str(error), 2)
+    except JobCancelled:
+        give_up(f"stopped; the same command goes on with the basins that are in {out_}")
+    except WorkerError as error:
+        give_up(str(error))
+    except OSError as error:
+        give_up(f"{out_} cannot be written: {error.strerror}")
+    out.print(f"{produced.picture} is drawn; its numbers are in {produced.numbers}", highlight=False, soft_wrap=True)
+
+
+def _produce(figure: "PaperFigure", folder: Path, grid: CellGrid, workers: int) -> "Produced":
+    from rattle.paper.production import produce
+
+    settings = ClusterSettings()
+    with progress_line(unit="") as line, announced_compiling(out):
+
+        def tell(what: str, done: int, total: int) -> None:
+            line.show(what, (done, total))
+
+        return run_interruptibly(
+            lambda cancel: produce(
+                figure,
+                folder,
+                grid,
+                lambda: connect(settings.scheduler, workers, settings.certificates),
+                tell=tell,
+                cancel=cancel,
+            )
+        )

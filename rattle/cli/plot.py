@@ -1,0 +1,37 @@
+"""The command that draws a store."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rattle.cli.console import give_up
+from worker.analyses.picture import figure_of_store
+from worker.errors import InvalidJob, WorkerError
+from worker.pictures.figure_file import PictureFormat, save_figure
+from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
+from worker.pictures.panel_picture import Layer
+from worker.pictures.share_chart import shares_figure
+
+
+def plot(
+    store: Annotated[str, typer.Argument(help="Zarr store of any kind, complete or not")],
+    out_: Annotated[Path, typer.Option("--out", help="Picture to write: .png, .svg or .pdf")],
+    layer: Annotated[Layer, typer.Option(help="Solutions, or Hsu's group, period or step")] = Layer.SOLUTION,
+    shares: Annotated[bool, typer.Option("--shares", help="Shares over the swept parameter instead")] = False,
+    overlay: Annotated[str, typer.Option(help=f"What lies over basins, of {','.join(OverlayKind)}")] = ",".join(
+        USUAL_OVERLAYS
+    ),
+) -> None:
+    """Draw a basin in the paper's colours, a sweep side by side, or what an analysis has found."""
+    try:
+        overlays = parse_overlays(overlay)
+        picture_format = PictureFormat.of_file(out_)
+        figure = shares_figure(store) if shares else figure_of_store(store, layer=layer, overlays=overlays)
+        save_figure(figure, out_, picture_format)
+    except InvalidJob as error:
+        give_up(str(error), 2)
+    except WorkerError as error:
+        give_up(str(error))
+    except OSError as error:
+        give_up(f"{out_} cannot be written: {error.strerror}")

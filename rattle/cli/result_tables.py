@@ -1,0 +1,146 @@
+"""Tables of results of every kind, as the service answers them."""
+
+import json
+from typing import Any
+
+import typer
+from rich.table import Column, Table
+
+from rattle.cli.console import out, print_changes, print_seconds, print_solutions
+
+_MOST_ROWS = 40
+_OF_ALL_KINDS = {"complete", "request", "pieces_done", "seconds", "zarr", "kind"}
+
+
+def print_result(kind: str, result: dict[str, Any], *, as_json: bool = False) -> None:
+    """Print a result as tables.
+
+    Parameters
+    ----------
+    kind : str
+        Of the job.
+    result : dict
+        As JSON.
+    as_json : bool
+        Whether it is printed as it is.
+    """
+    if as_json:
+        typer.echo(json.dumps(result, indent=2))
+        return
+    _PRINTERS.get(kind, _print_other)(result)
+    print_seconds(result["seconds"])
+
+
+def _print_other(result: dict[str, Any]) -> None:
+    out.print_json(data={name: value for name, value in result.items() if name not in _OF_ALL_KINDS})
+
+
+def _print_basins(result: dict[str, Any]) -> None:
+    print_solutions(
+        [
+            (each["name"], each["share"], each["lyapunov_exponent"], each["mean_life"], each["points"][:1])
+            for each in result["solutions"]
+        ]
+    )
+    names = [solution["name"] for solution in result["solutions"]]
+    print_changes(
+        [
+            (each["kind"], each["solution"], names[each["solution"]], each["parameter"], each["before"], each["after"])
+            for each in result["changes"]
+        ]
+    )
+
+
+def _more(total: int) -> None:
+    if total > _MOST_ROWS:
+        out.print(f"and {total - _MOST_ROWS} more, in the store", highlight=False)
+
+
+def _print_bifurcation(result: dict[str, Any]) -> None:
+    table = Table("motion", "way", "from", "to", "what", title=f"along {result['parameter']}")
+    rows = [
+        (f"{number}: {motion['name']}", run)
+        for number, motion in enumerate(result["motions"])
+        for run in motion["stretches"]
+    ]
+    for name, run in rows[:_MOST_ROWS]:
+        table.add_row(name, run["way"], f"{run['start']:.8g}", f"{run['stop']:.8g}", run["what"])
+    out.print(table)
+    _more(sum(motion["stretches_total"] for motion in result["motions"]))
+
+
+def _stability(orbit: dict[str, Any]) -> str:
+    if orbit["attracts"]:
+        return "attracts"
+    return "unstable" if any(imaginary for _, imaginary in orbit["multipliers"]) else "saddle"
+
+
+def _complex(pair: list[float]) -> str:
+    return f"{pair[0]:.4g}{pair[1]:+.4g}i" if pair[1] else f"{pair[0]:.6g}"
+
+
+def _print_table_of_orbits(orbits: list[dict[str, Any]]) -> None:
+    """Table of periodic orbits, each by its slowest departure."""
+    columns = (Column(name, no_wrap=True) for name in ("orbit", "t", "v", "multipliers"))
+    table = Table("", *columns, "grazing", "residual")
+    for number, orbit in enumerate(orbits[:_MOST_ROWS]):
+        first = orbit["departures"][0]
+        table.add_row(
+            str(number), f"{orbit['name']}\n{_stability(orbit)}", f"{first['time']:.10f}", f"{first['velocity']:.10f}",
+            "\n".join(_complex(pair) for pair in orbit["multipliers"]), f"{orbit['grazing_distance']:.4g}",
+            f"{orbit['residual']:.0e}",
+        )  # fmt: skip
+    out.print(table)
+    _more(len(orbits))
+
+
+def _print_orbits(result: dict[str, Any]) -> None:
+    _print_table_of_orbits(result["orbits"])
+    for number, branch in enumerate(result["branches"]):
+        name = result["orbits"][branch["orbit"]]["name"]
+        ends = "; ".join(end["message"] for end in branch["ends"])
+        out.print(f"branch {number} of {name}, {branch['points']} points: {ends}", highlight=False, soft_wrap=True)
+    if result["special_points"]:
+        table = Table("", "special point", Column("value", no_wrap=True), "orbit", "branch", "error", "residual")
+        for number, point in enumerate(result["special_points"][:_MOST_ROWS]):
+            table.add_row(
+                str(number), point["kind"], f"{point['value']:.13g}", point["orbit"], str(point["branch"]),
+                f"{point['error']:.0e}", f"{point['residual']:.0e}",
+            )  # fmt: skip
+        out.print(table)
+        _more(len(result["special_points"]))
+    for curve in result["curves"]:
+        ends = "; ".join(curve["ends"])
+        line = f"curve of special point {curve['special_point']}, {curve['points']} points: {ends}"
+        out.print(line, highlight=False, soft_wrap=True)
+
+
+def _print_manifold(result: dict[str, Any]) -> None:
+    _print_table_of_orbits(result["saddles"])
+    for branch in result["branches"][:_MOST_ROWS]:
+        name = f"{branch['saddle']}: {result['saddles'][branch['saddle']]['name']}"
+        where = f"departure {branch['departure']}, {'later' if branch['side'] > 0 else 'earlier'} phases"
+        size = f"arclength {branch['arclength']:.4f}, {branch['pieces']} pieces, {branch['vertices']} vertices"
+        out.print(
+            f"{branch['manifold']} branch of {name}, {where}: {size}; {branch['end']}", highlight=False, soft_wrap=True
+        )
+    _more(len(result["branches"]))
+
+
+def _print_grazing_curve(result: dict[str, Any]) -> None:
+    table = Table("order", "pieces", "vertices", "arclength", "")
+    for order in result["orders"]:
+        note = "" if order["complete"] else "incomplete: it needs more points than allowed"
+        sizes = (f"{order['arclength']:.4f}", note)
+        table.add_row(*(str(order[name]) for name in ("order", "pieces", "vertices")), *sizes)
+    out.print(table)
+
+
+_PRINTERS = {
+    "basin": _print_basins,
+    "sweep": _print_basins,
+    "bifurcation": _print_bifurcation,
+    "orbits": _print_orbits,
+    "manifold": _print_manifold,
+    "grazing_curve": _print_grazing_curve,
+}

@@ -1,0 +1,73 @@
+"""The command that starts a service."""
+
+import errno
+import signal
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rattle.cli.console import err, give_up, out
+from rattle.cli.keys import opened_keys
+from service.app import create_app
+from service.logs import write_logs
+from service.server import Server, address, refusal_to_listen
+from service.settings import Settings
+
+
+def serve(
+    host: Annotated[
+        str | None, typer.Option(help="Address to listen on; any but loopback requires keys  [default: 127.0.0.1]")
+    ] = None,
+    port: Annotated[int | None, typer.Option(help="Port to listen on  [default: 8000]")] = None,
+    data: Annotated[Path | None, typer.Option(help="Folder of database and results  [default: rattle-data]")] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Local worker processes  [default: 2]")] = None,
+) -> None:
+    """Start the service, its database and two local workers; Ctrl-C stops it, the next start resumes its jobs."""
+    given = {"host": host, "port": port, "data": data, "workers": workers}
+    settings = Settings(**{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
+    _demand_keys(settings)
+    _demand_port(settings)
+    write_logs(settings.log_format, settings.log_level)
+    err.print(f"starting on {address(settings.host, settings.port)}", highlight=False, soft_wrap=True)
+    # Uvicorn stops gracefully, then raises the signal that it caught again: a service that was asked to stop has not
+    # failed.
+    for asked in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(asked, lambda *_: None)
+    Server(create_app(settings), settings, on_ready=partial(_say_ready, settings)).run()
+
+
+def _say_ready(settings: Settings, url: str) -> None:
+    """Say where the service is and where its data are, on standard output: a program that starts it waits for that."""
+    where = f"data in {settings.data.resolve()}"
+    if settings.database_url or settings.store:
+        where = f"results in {settings.results}"
+    out.print(f"ready: {url}, {where}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _demand_port(settings: Settings) -> None:
+    """Refuse to start where another program has the port, or it cannot be had."""
+    error = refusal_to_listen(settings.host, settings.port)
+    if error is None:
+        return
+    if error.errno == errno.EADDRINUSE:
+        give_up(f"port {settings.port} of {settings.host} is in use: stop what uses it, or choose another by --port")
+    give_up(f"nothing can listen on port {settings.port} of {settings.host}: {error.strerror}")
+
+
+def _demand_keys(settings: Settings) -> None:
+    """Refuse to start if keys are required and there is no valid one."""
+    if not settings.keys_required:
+        return
+    if not _has_key(settings):
+        why = "RATTLE_REQUIRE_KEYS is set" if settings.require_keys else f"{settings.host} is no loopback address"
+        give_up(f"{why}, so callers need keys, and there is none: make one by `rattle keys add NAME`", 2)
+
+
+def _has_key(settings: Settings) -> bool:
+    if settings.database_url is None and not settings.database_file.exists():
+        return False  # a command that is refused leaves no database behind
+    with opened_keys(settings) as keys:
+        live, _ = keys.live()
+    return bool(live)

@@ -1,0 +1,140 @@
+"""Values of options that are written as text, as the arguments of the verbs have them."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from rattle_kernels.model.oscillator import PARAMETERS
+from worker.errors import InvalidJob
+
+
+def swept_of(texts: Sequence[str]) -> dict[str, Any]:
+    """Swept parameters, each written ``damping=0.5,0.55,0.6`` or ``damping=0.5:0.7:21[:geometric]``.
+
+    Parameters
+    ----------
+    texts : sequence of str
+
+    Returns
+    -------
+    dict
+        Values by parameter.
+
+    Raises
+    ------
+    InvalidJob
+        If one is written otherwise, or a parameter is named twice.
+    """
+    swept: dict[str, Any] = {}
+    for text in texts:
+        parameter, values = _values_of(text)
+        if parameter not in PARAMETERS:
+            raise InvalidJob(f"{parameter} cannot be swept; these can: {', '.join(PARAMETERS)}")
+        if parameter in swept:
+            raise InvalidJob(f"{parameter} is swept twice")
+        swept[parameter] = values
+    return swept
+
+
+def _values_of(text: str) -> tuple[str, Any]:
+    parameter, _, values = text.partition("=")
+    try:
+        if ":" not in values:
+            return parameter, [float(value) for value in values.split(",") if value]
+        start, stop, count, *spacing = values.split(":")
+        return parameter, (float(start), float(stop), int(count), *spacing[:1])
+    except ValueError as error:
+        raise InvalidJob(f"--vary {text}: write damping=0.5,0.55,0.6 or damping=0.5:0.7:21 ({error})") from error
+
+
+def departure_of(text: str) -> tuple[float, ...]:
+    """Departure, written ``t,v``.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    tuple
+
+    Raises
+    ------
+    InvalidJob
+        If it is written otherwise.
+    """
+    try:
+        time, velocity = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise InvalidJob(f"--seed {text}: write phase and speed of a departure, as in 0.6,3.77") from error
+    return time, velocity
+
+
+def orbit_seed_of(text: str, option: str = "seed") -> tuple[float, ...]:
+    """Departure and impact period, written ``t,v[,period]``.
+
+    Parameters
+    ----------
+    text : str
+    option : str
+        For the message.
+
+    Returns
+    -------
+    tuple
+
+    Raises
+    ------
+    InvalidJob
+        If it is written otherwise.
+    """
+    *departure, period = text.split(",") if text.count(",") == 2 else [*text.split(","), "1"]
+    try:
+        time, velocity = (float(part) for part in departure)
+        return time, velocity, int(period)
+    except ValueError as error:
+        raise InvalidJob(f"--{option} {text}: write phase, speed and impact period, as in 0.786,1.613,2") from error
+
+
+def saddle_of(text: str) -> str | tuple[float, ...]:
+    """Saddle, written ``t,v[,period]`` or as an itinerary.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    str or tuple
+
+    Raises
+    ------
+    InvalidJob
+        If it is written otherwise.
+    """
+    return text if "(" in text else orbit_seed_of(text, "saddle")
+
+
+def continuation_of(text: str, option: str) -> dict[str, Any]:
+    """Parameter to follow something in, written ``damping=0.45:0.7[:points]``.
+
+    Parameters
+    ----------
+    text : str
+    option : str
+        For the message.
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    InvalidJob
+        If it is written otherwise.
+    """
+    parameter, _, interval = text.partition("=")
+    try:
+        start, stop, *points = interval.split(":")
+        return {parameter: (float(start), float(stop), *(int(count) for count in points[:1]))}
+    except ValueError as error:
+        raise InvalidJob(f"--{option} {text}: write damping=0.45:0.7 or damping=0.45:0.7:5000") from error

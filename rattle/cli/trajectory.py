@@ -1,0 +1,85 @@
+"""The command that follows one motion: a picture or a table, and the list of its contacts."""
+
+import csv
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from rattle.arguments import oscillator_group
+from rattle.cli.console import announced_compiling, give_up, out
+from rattle.cli.options import options_of, with_options
+from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory, check_domain, check_quiet, time_history
+from worker.jobs.oscillator_request import demand_quiet
+from worker.jobs.trajectory_request import StartRequest, TrajectoryRequest, initial_state
+from worker.pictures.figure_file import PictureFormat, save_figure
+from worker.pictures.history_picture import history_figure
+
+_OUTCOMES = {
+    Outcome.RETURNED: "rattles on",
+    Outcome.PERMANENT_CONTACT: "permanent contact",
+    Outcome.NOT_CONVERGED: "undecided: a root-finder gave up at the end",
+}
+_MOST_SAMPLES = 2_000_000
+_START, _FIELDS = StartRequest.model_fields, TrajectoryRequest.model_fields
+
+
+def _oscillator(values: dict[str, Any]) -> Oscillator:
+    """Oscillator that the options name, unchecked."""
+    names = ("damping", "eccentricity", "half_backlash")
+    oscillator = Oscillator(**{name: values[name] for name in names})
+    if values["stiffness"] is None:
+        return oscillator
+    return oscillator._replace(
+        stiffness=values["stiffness"], permanent_after=values["permanent_contact"].permanent_after
+    )
+
+
+def _write(oscillator: Oscillator, history: TimeHistory, target: Path) -> None:
+    try:
+        if target.suffix != ".csv":
+            save_figure(history_figure(oscillator, history), target)
+            return
+        with target.open("w", newline="") as file:
+            table = csv.writer(file)
+            table.writerow(("time", "displacement", "velocity"))
+            table.writerows(zip(*(field.tolist() for field in history[:3]), strict=True))
+    except OSError as error:
+        give_up(f"{target} cannot be written: {error.strerror}")
+
+
+def _print_contacts(history: TimeHistory) -> None:
+    typer.echo("       time  wall  what    speed")
+    for time, wall, direction, speed in zip(*history.contacts, strict=True):
+        typer.echo(f"{time:11.6f}  {wall:+4d}  {Direction(direction).name.lower():<6}  {speed:.6g}")
+
+
+@with_options(options_of(oscillator_group().arguments))
+def trajectory(
+    velocity: Annotated[float, typer.Option(help="Speed of a departure from +beta; with --displacement, Phi'")],
+    out_: Annotated[Path, typer.Option("--out", help="Picture (.png, .svg, .pdf) or table (.csv) to write")],
+    time: Annotated[float, typer.Option(help="Initial time t, forcing periods")] = _START["time"].default,
+    displacement: Annotated[float | None, typer.Option(help="Initial Phi; without it, +beta is left")] = None,
+    periods: Annotated[float, typer.Option(help="Span, forcing periods")] = _FIELDS["periods"].default,
+    samples_per_period: Annotated[int, typer.Option(min=1, help="Samples beside the contacts")] = _FIELDS[
+        "samples_per_period"
+    ].default,
+    **values: Any,
+) -> None:
+    """Follow one motion of either model: draw Phi(t) or write it down, and list its contacts."""
+    if out_.suffix not in (".csv", *(f".{each}" for each in PictureFormat)):
+        give_up(f"{out_} should end in .png, .svg, .pdf or .csv", 2)
+    if not periods * samples_per_period <= _MOST_SAMPLES:
+        give_up(f"{periods * samples_per_period:.0f} samples are more than the limit of {_MOST_SAMPLES}", 2)
+    try:
+        oscillator = check_domain(_oscillator(values))
+        demand_quiet(lambda: check_quiet(oscillator), unless=values["allow_no_quiet_solution"])
+        state = initial_state(oscillator, time, velocity, displacement)
+        with announced_compiling():
+            history = time_history(oscillator, *state, periods=periods, samples_per_period=samples_per_period)
+    except ValueError as error:
+        give_up(str(error), 2)
+    _write(oscillator, history, out_)
+    _print_contacts(history)
+    ends = f", truncated at {history.contacts.time.size} contacts" if history.truncated else ""
+    out.print(f"t = {history.time[-1]:g}: {_OUTCOMES[history.outcome]}{ends}; {out_} is written", highlight=False)

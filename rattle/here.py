@@ -1,0 +1,72 @@
+"""Work done here: a job is computed into a store by threads of this process, or by a cluster whose address is given."""
+
+import contextlib
+import os
+from collections.abc import Iterator
+from typing import Any
+
+from distributed import Client
+
+from rattle.interruptible import run_interruptibly
+from rattle.progress import ProgressLine
+from rattle_kernels.warm_up import reporting_compilation
+from worker.cluster.connection import remote_cluster, thread_cluster
+from worker.cluster.driver import Driver
+from worker.cluster.settings import ClusterSettings
+from worker.fence import unfenced
+from worker.jobs.job import Job
+from worker.kinds import KINDS
+from worker.progress import Progress
+
+
+def usable_cores() -> int:
+    """Number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def run_here(
+    job: Job, location: str, line: ProgressLine, *, workers: int | None = None, scheduler: str | None = None
+) -> None:
+    """Compute a job into a store, or continue the store that is there. Ctrl-C stops it within two seconds.
+
+    Parameters
+    ----------
+    job : Job
+    location : str
+        The store: a folder, or ``s3://bucket/prefix``.
+    line : ProgressLine
+        Shows how far the work is.
+    workers : int, optional
+        Threads of this process; by default one for each core.
+    scheduler : str, optional
+        Address of a Dask scheduler, in place of threads; by default that of ``RATTLE_SCHEDULER``, if it is set.
+
+    Raises
+    ------
+    JobCancelled
+        If it was stopped. The same call goes on from what is in the store.
+    StoreConflict, StoreFailed, TileFailed, ClusterFailed, NotFound
+    """
+    kind = KINDS[job.kind]
+
+    def report(progress: Progress) -> None:
+        tiles, basins = (progress.tiles_done, progress.tiles_total), (progress.basins_done, progress.basins_total)
+        line.show(progress.stage, tiles, basins, progress.cells_per_second)
+
+    with (
+        _cluster(scheduler, workers) as client,
+        reporting_compilation(line.compiling, analyses=kind.analysis is not None),
+    ):
+        driver = Driver(client)
+        run_interruptibly(lambda cancel: kind.run(job, location, driver, report=report, cancel=cancel, fence=unfenced))
+
+
+@contextlib.contextmanager
+def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Client]:
+    settings: Any = ClusterSettings() if scheduler is None else ClusterSettings(scheduler=scheduler)
+    if settings.scheduler:
+        with remote_cluster(settings.scheduler, settings.certificates) as client:
+            yield client
+    else:
+        with thread_cluster(workers or usable_cores()) as client:
+            yield client

@@ -1,0 +1,35 @@
+"""Results as xarray datasets, wherever they lie."""
+
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+import rattle.accessor  # noqa: F401 - gives datasets their `.rattle`
+from worker.views.reading import open_store
+
+
+def open(location: str | Path, *, key: str | None = None) -> xr.Dataset:  # noqa: A001 - as in `rattle.open`
+    """Open a result, complete or not.
+
+    Parameters
+    ----------
+    location : str or path
+        A folder, ``s3://bucket/prefix``, or a service's address that ends in ``result.zarr``.
+    key : str, optional
+        Of a service that requires one.
+
+    Returns
+    -------
+    xarray.Dataset
+        Read lazily. Its accessor ``.rattle`` draws and measures it.
+
+    Raises
+    ------
+    StoreConflict
+        If there is no result.
+    OSError
+        If an address does not answer.
+    """
+    options: dict[str, Any] = {"headers": {"authorization": f"Bearer {key}"}} if key else {}
+    return open_store(location, options)

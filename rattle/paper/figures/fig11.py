@@ -1,0 +1,97 @@
+"""Fig. 11: where P(3,3,2) of damping 0.5 leads when damping grows to 0.6, and back; what A, B and C are."""
+
+from collections.abc import Mapping
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rattle.paper.figure import PaperFigure, Sheet, Tell
+from rattle.paper.numbers.orbits import the_orbit, the_point, told_orbit, told_point
+from rattle.paper.papers_oscillator import papers_oscillator
+from rattle_kernels import BifurcationDiagram, SpecialKind, SpecialPoint, bifurcation_diagram, continue_orbit
+
+_FIRST, _LAST, _VALUES = 0.5, 0.6, 1001
+_AT_A = 0.527
+# Shorter stretches of one period are windows amid chaos.
+_LEAST_VALUES = 15
+
+
+def _special_points() -> dict[str, SpecialPoint]:
+    """Special points of the orbits that the diagram shows, by what the text or docs/paper/figures.md calls them."""
+    kinds = SpecialKind
+    sought = {
+        "B": (0.575, "P(2,2,1)", kinds.PERIOD_DOUBLING),
+        "C": (0.585, "P(4,4,2)", kinds.GRAZING),
+        "P(2,2,1) ends": (0.575, "P(2,2,1)", kinds.GRAZING),
+        "P(3,3,2) of 0.5 doubles": (0.5, "P(3,3,2)", kinds.PERIOD_DOUBLING),
+        "P(3,3,2) of A is born": (_AT_A, "P(3,3,2)", kinds.SADDLE_NODE),
+        "P(3,3,2) of A doubles": (_AT_A, "P(3,3,2)", kinds.PERIOD_DOUBLING),
+    }
+    return {what: _special_point(*where) for what, where in sought.items()}
+
+
+def _special_point(damping: float, name: str, kind: SpecialKind) -> SpecialPoint:
+    oscillator = papers_oscillator(damping=damping)
+    orbit = the_orbit(oscillator, name, attracts=True)
+    return the_point(continue_orbit(oscillator, orbit, "damping", (0.49, 0.61)).special_points, kind)
+
+
+def _diagram() -> BifurcationDiagram:
+    oscillator = papers_oscillator(damping=_FIRST)
+    orbit = the_orbit(oscillator, "P(3,3,2)", attracts=True)
+    values = np.linspace(_FIRST, _LAST, _VALUES)
+    return bifurcation_diagram(oscillator, "damping", values, orbit.t[0], orbit.v[0], "both")
+
+
+def _ways(diagram: BifurcationDiagram) -> dict[str, slice]:
+    return {"up": slice(0, _VALUES), "down": slice(_VALUES, None)}
+
+
+def _stretches(diagram: BifurcationDiagram, way: slice) -> list[dict[str, Any]]:
+    """Stretches of the parameter over which the motion keeps its impact period; 0 where none is seen."""
+    rows = zip(diagram.period[way, 0].tolist(), diagram.values[way].tolist(), strict=True)
+    stretches = []
+    for period, run in groupby(rows, key=lambda row: row[0]):
+        values = [value for _, value in run]
+        if len(values) >= _LEAST_VALUES:
+            stretches.append({"impact_period": period, "from": values[0], "to": values[-1]})
+    return stretches
+
+
+def _draw(axes: Axes, diagram: BifurcationDiagram, points: dict[str, SpecialPoint]) -> None:
+    colours = {"up": "limegreen", "down": "black"}
+    for name, way in _ways(diagram).items():
+        kept = diagram.v.shape[-1]
+        values = np.repeat(diagram.values[way], kept)
+        axes.plot(
+            values, diagram.v[way, 0].ravel(), ".", color=colours[name], markersize=2.8 if name == "up" else 1.6,
+            markeredgewidth=0.0, label="δ increasing" if name == "up" else "δ decreasing",
+        )  # fmt: skip
+    for label, value in {"A": _AT_A, "B": points["B"].value, "C": points["C"].value}.items():
+        axes.axvline(value, color="tab:red", linewidth=0.7, linestyle=":")
+        axes.annotate(label, (value, 1.0), (0, 3), xycoords=("data", "axes fraction"), textcoords="offset points",
+                      ha="center", color="tab:red", weight="bold")  # fmt: skip
+    axes.set(xlabel="damping δ", ylabel="velocity v of departure", xlim=(_FIRST, _LAST))
+    axes.legend(loc="upper left", markerscale=6.0)
+
+
+def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
+    tell("following motions", 0, 2)
+    diagram = _diagram()
+    tell("locating special points", 1, 2)
+    points = _special_points()
+    drawing = Figure(figsize=(12.0, 6.5), dpi=100, layout="constrained")
+    _draw(drawing.subplots(), diagram, points)
+    numbers = {
+        "values": [_FIRST, _LAST, _VALUES],
+        "stretches": {name: _stretches(diagram, way) for name, way in _ways(diagram).items()},
+        "A": told_orbit(the_orbit(papers_oscillator(damping=_AT_A), "P(3,3,2)", attracts=True)),
+        "special_points": {what: told_point(point) for what, point in points.items()},
+    }
+    return Sheet(drawing, numbers)
+
+
+FIG11 = PaperFigure("fig11", "impact velocity over damping, increasing and decreasing, with A, B and C", _make)

@@ -1,0 +1,121 @@
+"""Figs. 12 and 13: basins on which only the motions of the caption are marked, and histories of these.
+
+Fig. 12 is point A of Fig. 11, at damping 0.527, where P(3,3,2) and chaos coexist. Fig. 13 shows basins before the graze
+of P(4,4,2) and at it.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rattle.paper.figure import PaperFigure, Sheet, Tell
+from rattle.paper.numbers.orbits import orbits_named, the_orbit, told_orbit, told_window
+from rattle.paper.numbers.solutions import told_basin
+from rattle.paper.panels.basin_panel import draw_panel, legend_of
+from rattle.paper.panels.basin_view import BasinView, view_basin
+from rattle.paper.panels.history_panel import draw_history_panel
+from rattle.paper.papers_oscillator import papers_basin, papers_oscillator
+from rattle_kernels import Attractor, CellGrid, FoundOrbit, Oscillator, PeriodicOrbit, TimeHistory, time_history
+from worker.jobs.basin_job import BasinJob
+from worker.pictures.overlay import Marks, attractor_marks
+
+
+def draw_marked(axes: Axes, label: str, view: BasinView, marks: Sequence[Marks]) -> None:
+    """Draw basins, marks over them, and shares below."""
+    draw_panel(axes, view, marks)
+    axes.set_title(f"({label}) δ = {view.oscillator.damping:g}", fontsize="medium")
+    axes.legend(handles=legend_of(view), loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, fontsize="small")
+
+
+def history_of(oscillator: Oscillator, motion: Attractor | PeriodicOrbit, periods: float) -> TimeHistory:
+    """History that begins with the fastest departure of a periodic motion, or with one of a chaotic one."""
+    t, v = (motion.t, motion.v) if isinstance(motion, PeriodicOrbit) else (motion.time, motion.velocity)
+    fastest = int(np.argmax(v))
+    return time_history(oscillator, float(t[fastest]), oscillator.half_backlash, -float(v[fastest]), periods=periods)
+
+
+_DAMPING = 0.527
+_NAME = "P(3,3,2)"
+_BASIN = "basin"
+_PERIODS_OF_FIG12 = 30.0
+
+
+def _basins_of_fig12(grid: CellGrid) -> dict[str, BasinJob]:
+    return {_BASIN: papers_basin(grid, damping=_DAMPING)}
+
+
+def _make_fig12(stores: Mapping[str, str], tell: Tell) -> Sheet:
+    view = view_basin(stores[_BASIN])
+    shown = tuple(each for each in view.attractors if each.name == _NAME or each.is_chaotic)
+    drawing = Figure(figsize=(12.0, 6.8), dpi=90, layout="constrained")
+    places: Any = drawing.subplot_mosaic([["a", "b"], ["a", "c"]], width_ratios=(1.1, 1.0))
+    draw_marked(places["a"], "a", view, attractor_marks(shown))
+    for label, motion in zip("bc", shown, strict=False):
+        draw_history_panel(
+            places[label],
+            view.oscillator,
+            history_of(view.oscillator, motion, _PERIODS_OF_FIG12),
+            f"({label}) {motion.name}",
+        )
+    places["c"].set_xlabel("time since the departure (forcing periods)")
+    orbit = the_orbit(papers_oscillator(damping=_DAMPING), _NAME, attracts=True)
+    windows = {each.name: told_window(view.oscillator, each) for each in view.attractors if each.upper_contacts > 2}
+    return Sheet(drawing, told_basin(view) | {"orbit": told_orbit(orbit), "windows": windows})
+
+
+FIG12 = PaperFigure(
+    "fig12", "basins at damping 0.527, with P(3,3,2) and the chaos beside it", _make_fig12, _basins_of_fig12
+)
+
+
+_PERIODS_OF_FIG13 = 12.0
+
+
+class _Panel(NamedTuple):
+    """A basin: where damping is, and the attracting orbit that is shown on it, with its history's label."""
+
+    damping: float
+    name: str
+    history: str
+
+
+_PANELS = {"a": _Panel(0.575, "P(2,2,1)", "c"), "b": _Panel(0.5922, "P(4,4,2)", "d")}
+
+
+def _basins_of_fig13(grid: CellGrid) -> dict[str, BasinJob]:
+    return {label: papers_basin(grid, damping=panel.damping) for label, panel in _PANELS.items()}
+
+
+def _orbit(view: BasinView, name: str) -> FoundOrbit:
+    (found,) = (each for each in orbits_named(view.oscillator, name) if each.orbit.attracts)
+    return found
+
+
+def _told(view: BasinView, found: FoundOrbit) -> dict[str, Any]:
+    windows = {each.name: told_window(view.oscillator, each) for each in view.attractors if each.upper_contacts > 2}
+    orbit = told_orbit(found.orbit) | {"grazing_distance": found.grazing_distance}
+    return told_basin(view) | {"orbit": orbit, "windows": windows}
+
+
+def _make_fig13(stores: Mapping[str, str], tell: Tell) -> Sheet:
+    drawing = Figure(figsize=(12.0, 9.4), dpi=90, layout="constrained")
+    places: Any = drawing.subplot_mosaic([["a", "b"], ["c", "d"]], height_ratios=(2.2, 1.0))
+    panels = {}
+    for number, (label, panel) in enumerate(_PANELS.items()):
+        tell("drawing", number, len(_PANELS))
+        view = view_basin(stores[label])
+        found = _orbit(view, panel.name)
+        draw_marked(places[label], label, view, [Marks(panel.name, "black", found.orbit.t, found.orbit.v, "x")])
+        history = history_of(view.oscillator, found.orbit, _PERIODS_OF_FIG13)
+        draw_history_panel(places[panel.history], view.oscillator, history, f"({panel.history}) {panel.name}")
+        places[panel.history].set_xlabel("time since the departure (forcing periods)")
+        panels[label] = _told(view, found)
+    return Sheet(drawing, {"panels": panels})
+
+
+FIG13 = PaperFigure(
+    "fig13", "basins before the graze of P(4,4,2) and at it, with histories", _make_fig13, _basins_of_fig13
+)

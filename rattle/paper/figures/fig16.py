@@ -1,0 +1,54 @@
+"""Fig. 16: a section of the basins enlarged, with the grazing curve, its pre-images and both stable manifolds."""
+
+from collections.abc import Mapping
+
+from matplotlib.figure import Figure
+
+from rattle.paper.figure import PaperFigure, Sheet, Tell
+from rattle.paper.figures.fig15 import ARCLENGTH
+from rattle.paper.numbers.solutions import told_oscillator
+from rattle.paper.panels.anatomy import (
+    BASIN,
+    manifold_overlays,
+    manifolds,
+    preimages,
+    saddle_overlays,
+    share_of_boundaries,
+)
+from rattle.paper.panels.basin_panel import draw_panel
+from rattle.paper.panels.basin_view import view_basin
+from rattle.paper.papers_oscillator import papers_basin
+from rattle_kernels import CellGrid
+from worker.jobs.basin_job import BasinJob
+from worker.pictures.overlay import preimage_lines
+
+# The paper does not print its section. This one holds both saddles, all three basins, and both kinds of curves.
+_TIME, _VELOCITY = (0.55, 1.0), (3.0, 4.8)
+_HIGHEST = 7.0
+
+
+def _basins(grid: CellGrid) -> dict[str, BasinJob]:
+    return {BASIN: papers_basin(CellGrid(*_TIME, grid.time_cells, *_VELOCITY, grid.velocity_cells))}
+
+
+def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
+    view = view_basin(stores[BASIN])
+    grown, orders = manifolds(view.oscillator, ARCLENGTH, _HIGHEST), preimages(view.oscillator, _HIGHEST)
+    drawing = Figure(figsize=(8.0, 6.4), dpi=100, layout="constrained")
+    axes = drawing.subplots()
+    draw_panel(axes, view, preimage_lines(orders[1:]))
+    for line in manifold_overlays(grown):
+        line.draw(axes, view.job.grid.time_start)
+    axes.legend(loc="lower left", framealpha=0.6, fontsize="small")
+    for marks in saddle_overlays(grown):
+        marks.draw(axes, view.job.grid.time_start)
+    shares = {f"manifold of {label}": share_of_boundaries(view, each.pieces) for label, each in grown.items()}
+    shares["both manifolds"] = share_of_boundaries(view, [piece for each in grown.values() for piece in each.pieces])
+    curves = [piece for pieces in orders for piece in pieces]
+    shares["grazing curve and pre-images 1, 2"] = share_of_boundaries(view, curves)
+    window = {"time": list(_TIME), "velocity": list(_VELOCITY), "cells": list(view.solution.shape[::-1])}
+    numbers = {"oscillator": told_oscillator(view.oscillator), "window": window, "shares_of_boundaries": shares}
+    return Sheet(drawing, numbers)
+
+
+FIG16 = PaperFigure("fig16", "a section enlarged: grazing curve, pre-images and stable manifolds", _make, _basins)

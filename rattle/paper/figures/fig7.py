@@ -1,0 +1,118 @@
+"""Fig. 7: basins at kappa = 1e6 above those of the impacting limit, with attractors and their time histories.
+
+At kappa = 1e6 the paper shows chaos where the catalogue finds P(8,8,5): what is seen after 1499 impacts is a transient.
+The panel shows both: cells still wandering then are speckled dark red with their landing points in black, those that
+have settled have the orbit's colour; and there is a time history of each.
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rattle.paper.figure import PaperFigure, Sheet, Tell
+from rattle.paper.numbers.solutions import told_basin, told_differences
+from rattle.paper.numbers.transients import measure_transient, on_transient
+from rattle.paper.panels.basin_panel import attractor_overlays, draw_panel, landings_on_transient, legend_of, model_of
+from rattle.paper.panels.basin_view import BasinView, view_basin
+from rattle.paper.panels.history_panel import draw_history_panel, point_from
+from rattle.paper.papers_oscillator import papers_basin
+from rattle_kernels import Attractor, CellGrid, Oscillator, TimeHistory, time_history
+from worker.jobs.basin_job import BasinJob
+
+_STIFF, _LIMIT = "piecewise linear", "impacting"
+_STIFFNESS = 1e6
+_PERIODS = 10.0
+# A departure that falls quiet: its history shows how.
+_QUIET_DEPARTURE = (0.2, 1.0)
+
+
+class _Example(NamedTuple):
+    """A motion to follow: what it is called, and a departure on it."""
+
+    label: str
+    t: float
+    v: float
+
+
+def _basins(grid: CellGrid) -> dict[str, BasinJob]:
+    return {_STIFF: papers_basin(grid, _STIFFNESS), _LIMIT: papers_basin(grid)}
+
+
+def _examples(view: BasinView) -> list[_Example]:
+    """A departure of each motion, the fastest first, and one on the transient where there is one."""
+    examples = [_example_of(motion) for motion in view.attractors if motion.time.size]
+    t, v = landings_on_transient(view)
+    if t.size:
+        settles = view.attractors[_last_to_settle(view)].name
+        examples.append(
+            _Example(f"chaotic at k = {view.job.iterations}, in the end {settles}", float(t[0]), float(v[0]))
+        )
+    return [*sorted(examples, key=lambda example: -example.v), _Example("permanent contact", *_QUIET_DEPARTURE)]
+
+
+def _example_of(motion: Attractor) -> _Example:
+    fastest = int(np.argmax(motion.velocity))
+    return _Example(motion.name, float(motion.time[fastest]), float(motion.velocity[fastest]))
+
+
+def _last_to_settle(view: BasinView) -> int:
+    """Index of the orbit that most cells have not settled on after k applications."""
+    return int(np.bincount(view.solution[on_transient(view)], minlength=len(view.attractors)).argmax())
+
+
+def _history(oscillator: Oscillator, example: _Example) -> TimeHistory:
+    return time_history(oscillator, example.t, oscillator.half_backlash, -example.v, periods=_PERIODS)
+
+
+def _draw_row(drawing: Any, view: BasinView) -> None:
+    """One model: its basins, and beside them the histories with arrows."""
+    basin, beside = drawing.subfigures(1, 2, width_ratios=(1.3, 1.0))
+    axes = basin.subplots()
+    draw_panel(axes, view, attractor_overlays(view))
+    axes.set_title(f"{model_of(view.oscillator)}, k = {view.job.iterations}", fontsize="medium")
+    axes.legend(handles=legend_of(view), loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2, fontsize="small")
+    examples = _examples(view)
+    panels: list[Axes] = list(beside.subplots(len(examples), 1, sharex=True, squeeze=False)[:, 0])
+    for panel, example in zip(panels, examples, strict=True):
+        draw_history_panel(panel, view.oscillator, _history(view.oscillator, example), example.label)
+        point_from(panel, axes, example.t, example.v)
+    panels[-1].set_xlabel("time since the departure (forcing periods)")
+
+
+def _told_transient(view: BasinView) -> dict[str, Any]:
+    wandering = on_transient(view)
+    if not wandering.any():
+        return {}
+    index = _last_to_settle(view)
+    orbit, ends_there = view.attractors[index], wandering & (view.solution == index)
+    t, v = view.landing_time[ends_there], view.landing_velocity[ends_there]
+    measured = measure_transient(view.oscillator, orbit, t, v)
+    return {
+        "transient": {
+            "settles_on": orbit.name,
+            "left_after_legs": list(measured.left),
+            "impacts_a_leg": measured.leg_impacts,
+            "mean_life_impacts": measured.mean_life,
+            "mean_life_error": measured.error,
+            "lyapunov_exponent": measured.exponent,
+        }
+    }
+
+
+def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
+    views = {name: view_basin(location) for name, location in stores.items()}
+    drawing = Figure(figsize=(12.0, 14.0), dpi=80, layout="constrained")
+    rows: Any = drawing.subfigures(2, 1, height_ratios=(1.1, 1.0))
+    panels: dict[str, Any] = {}
+    for number, (name, view) in enumerate(views.items()):
+        tell("histories and transients", number, len(views))
+        _draw_row(rows[number], view)
+        panels[name] = told_basin(view) | _told_transient(view)
+    differences = told_differences(views[_STIFF], views[_LIMIT])
+    return Sheet(drawing, {"panels": panels, "differs_from_impacting": differences})
+
+
+FIG7 = PaperFigure("fig7", "basins at kappa = 1e6 and in the impacting limit, and time histories", _make, _basins)

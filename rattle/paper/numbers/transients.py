@@ -1,0 +1,104 @@
+"""Cells that end in a periodic orbit but have not reached it within the k applications: a long chaotic transient.
+
+The paper takes where ``P^k`` lands for where a motion ends. Where a chaotic attractor has just been destroyed (its
+remnant is a chaotic saddle) or a periodic window opens, motions wander as on the attractor for thousands of impacts
+before they settle; a picture at k = 1499 then shows chaos, and the solution of the cell is a periodic orbit. Both are
+true, and figures show both. At a bifurcation an orbit attracts so slowly that k applications may not do either: there,
+not settled is not chaos.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rattle.paper.panels.basin_view import BasinView
+from rattle_kernels import Attractor, AttractorKind, Oscillator, next_impacts
+from rattle_kernels.lanes.lyapunov import tangent_growth
+from rattle_kernels.model.grazing_curve import largest_grazing_speed
+
+# An orbit's multipliers bring a motion this close within some tens of impacts; by chance, a point of the transients is
+# as close to one of n points of an orbit once in some 1e6/n landings.
+_ON_ORBIT = 1e-3
+_LEGS = 8
+_LEG_IMPACTS = 1499
+_FOLLOWED = 2000
+_MEASURED = 100
+
+
+@dataclass(frozen=True)
+class Transient:
+    """How motions leave a chaotic transient for an orbit.
+
+    ``left`` counts those still on it after 0, 1, 2, ... legs of ``leg_impacts`` impacts each; ``mean_life`` is the
+    maximum likelihood estimate of impacts for an exponential law, with its standard error; ``exponent`` the mean of
+    Lyapunov exponents per forcing period along motions that stay on it for a leg, NaN where none does.
+    """
+
+    left: tuple[int, ...]
+    leg_impacts: int
+    mean_life: float
+    error: float
+    exponent: float
+
+
+def is_on_orbit(oscillator: Oscillator, orbit: Attractor, t: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Whether departures are within 1e-3 (forcing periods, natural speeds) of a periodic orbit's."""
+    scale = largest_grazing_speed(oscillator)
+    on = np.zeros(t.shape, bool)
+    for time, velocity in zip(orbit.time, orbit.velocity, strict=True):
+        apart = t - time
+        on |= np.hypot(apart - np.rint(apart), (v - velocity) / scale) < _ON_ORBIT
+    return on
+
+
+def on_transient(view: BasinView) -> np.ndarray:
+    """Cells whose landing point is not yet on the periodic orbit that they end in."""
+    wandering = np.zeros(view.solution.shape, bool)
+    for index, attractor in enumerate(view.attractors):
+        if attractor.kind == AttractorKind.PERIODIC:
+            cells = view.solution == index
+            landed = view.landing_time[cells], view.landing_velocity[cells]
+            wandering[cells] = ~is_on_orbit(view.oscillator, attractor, *landed)
+    return wandering
+
+
+def measure_transient(oscillator: Oscillator, orbit: Attractor, t: np.ndarray, v: np.ndarray) -> Transient:
+    """Follow departures that end in an orbit until they are on it, and tell how long that takes.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+    orbit : Attractor
+        Periodic.
+    t, v : ndarray of float64, shape (n,)
+        Departures on the transient; at most 2000 of them, evenly chosen, are followed.
+    """
+    chosen = np.unique(np.linspace(0, t.size - 1, min(t.size, _FOLLOWED)).astype(np.int64))
+    t, v = t[chosen], v[chosen]
+    left, exponent = [t.size], np.nan
+    for leg in range(_LEGS):
+        later_t, later_v, _, _ = next_impacts(oscillator, t, v, _LEG_IMPACTS)
+        going = ~is_on_orbit(oscillator, orbit, later_t, later_v)
+        exponent = _exponent(oscillator, t[going], v[going]) if leg == 0 else exponent
+        t, v = later_t[going], later_v[going]
+        left.append(t.size)
+    return Transient(tuple(left), _LEG_IMPACTS, *_mean_life(left), exponent)
+
+
+def _exponent(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> float:
+    """Mean Lyapunov exponent along a leg from some of the departures."""
+    growth = tangent_growth(oscillator, t[:_MEASURED], v[:_MEASURED], _LEG_IMPACTS)
+    there = growth.of(np.isfinite(growth.growth))
+    return there.exponent if there.t.size else np.nan
+
+
+def _mean_life(left: list[int]) -> tuple[float, float]:
+    """Mean life in impacts, known only by legs: each leg that is begun is survived with one probability."""
+    begun, survived = sum(left[:-1]), sum(left[1:])
+    if not survived or survived == begun:
+        return np.nan, np.nan
+    probability = survived / begun
+    life = -_LEG_IMPACTS / np.log(probability)
+    # By the binomial law of the probability.
+    spread = np.sqrt((1.0 - probability) / (probability * begun))
+    return float(life), float(life * life / _LEG_IMPACTS * spread)

@@ -1,0 +1,41 @@
+"""The figures that can be recomputed, in the paper's order, and those of the machine."""
+
+from rattle.paper.figure import PaperFigure
+from rattle.paper.figures.fig1 import FIG1
+from rattle.paper.figures.fig2_fig3 import FIG2, FIG3
+from rattle.paper.figures.fig4 import FIG4
+from rattle.paper.figures.fig5 import FIG5
+from rattle.paper.figures.fig6 import FIG6
+from rattle.paper.figures.fig7 import FIG7
+from rattle.paper.figures.fig8_fig9 import FIG8, FIG9
+from rattle.paper.figures.fig10 import FIG10
+from rattle.paper.figures.fig11 import FIG11
+from rattle.paper.figures.fig12_fig13 import FIG12, FIG13
+from rattle.paper.figures.fig14 import FIG14
+from rattle.paper.figures.fig15 import FIG15
+from rattle.paper.figures.fig16 import FIG16
+from rattle.paper.figures.fig17 import FIG17
+from rattle.paper.machine import MACHINE, MACHINE_SOFT
+from rattle.paper.machine_sweep import MACHINE_SWEEP
+from worker.errors import InvalidJob
+
+_IN_ORDER = (
+    FIG1, FIG2, FIG3, FIG4, FIG5, FIG6, FIG7, FIG8, FIG9, FIG10, FIG11, FIG12, FIG13, FIG14, FIG15, FIG16, FIG17,
+)  # fmt: skip
+
+PAPER_FIGURES: dict[str, PaperFigure] = {figure.name: figure for figure in _IN_ORDER}
+ALL_FIGURES = PAPER_FIGURES | {figure.name: figure for figure in (MACHINE, MACHINE_SOFT, MACHINE_SWEEP)}
+"""Those of the paper, and those of the machine at dampings that it could not reach."""
+
+
+def figure_named(name: str) -> PaperFigure:
+    """Figure of that name.
+
+    Raises
+    ------
+    InvalidJob
+        Where there is none; it lists those that there are.
+    """
+    if name not in ALL_FIGURES:
+        raise InvalidJob(f"there is no figure {name!r} to recompute; choose one of {', '.join(ALL_FIGURES)}")
+    return ALL_FIGURES[name]

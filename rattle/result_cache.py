@@ -1,0 +1,45 @@
+"""Results that are kept: each request has one store, named by its digest, so the same call again returns at once."""
+
+import os
+import shutil
+from pathlib import Path
+
+import platformdirs
+from rich.filesize import decimal
+
+from worker.jobs.job import Job
+
+
+class ResultCache:
+    """The folder of kept results: ``RATTLE_CACHE``, or the user's cache folder."""
+
+    @property
+    def folder(self) -> Path:
+        """Where results lie."""
+        named = os.environ.get("RATTLE_CACHE")
+        return Path(named) if named else platformdirs.user_cache_path("gear-rattle") / "results"
+
+    def location_of(self, job: Job) -> str:
+        """Store of a job, whether it is there or not."""
+        return str(self.folder / f"{job.kind}-{job.digest[:32]}.zarr")
+
+    def stores(self) -> list[Path]:
+        """Stores that are there, complete or not."""
+        return sorted(self.folder.glob("*.zarr"))
+
+    @property
+    def size(self) -> int:
+        """Bytes that they take."""
+        return sum(file.stat().st_size for store in self.stores() for file in store.rglob("*") if file.is_file())
+
+    def clear(self) -> None:
+        """Remove all of them. Datasets of them that are still open can no longer be read."""
+        for store in self.stores():
+            shutil.rmtree(store)
+
+    def __repr__(self) -> str:
+        return f"<{len(self.stores())} results, {decimal(self.size)}, in {self.folder}>"
+
+
+cache = ResultCache()
+"""The results that are kept: ``rattle.cache`` says how much there is, ``rattle.cache.clear()`` removes it."""

@@ -1,0 +1,100 @@
+"""The verbs: what is computed here, in threads of this process."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+from rich.console import Console
+
+from rattle.arguments import Argument, demand_known, job_of
+from rattle.opening import open
+from rattle.progress import progress_line, shows_bars
+from rattle.result_cache import cache
+from rattle.trajectories import TRAJECTORY_EXAMPLE, dataset_of, trajectory_arguments, trajectory_request
+from rattle.verb import VERBS, Verb, described
+from worker.jobs.job import Job
+from worker.kinds import KINDS
+from worker.stores.opening import is_complete
+
+_HERE = (
+    Argument("store", str | Path | None, None, "Where the result lies; by default in `rattle.cache`"),
+    Argument("workers", int | None, None, "Threads; by default one for each core"),
+    Argument("scheduler", str | None, None, "Address of a Dask scheduler, in place of threads"),
+    Argument("progress", bool, True, "Whether progress is shown on a terminal and in a notebook"),
+)
+
+
+def compute(
+    job: Job,
+    *,
+    store: str | Path | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: bool = True,
+) -> xr.Dataset:
+    """Compute a job here, or open its result if it is there already.
+
+    Parameters
+    ----------
+    job : Job
+    store : str or path, optional
+        Where the result lies: a folder, or ``s3://bucket/prefix``. By default in `rattle.cache`.
+    workers : int, optional
+        Threads; by default one for each core.
+    scheduler : str, optional
+        Address of a Dask scheduler, in place of threads.
+    progress : bool
+        Whether progress is shown on a terminal and in a notebook.
+
+    Returns
+    -------
+    xarray.Dataset
+
+    Raises
+    ------
+    JobCancelled
+        If it was interrupted. The same call goes on from what is in the store.
+    StoreConflict
+        If the store is another request's.
+    StoreFailed, TileFailed, ClusterFailed, NotFound
+    """
+    location = cache.location_of(job) if store is None else str(store)
+    if workers is not None and workers < 1:
+        raise ValueError(f"workers must be 1 or more, not {workers}")
+    if not is_complete(location, job.digest):
+        from rattle.here import run_here  # loads Dask, which a result that is kept does without
+
+        unit = "tiles" if KINDS[job.kind].analysis is None else "pieces"
+        with progress_line(_console(progress), unit) as line:
+            run_here(job, location, line, workers=workers, scheduler=scheduler)
+    return open(location)
+
+
+def _console(progress: bool) -> Console:
+    """Where progress is shown: nowhere, if no bar can be."""
+    console = Console(stderr=True)
+    return console if progress and shows_bars(console) else Console(quiet=True)
+
+
+def _verb(verb: Verb) -> Callable[..., xr.Dataset]:
+    job_class, own = KINDS[verb.kind].job_class, [each.name for each in _HERE]
+
+    def call(**given: Any) -> xr.Dataset:
+        demand_known(verb.name, given, [each.name for each in (*verb.arguments, *_HERE)])
+        described_by = {name: value for name, value in given.items() if name not in own}
+        options = {name: value for name, value in given.items() if name in own}
+        return compute(job_of(job_class, described_by, verb.name), **options)
+
+    return described(call, verb.name, verb.summary, (*verb.arguments, *_HERE), verb.returns, verb.example)
+
+
+basin, sweep, bifurcation, orbits, manifolds, grazing_curve = (_verb(verb) for verb in VERBS)
+
+
+def _follow(**given: Any) -> xr.Dataset:
+    request = trajectory_request(given)
+    return dataset_of(request, request.follow())
+
+
+trajectory = described(_follow, "trajectory", *TRAJECTORY_EXAMPLE[:1], trajectory_arguments(), *TRAJECTORY_EXAMPLE[1:])

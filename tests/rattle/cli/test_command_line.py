@@ -1,0 +1,212 @@
+"""The commands as a user types them."""
+
+import json
+import socket
+import subprocess
+import sys
+import time
+
+import pytest
+import typer
+import xarray as xr
+from typer.testing import CliRunner
+
+from rattle.cli import app
+
+SMALL = ["--cells", "24", "20", "--iterations", "101"]
+
+
+def rattle(*arguments):
+    """A command in a process of its own."""
+    command = [sys.executable, "-c", "from rattle.cli import app; app()", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=90)
+
+
+@pytest.mark.parametrize("command", typer.main.get_command(app).commands)
+def test_every_command_explains_itself(command):
+    answer = CliRunner().invoke(app, [command, "--help"])
+    assert answer.exit_code == 0 and len(answer.output) > 200
+
+
+def test_a_basin_is_computed_resumed_and_drawn_without_a_service(tmp_path):
+    store, picture = tmp_path / "basin.zarr", tmp_path / "basin.png"
+    done = rattle("basin", *SMALL, "--velocity", 0, 6, "--out", store)
+    assert done.returncode == 0, done.stderr
+    assert "permanent contact" in done.stdout and "P(1,1,0)" in done.stdout and "mapping: " in done.stdout
+    with xr.open_zarr(store) as basin:
+        assert basin.solution.shape == (20, 24) and float(basin.velocity[-1]) < 6.0
+    assert "permanent contact" in rattle("basin", *SMALL, "--velocity", 0, 6, "--out", store).stdout
+    other = rattle("basin", *SMALL, "--velocity", 0, 5, "--out", store)
+    assert other.returncode == 1 and "holds the store of another request" in other.stderr
+    assert rattle("plot", store, "--out", picture).returncode == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_motion_is_drawn_or_written_down_and_its_contacts_are_listed(tmp_path):
+    start = ["trajectory", "--stiffness", "100", "--time", "0.3", "--velocity", "4", "--periods", "2"]
+    drawn = CliRunner().invoke(app, [*start, "--out", str(tmp_path / "history.png")])
+    assert drawn.exit_code == 0, drawn.output
+    assert (tmp_path / "history.png").read_bytes().startswith(b"\x89PNG")
+    lines = [line.split() for line in drawn.output.splitlines() if line.startswith("   ")]
+    assert lines[0] == ["time", "wall", "what", "speed"]
+    assert [line[1:3] for line in lines[1:]] == 2 * [["+1", "in"], ["+1", "out"]]
+    assert "rattles on" in drawn.output
+    written = CliRunner().invoke(app, [*start, "--out", str(tmp_path / "history.csv")])
+    assert written.exit_code == 0, written.output
+    table = (tmp_path / "history.csv").read_text().splitlines()
+    assert table[0] == "time,displacement,velocity" and table[1] == "0.3,0.6,-4.0" and len(table) == 406
+
+
+@pytest.mark.slow
+def test_a_sweep_is_computed_and_drawn_without_a_service(tmp_path):
+    store, picture = tmp_path / "sweep.zarr", tmp_path / "sweep.png"
+    done = rattle("sweep", "--vary", "damping=0.55:0.65:3", *SMALL, "--out", store)
+    assert done.returncode == 0, done.stderr
+    assert "P(1,1,0)" in done.stdout and "between damping 0.55 and 0.6" in done.stdout
+    assert "3 basins" in done.stdout
+    with xr.open_zarr(store) as sweep:
+        assert sweep.solution.shape == (3, 20, 24) and sweep.damping.values.tolist() == [0.55, 0.6, 0.65]
+    for options in ([], ["--shares"], ["--layer", "step"]):
+        assert rattle("plot", store, *options, "--out", picture).returncode == 0
+        assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_figure_of_the_paper_is_drawn_and_its_numbers_written_down(tmp_path):
+    done = rattle("paper", "fig4", "--out", tmp_path / "figures")
+    assert done.returncode == 0, done.stderr
+    assert "entering contact: " in done.stdout and "fig4.png is drawn" in done.stdout
+    assert json.loads((tmp_path / "figures" / "fig4.json").read_text())["figure"] == "fig4"
+    assert (tmp_path / "figures" / "fig4.png").read_bytes().startswith(b"\x89PNG")
+    (tmp_path / "file").touch()
+    refused = rattle("paper", "fig4", "--out", tmp_path / "file")
+    assert refused.returncode == 1 and "cannot be written" in refused.stderr and "Traceback" not in refused.stderr
+
+
+def test_a_manifold_is_grown_here_told_and_drawn(tmp_path):
+    store, picture = tmp_path / "manifold.zarr", tmp_path / "manifold.png"
+    command = ("manifold", "--saddle", "0.6,3.77", "--arclength", "1", "--out", store)
+    done = rattle(*command)
+    assert done.returncode == 0, done.stderr
+    assert "P(1,1,0)" in done.stdout and "3.7699111843" in done.stdout and "as long as asked for" in done.stdout
+    assert rattle("plot", store, "--out", picture).returncode == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "told"),
+    [
+        (["basin", "--eccentricity", "0.3", "--out", "x.zarr"], 2, "epsilon_crit2 = 0.190121"),
+        (["basin", "--iterations", "1500", "--out", "x.zarr"], 2, "nearest: 1499 or 1511"),
+        (["basin", "--velocity", "3", "2", "--out", "x.zarr"], 2, "velocity_stop must be above"),
+        (["basin", "--damping", "nan", "--out", "x.zarr"], 2, "damping: Input should be a finite number"),
+        (["basin"], 2, "--out"),
+        (["trajectory", "--velocity", "4", "--out", "x.gif"], 2, "should end in .png, .svg, .pdf or .csv"),
+        (["trajectory", "--velocity", "-4", "--out", "x.png"], 2, "velocity must be positive"),
+        (["trajectory", "--velocity", "nan", "--out", "x.png"], 2, "velocity must be positive"),
+        (["trajectory", "--velocity", "4", "--periods", "nan", "--out", "x.png"], 2, "more than the limit"),
+        (["trajectory", "--velocity", "4", "--stiffness", "-1", "--out", "x.png"], 2, "above damping^2/8"),
+        (
+            ["trajectory", "--velocity", "4", "--stiffness", "100", "--eccentricity", "0.16", "--out", "x.png"],
+            2,
+            "epsilon_crit1 = 0.15263",
+        ),
+        (["trajectory", "--velocity", "4", "--out", "nowhere/x.png"], 1, "cannot be written"),
+        (["basin", "--sample", "0", "--out", "x.zarr"], 2, "sample: Input should be greater than or equal to 1"),
+        (["sweep", "--out", "x.zarr"], 2, "--vary"),
+        (["sweep", "--vary", "damping", "--out", "x.zarr"], 2, "damping needs at least one value"),
+        (["sweep", "--vary", "damping=0.5:0.6", "--out", "x.zarr"], 2, "write damping=0.5,0.55,0.6 or"),
+        (["sweep", "--vary", "damping=0.5,0.2", "--out", "x.zarr"], 2, "value 1 of damping"),
+        (["plot", "nowhere.zarr", "--out", "x.png"], 1, "nowhere.zarr is no basin store"),
+        (["bifurcation", "--vary", "damping=0.5:0.6", "--out", "x.zarr"], 2, "write damping=0.5,0.55,0.6 or"),
+        (["bifurcation", "--vary", "damping=0.6", "--seed", "3", "--out", "x.zarr"], 2, "as in 0.6,3.77"),
+        (["bifurcation", "--vary", "damping=0.6", "--seed", "0,-3", "--out", "x.zarr"], 2, "section of departures"),
+        (["orbits", "--seed", "1", "--out", "x.zarr"], 2, "write phase, speed and impact period"),
+        (["orbits", "--follow", "damping=0.7:0.8", "--out", "x.zarr"], 2, "bounds that hold its value 0.6"),
+        (["orbits", "--follow", "damping", "--out", "x.zarr"], 2, "write damping=0.45:0.7"),
+        (["manifold", "--saddle", "P(1,1)", "--out", "x.zarr"], 2, "an itinerary is P(m, n+, n-)"),
+        (
+            ["manifold", "--saddle", "0.6,3.77", "--arclength", "inf", "--out", "x.zarr"],
+            2,
+            "arclength: Input should be a finite number",
+        ),
+        (["grazing-curve", "--order", "-1", "--out", "x.zarr"], 2, "order must be 0"),
+        (["plot", "nowhere.zarr", "--out", "x.gif"], 2, "ends in one of .png, .svg, .pdf"),
+        (["table", "nowhere.zarr"], 1, "nowhere.zarr is no basin store"),
+        (["table", "nowhere.zarr", "--out", "x.xls"], 2, "ends in .csv or .json"),
+        (["plot", "nowhere.zarr", "--overlay", "saddle", "--out", "x.png"], 2, "choose among grazing,preimages"),
+        (["paper", "fig99", "--out", "x"], 2, "choose one of fig1, fig2, fig3, fig4"),
+        (["paper", "fig7", "--cells", "0", "10", "--out", "x"], 2, "at least one cell each way"),
+        (["paper", "fig4"], 2, "--out"),
+        (["submit", "nowhere.json"], 2, "nowhere.json cannot be read"),
+        (["jobs", "--url", "http://127.0.0.1:9"], 1, "start one with `rattle serve`"),
+        (["serve", "--host", "0.0.0.0"], 2, "no loopback address"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_one_line_without_a_traceback(tmp_path, monkeypatch, arguments, code, told):
+    monkeypatch.chdir(tmp_path)
+    answer = CliRunner().invoke(app, arguments)
+    assert answer.exit_code == code, answer.output
+    assert told in " ".join(answer.output.split()) and "Traceback" not in answer.output
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_service_says_when_it_is_ready_and_where_its_data_are(service):
+    log, patience = service.data / "serve.log", time.monotonic() + 10.0
+    while "ready: " not in log.read_text() and time.monotonic() < patience:
+        time.sleep(0.05)
+    assert f"ready: {service.url}, " in log.read_text()
+    assert service.results in log.read_text() or f"data in {service.data}" in log.read_text()
+    assert "/readyz" not in log.read_text()
+
+
+def test_a_port_in_use_is_refused_before_anything_is_started(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = str(other.getsockname()[1])
+        answer = CliRunner().invoke(app, ["serve", "--port", port, "--data", str(tmp_path / "data")])
+    assert answer.exit_code == 1 and f"port {port} of 127.0.0.1 is in use" in answer.output
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_service_is_asked_followed_and_listed(service, tmp_path):
+    request = tmp_path / "request.json"
+    request.write_text(json.dumps({"grid": {"time": {"cells": 16}, "velocity": {"cells": 16}}, "iterations": 211}))
+    answer = CliRunner().invoke(app, ["submit", str(request), "--wait", "--url", service.url])
+    assert answer.exit_code == 0, answer.output
+    assert "permanent contact" in answer.output and "xarray.open_zarr(" in answer.output
+    listed = CliRunner().invoke(app, ["jobs", "--json", "--url", service.url])
+    newest = json.loads(listed.output)[0]
+    assert newest["request"]["iterations"] == 211 and newest["state"] == "succeeded"
+    stopped = CliRunner().invoke(app, ["cancel", newest["id"], "--url", service.url])
+    assert stopped.exit_code == 0 and "succeeded" in stopped.output
+
+
+def test_a_sweep_is_submitted_and_listed(service, tmp_path):
+    request = tmp_path / "request.json"
+    vary = [{"parameter": "damping", "values": [0.6, 0.65]}]
+    grid = {"time": {"cells": 16}, "velocity": {"cells": 16}}
+    # Like no other test's: a job that is there already may have been submitted too long ago to be listed.
+    request.write_text(json.dumps({"vary": vary, "grid": grid, "iterations": 229}))
+    answer = CliRunner().invoke(app, ["submit", str(request), "--wait", "--url", service.url])
+    assert answer.exit_code == 0, answer.output
+    listed = CliRunner().invoke(app, ["jobs", "--url", service.url]).output
+    assert "damping 0.6 to 0.65 (2)" in listed
+
+
+def test_a_refused_request_is_explained(service, tmp_path):
+    request = tmp_path / "request.json"
+    request.write_text('{"oscillator": {"eccentricity": 0.2}}')
+    answer = CliRunner().invoke(app, ["submit", str(request), "--url", service.url])
+    assert answer.exit_code == 2 and "epsilon_crit2" in answer.output
+
+
+def test_every_command_is_listed_as_it_describes_itself():
+    listed = typer.main.get_command(app)
+    for name, stand_in in listed.commands.items():
+        _, command, _ = listed.resolve_command(None, [name])
+        assert command.help.startswith(stand_in.help.rstrip(".")), name
+
+
+def test_commands_that_only_ask_load_no_kernels_and_no_cluster():
+    look = "import sys; from rattle.cli import app, remote; print({'numba', 'dask', 'matplotlib'} & set(sys.modules))"
+    told = subprocess.run([sys.executable, "-c", look], capture_output=True, text=True, timeout=60)
+    assert told.stdout.strip() == "set()", told.stdout + told.stderr

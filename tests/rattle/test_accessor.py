@@ -1,0 +1,108 @@
+"""`dataset.rattle`: draws, measures and lists what a result holds, and says what its kind has not."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import rattle
+from worker.errors import InvalidJob
+from worker.views.measures import measure_basins
+
+
+def test_it_knows_what_it_is_on(basin, sweep):
+    assert basin.rattle.kind == "basin" and sweep.rattle.kind == "sweep" and basin.rattle.complete
+    assert "damping=0.6" in repr(basin.rattle) and basin.rattle.oscillator.half_backlash == 0.6
+    assert basin.rattle.job.digest == basin.attrs["request_sha256"]
+    with pytest.raises(InvalidJob, match="no result of this project"):
+        _ = xr.Dataset().rattle
+
+
+def test_attractors_are_a_small_dataset(basin):
+    assert basin.rattle.attractors.name.values.tolist() == ["permanent contact", "P(1,1,0)", "chaotic"]
+    assert set(basin.rattle.attractors.sizes) == {"attractor", "point"}
+    assert [each.name for each in basin.rattle.catalogue()] == basin.name.values.tolist()
+
+
+def test_a_basin_is_drawn_with_its_motions_named(basin):
+    axes = basin.rattle.plot(overlays=["grazing"])
+    assert [text.get_text().split()[0] for text in axes.get_legend().get_texts()] == [
+        "permanent",
+        "chaotic",
+        "P(1,1,0)",
+    ]
+    assert len(axes.images) == 1 and len(axes.lines) == 1
+    assert basin.rattle.overlay("attractors", ax=axes) is axes and len(axes.lines) == 3
+    with pytest.raises(InvalidJob, match="choose among grazing"):
+        basin.rattle.plot(overlays=["saddle"])
+
+
+def test_a_sweep_is_drawn_side_by_side_and_its_shares_over_the_parameter(sweep):
+    figure = sweep.rattle.plot()
+    assert [axes.get_title() for axes in figure.axes] == ["damping = 0.55", "damping = 0.6", "damping = 0.7"]
+    lines = sweep.rattle.plot_shares().axes[0].get_lines()
+    assert len(lines) == sweep.sizes["attractor"]
+    with pytest.raises(InvalidJob, match="those of kind sweep have"):
+        sweep.rattle.basin(damping=0.6).rattle.plot_shares()
+
+
+def test_a_basin_of_a_sweep_is_measured_as_it_is_alone(sweep):
+    one = sweep.rattle.basin(damping=0.6)
+    assert one.rattle.kind == "basin" and one.rattle.oscillator.damping == 0.6
+    with pytest.raises(InvalidJob, match="0.55, 0.6, 0.7"):
+        sweep.rattle.basin(damping=0.61)
+
+
+def test_measures_are_those_of_the_worker(basin):
+    xr.testing.assert_identical(basin.rattle.measures(), measure_basins(basin))
+    least = basin.rattle.least_disturbance()
+    np.testing.assert_array_equal(least, basin.rattle.measures().least_disturbance)
+    assert least.dims == ("time",)
+
+
+def test_tables_have_words_for_codes_and_a_row_for_each_motion(basin, sweep, tmp_path):
+    table = basin.rattle.to_table()
+    assert table["name"].tolist() == basin.name.values.tolist() and table.columns[:3].tolist() == [
+        "name",
+        "kind",
+        "share",
+    ]
+    assert table["kind"].tolist() == ["permanent_contact", "periodic", "chaotic"]
+    shares = sweep.rattle.to_table()
+    assert set(shares.columns) >= {"damping", "name", "share"} and not shares["share"].isna().any()
+    assert shares.groupby("damping")["share"].sum().tolist() == pytest.approx([1.0, 1.0, 1.0])
+    sweep.rattle.to_csv(tmp_path / "shares.csv")
+    pd.testing.assert_frame_equal(
+        pd.read_csv(tmp_path / "shares.csv", dtype=shares.dtypes.to_dict()), shares, check_dtype=False
+    )
+    with pytest.raises(InvalidJob, match="there are damping, attractor"):
+        sweep.rattle.to_table("motions")
+
+
+@pytest.mark.parametrize(
+    ("verb", "given", "first"),
+    [
+        ("bifurcation", {"damping": [0.58, 0.59], "seeds": [(0.9, 3.7)], "transient": 50, "kept": 4}, "visit"),
+        ("orbits", {"longest": 1, "cells": 8}, "name"),
+        ("manifolds", {"saddles": [(0.6017, 3.7699)], "arclength": 2}, "name"),
+        ("grazing_curve", {"order": 1}, "order_arclength"),
+        ("trajectory", {"velocity": 4.0, "periods": 2.0}, "displacement"),
+    ],
+)
+def test_every_kind_of_result_is_drawn_and_listed(verb, given, first):
+    options = {} if verb == "trajectory" else {"progress": False}
+    result = getattr(rattle, verb)(**given, **options)
+    figure = result.rattle.plot()
+    assert figure.axes[0].lines and figure.axes[0].get_title()
+    assert result.rattle.to_table().columns[0] == first and len(result.rattle.to_table()) > 0
+    with pytest.raises(InvalidJob, match="has no measures"):
+        result.rattle.measures()
+
+
+def test_curves_lie_over_a_basin(basin):
+    axes = basin.rattle.plot(overlays=[], legend=False)
+    grown = rattle.manifolds(saddles=[(0.6017, 3.7699)], arclength=2, progress=False)
+    grown.rattle.overlay(ax=axes)
+    rattle.grazing_curve(order=1, progress=False).rattle.overlay(ax=axes)
+    labels = [line.get_label() for line in axes.lines]
+    assert labels == ["stable manifold of P(1,1,0)", "grazing curve", "pre-image 1"]

@@ -1,0 +1,123 @@
+"""`import rattle`: quick to import, documented with examples that run, and its verbs compute, keep and resume."""
+
+import doctest
+import inspect
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rattle
+from rattle import here
+from rattle.progress import ProgressLine
+from rattle.verb import VERBS
+from worker.errors import JobCancelled, StoreConflict
+
+VERB_NAMES = [*(verb.name for verb in VERBS), "trajectory"]
+
+
+def test_importing_it_loads_nothing_heavy():
+    look = "import sys, rattle; print({'numba', 'dask', 'matplotlib', 'xarray', 'fastapi', 'numpy'} & set(sys.modules))"
+    told = subprocess.run([sys.executable, "-c", look], capture_output=True, text=True, check=True, timeout=60)
+    assert told.stdout.strip() == "set()"
+
+
+def test_what_it_has_is_listed_and_what_it_has_not_is_said():
+    assert set(dir(rattle)) >= {"basin", "connect", "open", "cache", "BasinJob", "__version__"}
+    assert all(getattr(rattle, name) is not None for name in dir(rattle))
+    with pytest.raises(AttributeError, match="it has BasinJob"):
+        _ = rattle.basins
+
+
+@pytest.mark.parametrize("name", VERB_NAMES)
+def test_a_verb_has_a_signature_and_an_example_that_runs(name):
+    verb = getattr(rattle, name)
+    assert "damping" in inspect.signature(verb).parameters and verb.__name__ == name
+    documented = {line.partition(" : ")[0] for line in verb.__doc__.splitlines() if " : " in line}
+    assert documented >= set(inspect.signature(verb).parameters)
+    found = doctest.DocTestFinder().find(verb, name, globs={})
+    failed, tried = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(found[0])
+    assert failed == 0 and tried >= 3
+
+
+def test_the_example_of_the_package_runs():
+    assert doctest.testmod(rattle).failed == 0
+
+
+def test_a_result_is_kept_under_its_request(basin, kept):
+    before = {path: path.stat().st_mtime_ns for path in kept.iterdir()}
+    again = rattle.basin(damping=0.6, cells=(40, 40), progress=False)
+    assert {path: path.stat().st_mtime_ns for path in kept.iterdir()} == before
+    xr.testing.assert_identical(again, basin)
+    assert rattle.cache.size > 10_000 and str(kept) in repr(rattle.cache)
+
+
+def test_a_store_of_ones_own_is_written_and_not_given_to_another_request(tmp_path):
+    mine = str(tmp_path / "mine.zarr")
+    first = rattle.basin(cells=10, iterations=101, store=mine, progress=False, workers=1)
+    assert rattle.open(mine).attrs["request_sha256"] == first.attrs["request_sha256"]
+    with pytest.raises(StoreConflict, match="holds the store of another request"):
+        rattle.basin(cells=11, iterations=101, store=mine, progress=False)
+    with pytest.raises(ValueError, match="workers must be 1 or more"):
+        rattle.basin(cells=12, workers=0)
+
+
+def test_kept_results_can_be_cleared(monkeypatch, tmp_path):
+    monkeypatch.setenv("RATTLE_CACHE", str(tmp_path))
+    rattle.grazing_curve(order=0, progress=False)
+    assert len(rattle.cache.stores()) == 1
+    rattle.cache.clear()
+    assert rattle.cache.stores() == [] and rattle.cache.size == 0
+
+
+def test_an_interrupted_computation_goes_on_where_it_was(tmp_path, monkeypatch):
+    """Ctrl-C in the thread that waits sets the event that cancels the work: here the first tile does."""
+    given = {"cells": 160, "iterations": 4999, "store": str(tmp_path / "long.zarr"), "progress": False}
+
+    def interrupted(work):
+        cancel = threading.Event()
+        monkeypatch.setattr(ProgressLine, "show", lambda _, stage, done, *__: cancel.set() if done[0] else None)
+        return work(cancel)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(here, "run_interruptibly", interrupted)
+        with pytest.raises(JobCancelled):
+            rattle.basin(**given)
+    assert not rattle.open(given["store"]).rattle.complete
+    monkeypatch.undo()
+    left = rattle.open(given["store"]).tile_state.values.copy()
+    assert (left > 1).any()
+    assert rattle.basin(**given).rattle.complete
+
+
+def test_threads_give_the_bytes_that_processes_give(client, tmp_path):
+    """Work here and work on a cluster are the same to the byte."""
+    from tests.store_content import content
+    from worker.basins.pipeline import run_basin
+    from worker.cluster.driver import Driver
+
+    job = rattle.BasinJob(iterations=101)
+    job = type(job).from_request(job.request() | {"grid": {"time": {"cells": 30}, "velocity": {"cells": 30}}})
+    here, there = tmp_path / "here.zarr", tmp_path / "there.zarr"
+    from rattle.verbs import compute
+
+    compute(job, store=here, progress=False)
+    run_basin(job, str(there), Driver(client), report=lambda _: None, cancel=threading.Event())
+    arrays = {name for name in content(there) if not name.endswith("zarr.json")}
+    assert {name: content(here)[name] for name in arrays} == {name: content(there)[name] for name in arrays}
+
+
+def test_a_trajectory_is_that_of_the_kernels():
+    from rattle_kernels import Oscillator, time_history
+
+    motion = rattle.trajectory(damping=0.6, velocity=4.0, periods=3.0)
+    history = time_history(Oscillator(), 0.0, 0.6, -4.0, periods=3.0)
+    np.testing.assert_array_equal(motion.displacement, history.displacement)
+    np.testing.assert_array_equal(motion.contact_time, history.contacts.time)
+    with pytest.raises(TypeError, match="needs velocity"):
+        rattle.trajectory(damping=0.6)
+    with pytest.raises(ValueError, match="velocity must be positive"):
+        rattle.trajectory(velocity=-4.0)

@@ -1,0 +1,80 @@
+"""`rattle.connect`: the same verbs computed by a service give the same datasets."""
+
+import httpx2 as httpx
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import rattle
+from rattle.verb import VERBS
+
+
+@pytest.fixture(scope="module")
+def there(service):
+    return rattle.connect(service.url)
+
+
+def test_the_same_question_has_the_same_answer_there(there, basin):
+    remote = there.basin(cells=40, progress=False)
+    for name in basin.variables:
+        np.testing.assert_array_equal(remote[name].values, basin[name].values, err_msg=str(name))
+    assert remote.attrs["request_sha256"] == basin.attrs["request_sha256"]
+    assert remote.rattle.plot(overlays=[]).images
+
+
+def test_it_has_the_verbs_of_the_package_with_the_same_arguments(there):
+    import inspect
+
+    own = {"store", "workers", "scheduler"}
+    for verb in VERBS:
+        here, remote = (set(inspect.signature(getattr(place, verb.name)).parameters) for place in (rattle, there))
+        assert here - own == remote
+
+
+def test_a_trajectory_is_that_of_here(there):
+    given = {"damping": 0.6, "stiffness": 100.0, "velocity": 4.0, "periods": 3.0}
+    xr.testing.assert_equal(there.trajectory(**given), rattle.trajectory(**given))
+
+
+def test_a_job_is_submitted_followed_listed_and_deleted(there, service):
+    job = there.submit(rattle.BasinJob.from_request({"grid": {"time": {"cells": 12}, "velocity": {"cells": 12}}}))
+    assert job.kind == "basin" and job.wait(progress=False).state == "succeeded"
+    assert job.progress["tiles_done"] == job.progress["tiles_total"]
+    assert job.id in [each.id for each in there.jobs()] and there.job(job.id).id == job.id
+    assert job.result()["complete"] and job.open().rattle.complete
+    assert rattle.open(job.url).rattle.kind == "basin"
+    assert job.id in repr(job) and job.cancel().state == "succeeded"
+    job.delete()
+    with pytest.raises(rattle.ServiceFailed, match="there is no job"):
+        there.job(job.id)
+
+
+def test_what_a_service_refuses_is_said_in_its_words(there, service):
+    with pytest.raises(ValueError, match="epsilon_crit2"):
+        there.basin(eccentricity=0.3)
+    with pytest.raises(rattle.ServiceFailed, match="RATTLE_MAX_ORDER"):
+        there.grazing_curve(order=17)
+    with pytest.raises(rattle.ServiceFailed, match="no service answers"):
+        rattle.connect("http://127.0.0.1:9")
+
+
+def test_tables_are_served_as_csv_and_json(there, service):
+    job = there.submit({"kind": "grazing_curve", "order": 1}).wait(progress=False)
+    here = rattle.grazing_curve(order=1, progress=False).rattle.to_table()
+    csv = httpx.get(f"{service.url}/v1/jobs/{job.id}/result.csv")
+    assert csv.headers["content-type"].startswith("text/csv")
+    assert csv.text.splitlines()[0] == ",".join(here.columns)
+    rows = httpx.get(f"{service.url}/v1/jobs/{job.id}/result.json").json()
+    pd.testing.assert_frame_equal(pd.DataFrame(rows), here, check_dtype=False)
+    again = httpx.get(f"{service.url}/v1/jobs/{job.id}/result.csv", headers={"if-none-match": csv.headers["etag"]})
+    assert again.status_code == 304
+    refused = httpx.get(f"{service.url}/v1/jobs/{job.id}/result.csv?table=x")
+    assert refused.status_code == 422 and "there are order" in refused.json()["detail"]
+
+
+@pytest.mark.parametrize(("ending", "first"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_pictures_are_served_in_three_formats(there, service, ending, first):
+    job = there.submit({"kind": "grazing_curve", "order": 1}).wait(progress=False)
+    answer = httpx.get(f"{service.url}/v1/jobs/{job.id}/picture.{ending}")
+    assert answer.status_code == 200 and answer.content.startswith(first)

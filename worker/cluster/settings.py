@@ -1,0 +1,38 @@
+"""Settings of the Dask cluster, from the environment: those that the service and the front door share."""
+
+from pathlib import Path
+
+from pydantic import Field, PositiveInt, model_validator
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+from worker.cluster.certificates import Certificates
+
+
+class ClusterSettings(BaseSettings):
+    """Where tasks run, from ``RATTLE_...`` environment variables."""
+
+    model_config = SettingsConfigDict(env_prefix="RATTLE_", extra="ignore")
+
+    scheduler: str | None = Field(None, description="Address of a Dask scheduler; an embedded cluster by default")
+    tls_ca: Path | None = Field(None, description="Certificate of the authority that a tls:// scheduler trusts")
+    tls_cert: Path | None = Field(None, description="Certificate that this side shows to the scheduler")
+    tls_key: Path | None = Field(None, description="Key of that certificate")
+    workers: PositiveInt = Field(2, description="Worker processes of the embedded cluster")
+
+    @model_validator(mode="after")
+    def _certificates_are_complete(self) -> "ClusterSettings":
+        given = [each is not None for each in (self.tls_ca, self.tls_cert, self.tls_key)]
+        encrypted = (self.scheduler or "").startswith("tls://")
+        if any(given) and not (all(given) and encrypted) or encrypted and not all(given):
+            raise ValueError(
+                "RATTLE_TLS_CA, RATTLE_TLS_CERT and RATTLE_TLS_KEY belong to a tls:// scheduler, all three: "
+                "`rattle certs` makes them"
+            )
+        return self
+
+    @property
+    def certificates(self) -> Certificates | None:
+        """Certificates for the scheduler; None without TLS."""
+        if self.tls_ca is None or self.tls_cert is None or self.tls_key is None:
+            return None
+        return Certificates(self.tls_ca, self.tls_cert, self.tls_key)

@@ -1,0 +1,103 @@
+"""What to compute at once: one time history."""
+
+from pydantic import ConfigDict, Field
+
+from rattle_kernels import Oscillator, OutsideDomain, TimeHistory, check_domain, check_quiet, time_history
+from worker.errors import InvalidJob
+from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, demand_quiet
+from worker.jobs.request import Count, Real, Request
+
+
+def initial_state(
+    oscillator: Oscillator, time: float, velocity: float, displacement: float | None
+) -> tuple[float, float, float]:
+    """Initial t, Phi, Phi'; without a displacement, those of a departure from +beta with speed `velocity`.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+    time, velocity : float
+    displacement : float or None
+
+    Returns
+    -------
+    tuple of float
+
+    Raises
+    ------
+    InvalidJob
+        If a departure's speed is not positive.
+    """
+    if displacement is not None:
+        return time, displacement, velocity
+    if not velocity > 0.0:
+        raise InvalidJob(
+            f"velocity must be positive, not {velocity:g}: without a displacement it is the speed of a departure "
+            "from +beta"
+        )
+    return time, oscillator.half_backlash, -velocity
+
+
+class StartRequest(Request):
+    """Initial condition; without a displacement, a departure from +beta."""
+
+    time: Real = Field(0.0, ge=-1e6, le=1e6, description="t, forcing periods")
+    displacement: Real | None = Field(
+        None, ge=-1e6, le=1e6, description="Phi; within the backlash in the impacting model. Without it, +beta is left"
+    )
+    velocity: Real = Field(
+        ge=-1e6, le=1e6, description="Signed velocity Phi'; without a displacement, the speed v > 0 of the departure"
+    )
+
+
+class TrajectoryRequest(Request):
+    """One time history."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "examples": [
+                {
+                    "oscillator": {"model": "piecewise_linear", "stiffness": 1000},
+                    "start": {"time": 0.3, "velocity": 4},
+                    "periods": 20,
+                    "samples_per_period": 200,
+                }
+            ]
+        },
+    )
+
+    oscillator: OscillatorRequest = Field(default_factory=ImpactingOscillator)
+    start: StartRequest
+    periods: Real = Field(20.0, gt=0, description="Span, forcing periods")
+    samples_per_period: Count = 200
+
+    def follow(self, most_contacts: int = 1_000_000) -> TimeHistory:
+        """Compute the history.
+
+        Parameters
+        ----------
+        most_contacts : int
+            The history is truncated there.
+
+        Returns
+        -------
+        TimeHistory
+
+        Raises
+        ------
+        OutsideDomain, InvalidJob
+            Naming what is wrong.
+        """
+        oscillator = check_domain(self.oscillator.to_oscillator())
+        demand_quiet(lambda: check_quiet(oscillator), unless=self.oscillator.allow_no_quiet_solution)
+        state = initial_state(oscillator, self.start.time, self.start.velocity, self.start.displacement)
+        try:
+            return time_history(
+                oscillator, *state, periods=self.periods, samples_per_period=self.samples_per_period,
+                most_contacts=most_contacts,
+            )  # fmt: skip
+        except OutsideDomain:
+            raise
+        except ValueError as error:
+            raise InvalidJob(str(error)) from error

@@ -1,0 +1,132 @@
+"""What a result lists, as tables: one for each dimension, and one for each array."""
+
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from worker.errors import InvalidJob
+
+_FIRST = {
+    "attractor": "attractor", "seed": "velocity", "orbit": "orbit", "order": "order", "time": "time",
+}  # fmt: skip
+"""The table that is meant if none is named, by a dimension that results of the kind have."""
+_LEADING = {"name": 0, "kind": 1, "share": 2}
+"""Columns that come first."""
+
+
+class TableFormat(StrEnum):
+    """Format of a table's file."""
+
+    CSV = "csv"
+    JSON = "json"
+
+    @property
+    def media_type(self) -> str:
+        """As in the header Content-Type."""
+        return {"csv": "text/csv; charset=utf-8", "json": "application/json"}[self]
+
+    @classmethod
+    def of_file(cls, path: str | Path) -> "TableFormat":
+        """Format that a file's name asks for.
+
+        Raises
+        ------
+        InvalidJob
+            If its name ends otherwise.
+        """
+        suffix = Path(path).suffix.removeprefix(".").lower()
+        if suffix not in list(cls):
+            raise InvalidJob(f"the name of a table ends in .csv or .json, not as {str(path)!r} does")
+        return cls(suffix)
+
+
+def write_table(table: pd.DataFrame, table_format: TableFormat) -> str:
+    """A table as text; JSON has one object for each row."""
+    if table_format == TableFormat.CSV:
+        return str(table.to_csv(index=False))
+    return str(table.to_json(orient="records", double_precision=15, indent=1)) + "\n"
+
+
+def tables_in(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Names of the tables of a result: its dimensions that have columns, then its arrays of several dimensions."""
+    dimensions = [str(name) for name in dataset.dims if _columns_along(dataset, str(name))]
+    arrays = [str(name) for name, array in dataset.data_vars.items() if array.ndim > 1 and "vertex" not in array.dims]
+    return (*dimensions, *arrays)
+
+
+def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
+    """A table of a result.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of `worker.views.reading.open_store`.
+    name : str, optional
+        A dimension, for all that is listed along it; or an array, for one row for each of its values. By default the
+        attractors, the shares of a sweep, the departures of a diagram, the orbits, the orders, or the samples of Phi.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Codes are written as words.
+
+    Raises
+    ------
+    InvalidJob
+        If there is no such table; it names those that there are.
+    """
+    chosen = _usual(dataset) if name is None else name
+    if chosen in dataset.dims and _columns_along(dataset, chosen):
+        # A store lists its arrays by name.
+        columns = sorted(_columns_along(dataset, chosen), key=lambda name: _LEADING.get(name, len(_LEADING)))
+        return pd.DataFrame({column: _in_words(dataset[column]) for column in columns})
+    if chosen not in dataset.data_vars:
+        raise InvalidJob(f"there is no table {chosen!r}; there are {', '.join(tables_in(dataset))}")
+    array = dataset[chosen]
+    alike = [str(name) for name, other in dataset.data_vars.items() if other.dims == array.dims]
+    unnamed = [str(name) for name in array.dims if name not in dataset.coords]
+    beside = [column for dimension in unnamed for column in _columns_along(dataset, dimension)]
+    table = dataset.reset_coords()[[*alike, *beside]].to_dataframe().reset_index()
+    for column in beside:
+        table[column] = table[column].map(_words_of(dataset[column]) or (lambda value: value))
+    return table.dropna(subset=[chosen]).reset_index(drop=True)
+
+
+def demand_small_table(dataset: xr.Dataset, name: str | None, most: int) -> None:
+    """Refuse a table of more rows than are allowed.
+
+    Raises
+    ------
+    InvalidJob
+    """
+    chosen = _usual(dataset) if name is None else name
+    rows = dataset.sizes.get(chosen) or (dataset[chosen].size if chosen in dataset.data_vars else 0)
+    if rows > most:
+        raise InvalidJob(f"the table {chosen!r} has {rows} rows, more than the limit of {most}: read the Zarr store")
+
+
+def _usual(dataset: xr.Dataset) -> str:
+    if "share" in dataset and dataset.share.ndim > 1:
+        return "share"
+    return next((name for dimension, name in _FIRST.items() if dimension in dataset.dims), "")
+
+
+def _columns_along(dataset: xr.Dataset, dimension: str) -> list[str]:
+    return [str(name) for name, array in dataset.variables.items() if array.dims == (dimension,)]
+
+
+def _in_words(array: xr.DataArray) -> np.ndarray:
+    """Values, with the words of a column of codes."""
+    words, values = _words_of(array), array.values
+    return np.array([words.get(code, "") for code in values.tolist()]) if words else values
+
+
+def _words_of(array: xr.DataArray) -> dict[int, str]:
+    """Words of the codes of an array; none if it holds no codes."""
+    if "flag_meanings" not in array.attrs:
+        return {}
+    codes = np.atleast_1d(array.attrs["flag_values"]).tolist()
+    return dict(zip(codes, str(array.attrs["flag_meanings"]).split(), strict=True))
