@@ -24,7 +24,7 @@ import httpx2 as httpx
 from rattle.cli.console import out, progress_line
 from rattle.cli.result_tables import print_result
 from rattle.progress import ProgressLine
-from rattle.service_client import RemoteJob, ServiceClient, ServiceFailed
+from rattle.remote.client import RemoteJob, ServiceClient, ServiceFailed
 from rattle_kernels import warm_up
 
 HERE = Path(__file__).parent

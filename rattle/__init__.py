@@ -14,10 +14,10 @@ from typing import Any
 
 _HOMES = {
     "rattle.verbs": ("basin", "sweep", "bifurcation", "orbits", "manifolds", "grazing_curve", "trajectory"),
-    "rattle.opening": ("open",),
-    "rattle.remote_verbs": ("connect", "Service"),
-    "rattle.service_client": ("RemoteJob", "ServiceFailed"),
-    "rattle.result_cache": ("cache",),
+    "rattle.results.opening": ("open",),
+    "rattle.remote.verbs": ("connect", "Service"),
+    "rattle.remote.client": ("RemoteJob", "ServiceFailed"),
+    "rattle.results.kept": ("cache",),
     "rattle_kernels": ("Oscillator", "OutsideDomain"),
     "worker.errors": ("WorkerError", "InvalidJob", "NotFound", "JobCancelled"),
     "worker.jobs.basin_job": ("BasinJob", "SweepJob"),

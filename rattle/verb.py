@@ -5,7 +5,8 @@ from collections.abc import Callable, Sequence
 from enum import Enum
 from typing import Any, NamedTuple, TypeVar, get_args
 
-from rattle.arguments import Argument, arguments_of
+from rattle.argument_groups import Argument
+from rattle.arguments import arguments_of
 from worker.kinds import KINDS
 
 _Call = TypeVar("_Call", bound=Callable[..., Any])

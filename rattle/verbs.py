@@ -7,11 +7,12 @@ from typing import Any
 import xarray as xr
 from rich.console import Console
 
-from rattle.arguments import Argument, demand_known, job_of
-from rattle.opening import open
+from rattle.argument_groups import Argument
+from rattle.arguments import demand_known, job_of
 from rattle.progress import progress_line, shows_bars
-from rattle.result_cache import cache
-from rattle.trajectories import TRAJECTORY_EXAMPLE, dataset_of, trajectory_arguments, trajectory_request
+from rattle.results.kept import cache
+from rattle.results.opening import open
+from rattle.results.trajectories import TRAJECTORY_EXAMPLE, dataset_of, trajectory_arguments, trajectory_request
 from rattle.verb import VERBS, Verb, described
 from worker.jobs.job import Job
 from worker.kinds import KINDS

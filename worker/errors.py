@@ -14,9 +14,8 @@ WorkerError
 
 import contextlib
 import re
+import sys
 from collections.abc import Iterator
-
-from obstore.exceptions import BaseError as ObjectStoreError
 
 from rattle_kernels import OutsideDomain
 
@@ -110,8 +109,14 @@ def as_store_failure(location: str) -> Iterator[None]:
     """Say of any failure of the system which store it befell."""
     try:
         yield
-    except (OSError, ObjectStoreError) as error:
+    except _failures() as error:
         raise StoreFailed(f"the store {location} cannot be read or written: {_reason(error)}") from error
+
+
+def _failures() -> tuple[type[Exception], ...]:
+    """Errors of the system, and those of S3 if it is in use."""
+    loaded = sys.modules.get("obstore.exceptions")
+    return (OSError,) if loaded is None else (OSError, loaded.BaseError)
 
 
 def _reason(error: Exception) -> str:

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from rattle.cli.console import out
+from rattle.cli.console import give_up, out
 from worker.kinds import KINDS
 
 _OTHER_COMMANDS = {
@@ -54,12 +54,21 @@ def _loaded(name: str) -> Any:
     if name in kinds:
         found = import_module("rattle.cli.compute").compute_command(kinds[name])
     else:
-        found = getattr(import_module(f"rattle.cli.{_OTHER_COMMANDS[name][0]}"), name)
+        found = getattr(_loaded_module(name), name)
     if not isinstance(found, typer.Typer):
         alone = typer.Typer(add_completion=False)
         alone.command(name)(found)
         found = alone
     return typer.main.get_command(found)
+
+
+def _loaded_module(name: str) -> Any:
+    try:
+        return import_module(f"rattle.cli.{_OTHER_COMMANDS[name][0]}")
+    except ModuleNotFoundError as error:
+        if name not in ("serve", "keys"):
+            raise
+        give_up(f"`rattle {name}` needs {error.name}: pip install 'gear-rattle[service]'", 2)
 
 
 class _OnDemand(TyperGroup):

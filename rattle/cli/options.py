@@ -9,7 +9,8 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
-from rattle.arguments import Argument, arguments_of
+from rattle.argument_groups import Argument
+from rattle.arguments import arguments_of
 from rattle.cli.texts import continuation_of, departure_of, orbit_seed_of, saddle_of, swept_of
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.bifurcation_job import BifurcationJob

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from rattle.cli.console import give_up, out, progress_line
 from rattle.cli.result_tables import print_result
-from rattle.service_client import RemoteJob, ServiceClient, ServiceFailed
+from rattle.remote.client import RemoteJob, ServiceClient, ServiceFailed
 
 Url = Annotated[str, typer.Option(envvar="RATTLE_URL", help="Address of the service")]
 Key = Annotated[

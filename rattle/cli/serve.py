@@ -1,6 +1,7 @@
 """The command that starts a service."""
 
 import errno
+import importlib.util
 import signal
 from functools import partial
 from pathlib import Path
@@ -27,6 +28,7 @@ def serve(
     """Start the service, its database and two local workers; Ctrl-C stops it, the next start resumes its jobs."""
     given = {"host": host, "port": port, "data": data, "workers": workers}
     settings = Settings(**{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
+    _demand_extras(settings)
     _demand_keys(settings)
     _demand_port(settings)
     write_logs(settings.log_format, settings.log_level)
@@ -36,6 +38,15 @@ def serve(
     for asked in (signal.SIGTERM, signal.SIGINT):
         signal.signal(asked, lambda *_: None)
     Server(create_app(settings), settings, on_ready=partial(_say_ready, settings)).run()
+
+
+def _demand_extras(settings: Settings) -> None:
+    """Refuse to start without what the settings need."""
+    needed = (("postgres", "psycopg", settings.database.startswith("postgres")),
+              ("s3", "obstore", settings.results.startswith("s3://")))  # fmt: skip
+    for extra, module, is_needed in needed:
+        if is_needed and importlib.util.find_spec(module) is None:
+            give_up(f"these settings need {module}: pip install 'gear-rattle[{extra}]'", 2)
 
 
 def _say_ready(settings: Settings, url: str) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from rattle.arguments import oscillator_group
+from rattle.argument_groups import oscillator_group
 from rattle.cli.console import announced_compiling, give_up, out
 from rattle.cli.options import options_of, with_options
 from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory, check_domain, check_quiet, time_history

@@ -18,7 +18,6 @@ from worker.jobs.job import AnalysisJob
 from worker.rounding import demand_same_rounding
 from worker.stores.layout import Columns, Variable
 from worker.stores.new_store import CONFIG, birth_certificate, consolidate, now
-from worker.stores.object_storage import place_at
 from worker.stores.opening import (
     create_unless_there,
     demand_same_request,
@@ -26,6 +25,7 @@ from worker.stores.opening import (
     open_group,
     open_store_at,
 )
+from worker.stores.storage import place_at
 
 ANALYSIS_LAYOUT_VERSION = 1
 _PARTS = "parts"
@@ -39,7 +39,7 @@ class AnalysisStore:
     Parameters
     ----------
     location : str
-        As in `worker.stores.object_storage`.
+        As in `worker.stores.storage`.
     fence : Fence
         Of the driver.
 

@@ -22,9 +22,9 @@ from worker.rounding import demand_same_rounding
 from worker.stores import layout
 from worker.stores.layout import Variable
 from worker.stores.new_store import consolidate, create_store, now, places_of, tiling_of
-from worker.stores.object_storage import place_at
 from worker.stores.opening import create_unless_there, demand_same_request, open_group, open_store_at
 from worker.stores.solution_arrays import SolutionArrays
+from worker.stores.storage import place_at
 from worker.stores.tiles import Tile
 
 
@@ -34,7 +34,7 @@ class BasinStore(SolutionArrays):
     Parameters
     ----------
     location : str
-        As in `worker.stores.object_storage`.
+        As in `worker.stores.storage`.
     fence : Fence
         Of the driver.
 

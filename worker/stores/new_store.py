@@ -19,7 +19,7 @@ from worker.jobs.basin_job import BasinJob
 from worker.rounding import FUSED
 from worker.stores import layout
 from worker.stores.layout import Places, TileState, Variable
-from worker.stores.object_storage import place_at
+from worker.stores.storage import place_at
 from worker.stores.tiles import Tiling, cut, cut_row
 
 # Zarr does not store this: a handle opened without it would delete chunks that equal the fill value.

@@ -8,7 +8,7 @@ import zarr
 
 from worker.errors import StoreConflict, as_store_failure
 from worker.fence import Fence, unfenced
-from worker.stores.object_storage import place_at
+from worker.stores.storage import place_at
 
 _NOTHING_THERE = (FileNotFoundError, NotADirectoryError, ValueError)
 

@@ -1,7 +1,7 @@
 """Where results lie, and their files."""
 
 from worker.errors import as_store_failure
-from worker.stores.object_storage import Part, StoredFile, place_at, whole
+from worker.stores.storage import Part, StoredFile, place_at, whole
 
 
 def result_location(root: str, job_id: str) -> str:

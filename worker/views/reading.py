@@ -29,7 +29,7 @@ from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_f
 from worker.pictures.panel_picture import frame
 from worker.pictures.picture import draw_legend
 from worker.stores.layout import LAYOUT_VERSION, MEASURED, MOTIONS
-from worker.stores.object_storage import place_at
+from worker.stores.storage import place_at
 
 # Most cells drawn each way: a picture in a notebook is smaller than one in a file.
 _MOST_CELLS = 1000

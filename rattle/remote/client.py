@@ -269,7 +269,7 @@ class RemoteJob:
         StoreConflict
             If there is none yet.
         """
-        from rattle.opening import open
+        from rattle.results.opening import open
 
         return open(self.url, key=self.service.key)
 

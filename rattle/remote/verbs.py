@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rattle.arguments import Argument, demand_known, job_of
-from rattle.service_client import ServiceClient
-from rattle.trajectories import TRAJECTORY_EXAMPLE, dataset_of, trajectory_arguments, trajectory_request
+from rattle.argument_groups import Argument
+from rattle.arguments import demand_known, job_of
+from rattle.remote.client import ServiceClient
+from rattle.results.trajectories import TRAJECTORY_EXAMPLE, dataset_of, trajectory_arguments, trajectory_request
 from rattle.verb import VERBS, Verb, described
 from rattle_kernels import Contacts, Direction, Outcome, TimeHistory
 from worker.kinds import KINDS

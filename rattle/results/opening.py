@@ -5,7 +5,7 @@ from typing import Any
 
 import xarray as xr
 
-import rattle.accessor  # noqa: F401 - gives datasets their `.rattle`
+import rattle.results.accessor  # noqa: F401 - gives datasets their `.rattle`
 from worker.views.reading import open_store
 
 

@@ -1,7 +1,7 @@
 """What a dataset of this project can do: ``dataset.rattle`` draws it, measures it, and lists what it holds."""
 
 import json
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from rattle.trajectories import TRAJECTORY, history_of
+from rattle.results.trajectories import TRAJECTORY, history_of
 from rattle_kernels import Attractor, Oscillator
 from worker.errors import InvalidJob
 from worker.jobs.job import Job
@@ -21,11 +21,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from worker.pictures.overlay import Overlay
-
-_PANELS_ACROSS = 3
-_SIZE = 10.0, 6.5
 
 
 @xr.register_dataset_accessor("rattle")
@@ -158,14 +153,51 @@ class Result:
         attributes = {"units": "1", "long_name": "smallest speed that leads from quiet to rattle"}
         return xr.DataArray(found.velocity, {"time": self._dataset.time}, ["time"], "least_disturbance", attributes)
 
+    def proven_quiet(self) -> xr.DataArray:
+        """Speed at each phase below which every departure falls quiet, by proof: ever lower bounces capture it.
+
+        The array is over ``time``, and 0 where nothing is proven.
+        """
+        self._demand("proven_quiet", "basin")
+        from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
+        from rattle_kernels.impact_map.chatter import fastest_below
+
+        bound, phases = capture_bound(self.oscillator), self._dataset.time.values
+        speeds = np.array([fastest_below(self.oscillator, bound, phase) for phase in phases])
+        attributes = {"units": "1", "long_name": "speed below which quiet is proven"}
+        return xr.DataArray(speeds, {"time": self._dataset.time}, ["time"], "proven_quiet", attributes)
+
+    def boundary_share(self, curves: xr.Dataset) -> dict[str, float]:
+        """Share of the cells on boundaries of basins that lie within one cell of curves.
+
+        Parameters
+        ----------
+        curves : xarray.Dataset
+            Of `rattle.manifolds` or `rattle.grazing_curve`.
+
+        Returns
+        -------
+        dict of str to float
+            By the name of each curve, and of all together.
+        """
+        self._demand("boundary_share", "basin")
+        from rattle.results.curves import curves_of
+        from rattle_kernels import boundary_share
+
+        job: Any = self.job
+        pieces = {each.label: each.pieces for each in curves_of(curves, curves.rattle.kind)}
+        pieces["all together"] = tuple(piece for own in pieces.values() for piece in own)
+        solution = self._dataset.solution.values
+        return {name: float(boundary_share(solution, job.grid, own)) for name, own in pieces.items()}
+
     def overlay(self, *kinds: str, ax: "Axes | None" = None) -> "Axes":
         """Lay curves and marks over axes that show the (t, v) plane.
 
         Parameters
         ----------
         *kinds : str
-            Of a basin: ``grazing``, ``preimages``, ``manifolds``, ``attractors``, ``saddles``. Of manifolds and grazing
-            curves none: all of their curves are drawn.
+            Of a basin: some of ``grazing``, ``preimages``, ``manifolds``, ``attractors``, ``saddles``; by default all.
+            Of manifolds and grazing curves none: all of their curves are drawn.
         ax : matplotlib.axes.Axes, optional
             By default the current axes.
 
@@ -179,21 +211,9 @@ class Result:
             If an overlay is not known.
         """
         self._demand("overlay", "basin", "manifold", "grazing_curve")
-        import matplotlib.pyplot as plt
+        from rattle.results.drawing import draw_over
 
-        from rattle.curves import curves_of
-        from worker.pictures.overlay_kind import overlays_for
-
-        axes = plt.gca() if ax is None else ax
-        if self.kind == "basin":
-            job: Any = self.job
-            window = job.grid.velocity_start, job.grid.velocity_stop
-            overlays: Iterable[Overlay] = overlays_for(kinds, job.oscillator, self.catalogue(), window)
-        else:
-            overlays = curves_of(self._dataset, self.kind)
-        for each in overlays:
-            each.draw(axes, axes.get_xlim()[0])
-        return axes
+        return draw_over(self._dataset, self.kind, self.job, kinds, ax)
 
     def plot(self, ax: "Axes | None" = None, *, overlays: Collection[str] | None = None, legend: bool = True) -> Any:
         """Draw the result: cells in the colours of their motions, a diagram, curves, or Phi(t).
@@ -218,61 +238,14 @@ class Result:
         InvalidJob
             If an overlay is not known for the model.
         """
+        from rattle.results.drawing import draw_basin, draw_on_figure
+
         if self.kind == "basin":
-            return self._plot_basin(ax, overlays, legend)
+            return draw_basin(self._dataset, ax, overlays, legend)
         if ax is not None:
             raise InvalidJob(f"a result of kind {self.kind} is drawn on a figure of its own: leave out ax")
-        import matplotlib.pyplot as plt
-
-        figure = plt.figure(figsize=(11.0, 4.5) if self.kind == TRAJECTORY else _SIZE, layout="constrained")
-        if self.kind == "sweep":
-            self._plot_basins(figure, overlays, legend)
-        elif self.kind == TRAJECTORY:
-            from worker.pictures.history_picture import draw_history
-
-            draw_history(figure, *history_of(self._dataset))
-        else:
-            columns = {str(name): array.values for name, array in self._dataset.variables.items()}
-            KINDS[self.kind].loaded_analysis.draw(self.job, columns, figure)
-        return figure
-
-    def _plot_basin(self, ax: "Axes | None", overlays: Collection[str] | None, legend: bool) -> "Axes":
-        import matplotlib.pyplot as plt
-
-        from worker.pictures.overlay_kind import USUAL_OVERLAYS
-
-        if ax is None:
-            ax = plt.figure(figsize=_SIZE, layout="constrained").add_subplot()
-        chosen: Any = USUAL_OVERLAYS if overlays is None else overlays
-        return reading.plot_basin(self._dataset, ax, legend=legend, overlays=chosen)
-
-    def _plot_basins(self, figure: "Figure", overlays: Collection[str] | None, legend: bool) -> None:
-        """One axes for each basin; of two swept parameters the first runs upwards, the last to the right."""
-        from worker.pictures.picture import legend_patches
-
-        job: Any = self.job
-        across = job.sweep_shape[1] if len(job.sweep_shape) == 2 else min(_PANELS_ACROSS, job.basins)
-        down = -(-job.basins // across)
-        figure.set_size_inches(2.0 + 3.3 * across, 1.0 + 2.4 * down)
-        axes = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
-        places = axes[::-1] if len(job.sweep_shape) == 2 else axes
-        for place in axes.flat[job.basins :]:
-            place.set_axis_off()
-        for number, place in zip(range(job.basins), places.flat, strict=False):
-            values = job.values_of(number)
-            self.basin(**values).rattle.plot(place, overlays=overlays, legend=False)
-            place.label_outer()
-            place.set_title(", ".join(f"{name} = {value:g}" for name, value in values.items()), fontsize="small")
-        solutions = self._solutions()
-        if legend and solutions:
-            shares = self._dataset.share.mean([each.parameter for each in job.vary]).values
-            labels = [f"{number}: {solution.name}" for number, solution in enumerate(solutions)]
-            figure.legend(handles=legend_patches(solutions, shares, labels), loc="outside right upper", frameon=False)
-
-    def _solutions(self) -> tuple[Attractor, ...]:
-        """Motions of a sweep with the points of its first basin: enough for their names and colours."""
-        job: Any = self.job
-        return reading.attractors_of(self.basin(**job.values_of(0)))
+        job = None if self.kind == TRAJECTORY else self.job
+        return draw_on_figure(self._dataset, self.kind, job, overlays, legend)
 
     def plot_shares(self) -> "Figure":
         """Draw the share of each motion over the swept parameter: lines over one, maps over two.
@@ -281,23 +254,12 @@ class Result:
         -------
         matplotlib.figure.Figure
 
-        Raises
-        ------
-        InvalidJob
-            If no basin is complete yet.
         """
         self._demand("plot_shares", "sweep")
-        import matplotlib.pyplot as plt
+        from rattle.results.drawing import draw_shares_of
 
-        from worker.pictures.share_chart import draw_shares
-
-        share = self._dataset.share.values if "share" in self._dataset else np.empty(0)
-        if not np.isfinite(share).any():
-            raise InvalidJob("no basin of the sweep is complete yet")
-        figure = plt.figure(figsize=_SIZE, layout="constrained")
         job: Any = self.job
-        draw_shares(figure, job, share, self._solutions())
-        return figure
+        return draw_shares_of(self._dataset, job)
 
     def to_table(self, name: str | None = None) -> "pd.DataFrame":
         """What the result lists, as a table.
@@ -311,10 +273,6 @@ class Result:
         -------
         pandas.DataFrame
 
-        Raises
-        ------
-        InvalidJob
-            If there is no table of that name.
         """
         return table_of(self._dataset, name)
 

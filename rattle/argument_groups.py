@@ -1,0 +1,300 @@
+"""Which arguments make which field of a request: flat for the oscillator and the window, the rest as they are.
+
+A number or a choice is an argument of the same name. A field of parts, such as the oscillator or the grid, becomes the
+arguments of a `Group`. Defaults, types and descriptions are those of the job's class.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from numbers import Integral
+from typing import Any, NamedTuple, get_args
+
+import numpy as np
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from rattle_kernels.model.oscillator import PARAMETERS
+from worker.errors import InvalidJob
+from worker.jobs.basin_job import SweepJob
+from worker.jobs.bifurcation_job import BifurcationJob
+from worker.jobs.grid_request import GridRequest
+from worker.jobs.job import Job
+from worker.jobs.manifold_job import ManifoldJob
+from worker.jobs.orbits_job import OrbitsJob
+from worker.jobs.oscillator_request import PIECEWISE_LINEAR, PiecewiseLinearOscillator
+from worker.jobs.region import papers_phases, papers_speeds
+from worker.jobs.sample import Sample
+
+Values = Mapping[str, Any]
+"""Arguments by name: only those that were given."""
+# Of one basin the grid's own default holds; a sweep has many, and starts smaller.
+_CELLS_OF_A_SWEEP = 200
+_ONLY_IN_JSON = {"most_points", "kind"}
+
+
+@dataclass(frozen=True)
+class Argument:
+    """An argument of a verb: its name, type, default (``...`` if it must be given), description and least value."""
+
+    name: str
+    kind: Any
+    default: Any
+    text: str = ""
+    least: float | None = None
+
+
+class Group(NamedTuple):
+    """Arguments that together make one field of a request, and how they do; None leaves the field out."""
+
+    arguments: tuple[Argument, ...]
+    read: Callable[[Values], Any]
+
+
+def plain(value: Any) -> Any:
+    """Numbers of NumPy as Python's; arrays as lists."""
+    return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
+
+
+def groups_of(job_class: type[Job]) -> dict[str, Group]:
+    """Arguments of a job by the field of the request that they make."""
+    groups = {}
+    for field in job_class.model_fields.values():
+        name = field.alias or ""
+        if name in _ONLY_IN_JSON or (issubclass(job_class, ManifoldJob) and name in ("region", "cells")):
+            continue
+        groups[name] = _GROUPS[name](job_class, field) if name in _GROUPS else _single(name, field)
+    return groups
+
+
+def _parts_of(annotation: Any) -> list[Any]:
+    """The types and metadata that an annotation is made of."""
+    inside = [part for each in get_args(annotation) for part in _parts_of(each)]
+    return [annotation, *inside] + [part for each in getattr(annotation, "metadata", ()) for part in _parts_of(each)]
+
+
+def _single(name: str, field: FieldInfo) -> Group:
+    """A number or a choice."""
+    parts = _parts_of(field.annotation) + list(field.metadata)
+    kind = next(part for part in parts if part in (int, float) or isinstance(part, type) and issubclass(part, Enum))
+    least = next((part.ge for part in parts if getattr(part, "ge", None) is not None), None)
+    optional = kind if type(None) not in parts else kind | None
+    argument = Argument(name, optional, field.default, field.description or "", least)
+    return Group((argument,), lambda given: given.get(name))
+
+
+def _of_part(model: type[BaseModel], name: str) -> Argument:
+    """A number, a choice or a switch that is a field of a part."""
+    field = model.model_fields[name]
+    return Argument(name, field.annotation, field.default, field.description or "")
+
+
+def is_swept(value: Any) -> bool:
+    """Whether an argument holds the values of a swept parameter, not one value."""
+    return isinstance(value, list | tuple | dict)
+
+
+def oscillator_group(impacting_only: bool = False, sweeps: bool = False) -> Group:
+    """Arguments that name an oscillator.
+
+    Parameters
+    ----------
+    impacting_only : bool
+        Whether only the impacting model can be computed.
+    sweeps : bool
+        Whether a parameter may have several values.
+
+    Returns
+    -------
+    Group
+    """
+    model = PiecewiseLinearOscillator
+    arguments = [_of_part(model, name) for name in ("damping", "eccentricity", "half_backlash")]
+    if not impacting_only:
+        without = "kappa; without it, the impacting model"
+        arguments.append(Argument("stiffness", float | None, None, without))
+        arguments += [_of_part(model, name) for name in ("permanent_contact", "allow_no_quiet_solution")]
+    names = [each.name for each in arguments]
+
+    def read(given: Values) -> dict[str, Any]:
+        own = {name: given[name] for name in names if given.get(name) is not None}
+        request = {name: value for name, value in own.items() if not is_swept(value)}
+        if len(request) < len(own) and not sweeps:
+            several = next(name for name in own if name not in request)
+            raise InvalidJob(f"{several} has one value here; a sweep takes several values", (several,))
+        if "stiffness" in own:
+            return request | {"model": PIECEWISE_LINEAR}
+        for argument in arguments[4:]:
+            if own.get(argument.name, argument.default) != argument.default:
+                message = f"{argument.name} belongs to the piecewise linear model: give a stiffness"
+                raise InvalidJob(message, (argument.name,))
+        return {name: request[name] for name in names[:3] if name in request}
+
+    return Group(tuple(arguments), read)
+
+
+def _ends(value: Any, name: str) -> dict[str, Any]:
+    if not (isinstance(value, list | tuple) and len(value) == 2):
+        raise InvalidJob(f"{name} is a pair, from where to where, as in {name}=(0, 1), not {value!r}", (name,))
+    return {"start": value[0], "stop": value[1]}
+
+
+def _grid(job_class: type[Job], _: FieldInfo) -> Group:
+    grid = GridRequest().to_grid()
+    cells = _CELLS_OF_A_SWEEP if issubclass(job_class, SweepJob) else grid.time_cells
+    arguments = (
+        Argument("cells", tuple[int, int], (cells, cells), "Cells along time and along velocity"),
+        Argument("time", tuple[float, float], (grid.time_start, grid.time_stop), "Window of phases"),
+        Argument("velocity", tuple[float, float], (grid.velocity_start, grid.velocity_stop), "Window of speeds"),
+    )
+
+    def read(given: Values) -> dict[str, Any]:
+        request = {name: _ends(given[name], name) if name in given else {} for name in ("time", "velocity")}
+        if "cells" in given or given.get("sample") is None:
+            counts = given.get("cells", cells)
+            if isinstance(counts, Integral):
+                counts = counts, counts
+            if not (isinstance(counts, list | tuple) and len(counts) == 2):
+                raise InvalidJob(f"cells is a number, or a pair of them, not {counts!r}", ("cells",))
+            for name, count in zip(request, counts, strict=True):
+                request[name]["cells"] = count
+        return request
+
+    return Group(arguments, read)
+
+
+def _sample(*_: Any) -> Group:
+    arguments = (
+        Argument("sample", int | None, None, "Start from so many points in place of cells"),
+        Argument("seed", int, Sample(1).seed, "Of the sample: the same seed gives the same points"),
+    )
+
+    def read(given: Values) -> dict[str, Any] | None:
+        if given.get("sample") is None:
+            return None
+        return {"points": given["sample"]} | ({"seed": given["seed"]} if "seed" in given else {})
+
+    return Group(arguments, read)
+
+
+def _spaced_or_listed(parameter: str, value: Any) -> dict[str, Any]:
+    """Values of a parameter: those of a list or an array, or (start, stop, count[, spacing])."""
+    if isinstance(value, dict):
+        return {"parameter": parameter} | value
+    if isinstance(value, list):
+        return {"parameter": parameter, "values": value}
+    if not 3 <= len(value) <= 4:
+        raise InvalidJob(
+            f"values of {parameter} are a list or an array, or (start, stop, count), not {value!r}", (parameter,)
+        )
+    return {"parameter": parameter} | dict(zip(("start", "stop", "count", "spacing"), value, strict=False))
+
+
+def _vary(job_class: type[Job], _: FieldInfo) -> Group:
+    several = issubclass(job_class, SweepJob)
+
+    def read(given: Values) -> Any:
+        swept = [
+            _spaced_or_listed(name, value) for name, value in given.items() if name in PARAMETERS if is_swept(value)
+        ]
+        if not swept or (len(swept) > 1 and not several):
+            most = "one or two of" if several else "one of"
+            raise InvalidJob(
+                f"give several values of {most} {', '.join(PARAMETERS)}: a list or an array, or (start, stop, count)"
+            )
+        return swept if several else swept[0]
+
+    return Group((), read)
+
+
+def _seeds(job_class: type[Job], _: FieldInfo) -> Group:
+    with_period = issubclass(job_class, OrbitsJob)
+    of_orbits = "(t, v) or (t, v, period) close to an orbit; several; no search then"
+    text = of_orbits if with_period else "Departures (t, v) to begin with; without them, attractors are found"
+    argument = Argument("seeds", list[tuple[float, ...]] | None, None, text)
+
+    def read(given: Values) -> list[dict[str, Any]] | None:
+        return [_seed(each, "seeds", with_period) for each in given.get("seeds") or ()] or None
+
+    return Group((argument,), read)
+
+
+def _seed(value: Any, name: str, with_period: bool) -> Any:
+    if not isinstance(value, list | tuple):
+        return value
+    fields = ("time", "velocity", "period")[: 3 if with_period else 2]
+    if not 2 <= len(value) <= len(fields):
+        raise InvalidJob(f"{name} are departures ({', '.join(fields)}), not {value!r}", (name,))
+    return {name: plain(part) for name, part in zip(fields, value, strict=False)}
+
+
+def _region(*_: Any) -> Group:
+    arguments = (
+        Argument("time", tuple[float, float], papers_phases().ends, "Phases of the region searched"),
+        Argument("velocity", tuple[float, float], papers_speeds().ends, "Speeds of the region searched"),
+    )
+
+    def read(given: Values) -> dict[str, Any] | None:
+        return {name: _ends(given[name], name) for name in ("time", "velocity") if name in given} or None
+
+    return Group(arguments, read)
+
+
+def _velocity(*_: Any) -> Group:
+    argument = Argument("velocity", tuple[float, float], papers_speeds().ends, "Speeds to keep")
+    return Group((argument,), lambda given: _ends(given["velocity"], "velocity") if "velocity" in given else None)
+
+
+def _saddles(*_: Any) -> Group:
+    argument = Argument("saddles", list[Any], ..., "(t, v) or (t, v, period) close to a saddle, or P(1,1,0); several")
+
+    def read(given: Values) -> list[Any]:
+        several = [given["saddles"]] if isinstance(given["saddles"], str) else given["saddles"]
+        return [{"itinerary": each} if isinstance(each, str) else _seed(each, "saddles", True) for each in several]
+
+    return Group((argument,), read)
+
+
+def _resolution(_: type[Job], field: FieldInfo) -> Group:
+    default: Any = field.get_default(call_default_factory=True)
+    arguments = tuple(_of_part(type(default), name) for name in ("chord", "angle"))
+
+    def read(given: Values) -> dict[str, Any] | None:
+        request = {name: given[name] for name in ("chord", "angle") if name in given}
+        if "chord" in request:
+            request["finest"] = min(request["chord"], default.finest)
+        return request or None
+
+    return Group(arguments, read)
+
+
+def _continuation(name: str, text: str) -> Callable[..., Group]:
+    def read(given: Values) -> Any:
+        value = given.get(name)
+        if value is None or (isinstance(value, dict) and "parameter" in value):
+            return value
+        if not (isinstance(value, dict) and len(value) == 1):
+            raise InvalidJob(f'{name} is written as in {{"damping": (0.45, 0.7)}}, not {value!r}', (name,))
+        ((parameter, interval),) = value.items()
+        if not (isinstance(interval, list | tuple) and 2 <= len(interval) <= 3):
+            raise InvalidJob(f"{parameter} is followed between two values, as in (0.45, 0.7)", (name,))
+        return {"parameter": parameter} | dict(zip(("start", "stop", "most_points"), interval, strict=False))
+
+    return lambda *_: Group((Argument(name, dict[str, tuple[float, float]] | None, None, text),), read)
+
+
+_GROUPS: dict[str, Callable[[type[Job], FieldInfo], Group]] = {
+    "oscillator": lambda job_class, _: oscillator_group(
+        job_class.impacting_only, issubclass(job_class, SweepJob | BifurcationJob)
+    ),
+    "grid": _grid,
+    "sample": _sample,
+    "vary": _vary,
+    "seeds": _seeds,
+    "region": _region,
+    "velocity": _velocity,
+    "saddles": _saddles,
+    "resolution": _resolution,
+    "continuation": _continuation("continuation", '{"damping": (0.45, 0.7)}: follow orbits in a parameter'),
+    "curves": _continuation("curves", '{"eccentricity": (0.05, 0.15)}: and special points in a second one'),
+}

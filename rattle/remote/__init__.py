@@ -1,0 +1,1 @@
+"""A service elsewhere: its jobs, and the verbs that it computes."""

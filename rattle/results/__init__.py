@@ -1,0 +1,1 @@
+"""Results as datasets: opened, kept, drawn, measured and listed."""
