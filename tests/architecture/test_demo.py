@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 import xarray as xr
 
 ROOT = Path(__file__).parents[2]
@@ -21,6 +22,7 @@ def demo(tmp_path, request, **environment):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_demo_says_what_it_does_what_it_has_found_and_what_to_try_next(tmp_path):
     grid = {"time": {"cells": 40}, "velocity": {"cells": 40}}
     done = demo(tmp_path, {"grid": grid, "iterations": 211})

@@ -89,7 +89,7 @@ def _departure(data, oscillator):
 
 
 @given(st.data())
-@settings(max_examples=200)
+@settings(max_examples=100)
 def test_lanes_and_scalar_path_agree(data):
     oscillator = data.draw(oscillators())
     t, v = _departure(data, oscillator)
@@ -103,7 +103,7 @@ def test_lanes_and_scalar_path_agree(data):
 
 
 @given(st.data())
-@settings(max_examples=200)
+@settings(max_examples=100)
 def test_a_lane_does_not_depend_on_its_neighbours(data):
     oscillator = data.draw(oscillators())
     t, v = np.array([_departure(data, oscillator) for _ in range(3)]).T
@@ -115,7 +115,7 @@ def test_a_lane_does_not_depend_on_its_neighbours(data):
 
 
 @given(st.data())
-@settings(max_examples=200)
+@settings(max_examples=100)
 def test_previous_impact_undoes_next_impact(data):
     oscillator = data.draw(oscillators(largest_part_of_bound=0.9))
     t, v = _departure(data, oscillator)
@@ -131,7 +131,7 @@ def test_previous_impact_undoes_next_impact(data):
 
 
 @given(st.data())
-@settings(max_examples=100)
+@settings(max_examples=50)
 def test_the_map_commutes_with_a_shift_by_one_period(data):
     oscillator = data.draw(oscillators())
     t, v = _departure(data, oscillator)
@@ -141,7 +141,7 @@ def test_the_map_commutes_with_a_shift_by_one_period(data):
 
 
 @given(st.data())
-@settings(max_examples=100)
+@settings(max_examples=50)
 def test_the_grazing_curve_separates_the_two_cases(data):
     oscillator = data.draw(oscillators())
     t = data.draw(phases)

@@ -50,7 +50,7 @@ def test_lanes_agree_with_the_reference(entry, permanent_after, rule):
 
 
 @given(st.data())
-@settings(max_examples=200)
+@settings(max_examples=100)
 def test_lanes_and_scalar_path_agree(data):
     oscillator = data.draw(stiff_oscillators())
     t, v = data.draw(phases), data.draw(speeds(oscillator))
@@ -68,7 +68,7 @@ def test_lanes_and_scalar_path_agree(data):
 
 
 @given(st.data())
-@settings(max_examples=100)
+@settings(max_examples=50)
 def test_a_lane_does_not_depend_on_its_neighbours(data):
     oscillator = data.draw(stiff_oscillators())
     t, v = np.array([(data.draw(phases), data.draw(speeds(oscillator))) for _ in range(3)]).T
@@ -92,7 +92,7 @@ def differences(oscillator, t, v, impact, part):
 
 
 @given(st.data())
-@settings(max_examples=200)
+@settings(max_examples=100)
 def test_every_entry_of_the_derivative_agrees_with_differences(data):
     """The step that suits best counts: curvature spoils long ones, most of all near grazes, and rounding short ones."""
     oscillator = data.draw(stiff_oscillators())

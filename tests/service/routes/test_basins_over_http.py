@@ -21,7 +21,7 @@ def request(cells=60, **changes):
     return {"grid": grid, "iterations": _PRIMES[next(_iterations)]} | changes
 
 
-LONG = {"grid": {"time": {"cells": 2000}, "velocity": {"cells": 2000}}, "iterations": 15013}
+LONG = {"grid": {"time": {"cells": 2000}, "velocity": {"cells": 2000}}, "iterations": 1499}
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,7 @@ def _stored(folder, image, tiling):
 
 
 @given(images(), st.integers(1, 12), st.integers(1, 12))
-@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_assembly_is_hsus_whatever_the_tiling(tmp_path_factory, image, tile_rows, tile_columns):
     tiling = Tiling(_GRID, tile_rows, tile_columns)
     store = _stored(tmp_path_factory.mktemp("store") / "map.zarr", image, tiling)
