@@ -24,7 +24,9 @@ import httpx2 as httpx
 from rattle.cli.console import out, progress_line
 from rattle.cli.result_tables import print_result
 from rattle.progress import ProgressLine
-from rattle.remote.client import RemoteJob, ServiceClient, ServiceFailed
+from rattle.remote.client import ServiceClient
+from rattle.remote.failure import ServiceFailed
+from rattle.remote.job import RemoteJob
 from rattle_kernels import warm_up
 
 HERE = Path(__file__).parent

@@ -1,1 +1,1 @@
-"""The HTTP service and the command line: validate, record, answer; no mathematics."""
+"""The HTTP service: validate, record, respond; no mathematics."""

@@ -1,4 +1,4 @@
-"""The OpenAPI document: FastAPI's own, with problem documents, keys, and the errors that any request may meet."""
+"""The OpenAPI document: FastAPI's own, with problem documents, keys, and the errors that any request may get."""
 
 from collections import Counter
 from typing import Any
@@ -83,7 +83,7 @@ def _problem(detail: str) -> dict[str, Any]:
 
 
 def _as_problem(response: dict[str, Any]) -> None:
-    """Replace FastAPI's own 422 body by the problem document that this service answers with."""
+    """Replace FastAPI's own 422 body by the problem document that this service sends."""
     content = response.get("content", {}).get("application/json", {})
     if content.get("schema", {}).get("$ref", "").endswith("/HTTPValidationError"):
         response |= _problem("what is wrong with the request, field by field")

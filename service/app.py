@@ -39,7 +39,7 @@ from service.routes.submissions import submission_router
 from service.runner.process import RunnerProcess
 from service.settings import Settings
 
-# Compiled kernels load in a third of a second. Compiling them takes ten, and a service that stops does not wait for it.
+# Compiled kernels load in a third of a second. Compiling them takes ten, and a stopping service does not wait for that.
 _LOADED_SECONDS = 2.0
 
 _DESCRIPTION = """Basins of attraction of a rattling gear pair.
@@ -77,7 +77,7 @@ def create_app(settings: Settings) -> FastAPI:
         # Otherwise the first request for an outline would wait for the kernels.
         loading = threading.Thread(target=warm_up_curves, name="rattle-kernels", daemon=True)
         loading.start()
-        # What is loaded by now stays. Without this the garbage collector would search it and delay answers by 150 ms.
+        # Objects loaded so far stay. The garbage collector would scan them otherwise and delay responses by 150 ms.
         gc.freeze()
         try:
             yield

@@ -1,4 +1,4 @@
-"""Errors that the service raises itself. `service.problems` turns them into answers."""
+"""Errors that the service raises itself. `service.problems` turns them into responses."""
 
 
 class JobNotFound(Exception):

@@ -64,19 +64,19 @@ def write_logs(form: LogFormat, level: str) -> QueueListener:
     ----------
     form : LogFormat
     level : str
-        Lowest level of the service's own lines. Of the libraries, warnings are logged.
+        Lowest level of the service's own lines. Libraries log warnings and errors.
 
     Returns
     -------
     QueueListener
-        The thread. It is stopped when the interpreter exits; whatever leaves by `os._exit` stops it first.
+        The thread. It stops when the interpreter exits. Code that calls `os._exit` must stop it first.
     """
     handler = QueueHandler(queue.SimpleQueue())
     # Lines are formatted in the thread that logs them, which knows its job.
     handler.setFormatter(_Json() if form is LogFormat.JSON else _Plain())
     logging.basicConfig(handlers=[handler], level=logging.WARNING, force=True)
     logging.getLogger("rattle").setLevel(level.upper())
-    # Malformed HTTP from a client is answered with an error; it is no fault of the service.
+    # Malformed HTTP from a client gets an error response. It is no fault of the service.
     logging.getLogger("uvicorn.error").setLevel(logging.ERROR)
     listener = QueueListener(handler.queue, logging.StreamHandler())
     listener.start()

@@ -1,4 +1,4 @@
-"""Every error that a client can see: one table of exception, status and kind, answered as problem+json (RFC 9457)."""
+"""Every error that a client can see: one table of exception, status and kind, sent as problem+json (RFC 9457)."""
 
 import logging
 import uuid
@@ -97,7 +97,7 @@ def faults_of(error: Exception) -> list[dict[str, Any]]:
     Parameters
     ----------
     error : Exception
-        With which a submission refuses it.
+        The error that refused the submission.
 
     Returns
     -------
@@ -138,7 +138,7 @@ def _field_error(item: dict[str, Any]) -> dict[str, Any]:
 
 
 async def _invalid(request: Request, error: Exception) -> JSONResponse:
-    """Answer a validation error. The input is not echoed: it may hold NaN, which JSON cannot carry."""
+    """Respond to a validation error. The input is not echoed: it may contain NaN, which JSON cannot represent."""
     assert isinstance(error, RequestValidationError)
     errors = [_field_error(item) for item in error.errors()]
     malformed = any(item["type"] == "json_invalid" for item in error.errors())
@@ -168,7 +168,7 @@ async def _unexpected(request: Request, error: Exception) -> JSONResponse:
 
 
 def install_error_handlers(app: FastAPI) -> None:
-    """Answer every error of `app` with a problem document."""
+    """Respond to every error of `app` with a problem document."""
     for known in _TABLE:
         app.add_exception_handler(known, _known)
     app.add_exception_handler(RequestValidationError, _invalid)

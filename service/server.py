@@ -14,19 +14,19 @@ _HEAD_BYTES = 65_536
 
 
 def address(host: str, port: int) -> str:
-    """Address of what listens on a host's port."""
+    """URL of a server on a host's port."""
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 
 def refusal_to_listen(host: str, port: int) -> OSError | None:
-    """Why nothing can listen on a host's port, as where another program does; None where it can.
+    """The error of listening on a host's port, for example because another program does; None if the port is free.
 
-    Asked before anything is started, as a service takes long to find it out for itself.
+    Checked before anything is started, because the service itself would notice much later.
     """
     try:
         for family, kind, protocol, _, place in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM):
             with socket.socket(family, kind, protocol) as listener:
-                # As the server does: what was closed a moment ago is no hindrance.
+                # As the server does: a socket closed a moment ago is no obstacle.
                 listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
                 if family == socket.AF_INET6:
                     listener.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
@@ -40,8 +40,8 @@ def refusal_to_listen(host: str, port: int) -> OSError | None:
 class Server(uvicorn.Server):
     """A server of one application.
 
-    It bounds the heads of requests and the number of connections. Clients that send or read slowly are the proxy's
-    task: see `docs/operations/README.md`.
+    It limits the size of request heads and the number of connections. Slow clients are left to the proxy: see
+    `docs/operations/README.md`.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class Server(uvicorn.Server):
         super().__init__(
             uvicorn.Config(
                 app, host=settings.host, port=settings.port, ws="none", lifespan="on",
-                # The parser that bounds heads, chunk headers and trailers; httptools keeps whatever is sent.
+                # This parser limits heads, chunk headers and trailers; httptools buffers them without limit.
                 http="h11", h11_max_incomplete_event_size=_HEAD_BYTES, limit_concurrency=settings.max_connections,
                 log_config=None, access_log=False, server_header=False, proxy_headers=False,
                 timeout_graceful_shutdown=_STOP_SECONDS,
@@ -65,14 +65,14 @@ class Server(uvicorn.Server):
         self._getting_ready: asyncio.Task[None] | None = None
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Start to listen, and say so once everything that is needed answers."""
+        """Start to listen, and call `on_ready` once everything needed is ready."""
         await super().startup(sockets)
         if self._on_ready is not None:
             self._getting_ready = asyncio.create_task(self._say_when_ready(self._on_ready))
 
     async def _say_when_ready(self, say: Callable[[str], None]) -> None:
         await self._app.state.probes.until_ready()
-        # The port as it is: port 0 asks for any that is free.
+        # The actual port: port 0 requests any free one.
         say(address(self.config.host, self.servers[0].sockets[0].getsockname()[1]))
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:

@@ -15,7 +15,7 @@ LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
 @dataclass(frozen=True)
 class Quotas:
-    """Most queued jobs of all clients and of each, and most cells or points that each has queued and running."""
+    """Limits on queued jobs, of all clients and of each, and on each client's queued and running cells or points."""
 
     queued: int
     queued_each: int

@@ -2,12 +2,14 @@
 
 import contextlib
 import os
+import subprocess
+import sys
 
 import pytest
 from hypothesis import settings
 
 from rattle.cli.console import announced_compiling
-from rattle_kernels import warm_up, warm_up_analyses
+from rattle_kernels import warm_up
 from tests.object_store import running_object_store
 from tests.postgresql import running_postgresql
 from tests.running_service import BACKENDS, running_service
@@ -15,6 +17,7 @@ from worker.cluster.connection import local_cluster
 
 # Tables of commands are as wide in every terminal; asked once, when the first command is imported.
 os.environ["COLUMNS"] = "200"
+_COMPILE_THE_REST = "import rattle_kernels as kernels; kernels.warm_up_curves(); kernels.warm_up_analyses()"
 # The first call of a kernel compiles it; the limit per test is pytest-timeout's.
 settings.register_profile("rattle", deadline=None, derandomize=True)
 settings.load_profile("rattle")
@@ -24,8 +27,10 @@ def pytest_configure(config):
     """Compile kernels once, before two processes and all their services would do so each for itself."""
     if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
         with announced_compiling():
+            # On two cores: what analyses and curves need besides is compiled by another process meanwhile.
+            rest = subprocess.Popen([sys.executable, "-c", _COMPILE_THE_REST])
             warm_up()
-            warm_up_analyses()
+            assert rest.wait(600) == 0
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -30,12 +30,12 @@ def compute_command(name: str) -> Callable[..., None]:
     Parameters
     ----------
     name : str
-        Of the kind.
+        Name of the kind.
 
     Returns
     -------
     callable
-        For typer.
+        Command for typer.
     """
     kind = KINDS[name]
 

@@ -24,9 +24,9 @@ def give_up(message: str, code: int = 1) -> NoReturn:
 
 @contextmanager
 def announced_compiling(console: Console = err) -> Iterator[None]:
-    """Say why nothing happens for a while, once, as soon as a kernel has to be compiled."""
+    """Announce a wait, once, as soon as a kernel has to be compiled."""
     from rattle_kernels.numerics.jit import (
-        watch_compiling,  # loads Numba, which commands that only ask a service do without
+        watch_compiling,  # loads Numba, which commands that only call a service do not need
     )
 
     said = False

@@ -1,6 +1,6 @@
 """Options of the command line, made from the arguments of the verbs.
 
-What Python writes as a list, a tuple or a dict is written as text here: `_WRITTEN` has those options.
+Arguments that are a list, a tuple or a dict in Python are text here: `_WRITTEN` has those options.
 """
 
 import inspect
@@ -18,7 +18,7 @@ from worker.jobs.job import Job
 from worker.jobs.orbits_job import OrbitsJob
 
 Values = dict[str, Any]
-"""Values of a command's options, by their names as Python has them."""
+"""Values of a command's options, by their names in Python."""
 
 
 class Written(NamedTuple):
@@ -37,14 +37,14 @@ def option(name: str, kind: Any, default: Any, *flags: str, **details: Any) -> i
     Parameters
     ----------
     name : str
-        Of the function's argument.
+        Name of the function's argument.
     kind : type
     default : object
-        ``...`` if it must be given.
+        ``...`` if the option is required.
     *flags : str
-        As it is written, if not after its name.
+        Flags of the option, if they differ from its name.
     **details
-        Of `typer.Option`: help, min.
+        Arguments of `typer.Option`: help, min.
 
     Returns
     -------
@@ -79,12 +79,12 @@ def with_options(options: Sequence[inspect.Parameter]) -> Callable[[Callable[...
 
 
 def options_of(arguments: Sequence[Argument]) -> list[inspect.Parameter]:
-    """Options that arguments become as they are."""
+    """Options for arguments that need no conversion."""
     return [_as_option(each) for each in arguments]
 
 
 def _as_option(argument: Argument) -> inspect.Parameter:
-    # A switch has no opposite.
+    # A switch has no `--no-` form.
     flags = [f"--{argument.name.replace('_', '-')}"] if argument.kind is bool else []
     details = {"help": argument.text or None, "min": argument.least}
     return option(argument.name, argument.kind, argument.default, *flags, **details)
@@ -108,7 +108,7 @@ def job_options(job_class: type[Job]) -> list[inspect.Parameter]:
 
 
 def arguments_from(job_class: type[Job], values: Values) -> Values:
-    """Arguments of the verb that options make: those that differ from the defaults.
+    """Arguments of the verb, from the options that differ from their defaults.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def arguments_from(job_class: type[Job], values: Values) -> Values:
     for name, each in written.items():
         if values[name]:
             read = each.read(values[name])
-            # Values that are swept come last, in their order.
+            # Swept values come last, in their order.
             given = {key: value for key, value in given.items() if key not in read} | read
     return given
 

@@ -27,7 +27,7 @@ def paper(
     workers: Annotated[int, typer.Option(min=1, help="Worker processes")] = 2,
 ) -> None:
     """Recompute a figure of the paper and its numbers; basins that are there already are used, unfinished resumed."""
-    from rattle.paper.registry import figure_named  # loads xarray, which no other command should wait for
+    from rattle.paper.registry import figure_named  # loads xarray, which other commands need not wait for
 
     try:
         grid = CellGrid(time_cells=cells[0], velocity_cells=cells[1])
@@ -49,7 +49,7 @@ def _produce(figure: "PaperFigure", folder: Path, grid: CellGrid, workers: int) 
     settings = ClusterSettings()
     with progress_line(unit="") as line, announced_compiling(out):
 
-        def tell(what: str, done: int, total: int) -> None:
+        def report(what: str, done: int, total: int) -> None:
             line.show(what, (done, total))
 
         return run_interruptibly(
@@ -58,7 +58,7 @@ def _produce(figure: "PaperFigure", folder: Path, grid: CellGrid, workers: int) 
                 folder,
                 grid,
                 lambda: connect(settings.scheduler, workers, settings.certificates),
-                tell=tell,
+                report=report,
                 cancel=cancel,
             )
         )

@@ -1,4 +1,4 @@
-"""Commands that speak to a running service."""
+"""Commands that use a running service."""
 
 import json
 from pathlib import Path
@@ -9,7 +9,9 @@ from rich.table import Table
 
 from rattle.cli.console import give_up, out, progress_line
 from rattle.cli.result_tables import print_result
-from rattle.remote.client import RemoteJob, ServiceClient, ServiceFailed
+from rattle.remote.client import ServiceClient
+from rattle.remote.failure import ServiceFailed
+from rattle.remote.job import RemoteJob
 
 Url = Annotated[str, typer.Option(envvar="RATTLE_URL", help="Address of the service")]
 Key = Annotated[

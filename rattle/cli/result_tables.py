@@ -1,4 +1,4 @@
-"""Tables of results of every kind, as the service answers them."""
+"""Tables of results of every kind, as the service returns them."""
 
 import json
 from typing import Any
@@ -18,11 +18,11 @@ def print_result(kind: str, result: dict[str, Any], *, as_json: bool = False) ->
     Parameters
     ----------
     kind : str
-        Of the job.
+        Kind of the job.
     result : dict
-        As JSON.
+        Result as JSON.
     as_json : bool
-        Whether it is printed as it is.
+        Whether to print JSON unchanged.
     """
     if as_json:
         typer.echo(json.dumps(result, indent=2))

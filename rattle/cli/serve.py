@@ -33,15 +33,14 @@ def serve(
     _demand_port(settings)
     write_logs(settings.log_format, settings.log_level)
     err.print(f"starting on {address(settings.host, settings.port)}", highlight=False, soft_wrap=True)
-    # Uvicorn stops gracefully, then raises the signal that it caught again: a service that was asked to stop has not
-    # failed.
+    # Uvicorn stops gracefully, then raises the caught signal again. A service that was asked to stop has not failed.
     for asked in (signal.SIGTERM, signal.SIGINT):
         signal.signal(asked, lambda *_: None)
     Server(create_app(settings), settings, on_ready=partial(_say_ready, settings)).run()
 
 
 def _demand_extras(settings: Settings) -> None:
-    """Refuse to start without what the settings need."""
+    """Refuse to start if a package that the settings need is missing."""
     needed = (("postgres", "psycopg", settings.database.startswith("postgres")),
               ("s3", "obstore", settings.results.startswith("s3://")))  # fmt: skip
     for extra, module, is_needed in needed:
@@ -50,7 +49,7 @@ def _demand_extras(settings: Settings) -> None:
 
 
 def _say_ready(settings: Settings, url: str) -> None:
-    """Say where the service is and where its data are, on standard output: a program that starts it waits for that."""
+    """Print where the service and its data are, on standard output: a program that starts it waits for this line."""
     where = f"data in {settings.data.resolve()}"
     if settings.database_url or settings.store:
         where = f"results in {settings.results}"
@@ -58,7 +57,7 @@ def _say_ready(settings: Settings, url: str) -> None:
 
 
 def _demand_port(settings: Settings) -> None:
-    """Refuse to start where another program has the port, or it cannot be had."""
+    """Refuse to start if the port is in use or not available."""
     error = refusal_to_listen(settings.host, settings.port)
     if error is None:
         return

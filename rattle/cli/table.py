@@ -1,4 +1,4 @@
-"""The command that writes down what a result lists."""
+"""The command that exports the tables of a result."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Values of options that are written as text, as the arguments of the verbs have them."""
+"""Options that are written as text, converted to arguments of the verbs."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -22,7 +22,7 @@ def swept_of(texts: Sequence[str]) -> dict[str, Any]:
     Raises
     ------
     InvalidJob
-        If one is written otherwise, or a parameter is named twice.
+        If one has another form, or a parameter is named twice.
     """
     swept: dict[str, Any] = {}
     for text in texts:
@@ -60,7 +60,7 @@ def departure_of(text: str) -> tuple[float, ...]:
     Raises
     ------
     InvalidJob
-        If it is written otherwise.
+        If it has another form.
     """
     try:
         time, velocity = (float(part) for part in text.split(","))
@@ -85,7 +85,7 @@ def orbit_seed_of(text: str, option: str = "seed") -> tuple[float, ...]:
     Raises
     ------
     InvalidJob
-        If it is written otherwise.
+        If it has another form.
     """
     *departure, period = text.split(",") if text.count(",") == 2 else [*text.split(","), "1"]
     try:
@@ -109,7 +109,7 @@ def saddle_of(text: str) -> str | tuple[float, ...]:
     Raises
     ------
     InvalidJob
-        If it is written otherwise.
+        If it has another form.
     """
     return text if "(" in text else orbit_seed_of(text, "saddle")
 
@@ -130,7 +130,7 @@ def continuation_of(text: str, option: str) -> dict[str, Any]:
     Raises
     ------
     InvalidJob
-        If it is written otherwise.
+        If it has another form.
     """
     parameter, _, interval = text.partition("=")
     try:

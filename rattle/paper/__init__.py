@@ -1,5 +1,5 @@
-"""The paper's figures, recomputed: one module a figure, and what they share.
+"""The figures of the paper, recomputed: one module per figure, and the code they share.
 
-`registry` lists them, `production` computes one into a folder. A figure names the basins that it needs, which the
-pipeline computes into stores that are resumed and shared; from these it draws a sheet and sums it up in numbers.
+`registry` lists the figures, and `production` computes one of them into a folder. A figure names the basins it needs.
+The pipeline computes these into stores, which are shared and can be resumed. The figure turns them into a sheet.
 """

@@ -1,4 +1,4 @@
-"""What a figure of the paper is: the basins that it needs, and how a sheet is made of them."""
+"""A figure of the paper: the basins it needs, and the function that makes a sheet from them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -9,20 +9,20 @@ from matplotlib.figure import Figure
 from rattle_kernels import CellGrid
 from worker.jobs.basin_job import BasinJob
 
-Tell = Callable[[str, int, int], None]
-"""Called with what is being done, how much of it is done, and how much there is; it raises where work shall stop."""
+Report = Callable[[str, int, int], None]
+"""Called with the current step, how much of it is done, and the total. It may raise to stop the work."""
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """A figure, drawn, and its numbers: what JSON can hold, the same for the same request."""
+    """A drawn figure and its numbers. These fit into JSON, and the same request gives the same ones."""
 
     drawing: Figure
     numbers: dict[str, Any]
 
 
 def no_basins(grid: CellGrid) -> dict[str, BasinJob]:
-    """Basins of a figure that shows none."""
+    """No basins, for a figure that shows none."""
     return {}
 
 
@@ -33,16 +33,16 @@ class PaperFigure:
     Parameters
     ----------
     name : str
-        As in ``fig7``.
+        Such as ``fig7``.
     shows : str
-        What it shows, in a line.
+        What it shows, in one line.
     make : callable
-        Draws the sheet from the complete stores of its basins: where they are, by the names that they have below.
+        Draws the sheet. It takes the locations of the complete stores, by the names that `basins` gives them.
     basins : callable
-        Jobs that it needs, of one basin or a sweep, by name, over the grid that is asked for.
+        Returns the jobs that the figure needs, by name, for a given grid. Each is a single basin or a sweep.
     """
 
     name: str
     shows: str
-    make: Callable[[Mapping[str, str], Tell], Sheet]
+    make: Callable[[Mapping[str, str], Report], Sheet]
     basins: Callable[[CellGrid], dict[str, BasinJob]] = no_basins

@@ -1,4 +1,4 @@
-"""Quiet and its least disturbance where damping and eccentricity of the machine change, by sampling."""
+"""Share of quiet and least speed that ends in rattle, over the machine's damping and eccentricity, by sampling."""
 
 import math
 from collections.abc import Mapping
@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
+from rattle.paper.figure import PaperFigure, Report, Sheet
 from rattle.paper.machine import machine_oscillator
 from rattle_kernels import AttractorKind, CellGrid, Oscillator
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
@@ -20,11 +20,11 @@ from worker.jobs.swept_parameter import SweptParameter
 from worker.views.reading import job_of, open_basin
 
 _MACHINE = machine_oscillator(6e-4)
-# Beyond eps/delta = 0.2 the region of capture is so small that low bounces do not sink into it within k.
+# Beyond eps/delta = 0.2 the capture region is so small that low bounces do not reach it within k applications.
 _DAMPINGS = (5e-4, 6e-4, 7e-4, 8e-4, 1e-3)
 _ECCENTRICITIES = (0.4e-4, 0.6e-4, 0.8e-4, 0.9e-4, 1e-4)
 _POINTS = 512
-# Speeds of the machine's window, and of the part of it in which quiet ends, in units of its damping.
+# Highest speed of the machine's window, and of the part of it in which quiet ends, in units of its damping.
 _WINDOWS = {"whole": 12.0, "low": 1.5}
 _PHASES = np.arange(64) / 64
 
@@ -43,18 +43,18 @@ def _basins(grid: CellGrid) -> dict[str, BasinJob]:
 
 
 def _proven_quiet(oscillator: Oscillator) -> float:
-    """Speed below which a departure at any phase is in the region of capture: it ends in quiet, by proof."""
+    """Speed below which departures at all phases lie in the capture region. They provably end in quiet."""
     bound = capture_bound(oscillator)
     return float(min(fastest_below(oscillator, bound, phase) for phase in _PHASES))
 
 
-def _told(whole: xr.Dataset, low: xr.Dataset) -> list[dict[str, Any]]:
+def _summaries(whole: xr.Dataset, low: xr.Dataset) -> list[dict[str, Any]]:
     job = job_of(whole)
     kinds = whole.kind.values
     quiet, motions = kinds == AttractorKind.PERMANENT_CONTACT, whole.name.values
     quiet_low = low.kind.values == AttractorKind.PERMANENT_CONTACT
     speeds = low.velocity.values
-    told: list[dict[str, Any]] = []
+    summaries: list[dict[str, Any]] = []
     for panel in range(job.basins):
         at = job.place_of(panel)
         share, solution = whole.share.values[at], low.solution.values[at]
@@ -62,7 +62,7 @@ def _told(whole: xr.Dataset, low: xr.Dataset) -> list[dict[str, Any]]:
         largest = np.argsort(-np.where(np.isfinite(share) & ~quiet, share, -1.0))[:3]
         oscillator = job.oscillator_of(panel)
         values: dict[str, Any] = dict(job.values_of(panel))
-        told.append(
+        summaries.append(
             values
             | {
                 "quiet": float(share[quiet][0]),
@@ -74,12 +74,12 @@ def _told(whole: xr.Dataset, low: xr.Dataset) -> list[dict[str, Any]]:
                 "proven_quiet_below": _proven_quiet(oscillator),
             }
         )
-    return told
+    return summaries
 
 
-def _draw_map(axes: Axes, told: list[dict[str, Any]], key: str, scale: float, title: str, label: str) -> None:
-    """Numbers of all panels, damping upwards, as a coloured table; grey where none was seen in the window."""
-    values = np.array([math.nan if each[key] is None else scale * each[key] for each in told])
+def _draw_map(axes: Axes, summaries: list[dict[str, Any]], key: str, scale: float, title: str, label: str) -> None:
+    """Draw one number per basin as a coloured table, damping upwards. Grey: none was seen in the window."""
+    values = np.array([math.nan if each[key] is None else scale * each[key] for each in summaries])
     table = values.reshape(len(_DAMPINGS), len(_ECCENTRICITIES))
     image = axes.imshow(table, origin="lower", aspect="auto", cmap="viridis")
     axes.set_facecolor("lightgray")
@@ -96,18 +96,18 @@ def _draw_map(axes: Axes, told: list[dict[str, Any]], key: str, scale: float, ti
     axes.figure.colorbar(image, ax=axes, label=label)
 
 
-def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
-    tell("drawing", 0, 1)
-    told = _told(*(open_basin(stores[name]) for name in _WINDOWS))
+def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+    report("drawing", 0, 1)
+    summaries = _summaries(*(open_basin(stores[name]) for name in _WINDOWS))
     drawing = Figure(figsize=(13.0, 4.6), dpi=80, layout="constrained")
     left, right = drawing.subplots(1, 2)
-    _draw_map(left, told, "quiet", 100.0, "(a) share of quiet", "per cent of v in [0, 7.2e-3)")
-    _draw_map(right, told, "least_rattle", 1e4, "(b) least speed seen to end in rattle", "speed (1e-4)")
+    _draw_map(left, summaries, "quiet", 100.0, "(a) share of quiet", "per cent of v in [0, 7.2e-3)")
+    _draw_map(right, summaries, "least_rattle", 1e4, "(b) least speed seen to end in rattle", "speed (1e-4)")
     numbers = {
         "half_backlash": _MACHINE.half_backlash,
         "points": _POINTS,
         "fastest": {name: fastest * _MACHINE.damping for name, fastest in _WINDOWS.items()},
-        "panels": told,
+        "panels": summaries,
     }
     return Sheet(drawing, numbers)
 

@@ -9,10 +9,10 @@ ITERATIONS = 1499
 
 
 def papers_oscillator(stiffness: float = math.inf, damping: float = 0.6) -> Oscillator:
-    """Oscillator of the paper's Secs. 5 and 6: of that stiffness, or impacting."""
+    """Oscillator of the paper's Secs. 5 and 6 with a given stiffness; by default, the impacting model."""
     return Oscillator(damping=damping, eccentricity=0.1, half_backlash=0.6, stiffness=stiffness)
 
 
 def papers_basin(grid: CellGrid, stiffness: float = math.inf, damping: float = 0.6) -> BasinJob:
-    """Job of its basins under ``P_corr o P^1499``."""
+    """Job of that oscillator's basins under ``P_corr o P^1499``."""
     return BasinJob(oscillator=papers_oscillator(stiffness, damping), grid=grid, iterations=ITERATIONS)

@@ -1,4 +1,4 @@
-"""One figure into a folder: its basins as stores (resumed, and shared with other figures), a PNG, and its numbers."""
+"""Recompute one figure into a folder: its basins as stores (resumed, shared between figures), a PNG, its numbers."""
 
 import json
 import math
@@ -15,7 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
+from rattle.paper.figure import PaperFigure, Report, Sheet
 from rattle_kernels import CellGrid
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
@@ -29,7 +29,7 @@ _DIGITS = 12
 
 @dataclass(frozen=True)
 class Produced:
-    """What a figure left in its folder."""
+    """Files of a figure in its folder."""
 
     picture: Path
     numbers: Path
@@ -37,7 +37,7 @@ class Produced:
 
 
 def store_name(job: BasinJob) -> str:
-    """File name of a job's store: the same in all figures, so that they share it, and readable."""
+    """File name of a job's store. It is readable, and the same in all figures, so that they share the store."""
     damping, eccentricity, half_backlash, stiffness, _ = job.oscillator
     contact = "impacting" if math.isinf(stiffness) else f"kappa{stiffness:g}"
     cells = f"{job.grid.time_cells}x{job.grid.velocity_cells}"
@@ -51,7 +51,7 @@ def produce(
     grid: CellGrid,
     connect: Callable[[], AbstractContextManager[Client]],
     *,
-    tell: Tell,
+    report: Report,
     cancel: threading.Event,
 ) -> Produced:
     """Recompute a figure.
@@ -60,43 +60,43 @@ def produce(
     ----------
     figure : PaperFigure
     folder : path
-        Made where it is missing. Stores that are complete are used as they are, unfinished ones resumed.
+        Created if it is missing. Complete stores are used as they are, and unfinished ones are resumed.
     grid : CellGrid
-        Of its basins.
+        Grid of its basins.
     connect : callable
-        Opens a cluster; called only where a basin is missing.
-    tell : callable
-        Called with what is being done, how much of it is done, and how much there is.
+        Opens a cluster. Called only if a basin is missing.
+    report : callable
+        Called with the current step, how much of it is done, and the total.
     cancel : threading.Event
-        Set it to stop; stores stay as they are and are resumed by the next call.
+        Set it to stop. Stores stay as they are, and the next call resumes them.
 
     Raises
     ------
     InvalidJob, JobCancelled, StoreConflict, StoreFailed, TileFailed, ClusterFailed, UnlikeWorkers
     OSError
-        Where the folder cannot be written.
+        If the folder cannot be written.
     """
 
-    def tell_or_stop(what: str, done: int, total: int) -> None:
+    def report_or_stop(what: str, done: int, total: int) -> None:
         if cancel.is_set():
             raise JobCancelled("cancelled on request")
-        tell(what, done, total)
+        report(what, done, total)
 
     jobs = figure.basins(grid)
     folder.mkdir(parents=True, exist_ok=True)
     stores = {name: BasinStore.create_or_resume(str(folder / store_name(job)), job) for name, job in jobs.items()}
-    _complete({name: store for name, store in stores.items() if not store.complete}, connect, tell_or_stop, cancel)
-    sheet = figure.make({name: store.location for name, store in stores.items()}, tell_or_stop)
+    _complete({name: store for name, store in stores.items() if not store.complete}, connect, report_or_stop, cancel)
+    sheet = figure.make({name: store.location for name, store in stores.items()}, report_or_stop)
     return _write(figure, sheet, folder, tuple(Path(store.location) for store in stores.values()))
 
 
 def _complete(
     stores: dict[str, BasinStore],
     connect: Callable[[], AbstractContextManager[Client]],
-    tell: Tell,
+    report: Report,
     cancel: threading.Event,
 ) -> None:
-    """Compute the basins that are missing, one after the other."""
+    """Compute the missing basins, one after another."""
     if not stores:
         return
     with connect() as client:
@@ -104,22 +104,22 @@ def _complete(
         for number, (name, store) in enumerate(stores.items(), 1):
             before = f"basin {number} of {len(stores)}, {name}: " if len(stores) > 1 else ""
 
-            def report(progress: Progress, before: str = before) -> None:
-                tell(f"{before}{progress.stage}", progress.tiles_done, progress.tiles_total)
+            def report_tiles(progress: Progress, before: str = before) -> None:
+                report(f"{before}{progress.stage}", progress.tiles_done, progress.tiles_total)
 
-            run_basin(store.job, store.location, driver, report=report, cancel=cancel)
+            run_basin(store.job, store.location, driver, report=report_tiles, cancel=cancel)
 
 
 def _write(figure: PaperFigure, sheet: Sheet, folder: Path, stores: tuple[Path, ...]) -> Produced:
     picture, numbers = folder / f"{figure.name}.png", folder / f"{figure.name}.json"
     _paint(sheet.drawing).save(picture, format="png", optimize=True)
-    told = {"figure": figure.name, "shows": figure.shows} | sheet.numbers
-    numbers.write_text(json.dumps(_plain(told), indent=1, allow_nan=False) + "\n")
+    content = {"figure": figure.name, "shows": figure.shows} | sheet.numbers
+    numbers.write_text(json.dumps(_plain(content), indent=1, allow_nan=False) + "\n")
     return Produced(picture, numbers, stores)
 
 
 def _paint(drawing: Figure) -> Image.Image:
-    """Pixels of a drawing in 256 colours, which is a third of the bytes: speckled basins are hard to compress."""
+    """Pixels of a drawing in 256 colours, a third of the bytes. Speckled basins are hard to compress."""
     canvas = FigureCanvasAgg(drawing)
     canvas.draw()
     pixels = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
@@ -127,7 +127,7 @@ def _paint(drawing: Figure) -> Image.Image:
 
 
 def _plain(value: Any) -> Any:
-    """Value in what JSON can say: no NaN or infinity, and 12 digits, which is what processors agree on."""
+    """Value as JSON can hold it: without NaN and infinity, and to 12 digits, on which processors agree."""
     if isinstance(value, dict):
         return {key: _plain(part) for key, part in value.items()}
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""The figures that can be recomputed, in the paper's order, and those of the machine."""
+"""The figures that can be recomputed: those of the paper in its order, then those of the machine."""
 
 from rattle.paper.figure import PaperFigure
 from rattle.paper.figures.fig1 import FIG1
@@ -25,16 +25,16 @@ _IN_ORDER = (
 
 PAPER_FIGURES: dict[str, PaperFigure] = {figure.name: figure for figure in _IN_ORDER}
 ALL_FIGURES = PAPER_FIGURES | {figure.name: figure for figure in (MACHINE, MACHINE_SOFT, MACHINE_SWEEP)}
-"""Those of the paper, and those of the machine at dampings that it could not reach."""
+"""Figures of the paper, and of the machine at dampings that the paper could not reach."""
 
 
 def figure_named(name: str) -> PaperFigure:
-    """Figure of that name.
+    """Figure with a given name.
 
     Raises
     ------
     InvalidJob
-        Where there is none; it lists those that there are.
+        If there is none. The message lists the figures that exist.
     """
     if name not in ALL_FIGURES:
         raise InvalidJob(f"there is no figure {name!r} to recompute; choose one of {', '.join(ALL_FIGURES)}")

@@ -1,44 +1,15 @@
-"""A service elsewhere, and its jobs. Neither Numba nor Dask is loaded for them."""
+"""A service elsewhere, as the command line asks it. Neither Numba nor Dask is loaded for that."""
 
 import json
-import time
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import httpx2 as httpx
-from rich.console import Console
 
-from rattle.progress import ProgressLine, progress_line, shows_bars
+from rattle.remote.failure import ServiceFailed, detail_of
+from rattle.remote.job import RemoteJob
 from worker.kinds import KINDS
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-# An idle stream of events sends a comment every 15 s.
-_SILENCE_SECONDS = 40.0
-_PATIENCE_SECONDS = 60.0
-_PAUSE_SECONDS = 0.5
 _ANSWER_SECONDS = 30.0
-_ENDS = ("succeeded", "failed", "cancelled")
-
-
-class ServiceFailed(Exception):
-    """A service does not answer, or refuses.
-
-    Attributes
-    ----------
-    status : int or None
-        HTTP status; None if there was no answer.
-    """
-
-    def __init__(self, message: str, status: int | None = None) -> None:
-        super().__init__(message)
-        self.status = status
-
-    @property
-    def request_is_wrong(self) -> bool:
-        """Whether another request would be answered."""
-        return self.status in (400, 401, 403, 404, 422)
 
 
 class ServiceClient:
@@ -85,10 +56,10 @@ class ServiceClient:
             message = f"no service answers at {self.url} ({error}); start one with `rattle serve`, or name another"
             raise ServiceFailed(message) from error
         if response.is_error:
-            raise ServiceFailed(_detail_of(response), response.status_code)
+            raise ServiceFailed(detail_of(response), response.status_code)
         return response.json() if response.content else None
 
-    def submit(self, job: Any) -> "RemoteJob":
+    def submit(self, job: Any) -> RemoteJob:
         """Submit a job. The same request again is the same job.
 
         Parameters
@@ -108,12 +79,12 @@ class ServiceClient:
         request = job if isinstance(job, dict) else job.request()
         return self.submit_text(json.dumps(request))
 
-    def submit_text(self, body: str) -> "RemoteJob":
+    def submit_text(self, body: str) -> RemoteJob:
         """Submit the text of a request; the service says what is wrong with it."""
         path, headers = f"/v1/{path_of(body)}", {"content-type": "application/json"}
         return RemoteJob(self, self.ask("POST", path, content=body, headers=headers))
 
-    def job(self, job_id: str) -> "RemoteJob":
+    def job(self, job_id: str) -> RemoteJob:
         """The job with an id.
 
         Raises
@@ -123,7 +94,7 @@ class ServiceClient:
         """
         return RemoteJob(self, self.ask("GET", f"/v1/jobs/{job_id}"))
 
-    def jobs(self, limit: int = 20) -> list["RemoteJob"]:
+    def jobs(self, limit: int = 20) -> list[RemoteJob]:
         """The newest jobs.
 
         Parameters
@@ -143,173 +114,6 @@ class ServiceClient:
         return [RemoteJob(self, each) for each in self.ask("GET", f"/v1/jobs?size={limit}")["jobs"]]
 
 
-class RemoteJob:
-    """A job of a service.
-
-    Parameters
-    ----------
-    service : ServiceClient
-    described : dict
-        As the service describes it.
-    """
-
-    def __init__(self, service: ServiceClient, described: dict[str, Any]) -> None:
-        self.service, self.described = service, described
-
-    def __repr__(self) -> str:
-        return f"<job {self.id}: {self.kind}, {self.described['state']}>"
-
-    @property
-    def id(self) -> str:
-        """Its name in the service."""
-        return str(self.described["id"])
-
-    @property
-    def kind(self) -> str:
-        """Kind of the job."""
-        return str(self.described["kind"])
-
-    @property
-    def state(self) -> str:
-        """Its state now: queued, running, cancelling, succeeded, failed or cancelled."""
-        return str(self._renewed()["state"])
-
-    @property
-    def progress(self) -> dict[str, Any] | None:
-        """How far it is now; None before it begins."""
-        found: dict[str, Any] | None = self._renewed()["progress"]
-        return found
-
-    @property
-    def url(self) -> str:
-        """Address of its result, which `rattle.open` takes."""
-        return self.service.url + str(self.described["links"]["zarr"])
-
-    def _renewed(self) -> dict[str, Any]:
-        if self.described["state"] not in _ENDS:  # the ends never change
-            self.described = self.service.ask("GET", f"/v1/jobs/{self.id}")
-        return self.described
-
-    def wait(self, progress: bool = True) -> "RemoteJob":
-        """Wait for the end of the job. An interrupt stops the waiting, not the job.
-
-        Parameters
-        ----------
-        progress : bool
-            Whether progress is shown on a terminal and in a notebook.
-
-        Returns
-        -------
-        RemoteJob
-            Itself.
-
-        Raises
-        ------
-        ServiceFailed
-            If the service is gone for a minute.
-        """
-        console = Console(stderr=True)
-        console = console if progress and shows_bars(console) else Console(quiet=True)
-        with progress_line(console) as line:
-            self.follow(line)
-        return self
-
-    def follow(self, line: ProgressLine) -> None:
-        """Wait for the end, and show events as they come; a stream that breaks is opened again."""
-        seen, patience = "0", time.monotonic() + _PATIENCE_SECONDS
-        while True:
-            try:
-                for number, event in self._events(seen):
-                    seen = number
-                    _show(event["progress"], line)
-                    if event["state"] in _ENDS:
-                        _show(self._renewed()["progress"], line)  # the last one is written with the end
-                        return
-                    patience = time.monotonic() + _PATIENCE_SECONDS
-            except (httpx.HTTPError, ServiceFailed) as error:  # the service is being restarted, perhaps
-                if isinstance(error, ServiceFailed) and error.request_is_wrong:
-                    raise
-                if time.monotonic() > patience:
-                    message = f"{self.service.url} does not answer any more ({error}); the job goes on"
-                    raise ServiceFailed(f"{message}: look with `rattle jobs`") from error
-            time.sleep(_PAUSE_SECONDS)
-
-    def _events(self, seen: str) -> Iterator[tuple[str, dict[str, Any]]]:
-        """Numbers and data of the events after the last one seen, as long as the stream lasts."""
-        headers, address = self.service.headers | {"last-event-id": seen}, f"/v1/jobs/{self.id}/events"
-        fields: dict[str, str] = {}
-        with httpx.stream("GET", self.service.url + address, headers=headers, timeout=_SILENCE_SECONDS) as answer:
-            if answer.is_client_error:
-                answer.read()
-                raise ServiceFailed(_detail_of(answer), answer.status_code)
-            answer.raise_for_status()
-            for text in answer.iter_lines():
-                name, _, value = text.partition(": ")
-                fields[name] = value
-                if not text and "data" in fields:
-                    yield fields["id"], json.loads(fields["data"])
-                    fields = {}
-
-    def result(self) -> dict[str, Any]:
-        """Summary of the result as JSON, complete or not.
-
-        Raises
-        ------
-        ServiceFailed
-            If there is none yet.
-        """
-        found: dict[str, Any] = self.service.ask("GET", f"/v1/jobs/{self.id}/result")
-        return found
-
-    def open(self) -> "xr.Dataset":
-        """The result as a dataset, read over HTTP when its values are used; complete or not.
-
-        Raises
-        ------
-        StoreConflict
-            If there is none yet.
-        """
-        from rattle.results.opening import open
-
-        return open(self.url, key=self.service.key)
-
-    def cancel(self) -> "RemoteJob":
-        """Stop it; what it has computed stays readable.
-
-        Returns
-        -------
-        RemoteJob
-            Itself.
-
-        Raises
-        ------
-        ServiceFailed
-        """
-        self.described = self.service.ask("POST", f"/v1/jobs/{self.id}/cancel")
-        return self
-
-    def delete(self) -> None:
-        """Delete it with its result.
-
-        Raises
-        ------
-        ServiceFailed
-        """
-        self.service.ask("DELETE", f"/v1/jobs/{self.id}")
-
-    def demand_success(self) -> None:
-        """Raise the error of a job that did not succeed.
-
-        Raises
-        ------
-        ServiceFailed
-        """
-        described = self._renewed()
-        if described["state"] != "succeeded":
-            detail = f": {described['error']['detail']}" if described["error"] else ""
-            raise ServiceFailed(f"job {self.id} is {described['state']}{detail}")
-
-
 def path_of(body: str) -> str:
     """Path of a request's route: that of the kind it names, else of a sweep if it varies something, else of a basin."""
     try:
@@ -319,18 +123,3 @@ def path_of(body: str) -> str:
     request = request if isinstance(request, dict) else {}
     unnamed = KINDS["sweep" if "vary" in request else "basin"]
     return KINDS.get(str(request.get("kind")), unnamed).path
-
-
-def _detail_of(response: httpx.Response) -> str:
-    """What the service says is wrong."""
-    try:
-        detail = str(response.json()["detail"])
-    except (ValueError, KeyError, TypeError):
-        detail = f"{response.url} answered {response.status_code}"
-    return detail + ("; give a key" if response.status_code == 401 else "")
-
-
-def _show(progress: dict[str, Any] | None, line: ProgressLine) -> None:
-    if progress:
-        tiles, basins = ((progress[f"{what}_done"], progress[f"{what}_total"]) for what in ("tiles", "basins"))
-        line.show(progress["stage"], tiles, basins, progress["cells_per_second"])

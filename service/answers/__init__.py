@@ -1,1 +1,1 @@
-"""Contents of answers: jobs, results, files, events."""
+"""Response bodies: jobs, results, files, events."""

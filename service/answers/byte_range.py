@@ -12,27 +12,27 @@ _BYTES = "application/octet-stream"
 
 
 def range_of_file(location: str, path: str, headers: Headers) -> Response | None:
-    """Answer with a file of a store, or with the part of it that ``Range`` requests.
+    """Respond with a file of a store, or with the part of it that ``Range`` requests.
 
     Parameters
     ----------
     location : str
-        Of the store.
+        Location of the store.
     path : str
-        Within the store.
+        Path within the store.
     headers : Headers
-        Of the request. A request for several ranges is answered with the whole file, as is a range where ``If-Range``
+        Headers of the request. The response is the whole file if several ranges are requested, or if ``If-Range``
         names another version of the file.
 
     Returns
     -------
     Response, optional
-        None where the store holds no such file.
+        None if the store has no such file.
 
     Raises
     ------
     HTTPException
-        416, where the range begins after the end of the file.
+        416 if the range begins after the end of the file.
     """
 
     def part(size: int, tag: str) -> tuple[int, int]:

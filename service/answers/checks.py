@@ -40,7 +40,7 @@ class CheckView(BaseModel):
 
 
 def check_request(body: dict[str, Any], settings: Settings) -> CheckView:
-    """Check a request for a basin, or with ``vary`` for a sweep, as its submission would.
+    """Check a request for a basin, or for a sweep if it has ``vary``, as its submission would.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def check_request(body: dict[str, Any], settings: Settings) -> CheckView:
 
 
 def _bounds(oscillator: Any) -> list[BoundView]:
-    """Bounds that follow from the fields that are numbers; for the others the defaults are used."""
+    """Bounds that follow from the numeric fields. All other fields take their defaults."""
     given = oscillator if isinstance(oscillator, dict) else {}
     stiff = given.get("model") == PIECEWISE_LINEAR
     names = ("damping", "half_backlash", "stiffness") if stiff else ("damping", "half_backlash")

@@ -1,4 +1,4 @@
-"""Conditional answers: an ETag on each, and 304 where the client already has the current one."""
+"""Conditional responses: each has an ETag, and is a 304 if the client already has the current version."""
 
 import hashlib
 from typing import Annotated, NamedTuple
@@ -12,14 +12,14 @@ NOT_MODIFIED: dict[int | str, dict[str, object]] = {304: {"description": "nothin
 
 
 class JsonAnswer(NamedTuple):
-    """Body of an answer in JSON, and its ETag."""
+    """JSON body of a response, and its ETag."""
 
     body: str
     etag: str
 
 
 def json_answer(body: str) -> JsonAnswer:
-    """Answer whose ETag depends on its body alone."""
+    """Response whose ETag depends only on its body."""
     return JsonAnswer(body, etag_of(body))
 
 
@@ -33,12 +33,12 @@ def etag_of(*parts: bytes | str) -> str:
 
 
 def not_modified(etag: str, known: str | None) -> Response | None:
-    """Answer 304 if `known`, the request's If-None-Match, lists this ETag; otherwise None."""
+    """A 304 response if `known`, the request's If-None-Match, lists this ETag; otherwise None."""
     tags = [tag.strip().removeprefix("W/") for tag in (known or "").split(",")]
     return Response(status_code=304, headers={"etag": etag}) if etag in tags or "*" in tags else None
 
 
 def json_or_not_modified(answer: JsonAnswer, known: str | None) -> Response:
-    """Answer with JSON, or 304 if the client already has it."""
+    """Response with JSON, or a 304 if the client already has it."""
     body, etag = answer
     return not_modified(etag, known) or Response(body, media_type="application/json", headers={"etag": etag})

@@ -1,4 +1,4 @@
-"""Passes the events of jobs on to their followers. They come from the database, as a job may run in any replica.
+"""Passes the events of jobs on to their followers. They come from the database, because a job may run in any replica.
 
 One task of this process polls the database a few times a second while any job is followed. It reads the highest event
 number of every followed job. New events of a job are read once, however many follow it.
@@ -34,8 +34,8 @@ class _Topic:
 class EventFeed:
     """The events of jobs as they happen.
 
-    Guarantees. A follower gets every change of state after the number that it gives, in order and once, and at least
-    the newest progress. Each event arrives within half a second. A follower's memory is freed when it leaves.
+    Guarantees. A follower gets every change of state after its event number, once and in order, and at least the
+    newest progress. Each event arrives within half a second. A follower's memory is freed when it leaves.
 
     Parameters
     ----------
@@ -50,11 +50,11 @@ class EventFeed:
 
     @property
     def followed(self) -> int:
-        """Number of jobs that are followed at the moment."""
+        """Number of jobs being followed."""
         return len(self._topics)
 
     def close(self) -> None:
-        """End all streams, as the service stops."""
+        """End all streams when the service stops."""
         self._closed = True
         if self._polling is not None:
             self._polling.cancel()
@@ -83,7 +83,7 @@ class EventFeed:
                 del self._topics[job_id]
 
     async def _since(self, topic: _Topic, job_id: str, sequence: int) -> list[EventRecord]:
-        """Events that a follower has not had; those read last for all followers, if they reach back far enough."""
+        """Events that a follower has not seen. They need no query if the last read for all reaches back far enough."""
         if topic.recent and topic.recent[0].sequence <= sequence + 1:
             return [event for event in topic.recent if event.sequence > sequence]
         return await to_thread.run_sync(self._events.after, job_id, sequence)

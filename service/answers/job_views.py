@@ -1,4 +1,4 @@
-"""Jobs as JSON. Each is kept with its revision until the job changes: to read a revision costs a third of a job."""
+"""Jobs as JSON, cached by revision until the job changes. Reading a revision costs a third of reading a job."""
 
 import json
 import threading
@@ -15,21 +15,21 @@ from service.records.revisions import Revision, Revisions
 from worker.jobs.job import Job
 
 _CACHE_BYTES = 1 << 25
-# An entry takes this much besides its text.
+# Size of a cache entry without its text.
 _ENTRY_BYTES = 1024
 
 
 class JobViews:
     """Jobs as `JobView` describes them.
 
-    Guarantees. An answer is what the database holds at that moment, whichever replica has changed the job last. Memory
-    is bounded. Many threads may share one.
+    Guarantees. A view is what the database holds at that moment, whichever replica changed the job last. Memory is
+    bounded. Many threads may share one instance.
 
     Parameters
     ----------
     revisions : Revisions
     jobs : Jobs
-        In the same database.
+        Jobs of the same database.
     """
 
     def __init__(self, revisions: Revisions, jobs: Jobs) -> None:
@@ -76,7 +76,7 @@ class JobViews:
         return view
 
     def _render(self, revisions: Sequence[Revision]) -> list[JsonAnswer]:
-        """Views of jobs in the same order; jobs that were deleted just now are left out."""
+        """Views of jobs in the same order, without jobs that have just been deleted."""
         with self._lock:
             views = {each.id: self._cache.get((each.id, each.revision)) for each in revisions}
         if changed := [job_id for job_id, view in views.items() if view is None]:

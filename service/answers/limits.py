@@ -1,4 +1,4 @@
-"""Requests that are too large are refused before anything is done that takes time in proportion to them."""
+"""Refuses requests that are too large, before any work that grows with their size."""
 
 from functools import partial
 from typing import Any
@@ -14,9 +14,9 @@ def job_from(job_class: type[Job], body: dict[str, Any], settings: Settings) -> 
     Parameters
     ----------
     job_class : type
-        Class of its kind.
+        Class of the job's kind.
     body : dict
-        As JSON.
+        Request as JSON.
     settings : Settings
 
     Returns

@@ -1,4 +1,4 @@
-"""Whether the service has what it needs, with an answer within seconds even where a part hangs."""
+"""Whether the service has what it needs. The answer takes seconds at most, even if a part hangs."""
 
 import asyncio
 from collections.abc import Callable
@@ -13,7 +13,7 @@ _PAUSE_SECONDS = 0.1
 
 
 class Probe(Generic[_T]):
-    """A check that may hang, as that of a database which is there but stopped.
+    """A check that may hang, for example on a database server that is paused.
 
     Guarantees. A call returns within three seconds. However many calls there are, at most one thread waits.
 
@@ -21,7 +21,7 @@ class Probe(Generic[_T]):
     ----------
     ask : callable
     failed : object
-        Result in place of one that does not come.
+        Result if the check does not return in time.
     """
 
     def __init__(self, ask: Callable[[], _T], failed: _T) -> None:

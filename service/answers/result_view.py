@@ -16,7 +16,7 @@ from worker.stores.opening import holds_store
 from worker.stores.result_files import result_location
 from worker.stores.summary import fingerprint, summarise
 
-# A driver writes down its progress as often. To read a summary costs as much as ten reads of a job's status.
+# A driver writes its progress this often. Reading a summary costs as much as ten reads of a job's status.
 _SUMMARY_SECONDS, _SUMMARY_BYTES = 0.5, 1 << 25
 _SUMMARIES: TTLCache[tuple[str, int], JsonAnswer] = TTLCache(
     _SUMMARY_BYTES, _SUMMARY_SECONDS, getsizeof=lambda answer: len(answer.body)
@@ -37,10 +37,10 @@ def location_of_result(record: JobRecord, results: str) -> str:
     return location
 
 
-# The revision rises with each change of state: what was read before the end is not given as the result.
+# Each change of state raises the revision, so a summary read before the end is never returned as the result.
 @cached(_SUMMARIES, key=lambda record, results: (record.id, record.revision), condition=threading.Condition())
 def summary_of_result(record: JobRecord, results: str) -> JsonAnswer:
-    """Summary of a job's result, at most half a second old; of many threads that ask for one at once, one reads it.
+    """Summary of a job's result, at most half a second old. If many threads need it at once, one reads it.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def summary_of_result(record: JobRecord, results: str) -> JsonAnswer:
 
 
 def _result_view(kind: str, location: str, zarr: str) -> AnyResult:
-    """View of a result whose store is at a location and over HTTP at a path."""
+    """View of the result that is stored at a location and served at a path."""
     if KINDS[kind].analysis is None:
         return ResultView.from_summary(summarise(location), zarr)
     fields = dataclasses.asdict(summarise_analysis(KINDS[kind].loaded_analysis, location))

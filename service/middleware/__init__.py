@@ -1,1 +1,1 @@
-"""What every request and answer passes: limits, authentication, headers, metrics."""
+"""Middleware for every request and response: limits, authentication, headers, metrics."""

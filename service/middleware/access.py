@@ -1,4 +1,4 @@
-"""One log line and one observation of the metrics for every answer."""
+"""One log line and one observation of the metrics for every response."""
 
 import logging
 import time
@@ -9,13 +9,13 @@ from service.logs import ACCESS_LOG
 from service.middleware import metrics
 
 _log = logging.getLogger(ACCESS_LOG)
-# What monitors ask, every few seconds: whether the service lives, is ready, and what it counts.
+# Monitors request these every few seconds: liveness, readiness and metrics.
 _ROUTINE = frozenset({"/healthz", "/readyz", "/metrics"})
 _METHODS = ("GET", "HEAD", "POST", "DELETE", "PUT", "PATCH", "OPTIONS")
 
 
 class Access:
-    """ASGI middleware that records each request with its caller and its answer.
+    """ASGI middleware that records each request with its caller and its response.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class Access:
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on and record its answer."""
+        """Pass a request on and record its response."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
@@ -52,7 +52,7 @@ class Access:
 
 
 def _observe(scope: Scope, status: int, seconds: float) -> None:
-    # Routes and methods are few. Paths, and what clients send as a method, are unbounded.
+    # Labels must be few: route templates and known methods, not the paths and methods that clients send.
     route = getattr(scope.get("route"), "path", "none")
     metrics.record_answer(scope["method"] if scope["method"] in _METHODS else "other", route, status, seconds)
 

@@ -1,6 +1,6 @@
-"""Keys: who may send a request, checked before the request is looked at.
+"""Authentication by key, before anything else handles the request.
 
-Every path that is not listed here as open needs a key, so a new route is guarded without further code.
+Every path that is not listed here as open needs a key, so a new route is protected without further code.
 """
 
 import asyncio
@@ -55,7 +55,7 @@ class Authentication:
         await self.app(scope, receive, send)
 
     async def _authenticate(self, scope: Scope) -> Caller | Response:
-        """Identify the caller of a request, or make the answer that refuses it."""
+        """Identify the caller of a request, or return the response that refuses it."""
         ring: KeyRing = scope["app"].state.key_ring
         try:
             async with self._refreshing:
@@ -70,7 +70,7 @@ class Authentication:
 
 
 def _is_open(path: str) -> bool:
-    """Whether a path needs no key. The page is open: it holds nothing but the field for the key."""
+    """Whether a path needs no key. The page is open: it contains only the field for the key."""
     return path in OPEN_PATHS or path == _PAGE or path.startswith(_PAGE_FILES)
 
 
@@ -98,7 +98,7 @@ def _unauthorized(kind: str, detail: str, scope: Scope, error: str) -> Response:
 
 
 def _names_loopback(host: bytes) -> bool:
-    """Whether the Host header names this machine. A web page whose own name resolves to loopback sends that name."""
+    """Whether the Host header names this machine. A web page whose domain resolves to loopback sends its own name."""
     match = _HOST.fullmatch(host)
     return match is not None and match[1].strip(b"[]").decode("latin-1").lower() in LOOPBACK
 

@@ -18,7 +18,7 @@ _REQUESTS = Histogram(
 
 
 def record_answer(method: str, route: str, status: int, seconds: float) -> None:
-    """Record an answer: the route, and the time until it began."""
+    """Record a response: the route, and the time until the response began."""
     _REQUESTS.labels(method, route, status).observe(seconds)
 
 

@@ -1,4 +1,4 @@
-"""Headers that keep browsers from misusing answers."""
+"""Headers that restrict what browsers do with responses."""
 
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -11,7 +11,7 @@ _DOCS = (
     "font-src https://fonts.gstatic.com; "
     "img-src data: https://fastapi.tiangolo.com https://cdn.redoc.ly; worker-src blob:; frame-ancestors 'none'"
 )
-# The explorer brings its own files. It makes pictures itself (blob, data) and uses no `style` attributes.
+# The explorer loads only its own files. It creates pictures itself (blob, data) and uses no `style` attributes.
 _EXPLORER = (
     "default-src 'self'; img-src 'self' blob: data:; style-src 'self'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'"
@@ -26,10 +26,10 @@ def _policy(path: str) -> str:
 
 
 class SecurityHeaders:
-    """ASGI middleware that adds the security headers to every answer.
+    """ASGI middleware that adds the security headers to every response.
 
-    Answers are private: no shared cache keeps them. A client's own cache may keep an answer that has
-    an ETag, and revalidates it.
+    Responses are private: shared caches do not store them. A client's own cache may store a response that has an ETag,
+    and revalidates it.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class SecurityHeaders:
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on and add the headers to its answer."""
+        """Pass a request on and add the headers to its response."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return

@@ -1,1 +1,1 @@
-"""Shapes of requests and answers over HTTP."""
+"""Models of requests and responses over HTTP."""

@@ -16,7 +16,7 @@ from worker.kinds import KINDS
 
 
 def described_as(model: Any) -> Any:
-    """Type of a JSON object that is not checked, and is described as a model.
+    """Type of an unchecked JSON object that the API describes as a model.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def described_as(model: Any) -> Any:
     type
     """
     described = TypeAdapter(model).core_schema
-    # As pydantic's own `SkipValidation` describes what it does not check.
+    # pydantic's own `SkipValidation` describes unchecked values in the same way.
     metadata = {"pydantic_js_annotation_functions": [lambda _schema, handler: handler(described)]}
     schema = core_schema.dict_schema(core_schema.str_schema(), core_schema.any_schema(), metadata=metadata)
     return Annotated[dict[str, Any], GetPydanticSchema(lambda _source, _handler: schema)]

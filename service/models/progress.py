@@ -7,7 +7,7 @@ from pydantic import AfterValidator, BaseModel, Field
 
 from worker.progress import Stage
 
-# SQLite keeps no time zone: what comes from there without one is in UTC, as all moments are.
+# SQLite stores no time zone. A time without one is in UTC, as all times in the database are.
 Moment = Annotated[datetime, AfterValidator(lambda moment: moment if moment.tzinfo else moment.replace(tzinfo=UTC))]
 
 

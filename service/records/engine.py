@@ -17,11 +17,11 @@ DatabaseError = SQLAlchemyError
 """Any error of the database."""
 
 _BUSY_SECONDS = 30
-# PostgreSQL: seconds to wait for a server that is gone; times in UTC, as SQLite has them. And a number of our own for
-# the lock by which replicas that start together migrate one after another.
+# PostgreSQL: seconds to wait for a server that is down; times in UTC, as in SQLite. The number
+# (any would do) names the lock that makes replicas migrate one at a time if they start together.
 _POSTGRESQL = {"connect_timeout": 5, "options": "-c timezone=UTC", "application_name": "gear-rattle"}
 _MIGRATION_LOCK = 0x72617474
-# As many connections as threads: to open and configure one costs more than a query.
+# As many connections as threads: opening and configuring one costs more than a query.
 _SQLITE_CONNECTIONS = {"pool_size": 16, "max_overflow": 32}
 
 
@@ -80,7 +80,7 @@ def open_database(url: str) -> tuple[Engine, Callable[[], Session]]:
     Parameters
     ----------
     url : str
-        Of SQLite or PostgreSQL.
+        URL of SQLite or PostgreSQL.
 
     Returns
     -------
@@ -97,10 +97,10 @@ def open_database(url: str) -> tuple[Engine, Callable[[], Session]]:
 
 
 def connect_database(url: str) -> Engine:
-    """Engine of the database at a SQLAlchemy URL, whatever its schema is."""
+    """Engine of the database at a SQLAlchemy URL, whatever the version of its schema."""
     parsed = make_url(url)
     if parsed.get_backend_name() == "postgresql":
-        # A connection that the server has closed, as at a restart, is replaced before it is used.
+        # A connection that the server has closed, for example in a restart, is replaced before use.
         return create_engine(parsed, pool_pre_ping=True, connect_args=_POSTGRESQL)
     if parsed.get_backend_name() == "sqlite" and parsed.database:
         Path(parsed.database).parent.mkdir(parents=True, exist_ok=True)

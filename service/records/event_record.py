@@ -12,8 +12,8 @@ from service.records.job_record import Base, JobState
 class EventRecord(Base):
     """One event of a job: a change of state, or progress.
 
-    The events of a job are numbered from 1 without gaps. Changes of state are kept as long as the job. Of progress only
-    recent events are kept, and none once the job has ended. So a job has a few rows, and some dozens while it runs.
+    The events of a job are numbered from 1 without gaps. Changes of state are kept as long as the job. Progress is
+    kept for a short time only, and not after the job has ended. So a job has a few rows, or a few dozen while it runs.
     """
 
     __tablename__ = "events"

@@ -1,4 +1,4 @@
-"""Job records: the state of each job, and all that is known about it.
+"""Job records: the state of each job, and everything known about it.
 
     queued --> running --> succeeded | failed
        |          |
@@ -60,7 +60,7 @@ class JobRecord(Base):
     kind: Mapped[str] = mapped_column(String(16))
     digest: Mapped[str] = mapped_column(String(64), index=True)
     # The digest while the job can answer a request, NULL once it has failed or was cancelled. It is unique: the same
-    # request is the same job, whoever sends it and when.
+    # request gets the same job, no matter who sends it or when.
     answering: Mapped[str | None] = mapped_column(String(64), unique=True)
     state: Mapped[JobState] = mapped_column(
         Enum(JobState, native_enum=False, length=16, values_callable=lambda states: [state.value for state in states]),
@@ -69,7 +69,7 @@ class JobRecord(Base):
     request: Mapped[dict[str, Any]] = mapped_column(JSON)
     progress: Mapped[dict[str, Any] | None] = mapped_column(JSON)
     error: Mapped[dict[str, Any] | None] = mapped_column(JSON)
-    # Who submitted it first: the name of a key, or "local" where no keys are required.
+    # The first submitter: the name of a key, or "local" if no keys are required.
     submitter: Mapped[str] = mapped_column(String(64), index=True)
     created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
     started: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
@@ -87,5 +87,5 @@ class JobRecord(Base):
 
     @property
     def small(self) -> bool:
-        """Whether the job is short. Of analyses, which have no cells, this is unknown, and they count as large."""
+        """Whether the job is short. Analyses have no cells, so this is unknown: they count as large."""
         return 1 <= self.places <= SMALL_PLACES

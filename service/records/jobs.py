@@ -58,7 +58,7 @@ class Jobs:
     sessions : callable
         Makes database sessions.
     quotas : Quotas
-        Beyond which submissions are refused.
+        Limits that a submission may not exceed.
     """
 
     def __init__(self, sessions: Callable[[], Session], quotas: Quotas) -> None:
@@ -108,22 +108,22 @@ class Jobs:
         return record
 
     def records(self, ids: Collection[str]) -> list[JobRecord]:
-        """Records with these ids, as far as they exist, in any order."""
+        """Existing records with these ids, in any order."""
         with to_read(self._sessions()) as session:
             return list(session.scalars(select(JobRecord).where(JobRecord.id.in_(ids))))
 
     def claim(
         self, owner: str, *, exclude: Collection[str] = (), large: LargeJobsOf = LargeJobsOf.ANYONE
     ) -> JobRecord | None:
-        """Claim a job that is queued, or whose lease has run out; it is then leased and running. None if there is none.
+        """Claim a job that is queued or whose lease has run out, and set it running. None if there is no such job.
 
-        It is the oldest job of the submitter with the fewest running jobs; among several such submitters, of the one
-        that was served longest ago.
+        Submitters with the fewest running jobs come first, and among those the one served longest ago. Its oldest job
+        is claimed.
 
         Parameters
         ----------
         owner : str
-            Name of the claim, different from that of any other.
+            Unique name of the claim.
         exclude : collection of str
             Jobs not to claim.
         large : LargeJobsOf
@@ -152,7 +152,7 @@ class Jobs:
                     return session.scalar(select(JobRecord).where(JobRecord.id == job_id))
 
     def renew(self, owners: Collection[str]) -> dict[str, JobState]:
-        """Renew the leases of some claims; states of the jobs whose claims still hold, by claim."""
+        """Renew the leases of some claims, and return the states of the jobs whose claims still hold, by claim."""
         held = JobRecord.lease_owner.in_(owners), JobRecord.state.in_(_HELD)
         with self._sessions() as session:
             session.execute(update(JobRecord).where(*held).values(lease_until=database_time() + LEASE_SECONDS))
@@ -177,7 +177,7 @@ class Jobs:
     def move(
         self, job_id: str, expected: JobState, state: JobState, *, owner: str | None = None, **values: Any
     ) -> bool:
-        """Change a state from the expected one; False if it was another, or if a given `owner` is not the job's."""
+        """Change a state from the expected one. False if it was another one, or if `owner` is not the job's."""
         if state not in _HELD:
             values |= {"lease_owner": None, "lease_until": None}
         if state.final:
@@ -215,9 +215,9 @@ class Jobs:
         return self.get(job_id)
 
     def release_store(self, job_id: str) -> str | None:
-        """Detach an ended job from its store; the store's name, if no other job needs it.
+        """Detach an ended job from its store, and return the store's name if no other job needs it.
 
-        A job needs it that has continued from there.
+        A job that continued from the store needs it.
         """
         with self._sessions() as session:
             _lock_submissions(session)
@@ -266,7 +266,7 @@ def _store_left(session: Session, digest: str) -> str | None:
 
 
 def _allowed(large: LargeJobsOf) -> ColumnElement[bool]:
-    """Condition for jobs that there is a slot for: small ones, and some of the large ones."""
+    """Condition for jobs that have a slot: small ones, and some of the large ones."""
     if large is LargeJobsOf.ANYONE:
         return true()
     small = JobRecord.places.between(1, SMALL_PLACES)

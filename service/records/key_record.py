@@ -27,7 +27,7 @@ class KeyRecord(Base):
 
     number: Mapped[int] = mapped_column(primary_key=True, autoincrement=True)
     name: Mapped[str] = mapped_column(String(64), index=True)
-    # The beginning of the key, by which it is found and named.
+    # First characters of the key, by which it is looked up and named.
     prefix: Mapped[str] = mapped_column(String(16), unique=True)
     # SHA-256 of the whole key. A key has 256 random bits, so a slow hash would gain nothing.
     digest: Mapped[str] = mapped_column(String(64))

@@ -16,7 +16,7 @@ from service.records.engine import to_read
 from service.records.key_record import KeyRecord, KeyScope
 
 LOCAL = "local"
-"""Name of all callers where no keys are required."""
+"""Name of all callers if no keys are required."""
 _MARK = "rattle_"
 _PREFIX = len(_MARK) + 8
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@-]{0,63}")
@@ -42,7 +42,7 @@ class Caller:
 
 
 LOCAL_CALLER = Caller(LOCAL, frozenset({KeyScope.ADMIN}))
-"""The caller where no keys are required."""
+"""The caller if no keys are required."""
 
 
 def _digest(key: str) -> str:
@@ -66,7 +66,7 @@ class Keys:
         self._sessions = sessions
 
     def add(self, name: str, scopes: Iterable[KeyScope]) -> str:
-        """Make a key. It is returned this once and stored nowhere.
+        """Make a key. It is returned only once and stored nowhere.
 
         Raises
         ------
@@ -97,7 +97,7 @@ class Keys:
             return session.scalars(select(KeyRecord).order_by(KeyRecord.number)).all()
 
     def revoke(self, which: str) -> list[KeyRecord]:
-        """Revoke the key with this prefix, or all keys of this name; the keys that were valid until now."""
+        """Revoke the key with this prefix, or all keys of this name, and return those that were valid until now."""
         with self._sessions() as session:
             live = select(KeyRecord).where(
                 or_(KeyRecord.name == which, KeyRecord.prefix == which[:_PREFIX]), KeyRecord.revoked.is_(None)
@@ -109,7 +109,7 @@ class Keys:
         return found
 
     def live(self) -> tuple[list[KeyRecord], bool]:
-        """Keys that are not revoked, and whether there is any key at all."""
+        """Keys that are not revoked, and whether any key exists."""
         with to_read(self._sessions()) as session:
             live = list(session.scalars(select(KeyRecord).where(KeyRecord.revoked.is_(None))))
             return live, bool(live) or bool(session.scalar(select(func.count()).select_from(KeyRecord)))
@@ -124,15 +124,15 @@ class Keys:
 class KeyRing:
     """The keys as this process read them last, at most two seconds ago. Looking up a caller needs no query.
 
-    Guarantees. Keys are required where the settings say so, and where the database holds any key, even a revoked one:
+    Guarantees. Keys are required if the settings say so, or if the database holds any key, even a revoked one. So
     revoking the last key does not open the service. The time to refuse a key does not depend on how much of it is
-    right.
+    correct.
 
     Parameters
     ----------
     keys : Keys
     required : bool
-        Whether keys are required even while there are none.
+        Whether keys are required even if the database holds none.
     """
 
     def __init__(self, keys: Keys, required: bool) -> None:

@@ -1,7 +1,7 @@
-"""Names of the service's replicas, by which others on the same machine can see whether a replica is still alive.
+"""Names of the service's replicas. Others on the same machine can tell from a name whether the replica is alive.
 
-The lease of a killed replica need not run out before its jobs go on. Where the replica ran on this machine, since the
-same boot and in the same process namespace, and its process is gone, the replica is dead.
+A replica is dead if it ran on this machine, since the same boot and in the same process namespace, and its process is
+gone. Its jobs then continue before their leases run out.
 """
 
 import os
@@ -15,7 +15,7 @@ _PROC = Path("/proc")
 
 
 def _start_of(pid: int) -> int | None:
-    """Seconds from boot to the start of a process, which tell processes of the same number apart; None if it is gone.
+    """Seconds from boot to the start of a process, which distinguish reused process numbers; None if it is gone.
 
     `psutil` adds the kernel's time of boot, which moves when the system's clock is set. The difference does not.
     """
@@ -28,7 +28,7 @@ def _start_of(pid: int) -> int | None:
 
 @cache
 def _here() -> str:
-    """Machine and process namespace; empty where the system does not provide them."""
+    """Machine and process namespace; empty if the system does not provide them."""
     try:
         boot = (_PROC / "sys/kernel/random/boot_id").read_text().strip()
         return f"{boot[:13]}.{os.stat(_PROC / 'self/ns/pid').st_ino}"
@@ -42,7 +42,7 @@ def replica_name() -> str:
 
 
 def is_dead(name: str) -> bool:
-    """Whether a replica is known to have ended; False where this machine cannot know."""
+    """Whether a replica is known to have ended; False if this machine cannot know."""
     here, pid, start = (name.rsplit(".", 2) + ["", ""])[:3]
     if not here or here != _here() or not pid.isdigit():
         return False

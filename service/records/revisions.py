@@ -1,4 +1,4 @@
-"""How often each job has changed: an answer that was made of the same revision still holds."""
+"""Revisions of jobs. A response made from the current revision is still valid."""
 
 from typing import Any, NamedTuple
 
@@ -42,7 +42,7 @@ class Revisions:
         return self._select(_ANSWERING, digest=digest)
 
     def page(self, before: int | None, size: int, state: JobState | None) -> list[Revision]:
-        """Revisions of up to `size` jobs, newest first, older than number `before` and in a state, where given."""
+        """Revisions of up to `size` jobs, newest first; optionally older than number `before` or in one state."""
         query = _REVISIONS.order_by(_JOBS.c.number.desc()).limit(size)
         if before is not None:
             query = query.where(_JOBS.c.number < before)

@@ -1,7 +1,7 @@
-"""Threads in which the most frequent requests query the database: few of them, or none.
+"""Threads for the most frequent database queries: few of them, or none.
 
-FastAPI runs plain functions in forty threads. Once answers are late, all forty query at once, and spend more time on
-Python's lock and on new connections than on answers. A service at 300 requests a second then fell to 200, and stayed
+FastAPI runs plain functions in forty threads. Once responses are late, all forty query at once, and spend more time on
+the GIL and on new connections than on responses. A service at 300 requests a second then fell to 200, and stayed
 there (`docs/decisions/0025-reads-in-the-loop.md`).
 """
 
@@ -16,15 +16,15 @@ _READING, _WRITING = 4, 4
 
 
 class DatabaseThreads:
-    """Runs functions in few threads; those that only read in other threads than those that may wait for a writer.
+    """Runs functions in a few threads. Those that only read share no threads with those that may wait for a writer.
 
     It must be created where an event loop runs.
 
     Parameters
     ----------
     near : bool
-        Whether the database is a local file. SQLite's readers wait for nobody, and a read takes half a millisecond, as
-        much as the way to a thread and back. So it is done in the event loop.
+        Whether the database is a local file. SQLite's readers never wait, and a read takes half a millisecond, as long
+        as a switch to a thread and back. So reads run in the event loop.
     """
 
     def __init__(self, near: bool) -> None:

@@ -40,7 +40,7 @@ async def _caller(request: Request) -> Caller:
 
 
 def _job_id(text: str) -> str:
-    # Anything else ends here, before it is looked up or becomes part of a path.
+    # Anything else is refused here, before it is looked up or becomes part of a path.
     if not re.fullmatch(_JOB_ID, text):
         raise JobNotFound(f"there is no job {text}: an id has 32 hexadecimal digits")
     return text
@@ -56,7 +56,7 @@ def require_ownership(record: JobRecord, caller: Caller) -> None:
     Raises
     ------
     NotYours
-        Where the caller neither submitted the job nor is an administrator.
+        If the caller neither submitted the job nor is an administrator.
     """
     if record.submitter != caller.name and not caller.may(KeyScope.ADMIN):
         raise NotYours(f"job {record.id} was submitted by {record.submitter}: that needs the scope {KeyScope.ADMIN}")

@@ -1,6 +1,6 @@
-"""JSON bodies of requests: of bounded size, parsed once, and refused where they are not plain.
+"""JSON bodies of requests: of bounded size, parsed once, and refused if a key is repeated.
 
-JSON lets a key occur twice in an object, and readers differ on which one counts. Here such a body is refused.
+JSON allows a key to occur twice in an object, and parsers differ on which one counts. Such a body is refused here.
 """
 
 import json
@@ -28,7 +28,7 @@ class _PlainJsonRequest(Request):
         async for chunk in super().stream():
             size += len(chunk)
             if size > most:
-                # The rest of the body is not read: the connection ends with the answer.
+                # The rest of the body is not read: the connection closes after the response.
                 raise HTTPException(413, f"a request body may have at most {most} bytes", {"connection": "close"})
             yield chunk
 

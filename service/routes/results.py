@@ -46,7 +46,7 @@ def location_of(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
 
 
 def _store_path(path: str) -> str:
-    # Anything that is not a path within a store ends here, before it reaches the file system.
+    # Anything that is not a path within a store is refused here, before it reaches the file system.
     if not re.fullmatch(r"[A-Za-z0-9._/-]{1,512}", path) or {"", ".", ".."} & set(path.split("/")):
         raise JobNotFound(f"a store holds no {path!r}")
     return path
@@ -101,7 +101,7 @@ def get_picture(
     """Draw a basin, or what an analysis has found. While a basin is computed, missing tiles are hatched."""
     location, kind = location_of(job_id, jobs, settings), jobs.get(job_id).kind
     picture_format = PictureFormat.of_file(request.url.path)
-    # Taken before the picture is drawn: a tile that arrives meanwhile is in the picture and changes the next ETag.
+    # Computed before drawing: a tile that arrives while drawing is in the picture and changes the next ETag.
     etag = etag_of(result_fingerprint(kind, location), layer, picture_format, _VERSION)
     known = not_modified(etag, if_none_match)
     return known or _picture_answer(partial(figure_of_store, location, layer=layer), picture_format, etag)

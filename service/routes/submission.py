@@ -1,4 +1,4 @@
-"""What every submission does, whatever its kind."""
+"""Submission of a job of any kind."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -35,7 +35,7 @@ class Submission:
     submitter: str
 
     async def accept(self, job_class: type[Job], body: dict[str, Any]) -> Response:
-        """Record a request as a job, wake the runner if the job is new, and answer with its address.
+        """Record a request as a job, wake the runner if the job is new, and respond with its address.
 
         Parameters
         ----------

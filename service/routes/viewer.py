@@ -27,7 +27,7 @@ from worker.views.tile_labels import read_tile_labels
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["viewer"])
 
 _NOTHING_YET = problems(s404="there is no such job, or what was asked for is not there yet")
-# Overlays are computed in this process, beside all other answers: one request at a time.
+# Overlays are computed in this process, which also handles all other requests: one at a time.
 _COMPUTING = threading.Lock()
 Panel = Annotated[int, Query(ge=0, description="Which basin of a sweep, the last swept parameter fastest")]
 _IMMUTABLE, _REVALIDATE = "private, max-age=604800, immutable", "private, no-cache"

@@ -30,7 +30,7 @@ def job_ended(state: JobState) -> None:
 
 
 def task_retried() -> None:
-    """Note that a lost task has been submitted again."""
+    """Record that a lost task has been submitted again."""
     _RETRIES.inc()
 
 

@@ -1,8 +1,8 @@
-"""The runner process, which runs jobs beside the process that answers requests.
+"""The runner process, which runs jobs beside the process that handles requests.
 
 Creating stores and driving tasks keep a processor busy while small jobs arrive, and Python lets one thread of a process
-compute at a time. In a single process, fifteen small jobs a second delayed every answer by seconds. Both processes know
-the jobs from the database. Two pipes between them carry hints only.
+compute at a time. In a single process, fifteen small jobs a second delayed every response by seconds. Both processes
+read the jobs from the database. Two pipes between them carry hints only.
 """
 
 import contextlib
@@ -24,8 +24,8 @@ from service.settings import Settings
 from worker.cluster.reconnecting_cluster import ReconnectingCluster
 
 _log = logging.getLogger("rattle.runner")
-# Answers come first. A small job's store takes a processor for half a second; at niceness 2 the answering process got
-# little more than half of its core meanwhile. At a higher niceness the runner takes long to stop on a busy machine.
+# Responses come first. A small job's store takes half a second of processor time; at niceness 2 the server process got
+# little more than half of its core meanwhile. At a higher niceness the runner is slow to stop on a busy machine.
 _NICENESS = 7
 _REPORT_SECONDS = 0.5
 # An older report means that the process hangs.
@@ -35,11 +35,11 @@ _PAUSE_SECONDS = 1.0
 
 
 class RunnerProcess:
-    """Keeps a runner process alive, from the process that answers.
+    """Keeps a runner process alive, from the server process.
 
-    Guarantees. A runner that ends is started again and continues its jobs at once, as it sees that the owner of their
-    leases is dead. When this process ends, in whatever way, the runner stops and its jobs go back to the queue. No call
-    waits for the runner.
+    Guarantees. A runner that ends is started again. It continues its jobs at once, because it sees that the owner of
+    their leases is dead. However this process ends, the runner stops and its jobs go back to the queue. No call waits
+    for the runner.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class RunnerProcess:
 
 def _run_jobs(settings: Settings, commands: Connection, reports: Connection) -> None:
     """Run jobs until the other end of `commands` is closed, as it is when its process dies."""
-    # Signals reach the whole process group. The answering process handles them, and closes the pipe.
+    # Signals reach the whole process group. The server process handles them, and closes the pipe.
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: None)
     os.nice(_NICENESS)

@@ -1,4 +1,4 @@
-"""Runs jobs on the cluster: several at a time, by turns of their submitters, under leases."""
+"""Runs jobs on the cluster under leases: several at a time, with submitters taking turns."""
 
 import collections
 import dataclasses
@@ -37,7 +37,7 @@ _LOSSES = 5
 
 
 Ends = dict[JobState, JobState]
-"""For each state that a job can be in when it ends, the state that it then gets."""
+"""New state of a job that stops running, by its state at that moment."""
 _STOPPED: Ends = {JobState.CANCELLING: JobState.CANCELLED, JobState.RUNNING: JobState.QUEUED}
 _FAILED: Ends = {each: JobState.FAILED for each in (JobState.RUNNING, JobState.CANCELLING)}
 # A cancellation may arrive after the last tile. The result is complete, so the job has succeeded.
@@ -50,7 +50,7 @@ class Runner:
     Guarantees. A claimed job ends in a final state; or it goes back to the queue, if the runner stops or the cluster is
     lost; or it is left to another replica, if its lease is lost, and nothing more is written. A cancellation is noticed
     within half a second, and tiles stop between two bands. Replicas share the jobs of one database. The jobs of a dead
-    replica are taken over when its leases run out, or at once where this machine can see that it is dead.
+    replica are taken over when its leases run out, or at once if this machine can see that it is dead.
 
     Parameters
     ----------
@@ -59,8 +59,8 @@ class Runner:
     results : str
         Folder of the Zarr stores.
     most : int
-        Jobs that run at a time. Of several slots, the last one is kept for small jobs, and the one before it for small
-        jobs and for submitters that have nothing running.
+        Number of slots: jobs that run at a time. If there are several, the last one is reserved for small jobs, and the
+        one before it for small jobs and for submitters that have nothing running.
     """
 
     def __init__(self, jobs: Jobs, cluster: ReconnectingCluster, results: str, most: int) -> None:
@@ -123,7 +123,7 @@ class Runner:
                 self._wake.wait(_POLL_SECONDS)
 
     def _claim(self) -> bool:
-        """Start one more job, if there is a free slot, a cluster, and a job; whether one was started."""
+        """Start one more job if there is a free slot, a cluster and a job. Returns whether one was started."""
         running = [lease.record for lease in self._held()]
         if time.monotonic() - self._checked_dead >= _CHECK_DEAD_SECONDS:
             self.jobs.end_dead_leases()
@@ -146,7 +146,7 @@ class Runner:
         return True
 
     def _large(self, running: list[JobRecord]) -> LargeJobsOf:
-        """Submitters whose large jobs there is a slot for, beside the jobs that run."""
+        """Submitters whose large jobs may start, given the jobs that run."""
         left = self.most - sum(not record.small for record in running)
         if left <= 1 < self.most:
             return LargeJobsOf.NOBODY

@@ -268,10 +268,12 @@ def test_what_is_taken_away_is_what_made_the_picture(opened, finished):
     page = opened.page
     blocks = page.locator("#takeaway pre").all_inner_texts()
     assert json.loads(blocks[-1]) == finished["request"]
-    assert any(finished["links"]["zarr"] in block and "xr.open_zarr" in block for block in blocks)
-    with page.expect_download() as download:
-        page.get_by_role("button", name="Picture (PNG)").click()
-    assert download.value.path().read_bytes().startswith(b"\x89PNG")
+    assert any(finished["links"]["zarr"] in block and "rattle.open" in block for block in blocks)
+    files = {"Picture (PNG)": b"\x89PNG", "SVG": b"<?xml", "PDF": b"%PDF", "Table (CSV)": b"name,kind,share"}
+    for name, first in files.items():
+        with page.expect_download() as download:
+            page.get_by_role("button", name=name).click()
+        assert download.value.path().read_bytes().startswith(first)
 
 
 def test_light_and_dark_follow_the_system_and_the_switch(opened):

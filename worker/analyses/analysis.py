@@ -1,8 +1,8 @@
-"""The common frame of analyses: work is cut in pieces, whose columns are assembled in tables.
+"""The common structure of analyses: work is split into pieces, whose columns are assembled into tables.
 
 Analyses are bifurcation diagrams, periodic orbits with their branches, manifolds, and pre-images of the grazing curve.
-Which pieces there are depends on the request and on the results of other pieces, never on time. So the same request
-gives the same bytes whatever happens on the way.
+The pieces depend on the request and on the results of other pieces, never on timing. So the same request always gives
+the same bytes.
 """
 
 from collections.abc import Callable, Mapping
@@ -15,7 +15,7 @@ from worker.progress import Stage
 from worker.stores.layout import Columns, Variable
 
 Parts = Mapping[str, Columns]
-"""Columns of the pieces that are done, by name."""
+"""Columns of the finished pieces, by name."""
 
 
 class Piece(NamedTuple):
@@ -42,17 +42,17 @@ class Analysis:
     Parameters
     ----------
     title : str
-        Of its stores.
+        Title of its stores.
     from_request : callable
-        Makes a job of a request.
+        Makes a job from a request.
     plan : callable
-        ``plan(job, parts)``: what to do next. The job ends when nothing is ready and nothing is under way.
+        ``plan(job, parts)``: what to do next. The job ends when no piece is ready or in progress.
     assemble : callable
-        ``assemble(job, parts)``: the store's columns, from the parts that are there.
+        ``assemble(job, parts)``: the store's columns, from the parts found so far.
     layout : callable
         ``layout(job)``: variables of the store, one for each column.
     summarise : callable
-        ``summarise(job, columns)``: the result in short, as JSON.
+        ``summarise(job, columns)``: a summary of the result, as JSON.
     draw : callable
         ``draw(job, columns, figure)``.
     """

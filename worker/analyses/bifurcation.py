@@ -1,7 +1,7 @@
-"""Bifurcation diagrams as an analysis: a chain of stretches for each seed, all chains side by side.
+"""Bifurcation diagrams as an analysis: one chain of stretches per seed, all chains in parallel.
 
-A stretch begins where the one before it has ended, so stretches of a chain cannot run in parallel, but chains can. If
-no seed is given, the attractors at the first value are found, and each becomes a seed.
+A stretch begins where the previous one ended, so the stretches of a chain run one after another. If no seed is given,
+the attractors at the first value are found, and each becomes a seed.
 """
 
 from dataclasses import astuple
@@ -21,13 +21,13 @@ from worker.jobs.region import Region
 from worker.progress import Stage
 from worker.stores.layout import MISSING, PERIODS, SPEED, Columns, Variable, flags
 
-# Applications of P in a stretch, about two seconds. A cancelled stretch stops between bands of them.
+# Applications of P in a stretch, about two seconds. A cancelled stretch stops at the end of a band.
 _APPLICATIONS = 1_000_000
 _BANDS = 8
-# Departures each way for the search of attractors, and impacts until their motions have settled.
+# Departures along each axis in the search for attractors, and impacts until their motions have settled.
 _STARTS = 48
 _SETTLING = 1499
-# Per seed, in the summary. A diagram through chaos has thousands.
+# Most stretches per seed in the summary. A diagram through chaos has thousands.
 _MOST_STRETCHES = 200
 
 
@@ -64,7 +64,7 @@ def follow_stretch(
     oscillator: Oscillator, parameter: str, values: np.ndarray, motions: Motions, transient: int, kept: int,
     *, pause: Pause,
 ) -> Columns:  # fmt: skip
-    """One stretch of one chain, and the state in which it leaves its motion."""
+    """One stretch of one chain, and the state of the motion at its end."""
     rows = []
     for band in np.array_split(values, min(_BANDS, values.size)):
         pause()
@@ -85,7 +85,7 @@ def _seeds(job: BifurcationJob, parts: Parts) -> Columns:
 
 
 def _starts(job: BifurcationJob) -> list[int]:
-    """Index of the visit with which each stretch begins."""
+    """Index of the first visit of each stretch."""
     return list(range(0, job.visits.size, max(1, _APPLICATIONS // (job.transient + job.kept))))
 
 
@@ -94,7 +94,7 @@ def _name(seed: int, stretch: int) -> str:
 
 
 def plan(job: BifurcationJob, parts: Parts) -> Plan:
-    """Find seeds if none are given; then the next stretch of every chain."""
+    """Find seeds if none are given. Then follow the next stretch of every chain."""
     seeds = _seeds(job, parts)
     if not seeds["seed_time"].size:
         return Plan(
@@ -174,7 +174,7 @@ def _describe(outcome: int, period: int) -> str:
 
 
 def _stretches(values: np.ndarray, ways: np.ndarray, outcome: np.ndarray, period: np.ndarray) -> list[dict[str, Any]]:
-    """Runs of values over which a motion stays of one kind."""
+    """Runs of values over which a motion keeps its kind."""
     changes = np.flatnonzero((np.diff(outcome) != 0) | (np.diff(period) != 0) | (np.diff(ways) != 0)) + 1
     bounds = [0, *changes.tolist(), values.size]
     return [

@@ -5,14 +5,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from worker.jobs.bifurcation_job import BifurcationJob, Direction
-from worker.pictures.symbols import SYMBOLS, oscillator_told
+from worker.pictures.symbols import SYMBOLS, oscillator_text
 from worker.stores.layout import MISSING, Columns
 
 _COLOURS = ("black", "tab:red", "tab:blue", "tab:green", "tab:purple", "tab:orange")
 
 
 def plot_diagram(axes: Axes, parameter: str, columns: Columns) -> None:
-    """Draw a diagram on axes: a colour for each seed; going down paler than going up."""
+    """Draw a diagram on axes, with one colour per seed, paler on the way down than on the way up."""
     values, way = columns[parameter], columns["way"]
     for seed in range(columns["seed_time"].size):
         colour, name = _COLOURS[seed % len(_COLOURS)], str(columns["seed_name"][seed])
@@ -31,7 +31,7 @@ def draw_diagram(job: BifurcationJob, columns: Columns, figure: Figure) -> None:
     """Draw a diagram with title and legend."""
     axes = figure.subplots()
     plot_diagram(axes, job.vary.parameter, columns)
-    title = oscillator_told(job.oscillator, without=(job.vary.parameter,))
+    title = oscillator_text(job.oscillator, without=(job.vary.parameter,))
     if (columns["outcome"] == MISSING).any() or not columns["seed_time"].size:
         title += "; incomplete"
     ways = {Direction.UP: "upwards", Direction.DOWN: "downwards", Direction.BOTH: "upwards, then downwards"}

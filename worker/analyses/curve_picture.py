@@ -9,7 +9,7 @@ from worker.analyses.curve_table import pieces_of
 from worker.jobs.grazing_curve_job import GrazingCurveJob
 from worker.jobs.manifold_job import ManifoldJob
 from worker.pictures.overlay import Lines
-from worker.pictures.symbols import oscillator_told
+from worker.pictures.symbols import oscillator_text
 from worker.stores.layout import Columns
 from worker.stores.table import slices
 
@@ -27,7 +27,7 @@ def _finish(axes: Axes, title: str, velocity: tuple[float, float]) -> None:
 
 
 def draw_manifolds(job: ManifoldJob, columns: Columns, figure: Figure) -> None:
-    """Draw saddles and their manifolds: stable ones full, unstable ones dotted, a colour for each saddle."""
+    """Draw saddles and their manifolds, stable ones solid and unstable ones dotted, with one colour per saddle."""
     axes = figure.subplots()
     t = np.linspace(0.0, 1.0, 512)
     axes.plot(t, grazing_velocity(job.oscillator, t), color="gray", linewidth=1.0, label="grazing curve")
@@ -41,15 +41,15 @@ def draw_manifolds(job: ManifoldJob, columns: Columns, figure: Figure) -> None:
         marks = columns["orbit_time"][number], columns["orbit_velocity"][number]
         axes.plot(*marks, "+", color="black", markersize=9, label=f"saddle {name}")
     window = job.limits.lowest_velocity, job.limits.highest_velocity
-    _finish(axes, oscillator_told(job.oscillator), window)
+    _finish(axes, oscillator_text(job.oscillator), window)
 
 
 def draw_grazing_curves(job: GrazingCurveJob, columns: Columns, figure: Figure) -> None:
-    """Draw the grazing curve and its pre-images, a colour for each order."""
+    """Draw the grazing curve and its pre-images, with one colour per order."""
     axes = figure.subplots()
     pieces = pieces_of(columns)
     for order, own in enumerate(slices(columns["order_size"])):
         label = "grazing curve" if order == 0 else f"pre-image of order {order}"
         missing = "" if columns["order_complete"][order] else ", incomplete"
         Lines(label + missing, f"C{order % 10}", tuple(pieces[own]), _THIN).draw(axes)
-    _finish(axes, oscillator_told(job.oscillator), job.velocity.ends)
+    _finish(axes, oscillator_text(job.oscillator), job.velocity.ends)

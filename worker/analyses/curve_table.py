@@ -19,9 +19,9 @@ class PieceEnd(IntEnum):
     """Why a piece ends."""
 
     CORNER = 1
-    """Here a flight grazes, or a later one does: another piece begins with another tangent."""
+    """A flight grazes here, or a later one does. The next piece begins with another tangent."""
     VELOCITY = 2
-    """It leaves the window of speeds."""
+    """The piece leaves the window of speeds."""
     LAST = 3
     """The curve is drawn no further."""
 
@@ -35,7 +35,7 @@ PIECES = Table("piece", (
 
 
 def piece_columns(pieces: Sequence[Piece], velocity: tuple[float, float]) -> Columns:
-    """Columns of the pieces of one curve, in order, that is drawn within a window of speeds."""
+    """Columns of the pieces of one curve, in order. The curve is drawn within a window of speeds."""
     ends = np.full(len(pieces), PieceEnd.CORNER, np.int8)
     ends[[bool(np.isin(piece.v[-1], velocity)) for piece in pieces]] = PieceEnd.VELOCITY
     ends[-1:] = np.where(ends[-1:] == PieceEnd.VELOCITY, PieceEnd.VELOCITY, PieceEnd.LAST)

@@ -1,4 +1,4 @@
-"""Pre-images of the grazing curve as an analysis: stretches of the curve run side by side, each through all orders."""
+"""Pre-images of the grazing curve as an analysis: stretches of the curve run in parallel, each through all orders."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -42,7 +42,7 @@ def _name(stretch: int) -> str:
 
 
 def plan(job: GrazingCurveJob, parts: Parts) -> Plan:
-    """Every stretch."""
+    """Map every stretch."""
     most = -(-job.most_points // STRETCHES)
     pieces = [
         analysis.Piece(
@@ -54,7 +54,7 @@ def plan(job: GrazingCurveJob, parts: Parts) -> Plan:
 
 
 def _pieces_of_order(parts: Parts, order: int) -> tuple[list[list[Piece]], bool]:
-    """Pieces of an order, stretch by stretch, and whether all are there."""
+    """Pieces of an order, stretch by stretch, and whether the order is complete."""
     stretches: list[list[Piece]] = []
     whole = True
     for stretch in range(STRETCHES):
@@ -95,7 +95,7 @@ def orders_of(columns: Mapping[str, Any]) -> list[list[Piece]]:
 
 
 def summarise(job: GrazingCurveJob, columns: Columns) -> dict[str, Any]:
-    """Orders with their lengths. An incomplete one needs more points than allowed, or is not computed yet."""
+    """Orders with their lengths. An incomplete order needs more points than allowed, or is not computed yet."""
     orders = [
         {
             "order": order,

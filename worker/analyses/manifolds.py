@@ -1,4 +1,4 @@
-"""Manifolds as an analysis: saddles side by side, then every branch separately."""
+"""Manifolds as an analysis: first the saddles in parallel, then every branch separately."""
 
 from collections.abc import Mapping
 from dataclasses import astuple
@@ -141,7 +141,7 @@ def _branches(job: ManifoldJob, saddles: tuple[FoundOrbit, ...]) -> list[tuple[i
 
 
 def plan(job: ManifoldJob, parts: Parts) -> Plan:
-    """Find the saddles; then grow every branch."""
+    """Find the saddles. Then grow every branch."""
     finding = ready_of(Stage.SEARCHING, _saddle_pieces(job), parts)
     if finding.done < finding.total:
         return finding

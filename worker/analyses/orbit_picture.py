@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import SpecialKind, grazing_velocity
 from worker.jobs.orbits_job import OrbitsJob
-from worker.pictures.symbols import SYMBOLS, oscillator_told
+from worker.pictures.symbols import SYMBOLS, oscillator_text
 from worker.stores.layout import Columns
 from worker.stores.table import slices
 
@@ -17,7 +17,7 @@ _MARKERS = {
 
 
 def plot_orbits(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
-    """Mark the departures of orbits: those that attract by crosses, others by upright crosses; v*(t) beside them."""
+    """Mark the departures of attracting orbits by x and of others by +, and draw v*(t)."""
     t = np.linspace(0.0, 1.0, 512)
     axes.plot(t, grazing_velocity(job.oscillator, t), color="gray", linewidth=1.0, label="grazing curve")
     for i, name in enumerate(columns["name"]):
@@ -65,7 +65,7 @@ def plot_curves(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
 
 
 def draw_orbits(job: OrbitsJob, columns: Columns, figure: Figure) -> None:
-    """Draw what there is: curves below branches, or orbits alone."""
+    """Draw orbits, or branches if there are any, with curves below them."""
     if job.continuation is None:
         drawn = [(figure.subplots(), plot_orbits)]
     elif job.curves is None:
@@ -74,7 +74,7 @@ def draw_orbits(job: OrbitsJob, columns: Columns, figure: Figure) -> None:
         figure.set_size_inches(10.0, 10.0)
         drawn = list(zip(figure.subplots(2), (plot_branches, plot_curves), strict=True))
     without = () if job.continuation is None else (job.continuation.parameter,)
-    drawn[0][0].set_title(oscillator_told(job.oscillator, without))
+    drawn[0][0].set_title(oscillator_text(job.oscillator, without))
     for axes, plot in drawn:
         plot(axes, job, columns)
         if axes.get_legend_handles_labels()[1]:

@@ -1,4 +1,4 @@
-"""Periodic orbits as an analysis: bands of a search side by side, then every orbit's branch, then every curve.
+"""Periodic orbits as an analysis: a search in parallel bands, then every orbit's branch, then every curve.
 
 Orbits joined by a fold or a closed loop lie on one branch. It is computed from each of them, and the first is kept.
 """
@@ -40,7 +40,7 @@ from worker.progress import Stage
 from worker.stores.layout import Columns, Variable
 
 _BANDS = 8
-# Largest number of cells in a band of a search: some seconds.
+# Largest number of cells in a band of a search, which takes some seconds.
 _MOST_CELLS = 400
 # Two orbits closer than this are the same, as in the search.
 _SAME = 1e-6
@@ -120,7 +120,7 @@ def _branch_name(number: int) -> str:
 
 
 def _lines_of(found: Sequence[FoundOrbit], parts: Parts) -> tuple[list[int], list[int]]:
-    """Orbits whose branches are kept, and the branch that each orbit lies on, -1 where that is not known yet."""
+    """Orbits whose branches are kept, and the branch that each orbit lies on, -1 if that is not known yet."""
     kept: list[int] = []
     lines = []
     for number, each in enumerate(found):
@@ -150,7 +150,7 @@ def _specials(job: OrbitsJob, parts: Parts, kept: list[int]) -> tuple[list[Speci
 
 
 def plan(job: OrbitsJob, parts: Parts) -> Plan:
-    """Search; then every orbit's branch; then every special point's curve."""
+    """Search for orbits. Then follow every orbit's branch, and then every special point's curve."""
     search = ready_of(Stage.SEARCHING, _search(job), parts)
     if search.done < search.total or job.continuation is None:
         return search
@@ -200,7 +200,7 @@ def layout(job: OrbitsJob) -> tuple[Variable, ...]:
 
 
 def summarise(job: OrbitsJob, columns: Columns) -> dict[str, Any]:
-    """Orbits, branches with the reasons why they end, special points and curves."""
+    """Orbits, branches with the reasons for their ends, special points and curves."""
     summary: dict[str, Any] = {"orbits": summarise_orbits(columns), "branches": [], "special_points": [], "curves": []}
     if job.continuation is not None:
         parameter = job.continuation.parameter

@@ -16,15 +16,15 @@ from worker.stores.analysis_store import kind_of_store
 def figure_of_store(
     location: str, *, layer: Layer = Layer.SOLUTION, overlays: Collection[OverlayKind] = USUAL_OVERLAYS
 ) -> Figure:
-    """Draw a store, complete or not: its basins, or what an analysis has found.
+    """Draw a store, complete or not: its basins, or the result of an analysis.
 
     Parameters
     ----------
     location : str
     layer : Layer
-        What is drawn of a basin's cells.
+        Quantity of a basin's cells to draw.
     overlays : collection of OverlayKind
-        What is laid over each basin.
+        Overlays drawn on each basin.
 
     Returns
     -------

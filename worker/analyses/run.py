@@ -1,6 +1,6 @@
-"""From the job of an analysis to its complete store: pieces run on workers, and their parts are put together.
+"""From the job of an analysis to its complete store: pieces run on workers, and their parts are assembled.
 
-The store holds the truth: a piece is done if its part is marked whole there. After any crash or cancellation the same
+The store is authoritative: a piece is done if its part is marked whole there. After any crash or cancellation the same
 call computes only what is missing.
 """
 
@@ -26,7 +26,7 @@ from worker.stores.summary import without_nan
 
 @dataclass(frozen=True)
 class AnalysisSummary:
-    """The result in a store, in short, complete or not."""
+    """Summary of the result in a store, complete or not."""
 
     kind: str
     complete: bool
@@ -39,7 +39,7 @@ class AnalysisSummary:
 def compute_piece(
     location: str, digest: str, number: int, name: str, compute: Callable[..., Columns], arguments: tuple[Any, ...]
 ) -> float:
-    """Compute one piece and write its part. Returns the seconds that it took."""
+    """Compute one piece and write its part. Return the time that it took, in seconds."""
     store = AnalysisStore(location)
     demand_same_digest(location, store.digest, digest)
     begin = time.perf_counter()
@@ -61,7 +61,7 @@ def run_analysis(
 ) -> None:
     """Compute an analysis into a store, or continue the store that is there.
 
-    `summarise_analysis` reads what was found.
+    `summarise_analysis` reads the result.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def run_analysis(
     cancel : threading.Event
         Set it to stop. The store stays readable and can be resumed.
     fence : Fence
-        Needed if another driver may take the job over.
+        Needed if another driver may take over the job.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def run_analysis(
 
 @dataclass
 class _Run:
-    """An analysis under way."""
+    """An analysis in progress."""
 
     analysis: Analysis
     job: AnalysisJob
@@ -126,7 +126,7 @@ class _Run:
         return None
 
     def _done(self, name: str, number: int, seconds: float) -> Iterable[Task]:
-        """Note that a piece is done, and plan anew."""
+        """Record that a piece is done, and plan again."""
         self.seconds[self._plan.stage.value] = self.seconds.get(self._plan.stage.value, 0.0) + seconds
         self._under_way.discard(name)
         self.parts.add(name)
@@ -134,7 +134,7 @@ class _Run:
         return ()
 
     def report_stage(self, stage: Stage) -> None:
-        """Report how far the stage is."""
+        """Report the progress of a stage."""
         if stage != self._stage:
             self._stage, self._since, self._at_start = stage, time.monotonic(), self._plan.done
         elapsed, done = time.monotonic() - self._since, self._plan.done - self._at_start
@@ -143,7 +143,7 @@ class _Run:
 
 
 def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, AnalysisStore]:
-    """Job and columns of a store: its tables if it is complete, else what can be put together from its parts.
+    """Job and columns of a store: its tables if it is complete, otherwise columns assembled from its parts.
 
     Raises
     ------
@@ -153,7 +153,7 @@ def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, Anal
     job = analysis.from_request(store.request)
     if not store.complete:
         columns, failure = _from_parts(analysis, job, store)
-        # A driver marks the store complete before it removes the parts. If it is not marked yet, they were whole.
+        # A driver marks the store complete before it removes the parts. If it is still unmarked, they were whole.
         store = AnalysisStore(location)
         if not store.complete:
             if failure is not None:
@@ -163,7 +163,7 @@ def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, Anal
 
 
 def _from_parts(analysis: Analysis, job: Any, store: AnalysisStore) -> tuple[Columns, Exception | None]:
-    """Columns from the parts that are there, or why there are none."""
+    """Columns assembled from the parts, or the error that prevents it."""
     try:
         return analysis.assemble(job, store.parts()), None
     except (StoreFailed, KeyError) as error:
@@ -171,7 +171,7 @@ def _from_parts(analysis: Analysis, job: Any, store: AnalysisStore) -> tuple[Col
 
 
 def fingerprint_of_analysis(location: str) -> bytes:
-    """Bytes that change whenever a picture of the store does: from its parts, and whether it is complete.
+    """Bytes that change whenever a picture of the store does. They list its parts and say whether it is complete.
 
     Raises
     ------

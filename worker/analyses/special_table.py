@@ -54,7 +54,7 @@ _NEAR = 1e-5
 
 
 def specials_of(columns: Columns, oscillator: Oscillator, parameter: str) -> list[SpecialPoint]:
-    """Points of such columns."""
+    """Special points from the columns of a part or a store."""
     return [
         SpecialPoint(
             _KINDS[row.kind - 1], parameter, row.value, oscillator._replace(**{parameter: row.value}),

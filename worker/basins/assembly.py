@@ -1,8 +1,8 @@
 """Assembly scales with the image set, not with the grid.
 
 For large k, ``P^k`` sends all cells into few. Let R be the set of distinct image cells. It is closed under the map and
-holds every cycle. So tiles report their images, the map is read on R alone, and Hsu's algorithm runs on R in memory.
-Then every tile labels its own cells by look-up. No array is ever whole in one memory.
+contains every cycle. So tiles report their images, the map is read on R alone, and Hsu's algorithm runs on R in memory.
+Then every tile labels its own cells by look-up. No process ever holds an array of all cells.
 """
 
 from collections.abc import Callable, Iterable

@@ -1,8 +1,8 @@
-"""One basin under way: it takes the receipts of its tasks and gives the tasks that come next.
+"""One basin in progress: it takes the receipts of its tasks and returns the tasks that come next.
 
     map tiles -> assemble -> label tiles -> ... -> its solutions are known
                                  ^       |
-                                 +-------+ extended by landing points that arrived at no attractor
+                                 +-------+ extended by landing points that reached no attractor
 
 Nothing here depends on other basins, or on the order in which receipts arrive.
 """
@@ -31,12 +31,12 @@ from worker.progress import Stage
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 
-# After so many rounds landing points that arrive at no attractor of the catalogue are called undecided.
+# After this many rounds, landing points that reach no attractor of the catalogue are called undecided.
 _CATALOGUE_ROUNDS = 3
 
 
 class BasinRun:
-    """A basin under way.
+    """A basin in progress.
 
     Parameters
     ----------
@@ -45,22 +45,22 @@ class BasinRun:
     mapped : container of int
         Tiles whose images are in the store. They are surveyed, not computed again.
     numbered : bool
-        Whether the basin's own catalogue has the numbers that all basins share, as the first basin's has.
+        Whether the numbers of the basin's own catalogue are those that all basins share. True of the first basin.
     reach : callable
-        ``reach(tile, state)`` is called when a tile has reached a state.
+        ``reach(tile, state)`` is called when a tile reaches a state.
 
     Attributes
     ----------
     attractors : tuple of Attractor
         The basin's own catalogue, empty until it is known.
     counts : ndarray of int
-        Cells, or points of a sample, that end in each.
+        Number of cells, or points of a sample, that end in each attractor.
     reserved : ndarray of int, shape (3,)
-        Cells with the images -1, -2 and -3.
+        Number of cells with the images -1, -2 and -3.
     solved : bool
-        Whether all tiles are labelled for good.
+        Whether all tiles have their final labels.
     seconds : dict of str to float
-        Time that kernels have taken.
+        Time spent in kernels.
     """
 
     def __init__(
@@ -83,8 +83,8 @@ class BasinRun:
         self._assembling = False
 
     def begin(self) -> list[Task]:
-        """Tasks that map missing tiles, and survey those that are there."""
-        # From the top. Low departures are captured soon, so the last tiles are light and the workers end together.
+        """Tasks that map the missing tiles, and survey those in the store."""
+        # From the top. Low departures are captured early, so the last tiles are quick and all workers end together.
         return [
             self._task(survey_tile if tile in self._mapped else map_tile, tile, then=self._take_images)
             for tile in reversed(self._tiles)
@@ -93,7 +93,7 @@ class BasinRun:
     def adopt(
         self, attractors: tuple[Attractor, ...], counts: np.ndarray, reserved: np.ndarray, seconds: dict[str, float]
     ) -> None:
-        """Take over the results of a basin that one task has done."""
+        """Take over the results of a basin that a single task has solved."""
         self.attractors, self.counts, self.reserved, self.seconds = attractors, counts, reserved, seconds
         self.solved = True
 
@@ -106,7 +106,7 @@ class BasinRun:
 
     @property
     def tiles_done(self) -> int:
-        """Tiles that have passed the current stage."""
+        """Number of tiles that have passed the current stage."""
         if self.solved:
             return len(self._tiles)
         return len(self._labels) if self.attractors else len(self._seeds)
@@ -121,7 +121,7 @@ class BasinRun:
             return []
         if self.store.job.sample is None:
             self.store.write_image_words(self.number, self._words)
-        # In the order of tiles, so that nothing depends on timing.
+        # In the order of tiles, so that the result does not depend on timing.
         seeds = gather_seeds([self._seeds[tile] for tile in self._tiles])
         self._seeds.clear()
         self._assembling = True

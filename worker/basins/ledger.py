@@ -1,4 +1,4 @@
-"""What is in a job's store: the state of each tile, and the table of solutions. Written by the driver alone."""
+"""Contents of a job's store: the state of each tile and the table of solutions. Only the driver writes them."""
 
 import time
 
@@ -9,13 +9,13 @@ from worker.basins.numbering import Numbered
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 
-# Both are written at most this often.
+# Least time between two writes of each.
 _LEDGER_SECONDS = 0.5
 _TABLE_SECONDS = 2.0
 
 
 class Ledger:
-    """States of tiles, and solutions of basins. A tile's state never goes back, and basins are complete in order.
+    """States of tiles, and solutions of basins. A tile's state never goes back, and basins are completed in order.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class Ledger:
         State of each tile.
     table : SolutionTable
     basins : int
-        Number of basins that are complete: the first ones.
+        Number of complete basins. They are the first ones.
     """
 
     def __init__(self, store: BasinStore) -> None:
@@ -48,7 +48,7 @@ class Ledger:
         return frozenset(tiles[self.states[tiles] >= TileState.COMPUTED].tolist())
 
     def reach(self, tiles: int | range, state: TileState) -> None:
-        """Note that tiles have reached a state."""
+        """Record that tiles have reached a state."""
         self.states[tiles] = np.maximum(self.states[tiles], state)
 
     def catalogue(self, basin: int) -> Numbered:
@@ -57,13 +57,13 @@ class Ledger:
         return Numbered(self._store.read_catalogue(basin, self.table, numbers), numbers)
 
     def announce(self, basin: BasinRun, numbered: Numbered) -> None:
-        """Note the attractors of a basin before their shares are known, and make room for them in the store."""
+        """Record the attractors of a basin before their shares are known, and make room for them in the store."""
         self._image_counts[basin.number] = basin.reserved
         self._enter(basin.number, numbered, np.full(len(numbered.numbers), np.nan))
         self._store.make_room(self.table, max(attractor.time.size for attractor in numbered.attractors))
 
     def complete(self, basin: BasinRun, numbered: Numbered) -> None:
-        """Note that a basin is complete: the next one after those that are."""
+        """Record that a basin is complete. Basins are completed in order."""
         shares = np.zeros(len(numbered.numbers))
         shares[: basin.counts.size] = basin.counts / self._store.job.grid.cells
         self._enter(basin.number, numbered, shares)
@@ -75,10 +75,10 @@ class Ledger:
         self._table_changed = True
 
     def save_sometimes(self) -> None:
-        """Write what has changed, if it is time to."""
+        """Write the changes, if the last write is long enough ago."""
         now = time.monotonic()
         if self._table_changed:
-            # The ledger says that basins are complete, so it never goes without their solutions.
+            # The ledger marks basins as complete, so it is never written without their solutions.
             if now - self._table_saved > _TABLE_SECONDS:
                 self.save()
         elif now - self._ledger_saved > _LEDGER_SECONDS:

@@ -1,4 +1,4 @@
-"""One number for one solution from basin to basin of a sweep.
+"""Numbers of solutions: each solution has the same number in all basins of a sweep.
 
 Every basin finds its own catalogue, independently of its neighbours. Then, in the order of basins:
 
@@ -6,12 +6,12 @@ Every basin finds its own catalogue, independently of its neighbours. Then, in t
    attractor of the basin, the two are one solution. If it ends on one that the basin's catalogue lacks (it attracts no
    cell of the grid), that attractor is added, with a share of 0.
 2. The attractors that remain are matched by kind and itinerary, the closest first.
-3. Those that still remain were not there before. Each takes the number of a solution of its kind and itinerary that the
-   basin does not have yet, and of several the one that was there last: across a sweep, an itinerary names a motion. If
+3. The neighbours lack the rest. Each takes the number of a solution of its kind and itinerary that the basin does not
+   have yet, since an itinerary names a motion across a sweep. If there are several, it takes the one seen last. If
    there is none, it takes the next number.
 
-Neighbours are the basin before along the last swept parameter and then, for solutions that this one lacks, the basin
-before along the first. So numbers follow from the catalogues alone, in whatever order those were found.
+The neighbours are the previous basin along the last swept parameter and, for solutions that this one lacks, the
+previous basin along the first. So the numbers depend on the catalogues alone, not on the order in which they are found.
 """
 
 from collections import OrderedDict
@@ -22,7 +22,7 @@ from rattle_kernels import Attractor, Oscillator, attractor_distance, continue_a
 from worker.jobs.basin_job import BasinJob
 from worker.stores.solution_table import Motion, SolutionTable, motion_of
 
-# Newton's method ends within 1e-11: closer than this is the same orbit.
+# Newton's method converges to 1e-11. Orbits closer than this are the same.
 _SAME_ORBIT = 1e-6
 _POINTS_KEPT = 256
 
@@ -43,14 +43,14 @@ class Numbering:
     ----------
     job : BasinJob
     table : SolutionTable
-        Of the basins that are numbered already. New solutions are appended to it.
+        Solutions of the basins that are already numbered. New ones are appended.
     read : callable
-        Returns the numbered attractors of a basin that was numbered before this run.
+        Returns the numbered attractors of a basin that an earlier run has numbered.
     """
 
     def __init__(self, job: BasinJob, table: SolutionTable, read: Callable[[int], Numbered]) -> None:
         self.job, self.table, self._read = job, table, read
-        # The basin before along the first parameter is a whole row of basins ago.
+        # The previous basin along the first parameter lies a whole row of basins back.
         self._kept = 1 if len(job.vary) < 2 else job.sweep_shape[-1]
         self._recent: OrderedDict[int, Numbered] = OrderedDict()
         self._seen = table.last_seen()
@@ -71,7 +71,7 @@ class Numbering:
             del self._recent[min(self._recent)]
 
     def _earlier(self, motion: Motion, number_of: dict[int, int]) -> int | None:
-        """Number of a motion that the basin does not have yet; of several, the one that was there last."""
+        """Number of a motion that the basin does not have yet. If there are several, the one seen last."""
         free = [
             number
             for number, listed in enumerate(self.table.motions)
@@ -80,13 +80,13 @@ class Numbering:
         return max(free, key=lambda number: (self._seen[number], -number), default=None)
 
     def assign(self, basin: int, catalogue: Catalogue) -> Numbered:
-        """Number the attractors of a basin. All basins before it have been numbered.
+        """Number the attractors of a basin. All earlier basins must have been numbered.
 
         Parameters
         ----------
         basin : int
         catalogue : tuple of Attractor
-            The basin's own.
+            The basin's own catalogue.
 
         Returns
         -------
@@ -111,7 +111,7 @@ class Numbering:
 
 
 def _thinned(attractor: Attractor) -> Attractor:
-    """Attractor with enough points to locate it, if it is chaotic: a row of basins is kept in memory."""
+    """Attractor, with only enough points to locate it if it is chaotic. A row of basins is kept in memory."""
     if not attractor.is_chaotic:
         return attractor
     return attractor._replace(time=attractor.time[:_POINTS_KEPT], velocity=attractor.velocity[:_POINTS_KEPT])
@@ -120,7 +120,7 @@ def _thinned(attractor: Attractor) -> Attractor:
 def _continue(
     oscillator: Oscillator, known: list[tuple[Attractor, int]], attractors: list[Attractor], number_of: dict[int, int]
 ) -> None:
-    """Give attractors the numbers of those that Newton's method leads to them. Add attractors that are missing."""
+    """Give each attractor the number of the one that Newton's method continues to it. Add those that are missing."""
     for old, number in known:
         continued = continue_attractor(oscillator, old)
         if continued is None:
@@ -139,7 +139,7 @@ def _continue(
 def _match(
     oscillator: Oscillator, known: list[tuple[Attractor, int]], attractors: list[Attractor], number_of: dict[int, int]
 ) -> None:
-    """Give attractors the numbers of the closest ones of the same kind and itinerary that are not matched yet."""
+    """Give attractors the numbers of the closest unmatched ones of the same kind and itinerary."""
     pairs = sorted(
         (attractor_distance(oscillator, attractor, old), number, index)
         for old, number in known if number not in number_of.values()

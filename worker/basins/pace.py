@@ -1,4 +1,4 @@
-"""How far a job is, and how fast it goes."""
+"""How far a job is, and how fast it runs."""
 
 import time
 from collections import defaultdict
@@ -43,7 +43,7 @@ class Pace:
         return Stage.LABELLING if labelling else Stage.ASSEMBLING
 
     def _done(self, stage: Stage) -> int:
-        """Tiles that have passed a stage."""
+        """Number of tiles that have passed a stage."""
         under_way = self._schedule.basins.get(0)
         if stage == Stage.LABELLING and under_way is not None:
             return under_way.tiles_done
@@ -53,7 +53,7 @@ class Pace:
         return int((self._ledger.states >= reached).sum())
 
     def progress(self, stage: Stage | None = None) -> Progress:
-        """Progress of a stage, by default of the current one; at the end, of the whole run."""
+        """Progress of a stage, by default of the current one. `Stage.DONE` stands for the whole run."""
         stage = stage or self._now()
         done, total = self._done(stage), self._ledger.states.size
         if stage != self._stage:
@@ -81,5 +81,5 @@ class Pace:
     def finish(self) -> dict[str, float]:
         """Wall time of each stage, and the kernels' own time."""
         self._enter(Stage.DONE, 0)
-        # Zarr does not take a defaultdict.
+        # Zarr does not accept a defaultdict.
         return {**self._seconds, **self._schedule.seconds}

@@ -1,8 +1,7 @@
 """From a job to a complete store: each basin is mapped, assembled and labelled, and solutions are numbered in order.
 
-The store holds the truth: a tile is done if the ledger says so, and the ledger is written after the tile. Basins are
-complete in their order. After any crash the same call computes only what is missing, and the result is the same to the
-byte.
+The store is authoritative: a tile is done if the ledger says so, and the ledger is written after the tile. Basins are
+completed in order. After any crash the same call computes only what is missing, and the result is the same to the byte.
 """
 
 import contextlib
@@ -18,8 +17,8 @@ from worker.progress import Report, Stage
 from worker.stores.basin_store import BasinStore
 from worker.stores.changes import list_changes
 
-# Basins under way for each task in flight. A basin that takes long keeps the next ones from being numbered, and their
-# results wait in memory.
+# Basins in progress for each task in flight. A slow basin delays the numbering of the next ones, whose results wait in
+# memory.
 _BASINS_A_TASK = 4
 
 
@@ -34,7 +33,7 @@ def run_basin(
 ) -> None:
     """Compute a job's basins into a store, or continue the store that is there.
 
-    `worker.stores.summary.summarise` reads what was found.
+    `worker.stores.summary.summarise` reads the result.
 
     Parameters
     ----------
@@ -47,7 +46,7 @@ def run_basin(
     cancel : threading.Event
         Set it to stop. The store stays readable and can be resumed.
     fence : Fence
-        Needed if another driver may take the job over.
+        Needed if another driver may take over the job.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""What a job does next: the tasks of all its basins in one queue, and the numbers of their solutions.
+"""The next tasks of a job: those of all its basins in one queue, and the numbers of their solutions.
 
-A task of a basin that has begun goes before the first task of the next basin. So basins end one after another, and only
-a few are under way at any time. While one is assembled, tiles of the next keep all workers busy.
+Tasks of a basin that has begun come before the first task of the next one. So basins finish one after another, and only
+a few are in progress at any time. While one is assembled, tiles of the next keep all workers busy.
 """
 
 import heapq
@@ -28,16 +28,16 @@ class Schedule:
     store : BasinStore
     ledger : Ledger
     most_basins : int
-        Largest number of basins under way.
+        Largest number of basins in progress.
 
     Attributes
     ----------
     basins : dict of int to BasinRun
-        Basins under way, by number.
+        Basins in progress, by number.
     small : bool
-        Whether each basin is done by one task: basins of one tile each, whose tasks would be too small for a cluster.
+        Whether one task solves a whole basin. The separate tasks of a basin of one tile are too small for a cluster.
     seconds : dict of str to float
-        Time that kernels have taken.
+        Time spent in kernels.
     """
 
     def __init__(self, store: BasinStore, ledger: Ledger, most_basins: int) -> None:
@@ -58,7 +58,7 @@ class Schedule:
             heapq.heappush(self._ready, (task.priority, self._pushed, task))
 
     def next_task(self) -> Task | None:
-        """The next task: of the first basin that has one, or of a basin that begins; None while there is none."""
+        """The next task, from the first basin that has one or from a basin that begins. None if there is none yet."""
         if not self._ready and self._admitted < self._store.job.basins and len(self.basins) < self._most_basins:
             self._begin(self._admitted)
             self._admitted += 1
@@ -74,7 +74,7 @@ class Schedule:
             self._push(basin.begin())
 
     def take(self, task: Task, receipt: Any) -> None:
-        """Note what a task has done, and what can be done now."""
+        """Take the receipt of a task, and queue the tasks that it makes possible."""
         self._push(task.then(task.number, receipt))
         self._number()
         self._complete()
@@ -85,10 +85,10 @@ class Schedule:
         return ()
 
     def _number(self) -> None:
-        """Number the solutions of basins, as far as all basins before them are solved.
+        """Number the solutions of each basin, once it and all basins before it are solved.
 
-        The first basin has the numbers of its own catalogue. They are known as soon as that is, and again when it is
-        longer.
+        The first basin keeps the numbers of its own catalogue. They are known as soon as the catalogue is, and again
+        when it grows.
         """
         while (basin := self.basins.get(self._to_number)) is not None:
             known = self._numbered.get(basin.number)
@@ -100,7 +100,7 @@ class Schedule:
             self._to_number += 1
 
     def _introduce(self, basin: BasinRun) -> None:
-        """Number a basin's attractors, and have everything written that needs the numbers."""
+        """Number a basin's attractors, and queue the writes that need the numbers."""
         if basin.numbered:
             self._ledger.table.forget_after(0)
         numbered = self._numbering.assign(basin.number, basin.attractors)
@@ -122,7 +122,7 @@ class Schedule:
         return ()
 
     def _complete(self) -> None:
-        """Enter the basins that are all in the store, as far as all before them are."""
+        """Record basins as complete, in order, once all their writes are done."""
         while (number := self._ledger.basins) < self._to_number and self._writes_left[number] == 0:
             basin = self.basins.pop(number)
             for what, seconds in basin.seconds.items():

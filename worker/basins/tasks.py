@@ -1,6 +1,6 @@
-"""What workers run: plain functions of a store and a tile or a basin. Running one again is harmless.
+"""The functions that workers run. Each takes a store and a tile or a basin, and may safely be run again.
 
-Each returns a receipt, never the arrays. The worker writes those into the store itself.
+Each returns a receipt, never the arrays. The worker itself writes those to the store.
 """
 
 import time
@@ -60,7 +60,7 @@ class CatalogueReceipt:
 
 @dataclass(frozen=True)
 class LabelReceipt:
-    """Solutions of one tile: cells of each attractor, and some of the landing points that arrived at none."""
+    """Solutions of one tile: the cells of each attractor, and some of the landing points that reached none."""
 
     counts: np.ndarray
     seconds: float
@@ -129,7 +129,7 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
 
 
 def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
-    """Receipt of a tile that is in the store already."""
+    """Receipt of a tile that is already in the store."""
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
     image, t, v = store.read_tile(store.places.mapped, tile)
@@ -171,7 +171,7 @@ def extend_catalogue(
 
 @lru_cache(maxsize=4)
 def _groups(location: str, digest: str, basin: int) -> CellGroups:
-    """Hsu's numbers on a basin's image set, read once per process: that costs more than labelling a tile."""
+    """Hsu's numbers on a basin's image set. Reading costs more than labelling a tile, so each process reads once."""
     return open_store(location, digest).read_groups(basin)
 
 
@@ -180,8 +180,8 @@ def label_tile(
 ) -> LabelReceipt:
     """Look up group, period and step of one tile's cells, name their solutions, and write them.
 
-    Solutions are indices into the basin's own catalogue. They are written as such beside the basin's image set, unless
-    the indices are their numbers already.
+    Solutions are indices into the basin's own catalogue. They are written beside the basin's image set, unless the
+    indices are already the numbers.
     """
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
@@ -232,7 +232,7 @@ def write_points(
 def number_basin(
     location: str, digest: str, basin: int, numbers: tuple[int, ...], attractors: tuple[Attractor, ...], own: int
 ) -> None:
-    """Write everything of a small basin that needs numbers; the first `own` of them are of its own catalogue."""
+    """Write everything of a small basin that needs numbers. The first `own` of them are those of its own catalogue."""
     write_points(location, digest, basin, numbers, attractors)
     for tile in open_store(location, digest).tiling.numbers_of(basin):
         number_tile(location, digest, tile, numbers[:own])

@@ -1,7 +1,7 @@
-"""A basin of one tile, done by one task: the tasks of `worker.basins.basin_run` one after the other in one process.
+"""A basin of one tile as a single task, which runs the tasks of `worker.basins.basin_run` one after another.
 
-Through the cluster every one of its tasks would wait for a message, and each process would build the tables of the
-basin's oscillator again. The store gets the same either way.
+On the cluster every one of those tasks would wait for a message, and each process would build the tables of the basin's
+oscillator again. The store is the same either way.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from worker.cluster.task import stop_if_cancelled
 
 @dataclass(frozen=True)
 class BasinReceipt:
-    """A solved basin: its own catalogue, cells of each attractor and of each reserved image, and kernels' seconds."""
+    """A solved basin: its own catalogue, cells of each attractor and of each reserved image, and time in kernels."""
 
     attractors: tuple[Attractor, ...]
     counts: np.ndarray
@@ -25,7 +25,7 @@ class BasinReceipt:
 
 
 def solve_basin(location: str, digest: str, number: int, mapped: bool, numbered: bool) -> BasinReceipt:
-    """Map, assemble and label the one tile of a basin; `mapped` says whether its images are in the store."""
+    """Map, assemble and label the only tile of a basin. `mapped` says whether its images are in the store."""
     store = open_store(location, digest)
     basin = BasinRun(store, number, store.tiling.numbers_of(number) if mapped else (), numbered=numbered)
     ready = basin.begin()

@@ -1,1 +1,1 @@
-"""The Dask cluster and the driver of its tasks; nothing of basins."""
+"""The Dask cluster and the driver of its tasks, whatever they compute."""

@@ -1,7 +1,7 @@
-"""Workers compute as their driver does, or not at all: with fused multiply-add (FMA), or without.
+"""A worker runs a task only if it computes as the driver does: both with fused multiply-add (FMA), or both without.
 
-The driver computes, too (it continues attractors from panel to panel), so its own way counts. Every task carries it,
-and a worker of the other kind refuses, also one that has joined since the job began: no list of workers is as new.
+The driver also computes: it continues attractors from basin to basin. So every task carries the driver's setting, and
+the worker checks it. A check of the list of workers would miss those that join after the job has begun.
 """
 
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from worker.rounding import with_or_without
 
 
 def compute_alike(fused: bool, function: Callable[..., Any], *arguments: Any) -> Any:
-    """Run a task on a worker, if that one computes as the driver does.
+    """Run a task on a worker, if the worker computes as the driver does.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def compute_alike(fused: bool, function: Callable[..., Any], *arguments: Any) ->
         Whether the driver computes with FMA.
     function : callable
     *arguments
-        Of the function.
+        Arguments of the function.
 
     Raises
     ------

@@ -1,10 +1,10 @@
 """Runs many small tasks on a cluster, a few at a time.
 
-One ``client.map`` over all tasks does not do. It holds every future, so each killed worker made the scheduler compute
-again what was on disk already, and innocent tiles were blamed for killing workers. Instead, about two tasks per thread
-are in flight. A future is released as soon as its receipt has arrived. A lost task is submitted again under a new key,
-because a known key would be answered with its old, cancelled future. After a few failures of its own a task fails the
-job.
+A single ``client.map`` over all tasks does not work. It holds every future, so each killed worker made the scheduler
+recompute results that were on disk already, and blame innocent tiles for killing workers. Instead, about two tasks per
+thread are in flight. A future is released as soon as its receipt has arrived. A lost task is submitted again under a
+new key, because Dask would return the old, cancelled future for a known key. A task that fails a few times by itself
+fails the job.
 
 Jobs that run at the same time share one driver, and so its window. The scheduler takes tasks in the order in which they
 were submitted. So each job gets its turn, and a job that has just begun waits for at most a few tasks of the others.
@@ -63,7 +63,7 @@ class Driver:
         return _TASKS_A_THREAD * max(1, _threads(self.client))
 
     def share(self, size: int) -> int:
-        """Part that each job has of a window of some size."""
+        """Each job's part of a window of this size."""
         return max(1, -(-size // max(1, self._jobs)))
 
     def add_jobs(self, more: int) -> None:
@@ -81,7 +81,7 @@ class Driver:
         address : (str, str)
             Location of the store, and digest of the job that tasks expect there.
         next_task : callable
-            Returns the next task, or None if there is none until another one has completed, or none at all.
+            Returns the next task. None means that there is none, at least until another one has completed.
         cancel : threading.Event
             Set it to stop the work.
 
@@ -116,7 +116,7 @@ class Driver:
 
 
 def _outcome(future: Future) -> tuple[bool, Any]:
-    """Whether an ended task left a receipt, with the receipt; else its error, None if its worker was lost."""
+    """Whether an ended task left a receipt, and the receipt or the error. The error is None if its worker was lost."""
     if future.status == "finished":
         try:
             return True, future.result()

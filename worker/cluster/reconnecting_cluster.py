@@ -1,4 +1,4 @@
-"""A cluster for a service that outlives it: after a loss it is connected to, or built, again."""
+"""A cluster for a service that outlives it: after a loss, the service reconnects to it or rebuilds it."""
 
 import contextlib
 import logging
@@ -19,20 +19,20 @@ _ANSWER_SECONDS = 2.0
 
 
 class ReconnectingCluster:
-    """The driver of a cluster, made anew after the cluster has been lost.
+    """The driver of a cluster, replaced by a new one after the cluster has been lost.
 
     It belongs to one thread. Other threads may call `workers` only.
 
     Parameters
     ----------
     address : str or None
-        Of a Dask scheduler. None means an embedded cluster.
+        Address of a Dask scheduler. None means an embedded cluster.
     workers : int
-        Of the embedded cluster.
+        Number of workers of the embedded cluster.
     certificates : Certificates
-        What a ``tls://`` scheduler demands.
+        Required by a ``tls://`` scheduler.
     compiling : callable, optional
-        Called with how many kernels are there and how many are needed, while an embedded cluster has to compile some.
+        Called with the numbers of ready and of needed kernels, while an embedded cluster has to compile some.
     retried : callable
         Called whenever a lost task is submitted again.
     """

@@ -1,4 +1,4 @@
-"""Settings of the Dask cluster, from the environment: those that the service and the front door share."""
+"""Settings of the Dask cluster, from the environment: shared by the service and the package `rattle`."""
 
 from pathlib import Path
 

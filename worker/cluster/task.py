@@ -23,12 +23,12 @@ class Task:
     ----------
     function : callable
     number : int
-        Of a tile, a basin or a piece.
+        Number of a tile, a basin or a part.
     arguments : tuple
     then : callable
-        ``then(number, receipt)`` takes what the function returned and gives the tasks that can be done now.
+        ``then(number, receipt)`` takes what the function returned, and returns the tasks that can run now.
     name : str
-        For messages.
+        Name in messages.
     priority : int
         Tasks with a lower number go first.
     """

@@ -1,1 +1,1 @@
-"""Jobs: what may be asked, checked once."""
+"""Jobs: requests, checked once."""

@@ -63,7 +63,7 @@ class BasinJob(Job):
 
     @cached_property
     def iterations(self) -> int:
-        """k: as requested, or the one that gives a settled picture at the least damping."""
+        """k: as requested, or large enough for a settled picture at the lowest damping."""
         return self.iterations_ or settled_iterations(self._least_damping)
 
     @cached_property
@@ -72,9 +72,9 @@ class BasinJob(Job):
         return self.oscillator_of(0)
 
     def sizes(self) -> Sizes:
-        """What is large about the request."""
+        """Sizes of the request, for limits."""
         cells = self.places // self.basins if self.basins else 0
-        # Where damping is weak, no cell takes all k iterations. A float cannot hold every integer.
+        # At weak damping no cell takes all k iterations. A float cannot hold every integer.
         applications = round(cells * expected_applications(self._least_damping, min(self.iterations, 10**18)))
         return (
             ("cells or points", cells, "max_cells"),
@@ -123,7 +123,7 @@ class BasinJob(Job):
                 raise SweptOutsideDomain(error, ("vary", axis, "values", number), where) from error
 
     def _at_fault(self, basin: int, parameter: str) -> tuple[int, int]:
-        """Which swept parameter, and which of its values, is to blame for a basin outside the domain."""
+        """Which swept parameter, and which of its values, puts a basin outside the domain."""
         names = [swept.parameter for swept in self.vary]
         axis = names.index(parameter) if parameter in names else len(names) - 1
         return axis, self.place_of(basin)[axis]
@@ -134,7 +134,7 @@ class BasinJob(Job):
 
     @property
     def applications(self) -> int:
-        """About how many applications of P one cell takes at the least damping."""
+        """Approximate number of applications of P for one cell at the lowest damping."""
         return round(expected_applications(self._least_damping, self.iterations))
 
     @property
@@ -154,7 +154,7 @@ class BasinJob(Job):
         return (self.sample.points if self.sample else time.cells * velocity.cells) * self.basins
 
     def place_of(self, basin: int) -> tuple[int, ...]:
-        """Number of a basin's value in each swept parameter; the last parameter runs fastest.
+        """Index of a basin's value in each swept parameter; the last parameter varies fastest.
 
         Parameters
         ----------
@@ -180,7 +180,7 @@ class BasinJob(Job):
         Returns
         -------
         dict
-            By the parameter's name.
+            Values by the parameter's name.
         """
         return {swept.parameter: swept.values[at] for swept, at in zip(self.vary, self.place_of(basin), strict=True)}
 
@@ -233,7 +233,7 @@ class SweepJob(BasinJob):
 
 
 def basin_job(request: dict[str, Any]) -> BasinJob:
-    """Job of a basin, or of a sweep if the request varies something.
+    """Job of a basin, or of a sweep if the request has ``vary``.
 
     Parameters
     ----------

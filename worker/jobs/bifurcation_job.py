@@ -51,7 +51,7 @@ class BifurcationJob(AnalysisJob):
     kept: Count = Field(20, description="Departures kept at each value")
 
     def sizes(self) -> Sizes:
-        """What is large about the request."""
+        """Sizes of the request, for limits."""
         # Seeds that are still to be found count as one.
         visits = self.vary_.size * (2 if self.direction == Direction.BOTH else 1) * len(self.seeds or [None])
         return (
@@ -77,7 +77,7 @@ class BifurcationJob(AnalysisJob):
         try:
             return check_swept((ascending,), impacting=math.isinf(self.oscillator_.to_oscillator().stiffness))[0]
         except InvalidJob as error:
-            # Here `vary` is no list.
+            # Here `vary` is not a list.
             raise InvalidJob(str(error), tuple(part for part in error.place if part != 0)) from error
 
     @cached_property

@@ -36,7 +36,7 @@ class GrazingCurveJob(AnalysisJob):
     most_points: Count = Field(MOST_POINTS, description="Of one order; an order that needs more is left incomplete")
 
     def sizes(self) -> Sizes:
-        """What is large about the request."""
+        """Sizes of the request, for limits."""
         return (
             ("orders", self.order, "max_order"),
             ("points of an order", self.most_points, "max_curve_points"),

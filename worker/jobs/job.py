@@ -1,7 +1,7 @@
 """What jobs of every kind have in common. A job is its own request: checked once, then in canonical form.
 
-A request may be written in several ways: values listed or spaced, defaults named or left out. A job holds what it
-settles: `Job.request` is the same for all of them, and so is the digest.
+A request may be written in several ways: values listed or spaced, defaults given or left out. A job holds the canonical
+form, so `Job.request` and the digest are the same for all of them.
 
 A field whose name ends with an underscore is a part of the request in its JSON shape; the property of the same name
 without it is the value that the worker uses. In JSON and as an argument it has the name without the underscore.
@@ -27,7 +27,7 @@ from worker.jobs.request import Request, refusal
 from worker.jobs.swept_parameter import without_stiffness
 
 Sizes = tuple[tuple[str, float, str], ...]
-"""What is large about a request: in words, how large, and the name of the setting that limits it."""
+"""Sizes of a request: for each, what is counted, the number, and the name of the setting that limits it."""
 
 
 class Job(Request, ABC):
@@ -42,7 +42,7 @@ class Job(Request, ABC):
     model_config = ConfigDict(alias_generator=lambda name: name.rstrip("_"), serialize_by_alias=True)
 
     result_version: ClassVar[int] = 1
-    """Part of every digest. A store of another layout, or of kernels with other answers, is another result."""
+    """Part of every digest. A new layout of the store, or kernels with different results, need a new version."""
 
     impacting_only: ClassVar[bool] = False
     """Whether only the impacting model can be computed."""
@@ -61,8 +61,8 @@ class Job(Request, ABC):
         request : dict
             As JSON. It need not be in canonical form.
         check_size : callable
-            Called with the job as soon as types and ranges of its fields are known to be right, before anything that
-            takes time in proportion to its `sizes`.
+            Called with the job once the types and ranges of its fields are checked, before any work that grows with
+            its `sizes`.
 
         Returns
         -------
@@ -103,7 +103,7 @@ class Job(Request, ABC):
     def _settled(self) -> dict[str, Any]:
         """Check the job, and return the fields of its canonical form other than the oscillator.
 
-        Fields that are left out are no part of the request. The base class checks nothing.
+        Fields that are left out are not part of the request. The base class checks nothing.
         """
 
     @property
@@ -113,7 +113,7 @@ class Job(Request, ABC):
 
     @abstractmethod
     def sizes(self) -> Sizes:
-        """What is large about the request."""
+        """Sizes of the request, for limits."""
 
     @cached_property
     def oscillator(self) -> Oscillator:

@@ -56,7 +56,7 @@ class Itinerary(NamedTuple):
         ----------
         text : str
         place : tuple of str and int
-            Where it stands in the request.
+            Its location in the request.
 
         Returns
         -------
@@ -73,7 +73,7 @@ class Itinerary(NamedTuple):
 
     @property
     def name(self) -> str:
-        """As orbits are called."""
+        """Name, in the form of an orbit's."""
         return f"P({self.forcing_periods},{self.upper_contacts},{self.lower_contacts})"
 
 
@@ -95,7 +95,7 @@ class SaddleRequest(Request):
         return self
 
     def to_saddle(self) -> OrbitSeed | Itinerary:
-        """Where Newton's method starts, or what the saddle is called.
+        """Starting point of Newton's method, or itinerary of the saddle.
 
         Raises
         ------
@@ -145,7 +145,7 @@ class ManifoldJob(AnalysisJob):
     cells: Count = Field(SEARCH_CELLS, description="Cells of that search each way")
 
     def sizes(self) -> Sizes:
-        """What is large about the request."""
+        """Sizes of the request, for limits."""
         longest = max((each.upper_contacts for each in self.saddles if isinstance(each, Itinerary)), default=0)
         return (
             ("units of arclength", self.arclength, "max_arclength"),
@@ -170,7 +170,7 @@ class ManifoldJob(AnalysisJob):
 
     @cached_property
     def saddles(self) -> tuple[OrbitSeed | Itinerary, ...]:
-        """Where Newton's method starts, or what the saddles are called."""
+        """Starting points of Newton's method, or itineraries of the saddles."""
         return tuple(saddle.to_saddle() for saddle in self.saddles_)
 
     @cached_property

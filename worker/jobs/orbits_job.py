@@ -65,7 +65,7 @@ class Continuation:
         ----------
         oscillator : Oscillator
         place : str
-            Where the continuation stands in the request.
+            Location of the continuation in the request.
 
         Raises
         ------
@@ -97,7 +97,7 @@ class OrbitsJob(AnalysisJob):
     curves: Continuation | None = Field(None, description="Follow every special point in a second parameter, too")
 
     def sizes(self) -> Sizes:
-        """What is large about the request."""
+        """Sizes of the request, for limits."""
         points = max((each.most_points for each in (self.continuation, self.curves) if each), default=0)
         return (
             ("cells times cells times longest", self.cells**2 * self.longest, "max_orbit_starts"),

@@ -107,17 +107,17 @@ def oscillator_request(
 
 
 def with_swept_stiffness(oscillator: Any) -> Any:
-    """Give an oscillator whose stiffness is swept, and which names none, a value that the first swept one replaces.
+    """Give an oscillator whose stiffness is swept a placeholder if it has no stiffness of its own.
 
     Parameters
     ----------
     oscillator : object
-        As a request has it.
+        Oscillator of a request.
 
     Returns
     -------
     object
-        The same, with a stiffness if it is of the piecewise linear model.
+        The same oscillator, with a stiffness if its model is piecewise linear.
     """
     if isinstance(oscillator, dict) and oscillator.get("model") == PIECEWISE_LINEAR:
         return {"stiffness": 1.0} | oscillator

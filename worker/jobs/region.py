@@ -12,7 +12,7 @@ from worker.jobs.request import Real, values_config
 
 _WINDOW = CellGrid()
 SEARCH_CELLS = 40
-"""Cells of a search for orbits each way, by default."""
+"""Default number of cells each way in a search for orbits."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def check_speeds(speeds: Interval, place: Place = ("velocity",)) -> None:
     ----------
     speeds : Interval
     place : tuple of str and int
-        Where it stands in the request.
+        Its location in the request.
 
     Raises
     ------

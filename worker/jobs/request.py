@@ -1,4 +1,4 @@
-"""What every request is made of: strict numbers, no unknown fields, and errors that name the field at fault."""
+"""Base of all requests: strict numbers, no unknown fields, and errors that name the field at fault."""
 
 from collections.abc import Callable
 from typing import Annotated, Any
@@ -13,7 +13,7 @@ Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Count = Annotated[int, Field(strict=True, ge=1)]
 
 UNION_TAGS = {"impacting", "piecewise_linear"}
-"""Steps of pydantic's locations that say which model of the oscillator was meant; they are no fields."""
+"""Parts of pydantic's locations that name the model of the oscillator; they are not fields."""
 
 
 class Request(BaseModel):
@@ -43,7 +43,7 @@ def accepting(value_type: type, convert: Callable[[Any], Any]) -> Callable[[Any]
     Parameters
     ----------
     value_type : type
-        Of the worker's value.
+        Type of the worker's value.
     convert : callable
         Makes the part of the request.
 
@@ -73,12 +73,12 @@ def fault_of(item: Any) -> tuple[Place, str]:
     if isinstance(error, InvalidJob):
         place += error.place
     if item["type"] == "unexpected_keyword_argument":
-        return place, "Extra inputs are not permitted"  # a dataclass says it in Python's words
+        return place, "Extra inputs are not permitted"  # a dataclass words it differently
     return place, item["msg"].removeprefix("Value error, ")
 
 
 def refusal(error: ValidationError) -> ValueError:
-    """The error to raise for what pydantic has refused.
+    """The error to raise for a validation error of pydantic.
 
     Parameters
     ----------

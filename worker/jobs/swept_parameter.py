@@ -49,7 +49,7 @@ class SweptParameter:
         Raises
         ------
         InvalidJob
-            If values cannot be spaced so.
+            If values cannot be spaced in this way.
         """
         if spacing == Spacing.GEOMETRIC and not (start > 0.0 and stop > 0.0):
             raise InvalidJob(f"{parameter} can only be spaced geometrically from and to values above 0")
@@ -88,7 +88,7 @@ class VaryRequest(Request):
         Parameters
         ----------
         place : tuple of str and int
-            Where it stands in the request.
+            Its location in the request.
 
         Returns
         -------
@@ -130,12 +130,12 @@ Vary = Annotated[VaryRequest, BeforeValidator(accepting(SweptParameter, vary_req
 
 
 def without_stiffness(request: Any) -> Any:
-    """The same request, whose oscillator need not name a stiffness if ``vary`` sweeps it.
+    """The same request, except that the oscillator may lack a stiffness if ``vary`` sweeps it.
 
     Parameters
     ----------
     request : object
-        As it was sent.
+        Request as sent.
 
     Returns
     -------
@@ -152,7 +152,7 @@ def without_stiffness(request: Any) -> Any:
 
 
 def check_swept(vary: Sequence[SweptParameter], *, impacting: bool) -> tuple[SweptParameter, ...]:
-    """Return swept parameters with plain float values, or say what is wrong with them.
+    """Return swept parameters with plain float values, or raise an error that says what is wrong.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def check_swept(vary: Sequence[SweptParameter], *, impacting: bool) -> tuple[Swe
     Raises
     ------
     InvalidJob
-        With the place of what is at fault.
+        With the location of the fault.
     """
     names = [swept.parameter for swept in vary]
     for axis, name in enumerate(names):

@@ -1,4 +1,4 @@
-"""What to compute at once: one time history."""
+"""What to compute at once, without a job: one time history."""
 
 from pydantic import ConfigDict, Field
 
@@ -78,7 +78,7 @@ class TrajectoryRequest(Request):
         Parameters
         ----------
         most_contacts : int
-            The history is truncated there.
+            The history is truncated after this many.
 
         Returns
         -------

@@ -13,7 +13,7 @@ from worker.pictures import colours
 from worker.pictures.figure_file import new_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind
 from worker.pictures.panel_picture import Layer, PanelPicture
-from worker.pictures.symbols import SYMBOLS, oscillator_told
+from worker.pictures.symbols import SYMBOLS, oscillator_text
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 from worker.stores.solution_table import SolutionTable
@@ -57,7 +57,7 @@ def draw_legend(axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray
 
 def _title(store: BasinStore, shown: int) -> str:
     swept = tuple(each.parameter for each in store.job.vary)
-    title = f"{oscillator_told(store.job.oscillator, without=swept)}, k = {store.job.iterations}"
+    title = f"{oscillator_text(store.job.oscillator, without=swept)}, k = {store.job.iterations}"
     if shown < store.job.basins:
         title += f"; {shown} of {store.job.basins} basins"
     if not store.complete:

@@ -7,7 +7,7 @@ from rattle_kernels import Oscillator
 SYMBOLS = {"damping": "δ", "eccentricity": "ε", "half_backlash": "β", "stiffness": "κ"}
 
 
-def oscillator_told(oscillator: Oscillator, without: tuple[str, ...] = ()) -> str:
+def oscillator_text(oscillator: Oscillator, without: tuple[str, ...] = ()) -> str:
     """Model and parameters in one line, except those in `without`."""
     fields = {name: value for name, value in oscillator._asdict().items() if name in SYMBOLS and name not in without}
     told = [f"{SYMBOLS[name]} = {value:g}" for name, value in fields.items() if np.isfinite(value)]

@@ -1,1 +1,1 @@
-"""Zarr stores: layout, tiles, reading and writing; nothing of Dask."""
+"""Zarr stores: layout, tiles, reading and writing, without Dask."""

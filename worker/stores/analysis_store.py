@@ -1,8 +1,8 @@
 """The Zarr store of an analysis: parts as they are computed, and the tables that are assembled from them.
 
-Guarantees. Each part is written by one task, which marks it whole when all its columns are there. A part without the
-mark is ignored and computed again. The driver alone writes tables, whole, when the work ends or is stopped. When the
-store is complete its parts are removed, and the rest is the same to the byte whatever happened on the way.
+Guarantees. Each part is written by one task, which marks it complete once all its columns are written. A part without
+the mark is ignored and computed again. Only the driver writes tables. It writes them whole, when the work ends or is
+stopped. A complete store has no parts, and the same bytes however often the work was interrupted.
 """
 
 import json
@@ -39,9 +39,9 @@ class AnalysisStore:
     Parameters
     ----------
     location : str
-        As in `worker.stores.storage`.
+        Location as in `worker.stores.storage`.
     fence : Fence
-        Of the driver.
+        The driver's fence.
 
     Raises
     ------
@@ -99,7 +99,7 @@ class AnalysisStore:
         return bool(self._group.attrs["complete"])
 
     def write_part(self, name: str, columns: Columns) -> None:
-        """Write the columns of a piece, and mark them whole."""
+        """Write the columns of a part, and mark it complete."""
         with as_store_failure(self.location):
             part = self._group.create_group(f"{_PARTS}/{name}", overwrite=True)
             for column, values in columns.items():
@@ -107,12 +107,12 @@ class AnalysisStore:
             part.attrs[_WHOLE] = True
 
     def read_part(self, name: str) -> Columns:
-        """Columns of a piece that is done.
+        """Columns of a completed part.
 
         Raises
         ------
         StoreFailed
-            If it is gone, as when the driver has finished meanwhile.
+            If it is gone, for example because the driver has finished.
         """
         part = self._part(name)
         if part is None:
@@ -121,7 +121,7 @@ class AnalysisStore:
             return {column: np.asarray(array[...]) for column, array in part.arrays()}
 
     def _part(self, name: str) -> Any | None:
-        """Group of a piece, None if it is missing."""
+        """Group of a part, None if it is missing."""
         with as_store_failure(self.location):
             try:
                 return self._group[f"{_PARTS}/{name}"]
@@ -129,7 +129,7 @@ class AnalysisStore:
                 return None
 
     def parts(self) -> "StoredParts":
-        """Pieces that are done."""
+        """Completed parts."""
         # Zarr's own list of groups would warn of temporary files that writers of other parts have open.
         with as_store_failure(self.location):
             names = place_at(self.location).folders(_PARTS)
@@ -169,14 +169,14 @@ class AnalysisStore:
 
 
 class StoredParts(Mapping[str, Columns]):
-    """Columns of pieces by name, read on first use and then kept."""
+    """Columns of parts by name, read on first use and then cached."""
 
     def __init__(self, store: AnalysisStore, names: list[str]) -> None:
         self._store = store
         self._columns: dict[str, Columns | None] = dict.fromkeys(names)
 
     def add(self, name: str) -> None:
-        """Note that a piece is done."""
+        """Note that a part is complete."""
         self._columns[name] = None
 
     def __getitem__(self, name: str) -> Columns:
@@ -210,7 +210,7 @@ def kind_of_store(location: str) -> str:
 
 
 def _create(location: str, title: str, job: AnalysisJob, fence: Fence) -> None:
-    """Create a new store with attributes alone. The length of its tables is not known yet."""
+    """Create a new store with attributes only. The length of its tables is not known yet."""
     group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
     born = birth_certificate(title, job.request(), job.digest)
     group.update_attributes(born | {"kind": job.kind, "layout_version": ANALYSIS_LAYOUT_VERSION})

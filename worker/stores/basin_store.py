@@ -1,10 +1,10 @@
 """The Zarr store of one job.
 
-Guarantees. One tile is one chunk of every array, and one writer writes it, so writers never meet. Chunks are replaced
-as a whole (temporary file and rename), so a killed writer leaves the old chunk or the new one. Chunks equal to the fill
+Guarantees. One tile is one chunk of every array and has one writer, so writers never conflict. Chunks are replaced as
+a whole (temporary file and rename), so a killed writer leaves the old chunk or the new one. Chunks equal to the fill
 value are written, too. The ledger, the table of solutions and the metadata have one writer, the driver. Metadata are
-consolidated whenever they change (when there are more solutions than before). So readers that rely on the root, such as
-those over HTTP, which cannot list a folder, see everything at any moment.
+consolidated whenever they change (when solutions are added). So readers that rely on the root, such as those
+over HTTP, which cannot list a folder, always see everything.
 """
 
 import json
@@ -34,9 +34,9 @@ class BasinStore(SolutionArrays):
     Parameters
     ----------
     location : str
-        As in `worker.stores.storage`.
+        Location as in `worker.stores.storage`.
     fence : Fence
-        Of the driver.
+        The driver's fence.
 
     Raises
     ------
@@ -95,12 +95,12 @@ class BasinStore(SolutionArrays):
                 self._kept(variable)[region] = value if self.job.sample is None else value[0]
 
     def read_tile(self, variables: Sequence[Variable], tile: Tile) -> tuple[np.ndarray, ...]:
-        """Read one tile of some variables, all of it written before.
+        """Read one tile of some variables. All of it must have been written.
 
         Raises
         ------
         StoreFailed
-            If it cannot be read or is missing. Zarr returns fill values for missing chunks, and those are not data.
+            If it cannot be read or is missing. Zarr returns fill values for missing chunks, which are not data.
         """
         region = self._region(tile)
         shape = tile.rows[1] - tile.rows[0], tile.columns[1] - tile.columns[0]
@@ -175,7 +175,7 @@ class BasinStore(SolutionArrays):
         self._fence()
         with as_store_failure(self.location):
             consolidate(self.location, self._fence)
-            # Written with the consolidated metadata, in one piece: what is complete is so for every reader.
+            # One write, with the consolidated metadata: a complete store is complete for every reader.
             whole = open_group(self.location, "r+", consolidated=True, fence=self._fence)
             whole.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
 

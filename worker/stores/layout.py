@@ -36,9 +36,9 @@ class ChangeKind(IntEnum):
     """What can happen to a solution between two neighbouring values of a parameter."""
 
     BIRTH = 1
-    """It is there after, and not before."""
+    """Absent before, present after."""
     DEATH = 2
-    """It was there before, and is not after."""
+    """Present before, absent after."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Variable:
         return f"{self.group}/{self.name}" if self.group else self.name
 
     def attrs(self) -> dict[str, Any]:
-        """Attributes as stored: CF ``long_name`` and what else belongs to the variable."""
+        """Attributes as stored: CF ``long_name`` and the variable's other attributes."""
         return {"long_name": self.meaning} | self.attributes
 
 
@@ -141,7 +141,7 @@ MOTIONS = (
     Variable("lower_contacts", _ATTRACTOR, np.int32, MISSING, "n- of P(m, n+, n-): contacts with -beta", {}, False),
     Variable("name", _ATTRACTOR, str, "", "P(m, n+, n-), or in words what is not periodic", {}, False),
 )
-"""What a solution is by its number, the same in all basins."""
+"""The motion of each solution by number, the same in all basins."""
 
 _NOT_THERE = "NaN where the panel has no such solution, or is not complete"
 MEASURED = (
@@ -153,12 +153,12 @@ MEASURED = (
         "of chaos that motions leave again: impacts until one does, on average; NaN where none was seen to leave",
     ),
 )  # fmt: skip
-"""What it is like in each basin."""
+"""Properties of each solution in each basin."""
 
 SHARE_ERROR = Variable(
     "share_error", _ATTRACTOR, np.float64, np.inf, "standard error of share: binomial, of as many independent points"
 )
-"""Of samples only."""
+"""For samples only."""
 
 POINTS = (
     Variable(
@@ -168,7 +168,7 @@ POINTS = (
         "attractor_velocity", ("attractor", "point"), np.float64, np.nan, "speeds of its departures, NaN-padded", SPEED
     ),
 )
-"""Nothing there is no point: the one fill value that is what it says."""
+"""NaN means that there is no point. No other fill value has a meaning."""
 
 CHANGES = (
     Variable("change_kind", ("change",), np.int8, 0, "what happens to a solution", flags(ChangeKind), False),
@@ -178,7 +178,7 @@ CHANGES = (
     Variable("change_to", ("change",), np.float64, np.inf, "its value after", {}, False),
     Variable("change_beside", ("change",), np.float64, np.inf, "value of the other swept parameter or NaN", {}, False),
 )
-"""Births and deaths of solutions from one basin to the next; in sweeps only, when all basins are complete."""
+"""Births and deaths of solutions from one basin to the next; in sweeps only, once all basins are complete."""
 
 _ASSEMBLY = "assembly"
 IMAGE_WORDS = Variable(
@@ -190,7 +190,7 @@ IMAGE_SET = (
     Variable("step", ("member",), np.int32, MISSING, "their steps", group=_ASSEMBLY),
     Variable("period", ("group_number",), np.int32, MISSING, "period of each group, 0 for group 0", group=_ASSEMBLY),
 )
-"""In a subgroup of its own: what tiles look their labels up in."""
+"""In a separate subgroup: the table in which tiles look up their labels."""
 IMAGE_COUNTS = Variable(
     "image_counts", ("reserved",), np.int64, MISSING, "places with the images -1, -2, -3", group=_ASSEMBLY
 )
@@ -199,7 +199,7 @@ _OWN = "index into the panel's own catalogue, before solutions have the numbers 
 
 @dataclass(frozen=True)
 class Places:
-    """The arrays of what is computed place by place: cells of a grid, or points of a sample."""
+    """The arrays with one value for each cell of a grid, or for each point of a sample."""
 
     coordinates: tuple[Variable, ...]
     mapped: tuple[Variable, ...]

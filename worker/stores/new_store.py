@@ -26,7 +26,7 @@ from worker.stores.tiles import Tiling, cut, cut_row
 CONFIG = {"write_empty_chunks": True}
 # Arrays that are written whole are small, except the image set of a map of 1e8 cells.
 _LONGEST_CHUNK = 1 << 22
-# Size of a chunk of a basin's attractors.
+# Chunks of a basin's attractors.
 _ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK = 32, 4096
 _PACKAGES = ("gear-rattle", "numpy", "numba", "scipy", "zarr", "dask", "distributed")
 
@@ -47,7 +47,7 @@ def tiling_of(job: BasinJob) -> Tiling:
 
 
 def consolidate(location: str, fence: Fence = unfenced) -> None:
-    """Gather all metadata at the root, for readers to find in one piece. Called after every change of them."""
+    """Collect all metadata at the root, so that readers get them in one read. Called after every change of metadata."""
     with warnings.catch_warnings():
         # Consolidated metadata are Zarr-Python's own, not yet in the specification. Other readers ignore them.
         warnings.simplefilter("ignore", ZarrUserWarning)
@@ -57,7 +57,7 @@ def consolidate(location: str, fence: Fence = unfenced) -> None:
 def create_array(
     group: Any, job: BasinJob, variable: Variable, shape: tuple[int, ...], chunks: tuple[int, ...] | None = None
 ) -> Any:
-    """Create one array. If chunks are given each holds one basin, else all basins.
+    """Create one array. If `chunks` is given, each chunk holds one basin; otherwise it holds all basins.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def create_array(
     job : BasinJob
     variable : Variable
     shape, chunks : tuple of int
-        Along the variable's own dimensions. Those of swept parameters go before them.
+        Along the variable's own dimensions. The dimensions of swept parameters come first.
     """
     basins = job.sweep_shape if variable.per_basin else ()
     of_basins = tuple(1 for _ in basins) if chunks else basins
@@ -78,7 +78,7 @@ def create_array(
 
 
 def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
-    """Lay out a new store. The attributes that make it one are written last."""
+    """Create a new store. The attributes that identify it as a store are written last."""
     group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
     tiling, places = tiling_of(job), places_of(job)
     sampled = job.sample is not None
@@ -142,7 +142,7 @@ def _create_solutions(group: Any, job: BasinJob) -> None:
 
 
 def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[str, Any]:
-    """Attributes of every new store: title, request, versions of the packages, and when it was begun."""
+    """Attributes of every new store: title, request, versions of the packages, and time of creation."""
     return {
         "Conventions": "CF-1.11",
         "title": title,

@@ -17,7 +17,7 @@ from zarr.storage import ObjectStore
 from worker.fence import Fence, unfenced
 from worker.stores.storage import Part, Place, StoredFile
 
-if TYPE_CHECKING:  # not there when it runs
+if TYPE_CHECKING:  # not available at run time
     from obstore.store import ClientConfig, RetryConfig
 
 # A missing server is noticed within seconds. Requests to a busy one are repeated for longer than an election takes.
@@ -46,7 +46,7 @@ def objects_at(location: str, bucket: str, prefix: str, fence: Fence) -> Place:
 
 
 class _WholeObjects(ObjectStore):
-    """Objects written in one request each, so a killed writer leaves the old one or the new one, and no parts."""
+    """Objects written in one request each, so a killed writer leaves the old object or the new one, never a part."""
 
     async def set(self, key: str, value: Any) -> None:
         self._check_writable()
@@ -95,7 +95,7 @@ class _Objects:
     """Objects of S3 below a prefix."""
 
     def __init__(self, location: str, bucket: str, prefix: str, fence: Fence) -> None:
-        # An address that begins with http:// is a decision to do without TLS.
+        # An endpoint that begins with http:// opts out of TLS.
         options: ClientConfig = {**_TIMEOUTS, "allow_http": _variable(_ENDPOINTS).startswith("http://")}
         region = _variable(_REGIONS) or _DEFAULT_REGION
         self._store = S3Store(bucket, prefix=prefix, region=region, retry_config=_RETRIES, client_options=options)
@@ -118,7 +118,7 @@ class _Objects:
     def read(self, path: str, part: Part) -> StoredFile | None:
         try:
             answer = obstore.get(self._store, path)  # the content is sent when it is read
-        except (FileNotFoundError, ValueError):  # none there, or a path with steps such as ".."
+        except (FileNotFoundError, ValueError):  # missing, or a path with parts such as ".."
             return None
         size, tag = answer.meta["size"], re.sub(r"\W", "", answer.meta["e_tag"] or "")
         start, stop = part(size, tag)

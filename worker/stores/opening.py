@@ -56,12 +56,12 @@ def is_complete(location: str, digest: str) -> bool:
 
 
 def create_unless_there(location: str, what: str, create: Callable[[], None], fence: Fence) -> None:
-    """Create a store, unless there is one.
+    """Create a store unless one exists.
 
     Raises
     ------
     StoreConflict
-        If the location holds something that is no store.
+        If the location holds something that is not a store.
     StoreFailed
         If it cannot be written.
     """
@@ -75,7 +75,7 @@ def create_unless_there(location: str, what: str, create: Callable[[], None], fe
 
 
 def demand_same_digest(location: str, there: str, digest: str) -> None:
-    """Refuse a store that another request's store has replaced since the job began; `there` is its own digest.
+    """Refuse a store that was replaced by another request's since the job began; `there` is the store's digest.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def demand_same_digest(location: str, there: str, digest: str) -> None:
 
 
 def demand_same_request(location: str, digest: str, there: str, request: dict[str, Any]) -> None:
-    """Refuse a store of another request. `there` and `request` are its own digest and request.
+    """Refuse a store of another request. `there` and `request` are the store's digest and request.
 
     Raises
     ------

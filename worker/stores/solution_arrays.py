@@ -1,7 +1,7 @@
-"""Solutions in the store of basins: what each number stands for, what it is like in each basin, and its points.
+"""Solutions in the store of basins: the motion of each number, its properties in each basin, and its points.
 
-How many solutions there are is not known when a store is laid out, so these arrays are lengthened as solutions are
-found. Readers may come at any moment.
+The number of solutions is not known when a store is created, so these arrays grow as solutions are found. Readers may
+read them at any moment.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ from worker.stores.solution_table import Motion, SolutionTable, share_error
 
 
 class SolutionArrays:
-    """The arrays of solutions in an open store of basins, which is a subclass."""
+    """The arrays of solutions in an open store of basins. The store is a subclass."""
 
     location: str
     job: BasinJob
@@ -41,13 +41,13 @@ class SolutionArrays:
         return self._handles[variable.path]
 
     def _kept_with_room(self, variable: Variable, shape: tuple[int, ...]) -> Any:
-        """An array whose last dimensions the driver lengthens, opened again if the known one is too short."""
+        """An array that the driver extends along its last dimensions, reopened if the known one is too short."""
         if any(there < needed for there, needed in zip(self._kept(variable).shape[-len(shape) :], shape, strict=True)):
             del self._handles[variable.path]
         return self._kept(variable)
 
     def make_room(self, table: SolutionTable, points: int) -> None:
-        """Lengthen the arrays of solutions if they are too short, and name the new solutions (driver only).
+        """Extend the arrays of solutions if they are too short, and name the new solutions (driver only).
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class SolutionArrays:
                 array[: len(names)] = values
             flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
             self._group[self.places.solution.path].update_attributes(flags)
-            # Points come last, because their shape says how much room there is. A driver killed before starts again.
+            # Points come last, because their shape says how much room there is. A driver killed earlier starts over.
             for variable in reversed(layout.POINTS):
                 self._array(variable).resize((*self.job.sweep_shape, *room))
             consolidate(self.location, self._fence)
@@ -84,7 +84,7 @@ class SolutionArrays:
     def write_points(self, basin: int, numbers: Sequence[int], attractors: Sequence[Attractor]) -> None:
         """Write the points of a basin's attractors, under their numbers.
 
-        Only the basin's own numbers are written, so which chunks it has does not depend on the room that others need.
+        Only the basin's own numbers are written, so its chunks do not depend on the room that other basins need.
         """
         place = self.job.place_of(basin)
         shape = max(numbers) + 1, max(attractor.time.size for attractor in attractors)
@@ -97,7 +97,7 @@ class SolutionArrays:
                 self._kept_with_room(variable, shape)[*place, : shape[0], : shape[1]] = padded
 
     def write_solutions(self, table: SolutionTable) -> None:
-        """Write what solutions are like in each basin, as far as there is room (driver only)."""
+        """Write the properties of solutions in each basin, as far as there is room (driver only)."""
         self._fence()
         columns = table.columns
         if self.job.sample is not None:
@@ -110,7 +110,7 @@ class SolutionArrays:
                 array[..., :room] = values[:, :room].reshape(*self.job.sweep_shape, room)
 
     def read_solutions(self) -> SolutionTable:
-        """Solutions, and what they are like in each basin, as far as that is known."""
+        """Solutions and their properties in each basin, as far as known."""
         with as_store_failure(self.location):
             motions = [np.asarray(self._array(variable)[...]) for variable in layout.MOTIONS[:4]]
             columns = [np.asarray(self._array(variable)[...]) for variable in layout.MEASURED]
@@ -127,11 +127,11 @@ class SolutionArrays:
         )
 
     def read_catalogue(self, basin: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
-        """Some of the attractors of a basin, by number. One whose points are still being written has none."""
+        """Attractors of a basin with these numbers. An attractor whose points are still being written has none."""
         with as_store_failure(self.location):
             place = self.job.place_of(basin)
             points = [np.asarray(self._array(variable)[*place, :, :]) for variable in layout.POINTS]
-        # The two arrays are lengthened and written one after the other, and this may come in between.
+        # The two arrays are extended and written one after the other. This read may fall in between.
         rows, columns = np.min([each.shape for each in points], axis=0)
         nothing = np.full((1, columns), np.nan)
         time, velocity = (np.vstack([each[:rows, :columns], nothing]) for each in points)

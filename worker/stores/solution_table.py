@@ -1,4 +1,4 @@
-"""The solutions of all basins: what motion each number stands for, and what it is like in each basin."""
+"""The solutions of all basins: the motion of each number, and its properties in each basin."""
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -10,7 +10,7 @@ from worker.jobs.basin_job import BasinJob
 
 
 class Motion(NamedTuple):
-    """What makes two solutions of neighbouring basins possibly the same: kind, and P(m, n+, n-)."""
+    """Kind and P(m, n+, n-). Solutions of neighbouring basins can only be the same if these are equal."""
 
     kind: AttractorKind
     forcing_periods: int
@@ -19,7 +19,7 @@ class Motion(NamedTuple):
 
     @property
     def name(self) -> str:
-        """As an attractor is named."""
+        """Name, in the form of an attractor's."""
         return Attractor(*self, np.nan, np.nan, np.empty(0), np.empty(0)).name
 
 
@@ -53,7 +53,7 @@ class SolutionTable:
 
     @property
     def columns(self) -> list[np.ndarray]:
-        """What solutions are like in each basin, in the order of `layout.MEASURED`."""
+        """Properties of solutions in each basin, in the order of `layout.MEASURED`."""
         return [self.share, self.exponent, self.error, self.mean_life]
 
     def _replace(self, columns: list[np.ndarray]) -> None:
@@ -76,13 +76,13 @@ class SolutionTable:
         return dict(zip(numbers.tolist(), basins.tolist(), strict=True))
 
     def append(self, motion: Motion) -> int:
-        """Number of a solution that is new."""
+        """Add a new solution, and return its number."""
         self.motions.append(motion)
         self._replace([np.pad(column, ((0, 0), (0, 1)), constant_values=np.nan) for column in self.columns])
         return len(self.motions) - 1
 
     def forget_after(self, basins: int) -> None:
-        """Keep the rows of the first basins alone, and the solutions that these have."""
+        """Keep only the rows of the first basins, and only their solutions."""
         for column in self.columns:
             column[basins:] = np.nan
         known = np.flatnonzero(np.isfinite(self.share).any(axis=0))

@@ -50,10 +50,10 @@ class Place(Protocol):
         """Raise the system's error if there can be no store, for example because the bucket is gone."""
 
     def taken(self) -> bool:
-        """Whether the location holds something that is not even the beginning of a store."""
+        """Whether the location holds anything other than a store or the beginning of one."""
 
     def read(self, path: str, part: Part) -> StoredFile | None:
-        """Part of a file by its path within; None where there is none, or the path leads out."""
+        """Part of a file by its path; None if it does not exist or the path leaves the store."""
 
     def folders(self, path: str) -> list[str]:
         """Names of the folders below a path of the store, ascending."""
@@ -115,13 +115,13 @@ class _Folder:
             file = (root / path).resolve()
             if not file.is_relative_to(root) or not file.is_file():
                 return None
-            with file.open("rb") as opened:  # one file, even where it is replaced in the meantime
+            with file.open("rb") as opened:  # the same file, even if it is replaced meanwhile
                 status = os.fstat(opened.fileno())
                 tag = f"{status.st_mtime_ns:x}-{status.st_size:x}"
                 start, stop = part(status.st_size, tag)
                 opened.seek(start)
                 return StoredFile(opened.read(stop - start), start, status.st_size, tag)
-        except (FileNotFoundError, ValueError):  # removed in the meantime, or a name that no file can have
+        except (FileNotFoundError, ValueError):  # removed meanwhile, or not a valid file name
             return None
 
     def folders(self, path: str) -> list[str]:

@@ -46,10 +46,10 @@ class Change:
 class BasinSummary:
     """Result of one job: its motions with their shares, and how complete it is.
 
-    ``attractors`` are by number, each as the first basin has it; ``shares`` those of all basins' cells, NaN until
-    every basin is complete; ``image_counts`` says how many places have each reserved image, once all are mapped;
-    ``seconds`` has the wall time of each stage and the kernels' own time. ``basins`` are in order; ``changes`` lists
-    births and deaths so far.
+    ``attractors`` are listed by number, each from the first basin that has it. ``shares`` are those of all basins'
+    cells, NaN until every basin is complete. ``image_counts`` counts the cells or points with each reserved image, once
+    all are mapped. ``seconds`` has the wall time of each stage and the kernels' own time. ``basins`` are in order.
+    ``changes`` lists births and deaths so far.
     """
 
     request: dict[str, Any]
@@ -106,7 +106,7 @@ def summarise(location: str) -> BasinSummary:
     Raises
     ------
     StoreConflict, StoreFailed
-        Where there is no basin's store, or it cannot be read.
+        If there is no basin's store, or it cannot be read.
     """
     store = BasinStore(location)
     states = store.read_ledger()
@@ -134,7 +134,7 @@ def fingerprint(location: str) -> bytes:
     Raises
     ------
     StoreConflict, StoreFailed
-        Where there is no basin's store, or it cannot be read.
+        If there is no basin's store, or it cannot be read.
     """
     store = BasinStore(location)
     table = store.read_solutions()
@@ -144,7 +144,7 @@ def fingerprint(location: str) -> bytes:
 
 
 def representatives(store: BasinStore, table: SolutionTable) -> tuple[Attractor, ...]:
-    """Each solution as in the first basin that has it, or while none is complete as in the first basin's catalogue."""
+    """Each solution, from the first basin that has it; from the first catalogue while no basin is complete."""
     there = np.isfinite(table.share)
     first = np.where(there.any(axis=0), there.argmax(axis=0), 0)
     found: dict[int, Attractor] = {}
@@ -155,7 +155,7 @@ def representatives(store: BasinStore, table: SolutionTable) -> tuple[Attractor,
 
 
 def count_images(store: BasinStore, basin: int | None = None) -> dict[str, int]:
-    """How many cells of a basin, or of all, have each reserved image. Empty until all of them are mapped."""
+    """Number of cells of a basin, or of all, with each reserved image. Empty until all of them are mapped."""
     counts = store.read_image_counts()[slice(None) if basin is None else slice(basin, basin + 1)]
     if (counts < 0).any():
         return {}

@@ -26,10 +26,10 @@ class Column:
     dtype : type
     meaning : str
     get : str, callable or None
-        An object's value: an attribute (by default of the column's name without the table's prefix), or what the
-        callable returns. None if objects do not have it.
+        Where an object's value comes from: an attribute (by default named as the column without the table's prefix) or
+        a callable. None if objects do not have it.
     attributes : dict
-        Of the stored array.
+        Attributes of the stored array.
     dims : dict of str to int
         Further dimensions with their lengths. A length of 0 means that rows differ; they are padded with NaN.
     along : str
@@ -80,12 +80,12 @@ class Table:
     Parameters
     ----------
     dimension : str
-        Along which the objects are.
+        Dimension with one entry for each object.
     columns : tuple of Column
     prefix : str
-        Beginning of the names of columns, left out in attributes of objects and rows.
+        Prefix of column names, left out in the attributes of objects and rows.
     length : str
-        Column that says how many of a padded column's values a row has.
+        Column with the number of values that each row has in a padded column.
     """
 
     dimension: str
@@ -143,6 +143,6 @@ class Table:
 
 
 def slices(sizes: np.ndarray) -> list[slice]:
-    """Where the runs of a contiguous ragged array lie."""
+    """Slices of the runs of a contiguous ragged array."""
     stops = np.cumsum(sizes).tolist()
     return [slice(stop - int(size), stop) for stop, size in zip(stops, sizes.tolist(), strict=True)]

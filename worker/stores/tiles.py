@@ -17,8 +17,8 @@ _BAND_SECONDS = 0.1
 # At least 16 tiles, four for each of four workers, unless a tile is not worth its overhead of a few milliseconds.
 _LEAST_TILES = 16
 _LEAST_CELLS = 64 * 64
-# At the end of a band all lanes wait for the last. If trajectories are long and of very different length, 16,384 in a
-# band keep the wait to some per cent. 256 would double the time.
+# At the end of a band all lanes wait for the last. If trajectories are long and their lengths differ a lot, 16,384 in a
+# band keep the wait to a few per cent. 256 would double the time.
 _LEAST_LONG_CELLS = 128 * 128
 _LONG_APPLICATIONS = 10_000
 # Trajectories that a kernel follows at a time.
@@ -86,7 +86,7 @@ def _least_cells(applications: int) -> int:
 
 
 def _cells_wanted(grid: CellGrid, applications: int, basins: int) -> float:
-    """Cells of a tile of about a quarter of a second of work. May be the whole basin, if basins are small and many."""
+    """Cells in a tile of about a quarter of a second of work; the whole basin if basins are small and many."""
     by_work = _TILE_SECONDS / (_SECONDS_PER_APPLICATION * applications)
     return max(min(by_work, grid.cells * basins / _LEAST_TILES, _MOST_CELLS), _least_cells(applications))
 
@@ -98,7 +98,7 @@ def cut(grid: CellGrid, applications: int, basins: int = 1) -> Tiling:
     ----------
     grid : CellGrid
     applications : int
-        Expected for each cell.
+        Applications of P expected for each cell.
     basins : int
         Basins that share this grid.
 
@@ -107,7 +107,7 @@ def cut(grid: CellGrid, applications: int, basins: int = 1) -> Tiling:
     Tiling
     """
     side = math.sqrt(_cells_wanted(grid, applications, basins))
-    # Equal parts each way: 1000 cells in four times 250, not three times 267 and a rest.
+    # Equal parts each way: 1000 cells become 4 x 250, not 3 x 267 and a remainder.
     down = max(1, round(grid.velocity_cells / side))
     across = max(1, round(grid.time_cells / side))
     return Tiling(grid, math.ceil(grid.velocity_cells / down), math.ceil(grid.time_cells / across), basins)
@@ -120,7 +120,7 @@ def cut_row(row: CellGrid, applications: int, basins: int = 1) -> Tiling:
     ----------
     row : CellGrid
     applications : int
-        Expected for each cell.
+        Applications of P expected for each cell.
     basins : int
         Basins that share this sample.
 

@@ -1,1 +1,1 @@
-"""The paper's figures, one module each; figures of one shape share theirs."""
+"""The paper's figures, one module each. Figures of the same shape share a module."""

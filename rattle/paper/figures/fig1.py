@@ -1,7 +1,7 @@
-"""Fig. 1: stable rattling solutions at the machine's own parameters, and the quiet one that they coexist with.
+"""Fig. 1: stable rattling solutions at the machine's own parameters, and the quiet solution that coexists with them.
 
 Damping is so small there that a departure rattles for thousands of rotations before it settles, and many solutions
-coexist. They are found by following random departures for long; what is rare may be missed.
+coexist. They are found by following random departures for a long time. Rare solutions may be missed.
 """
 
 import math
@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
-from rattle.paper.numbers.solutions import told_motion, told_oscillator
+from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.numbers.solutions import motion_summary, oscillator_summary
 from rattle.paper.panels.history_panel import draw_history_panel
 from rattle_kernels import (
     Attractor,
@@ -31,25 +31,25 @@ from rattle_kernels.lanes.run import run_lanes
 MACHINE = Oscillator(damping=6e-4, eccentricity=1e-4, half_backlash=6e-4, stiffness=1000.0)
 
 _DEPARTURES = 1000
-# The fastest fall from +beta to -beta ten times as fast as the driving torque would take them there.
+# The fastest departures cross from +beta to -beta ten times as fast as under the driving torque alone.
 _FASTEST = 12.0 * MACHINE.damping
 _SEED = 1
 _LEGS = 6
 _LEG_IMPACTS = 10_000
-# Seeds of the catalogue are taken so many at a time, to tell how far the search is.
+# Seeds of the catalogue per batch. Progress is reported with every batch.
 _BATCH = 100
 _PERIODS = 4.0
 _COLUMNS, _PANELS = 3, 12
 
 
-def rattling_solutions(departures: int, tell: Tell) -> tuple[tuple[Attractor, ...], np.ndarray]:
-    """Solutions that random departures end in, and how many of the departures end in each.
+def rattling_solutions(departures: int, report: Report) -> tuple[tuple[Attractor, ...], np.ndarray]:
+    """Solutions that random departures end in, and the number of departures that end in each.
 
     Parameters
     ----------
     departures : int
-        Uniform in phase and in speeds up to 12 delta.
-    tell : callable
+        Their number. They are uniform in phase and in speed up to 12 delta.
+    report : callable
         Called with progress.
 
     Returns
@@ -57,18 +57,18 @@ def rattling_solutions(departures: int, tell: Tell) -> tuple[tuple[Attractor, ..
     tuple of Attractor
         Permanent contact first.
     ndarray of int
-        Departures that end in each; last, those that are not settled yet.
+        Departures that end in each solution. The last entry counts those that have not settled yet.
     """
     chance = np.random.default_rng(_SEED)
     t, v = chance.random(departures), chance.uniform(0.0, _FASTEST, departures)
     for leg in range(_LEGS):
-        tell("following departures", leg, _LEGS)
+        report("following departures", leg, _LEGS)
         landed, _ = run_lanes(MACHINE, t, v, _LEG_IMPACTS, shortcuts=True)
         going = landed.outcome == Outcome.RETURNED
         t, v = landed.t[going], landed.v[going]
     found = find_attractors(MACHINE, t[:0], v[:0])
     for begin in range(0, t.size, _BATCH):
-        tell("finding solutions", begin, t.size)
+        report("finding solutions", begin, t.size)
         batch = slice(begin, begin + _BATCH)
         found = find_attractors(MACHINE, t[batch], v[batch], known=found)
     ends = name_solutions(MACHINE, found, t, v)
@@ -86,7 +86,7 @@ def quiet_state(oscillator: Oscillator) -> tuple[float, float]:
 
 
 def _contact_times(history: TimeHistory) -> np.ndarray:
-    """Durations of the stays in contact that begin and end within a history."""
+    """Durations of the contacts that begin and end within a history."""
     contacts = history.contacts
     begins = np.flatnonzero(contacts.direction[:-1] == Direction.IN)
     return contacts.time[begins + 1] - contacts.time[begins]
@@ -98,10 +98,10 @@ def _follow(orbit: Attractor, periods: float) -> TimeHistory:
     )
 
 
-def _told(orbit: Attractor, departures: int) -> dict[str, Any]:
+def _summary(orbit: Attractor, departures: int) -> dict[str, Any]:
     stays = _contact_times(_follow(orbit, float(orbit.forcing_periods) + 0.5))
     longest = {"longest_contact": float(stays.max())} if stays.size else {}
-    return told_motion(orbit) | {"departures": departures} | longest
+    return motion_summary(orbit) | {"departures": departures} | longest
 
 
 def _quiet_history(periods: float) -> TimeHistory:
@@ -122,15 +122,15 @@ def _draw(orbits: list[Attractor]) -> Figure:
     return drawing
 
 
-def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
-    found, counts = rattling_solutions(_DEPARTURES, tell)
+def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+    found, counts = rattling_solutions(_DEPARTURES, report)
     periodic = [index for index, motion in enumerate(found) if motion.kind == AttractorKind.PERIODIC]
     periodic.sort(key=lambda index: found[index].upper_contacts + found[index].lower_contacts)
     numbers = {
-        "oscillator": told_oscillator(MACHINE),
+        "oscillator": oscillator_summary(MACHINE),
         "departures": _DEPARTURES,
         "quiet": {"departures": int(counts[0]), "least_displacement": float(_quiet_history(1.0).displacement.min())},
-        "rattling": [_told(found[index], int(counts[index])) for index in periodic],
+        "rattling": [_summary(found[index], int(counts[index])) for index in periodic],
         "not_settled": int(counts[-1]),
         "half_swing_of_contact": math.pi / math.sqrt(2.0 * MACHINE.stiffness - 0.25 * MACHINE.damping**2),
     }

@@ -1,4 +1,4 @@
-"""Fig. 10: the P(1,2,0) solution as damping grows, to its saddle-node, and the basins before, at and after it."""
+"""Fig. 10: the P(1,2,0) solution as damping grows up to its saddle-node, and the basins before, at and after it."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
-from rattle.paper.numbers.orbits import orbits_named, the_orbit, the_point, told_orbit, told_point
-from rattle.paper.numbers.solutions import told_basin
+from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.numbers.orbits import orbit_summary, orbits_named, point_summary, the_orbit, the_point
+from rattle.paper.numbers.solutions import basin_summary
 from rattle.paper.panels.basin_panel import draw_panel, legend_of
 from rattle.paper.panels.basin_view import BasinView, view_basin
 from rattle.paper.papers_oscillator import papers_basin, papers_oscillator
@@ -33,7 +33,7 @@ _VALUES = 251
 
 
 class _Diagram(NamedTuple):
-    """The attractor, followed by pseudo-continuation, and the branch through the fold with the saddle."""
+    """The attractor, followed by pseudo-continuation, and the branch that leads through the fold to the saddle."""
 
     attractor: PeriodicOrbit
     saddle: PeriodicOrbit
@@ -55,7 +55,7 @@ def _follow() -> _Diagram:
 
 
 def _alive(diagram: _Diagram) -> np.ndarray:
-    """Values at which the motion that is followed still has impact period 2."""
+    """Values of damping at which the followed motion still has impact period 2."""
     return diagram.settled.values[diagram.settled.period[:, 0] == diagram.attractor.upper_contacts]
 
 
@@ -86,22 +86,22 @@ def _draw_basin(axes: Axes, label: str, view: BasinView, orbits: list[PeriodicOr
     axes.legend(handles=legend_of(view), loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="x-small")
 
 
-def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
-    tell("following the orbit", 0, 1)
+def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+    report("following the orbit", 0, 1)
     diagram, views = _follow(), {label: view_basin(location) for label, location in stores.items()}
     drawing = Figure(figsize=(13.0, 9.0), dpi=90, layout="constrained")
     places = drawing.subplots(2, 2).flat
     _draw_diagram(places[0], diagram)
     panels = {}
     for number, (label, view) in enumerate(views.items(), 1):
-        tell("drawing", number, len(views))
+        report("drawing", number, len(views))
         orbits = [each.orbit for each in orbits_named(view.oscillator, _NAME)]
         _draw_basin(places[number], label, view, orbits)
-        panels[label] = told_basin(view) | {"orbits": [told_orbit(orbit) for orbit in orbits]}
+        panels[label] = basin_summary(view) | {"orbits": [orbit_summary(orbit) for orbit in orbits]}
     point = the_point(diagram.branch.special_points, SpecialKind.SADDLE_NODE)
     numbers = {
-        "at_first_damping": {"attractor": told_orbit(diagram.attractor), "saddle": told_orbit(diagram.saddle)},
-        "saddle_node": told_point(point),
+        "at_first_damping": {"attractor": orbit_summary(diagram.attractor), "saddle": orbit_summary(diagram.saddle)},
+        "saddle_node": point_summary(point),
         "last_followed": float(_alive(diagram).max()),
         "panels": panels,
     }

@@ -1,4 +1,4 @@
-"""Fig. 11: where P(3,3,2) of damping 0.5 leads when damping grows to 0.6, and back; what A, B and C are."""
+"""Fig. 11: the motion that is P(3,3,2) at damping 0.5, followed to 0.6 and back, and the points A, B and C."""
 
 from collections.abc import Mapping
 from itertools import groupby
@@ -8,19 +8,19 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
-from rattle.paper.numbers.orbits import the_orbit, the_point, told_orbit, told_point
+from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.numbers.orbits import orbit_summary, point_summary, the_orbit, the_point
 from rattle.paper.papers_oscillator import papers_oscillator
 from rattle_kernels import BifurcationDiagram, SpecialKind, SpecialPoint, bifurcation_diagram, continue_orbit
 
 _FIRST, _LAST, _VALUES = 0.5, 0.6, 1001
 _AT_A = 0.527
-# Shorter stretches of one period are windows amid chaos.
+# A shorter stretch of one period is a window within chaos.
 _LEAST_VALUES = 15
 
 
 def _special_points() -> dict[str, SpecialPoint]:
-    """Special points of the orbits that the diagram shows, by what the text or docs/paper/figures.md calls them."""
+    """Special points of the orbits in the diagram, by their names in the text or in docs/paper/figures.md."""
     kinds = SpecialKind
     sought = {
         "B": (0.575, "P(2,2,1)", kinds.PERIOD_DOUBLING),
@@ -51,7 +51,7 @@ def _ways(diagram: BifurcationDiagram) -> dict[str, slice]:
 
 
 def _stretches(diagram: BifurcationDiagram, way: slice) -> list[dict[str, Any]]:
-    """Stretches of the parameter over which the motion keeps its impact period; 0 where none is seen."""
+    """Intervals of the parameter over which the motion keeps its impact period. 0 means that none was seen."""
     rows = zip(diagram.period[way, 0].tolist(), diagram.values[way].tolist(), strict=True)
     stretches = []
     for period, run in groupby(rows, key=lambda row: row[0]):
@@ -78,18 +78,18 @@ def _draw(axes: Axes, diagram: BifurcationDiagram, points: dict[str, SpecialPoin
     axes.legend(loc="upper left", markerscale=6.0)
 
 
-def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
-    tell("following motions", 0, 2)
+def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+    report("following motions", 0, 2)
     diagram = _diagram()
-    tell("locating special points", 1, 2)
+    report("locating special points", 1, 2)
     points = _special_points()
     drawing = Figure(figsize=(12.0, 6.5), dpi=100, layout="constrained")
     _draw(drawing.subplots(), diagram, points)
     numbers = {
         "values": [_FIRST, _LAST, _VALUES],
         "stretches": {name: _stretches(diagram, way) for name, way in _ways(diagram).items()},
-        "A": told_orbit(the_orbit(papers_oscillator(damping=_AT_A), "P(3,3,2)", attracts=True)),
-        "special_points": {what: told_point(point) for what, point in points.items()},
+        "A": orbit_summary(the_orbit(papers_oscillator(damping=_AT_A), "P(3,3,2)", attracts=True)),
+        "special_points": {what: point_summary(point) for what, point in points.items()},
     }
     return Sheet(drawing, numbers)
 

@@ -1,4 +1,4 @@
-"""Figs. 12 and 13: basins on which only the motions of the caption are marked, and histories of these.
+"""Figs. 12 and 13: basins with only the motions of the caption marked, and time histories of these motions.
 
 Fig. 12 is point A of Fig. 11, at damping 0.527, where P(3,3,2) and chaos coexist. Fig. 13 shows basins before the graze
 of P(4,4,2) and at it.
@@ -11,9 +11,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
-from rattle.paper.numbers.orbits import orbits_named, the_orbit, told_orbit, told_window
-from rattle.paper.numbers.solutions import told_basin
+from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.numbers.orbits import orbit_summary, orbits_named, the_orbit, window_summary
+from rattle.paper.numbers.solutions import basin_summary
 from rattle.paper.panels.basin_panel import draw_panel, legend_of
 from rattle.paper.panels.basin_view import BasinView, view_basin
 from rattle.paper.panels.history_panel import draw_history_panel
@@ -24,14 +24,14 @@ from worker.pictures.overlay import Marks, attractor_marks
 
 
 def draw_marked(axes: Axes, label: str, view: BasinView, marks: Sequence[Marks]) -> None:
-    """Draw basins, marks over them, and shares below."""
+    """Draw basins with marks on them, and a legend of the shares below."""
     draw_panel(axes, view, marks)
     axes.set_title(f"({label}) δ = {view.oscillator.damping:g}", fontsize="medium")
     axes.legend(handles=legend_of(view), loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, fontsize="small")
 
 
 def history_of(oscillator: Oscillator, motion: Attractor | PeriodicOrbit, periods: float) -> TimeHistory:
-    """History that begins with the fastest departure of a periodic motion, or with one of a chaotic one."""
+    """Time history from the fastest departure of a motion. Of a chaotic one, this is the fastest point stored."""
     t, v = (motion.t, motion.v) if isinstance(motion, PeriodicOrbit) else (motion.time, motion.velocity)
     fastest = int(np.argmax(v))
     return time_history(oscillator, float(t[fastest]), oscillator.half_backlash, -float(v[fastest]), periods=periods)
@@ -47,7 +47,7 @@ def _basins_of_fig12(grid: CellGrid) -> dict[str, BasinJob]:
     return {_BASIN: papers_basin(grid, damping=_DAMPING)}
 
 
-def _make_fig12(stores: Mapping[str, str], tell: Tell) -> Sheet:
+def _make_fig12(stores: Mapping[str, str], report: Report) -> Sheet:
     view = view_basin(stores[_BASIN])
     shown = tuple(each for each in view.attractors if each.name == _NAME or each.is_chaotic)
     drawing = Figure(figsize=(12.0, 6.8), dpi=90, layout="constrained")
@@ -62,8 +62,8 @@ def _make_fig12(stores: Mapping[str, str], tell: Tell) -> Sheet:
         )
     places["c"].set_xlabel("time since the departure (forcing periods)")
     orbit = the_orbit(papers_oscillator(damping=_DAMPING), _NAME, attracts=True)
-    windows = {each.name: told_window(view.oscillator, each) for each in view.attractors if each.upper_contacts > 2}
-    return Sheet(drawing, told_basin(view) | {"orbit": told_orbit(orbit), "windows": windows})
+    windows = {each.name: window_summary(view.oscillator, each) for each in view.attractors if each.upper_contacts > 2}
+    return Sheet(drawing, basin_summary(view) | {"orbit": orbit_summary(orbit), "windows": windows})
 
 
 FIG12 = PaperFigure(
@@ -75,7 +75,7 @@ _PERIODS_OF_FIG13 = 12.0
 
 
 class _Panel(NamedTuple):
-    """A basin: where damping is, and the attracting orbit that is shown on it, with its history's label."""
+    """A panel of basins: its damping, the attracting orbit marked on it, and the label of that orbit's history."""
 
     damping: float
     name: str
@@ -94,25 +94,25 @@ def _orbit(view: BasinView, name: str) -> FoundOrbit:
     return found
 
 
-def _told(view: BasinView, found: FoundOrbit) -> dict[str, Any]:
-    windows = {each.name: told_window(view.oscillator, each) for each in view.attractors if each.upper_contacts > 2}
-    orbit = told_orbit(found.orbit) | {"grazing_distance": found.grazing_distance}
-    return told_basin(view) | {"orbit": orbit, "windows": windows}
+def _summary(view: BasinView, found: FoundOrbit) -> dict[str, Any]:
+    windows = {each.name: window_summary(view.oscillator, each) for each in view.attractors if each.upper_contacts > 2}
+    orbit = orbit_summary(found.orbit) | {"grazing_distance": found.grazing_distance}
+    return basin_summary(view) | {"orbit": orbit, "windows": windows}
 
 
-def _make_fig13(stores: Mapping[str, str], tell: Tell) -> Sheet:
+def _make_fig13(stores: Mapping[str, str], report: Report) -> Sheet:
     drawing = Figure(figsize=(12.0, 9.4), dpi=90, layout="constrained")
     places: Any = drawing.subplot_mosaic([["a", "b"], ["c", "d"]], height_ratios=(2.2, 1.0))
     panels = {}
     for number, (label, panel) in enumerate(_PANELS.items()):
-        tell("drawing", number, len(_PANELS))
+        report("drawing", number, len(_PANELS))
         view = view_basin(stores[label])
         found = _orbit(view, panel.name)
         draw_marked(places[label], label, view, [Marks(panel.name, "black", found.orbit.t, found.orbit.v, "x")])
         history = history_of(view.oscillator, found.orbit, _PERIODS_OF_FIG13)
         draw_history_panel(places[panel.history], view.oscillator, history, f"({panel.history}) {panel.name}")
         places[panel.history].set_xlabel("time since the departure (forcing periods)")
-        panels[label] = _told(view, found)
+        panels[label] = _summary(view, found)
     return Sheet(drawing, {"panels": panels})
 
 

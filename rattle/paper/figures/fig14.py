@@ -1,11 +1,11 @@
-"""Fig. 14: the grazing curve and its first and second pre-image on the basins of damping 0.6."""
+"""Fig. 14: the grazing curve and its first and second pre-images on the basins at damping 0.6."""
 
 from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
-from rattle.paper.numbers.solutions import told_oscillator
+from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.numbers.solutions import oscillator_summary
 from rattle.paper.panels.anatomy import BASIN, preimages, share_of_boundaries, the_basin
 from rattle.paper.panels.basin_panel import draw_panel
 from rattle.paper.panels.basin_view import view_basin
@@ -13,7 +13,7 @@ from rattle_kernels import arclength
 from worker.pictures.overlay import preimage_lines
 
 
-def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
+def _make(stores: Mapping[str, str], report: Report) -> Sheet:
     view = view_basin(stores[BASIN])
     orders = preimages(view.oscillator, view.job.grid.velocity_stop)
     drawing = Figure(figsize=(8.0, 6.4), dpi=100, layout="constrained")
@@ -21,7 +21,7 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     draw_panel(axes, view, preimage_lines(orders[1:]))
     axes.legend(loc="lower left", framealpha=0.6, fontsize="small")
     scale = float(max(piece.v.max() for piece in orders[0]))
-    told = [
+    summaries = [
         {
             "order": order,
             "arcs": len(pieces),
@@ -31,7 +31,7 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
         for order, pieces in enumerate(orders)
     ]
     together = share_of_boundaries(view, [piece for pieces in orders for piece in pieces])
-    numbers = {"oscillator": told_oscillator(view.oscillator), "orders": told, "share_of_boundaries": together}
+    numbers = {"oscillator": oscillator_summary(view.oscillator), "orders": summaries, "share_of_boundaries": together}
     return Sheet(drawing, numbers)
 
 

@@ -1,28 +1,28 @@
-"""Fig. 15: the stable manifolds of the saddles A, P(1,1,0), and B, P(1,1,1), on the basins of damping 0.6."""
+"""Fig. 15: the stable manifolds of the saddles A, P(1,1,0), and B, P(1,1,1), on the basins at damping 0.6."""
 
 from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
-from rattle.paper.numbers.solutions import told_oscillator
+from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.numbers.solutions import oscillator_summary
 from rattle.paper.panels.anatomy import (
     BASIN,
     manifold_overlays,
+    manifold_summary,
     manifolds,
     saddle_overlays,
     share_of_boundaries,
     the_basin,
-    told_manifold,
 )
 from rattle.paper.panels.basin_panel import draw_panel
 from rattle.paper.panels.basin_view import view_basin
 
-# Of each branch: no boundary cell of a picture of 2000 x 2000 cells is left over then (docs/theory/manifolds.md).
+# Per branch. The manifolds then cover every boundary cell of a picture of 2000 x 2000 (docs/theory/manifolds.md).
 ARCLENGTH = 100.0
 
 
-def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
+def _make(stores: Mapping[str, str], report: Report) -> Sheet:
     view = view_basin(stores[BASIN])
     grown = manifolds(view.oscillator, ARCLENGTH, view.job.grid.velocity_stop)
     drawing = Figure(figsize=(8.0, 6.4), dpi=100, layout="constrained")
@@ -35,12 +35,12 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     for label, each in grown.items():
         place = float(each.saddle.t[0]), float(each.saddle.v[0])
         axes.annotate(label, place, (6, 6), textcoords="offset points", color="white", weight="bold")
-    told = {
-        label: told_manifold(each) | {"share_of_boundaries": share_of_boundaries(view, each.pieces)}
+    entries = {
+        label: manifold_summary(each) | {"share_of_boundaries": share_of_boundaries(view, each.pieces)}
         for label, each in grown.items()
     }
     together = share_of_boundaries(view, [piece for each in grown.values() for piece in each.pieces])
-    numbers = {"oscillator": told_oscillator(view.oscillator), "manifolds": told, "share_of_boundaries": together}
+    numbers = {"oscillator": oscillator_summary(view.oscillator), "manifolds": entries, "share_of_boundaries": together}
     return Sheet(drawing, numbers)
 
 

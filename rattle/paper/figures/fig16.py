@@ -1,12 +1,12 @@
-"""Fig. 16: a section of the basins enlarged, with the grazing curve, its pre-images and both stable manifolds."""
+"""Fig. 16: an enlarged section of the basins, with the grazing curve, its pre-images and both stable manifolds."""
 
 from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
+from rattle.paper.figure import PaperFigure, Report, Sheet
 from rattle.paper.figures.fig15 import ARCLENGTH
-from rattle.paper.numbers.solutions import told_oscillator
+from rattle.paper.numbers.solutions import oscillator_summary
 from rattle.paper.panels.anatomy import (
     BASIN,
     manifold_overlays,
@@ -22,7 +22,7 @@ from rattle_kernels import CellGrid
 from worker.jobs.basin_job import BasinJob
 from worker.pictures.overlay import preimage_lines
 
-# The paper does not print its section. This one holds both saddles, all three basins, and both kinds of curves.
+# The paper does not state its section. This one contains both saddles, all three basins and both kinds of curves.
 _TIME, _VELOCITY = (0.55, 1.0), (3.0, 4.8)
 _HIGHEST = 7.0
 
@@ -31,7 +31,7 @@ def _basins(grid: CellGrid) -> dict[str, BasinJob]:
     return {BASIN: papers_basin(CellGrid(*_TIME, grid.time_cells, *_VELOCITY, grid.velocity_cells))}
 
 
-def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
+def _make(stores: Mapping[str, str], report: Report) -> Sheet:
     view = view_basin(stores[BASIN])
     grown, orders = manifolds(view.oscillator, ARCLENGTH, _HIGHEST), preimages(view.oscillator, _HIGHEST)
     drawing = Figure(figsize=(8.0, 6.4), dpi=100, layout="constrained")
@@ -47,7 +47,7 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     curves = [piece for pieces in orders for piece in pieces]
     shares["grazing curve and pre-images 1, 2"] = share_of_boundaries(view, curves)
     window = {"time": list(_TIME), "velocity": list(_VELOCITY), "cells": list(view.solution.shape[::-1])}
-    numbers = {"oscillator": told_oscillator(view.oscillator), "window": window, "shares_of_boundaries": shares}
+    numbers = {"oscillator": oscillator_summary(view.oscillator), "window": window, "shares_of_boundaries": shares}
     return Sheet(drawing, numbers)
 
 

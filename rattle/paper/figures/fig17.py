@@ -5,27 +5,27 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
-from rattle.paper.numbers.solutions import told_oscillator
-from rattle.paper.panels.anatomy import manifold_overlays, manifolds, saddle_overlays, told_manifold
+from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.numbers.solutions import oscillator_summary
+from rattle.paper.panels.anatomy import manifold_overlays, manifold_summary, manifolds, saddle_overlays
 from rattle.paper.papers_oscillator import papers_oscillator
 from rattle_kernels import Oscillator, next_impacts
 from worker.pictures.panel_picture import frame
 
 _HIGHEST = 40.0
-# With it, A's manifold comes within a cell of all boundaries of a picture of 1600 x 1600 cells (docs/theory).
+# At this length A's manifold passes within a cell of every boundary in a picture of 1600 x 1600 cells (docs/theory).
 _ARCLENGTH = 1600.0
 _PHASES = 64
 
 
 def _speed_lost(oscillator: Oscillator) -> list[float]:
-    """Least and greatest speed that the fastest departures lose until the next."""
+    """Least and greatest loss of speed in one application of P, over departures at the highest speed."""
     lost = _HIGHEST - next_impacts(oscillator, np.linspace(0.0, 1.0, _PHASES, endpoint=False), _HIGHEST).v
     return [float(lost.min()), float(lost.max())]
 
 
-def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
-    tell("growing manifolds", 0, 1)
+def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+    report("growing manifolds", 0, 1)
     oscillator = papers_oscillator()
     grown = manifolds(oscillator, _ARCLENGTH, _HIGHEST)
     drawing = Figure(figsize=(8.0, 10.0), dpi=90, layout="constrained")
@@ -36,8 +36,8 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
     for marks in saddle_overlays(grown):
         marks._replace(colour="black").draw(axes)
     frame(axes, (0.0, 1.0, 0.0, _HIGHEST))
-    told = {label: told_manifold(each) for label, each in grown.items()}
-    numbers = {"oscillator": told_oscillator(oscillator), "highest_velocity": _HIGHEST, "manifolds": told}
+    summaries = {label: manifold_summary(each) for label, each in grown.items()}
+    numbers = {"oscillator": oscillator_summary(oscillator), "highest_velocity": _HIGHEST, "manifolds": summaries}
     return Sheet(drawing, numbers | {"speed_lost_there": _speed_lost(oscillator)})
 
 

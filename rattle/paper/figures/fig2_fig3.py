@@ -1,6 +1,6 @@
-"""Figs. 2 and 3: the three ways from +beta to +beta (Sec. 2), and the grazing curve that divides their departures.
+"""Figs. 2 and 3: the three types of flight from +beta to +beta (Sec. 2), and the grazing curve that separates them.
 
-(a) straight back to +beta, (b) by way of -beta, (c) touching -beta.
+(a) goes straight back to +beta, (b) goes by way of -beta, (c) touches -beta.
 """
 
 import math
@@ -11,22 +11,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
-from rattle.paper.numbers.solutions import told_oscillator
+from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.numbers.solutions import oscillator_summary
 from rattle.paper.papers_oscillator import papers_oscillator
 from rattle_kernels import Oscillator, TimeHistory, grazing_velocity, time_history
 from worker.pictures.history_picture import draw_boundaries
 
-# Speeds of (a) and (b) in those of the graze.
+# Speeds in units of the grazing speed.
 _SPEEDS = {"a": 0.85, "b": 1.15, "c": 1.0}
 _SAMPLES = 2000
 _LONGEST = 3.0
-# Walls so far away that a flight does not meet them.
+# Half-backlash so large that no flight reaches a wall.
 _NO_WALL = 100.0
 
 
 class Flights(NamedTuple):
-    """A flight from +beta at ``t`` with speed ``v`` until it is back, and the same without any wall below."""
+    """A flight from +beta at ``t`` with speed ``v`` until it returns, and the same flight without a lower wall."""
 
     t: float
     v: float
@@ -35,7 +35,7 @@ class Flights(NamedTuple):
 
 
 def three_flights(oscillator: Oscillator, t: float) -> dict[str, Flights]:
-    """Flights (a), (b) and (c) that leave +beta at one phase."""
+    """Flights (a), (b) and (c), which leave +beta at the same phase."""
     grazing = float(grazing_velocity(oscillator, t))
     return {label: _fly(oscillator, t, speed * grazing) for label, speed in _SPEEDS.items()}
 
@@ -51,8 +51,8 @@ def _fly(oscillator: Oscillator, t: float, v: float) -> Flights:
     return Flights(t, v, real, shown)
 
 
-def told_flight(flight: Flights) -> dict[str, Any]:
-    """Where a flight begins, where it meets the walls, and with which speeds."""
+def flight_summary(flight: Flights) -> dict[str, Any]:
+    """Departure of a flight, its lowest displacement, and where and how fast it meets the walls."""
     contacts = flight.real.contacts
     events = zip(contacts.wall.tolist(), contacts.time.tolist(), contacts.speed.tolist(), strict=True)
     return {
@@ -84,20 +84,20 @@ def _draw_flight(axes: Axes, label: str, flight: Flights) -> None:
     axes.set_xlabel("time since the departure (forcing periods)")
 
 
-def _make_fig2(stores: Mapping[str, str], tell: Tell) -> Sheet:
+def _make_fig2(stores: Mapping[str, str], report: Report) -> Sheet:
     flights = three_flights(papers_oscillator(), _PHASE)
     drawing = Figure(figsize=(12.0, 4.2), dpi=90, layout="constrained")
     for axes, (label, flight) in zip(drawing.subplots(1, 3, sharey=True), flights.items(), strict=True):
         _draw_flight(axes, label, flight)
     drawing.axes[0].set_ylabel("Φ(t)")
-    panels = {label: told_flight(flight) for label, flight in flights.items()}
-    return Sheet(drawing, {"oscillator": told_oscillator(papers_oscillator()), "panels": panels})
+    panels = {label: flight_summary(flight) for label, flight in flights.items()}
+    return Sheet(drawing, {"oscillator": oscillator_summary(papers_oscillator()), "panels": panels})
 
 
 FIG2 = PaperFigure("fig2", "the three types of flight: back to +beta, by way of -beta, and grazing", _make_fig2)
 
 
-_TOLD_PHASES = 10
+_SUMMARY_PHASES = 10
 _CURVE_POINTS = 4001
 _HIGHEST = 7.0
 _LAST_STEP, _MOST_STEPS = 1e-14, 20
@@ -124,8 +124,8 @@ def _draw_regions(axes: Axes) -> None:
     axes.legend(loc="lower left")
 
 
-def _told_graze(oscillator: Oscillator, t0: float) -> dict[str, float]:
-    """A point of the grazing curve by the paper's own way, Newton's method on Eq. (13), beside the kernels' v*."""
+def _graze_summary(oscillator: Oscillator, t0: float) -> dict[str, float]:
+    """A point of the grazing curve by the paper's method, Newton's on Eq. (13), compared with the kernels' v*."""
     delta, epsilon, beta = oscillator.damping, oscillator.eccentricity, oscillator.half_backlash
     turn, t_hat, step, steps = 2.0 * math.pi, t0 + 0.5, math.inf, 0
     while abs(step) > _LAST_STEP and steps < _MOST_STEPS:
@@ -141,17 +141,17 @@ def _told_graze(oscillator: Oscillator, t0: float) -> dict[str, float]:
     return {"t": t0, "v": speed, "t_hat": t_hat, "newton_steps": steps, "newton_differs": by_newton - speed}
 
 
-def _told_curve(oscillator: Oscillator) -> dict[str, Any]:
+def _curve_summary(oscillator: Oscillator) -> dict[str, Any]:
     t = np.linspace(0.0, 1.0, _CURVE_POINTS)
     curve = grazing_velocity(oscillator, t)
     return {
         "highest": [float(t[curve.argmax()]), float(curve.max())],
         "lowest": [float(t[curve.argmin()]), float(curve.min())],
-        "points": [_told_graze(oscillator, i / _TOLD_PHASES) for i in range(_TOLD_PHASES)],
+        "points": [_graze_summary(oscillator, i / _SUMMARY_PHASES) for i in range(_SUMMARY_PHASES)],
     }
 
 
-def _make_fig3(stores: Mapping[str, str], tell: Tell) -> Sheet:
+def _make_fig3(stores: Mapping[str, str], report: Report) -> Sheet:
     oscillator = papers_oscillator()
     flights = three_flights(oscillator, _PHASE)
     drawing = Figure(figsize=(12.0, 4.8), dpi=90, layout="constrained")
@@ -160,9 +160,9 @@ def _make_fig3(stores: Mapping[str, str], tell: Tell) -> Sheet:
     _draw_regions(right)
     for axes, label in ((left, "a"), (right, "b")):
         axes.set_title(f"({label})", loc="left")
-    told = {label: told_flight(flight) for label, flight in flights.items()}
-    numbers = {"oscillator": told_oscillator(oscillator), "flights": told, "grazing_curve": _told_curve(oscillator)}
-    return Sheet(drawing, numbers)
+    summaries = {label: flight_summary(flight) for label, flight in flights.items()}
+    numbers = {"flights": summaries, "grazing_curve": _curve_summary(oscillator)}
+    return Sheet(drawing, {"oscillator": oscillator_summary(oscillator)} | numbers)
 
 
 FIG3 = PaperFigure("fig3", "flights of types (a), (b), (c) that leave together, and the grazing curve", _make_fig3)

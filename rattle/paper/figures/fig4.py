@@ -1,7 +1,7 @@
-"""Fig. 4: three ways of entering linear contact: in and out again, out after several swings, never out again.
+"""Fig. 4: three motions that enter linear contact: one leaves it again, one after several swings, and one never.
 
-The paper sketches them; here they are motions of one oscillator that enter contact at one phase, found among speeds
-and phases of entering.
+The paper sketches them. Here they are motions of one oscillator that enter contact at the same phase. They are found
+by a scan of entry phases and speeds.
 """
 
 import math
@@ -12,25 +12,25 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
-from rattle.paper.numbers.solutions import told_oscillator
+from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.numbers.solutions import oscillator_summary
 from rattle_kernels import Direction, Oscillator, TimeHistory, time_history
 
-# Contact that is soft enough for single swings to be seen.
+# Contact is soft enough that single swings are visible.
 _OSCILLATOR = Oscillator(damping=0.6, eccentricity=0.1, half_backlash=0.6, stiffness=500.0)
 _PHASES = 20
 _SPEEDS = 40
-# In speeds of a swing at rest, 4 pi delta/sqrt(2 kappa): faster ones leave after half a swing.
+# In units of the speed of a swing at rest, 4 pi delta/sqrt(2 kappa). Faster motions leave after half a swing.
 _FASTEST = 2.0
 _PERIODS = 2.0
 _SAMPLES = 500
 
 
 class _Entry(NamedTuple):
-    """A motion that enters contact: how, and what becomes of it.
+    """A motion that enters contact, and what becomes of it.
 
-    ``stay`` is the time until it first leaves contact (infinite if never), ``maxima`` and ``minima`` the turning points
-    before; ``departures`` counts how often it leaves within a rotation.
+    ``stay`` is the time until it first leaves contact, infinite if it never does. ``maxima`` and ``minima`` count the
+    turning points before that. ``departures`` counts how often it leaves within a rotation.
     """
 
     phase: float
@@ -55,17 +55,17 @@ def _enter(phase: float, speed: float) -> _Entry:
     return _Entry(phase, speed, history, stay, maxima, minima, int((leaves <= 1.0).sum()))
 
 
-def examples(tell: Tell) -> dict[str, _Entry]:
-    """Motions (a), (b), (c) that enter contact at one phase.
+def examples(report: Report) -> dict[str, _Entry]:
+    """Motions (a), (b), (c) that enter contact at the same phase.
 
-    (b) is the one that leaves within a rotation after the most maxima; at its phase, (a) leaves most often within a
-    rotation, and (c) is the fastest that never leaves.
+    (b) has the most maxima of all motions that leave within a rotation. At its phase, (a) leaves most often within a
+    rotation, and (c) is the fastest motion that never leaves.
     """
     swing = 4.0 * math.pi * _OSCILLATOR.damping / math.sqrt(2.0 * _OSCILLATOR.stiffness)
     speeds = swing * _FASTEST * np.arange(1, _SPEEDS + 1) / _SPEEDS
     by_phase = []
     for i in range(_PHASES):
-        tell("entering contact", i, _PHASES)
+        report("entering contact", i, _PHASES)
         by_phase.append([_enter(i / _PHASES, float(speed)) for speed in speeds])
 
     def most_maxima(entries: list[_Entry]) -> tuple[int, float]:
@@ -90,7 +90,7 @@ def _draw_panel(axes: Axes, label: str, entry: _Entry) -> None:
     axes.set_xlim(-0.05, _PERIODS)
 
 
-def _told(entry: _Entry) -> dict[str, Any]:
+def _summary(entry: _Entry) -> dict[str, Any]:
     return {
         "enters_at": [entry.phase, entry.speed],
         "stay": entry.stay if math.isfinite(entry.stay) else "permanent",
@@ -100,13 +100,13 @@ def _told(entry: _Entry) -> dict[str, Any]:
     }
 
 
-def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
-    found = examples(tell)
+def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+    found = examples(report)
     drawing = Figure(figsize=(12.0, 4.2), dpi=90, layout="constrained")
     for axes, (label, entry) in zip(drawing.subplots(1, 3, sharey=True), found.items(), strict=True):
         _draw_panel(axes, label, entry)
     drawing.axes[0].set_ylabel("Φ − β")
-    numbers = {"oscillator": told_oscillator(_OSCILLATOR), "panels": {key: _told(found[key]) for key in found}}
+    numbers = {"oscillator": oscillator_summary(_OSCILLATOR), "panels": {key: _summary(found[key]) for key in found}}
     return Sheet(drawing, numbers)
 
 

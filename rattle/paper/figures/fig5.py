@@ -1,6 +1,6 @@
-"""Fig. 5: the cell map P_cell and the map P_corr o P^k (k = 4), on cells so large that one sees them.
+"""Fig. 5: the cell map P_cell and the map P_corr o P^k (k = 4), on cells large enough to be seen.
 
-The paper sketches both; here they are those of the impacting model, near its attracting P(1,1,0).
+The paper sketches both. Here they are computed for the impacting model, near its attracting P(1,1,0).
 """
 
 from collections.abc import Mapping
@@ -10,20 +10,20 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
-from rattle.paper.numbers.solutions import told_oscillator
+from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.numbers.solutions import oscillator_summary
 from rattle.paper.papers_oscillator import papers_oscillator
 from rattle_kernels import CellGrid, next_impacts
 
 _GRID = CellGrid(0.8, 1.0, 8, 3.4, 4.1, 7)
 _STEPS = 4
-_FIRST = (1, 5)  # row and column of the cell to start from
+_FIRST = (1, 5)  # row and column of the first cell
 
 Point = tuple[float, float]
 
 
 class _Step(NamedTuple):
-    """From a point to its image under P, and to the centre of the cell that holds it where it is put back there."""
+    """A point, its image under P, and the centre of the image's cell if the image is moved there."""
 
     start: Point
     image: Point
@@ -31,7 +31,7 @@ class _Step(NamedTuple):
 
 
 def _cell_of(point: Point) -> tuple[int, int]:
-    """Row and column of the cell that holds a point of the window."""
+    """Row and column of the cell that contains a point of the window."""
     column = (point[0] - _GRID.time_start) / (_GRID.time_stop - _GRID.time_start) * _GRID.time_cells
     row = (point[1] - _GRID.velocity_start) / (_GRID.velocity_stop - _GRID.velocity_start) * _GRID.velocity_cells
     return int(np.floor(row)), int(np.floor(column))
@@ -67,7 +67,7 @@ def _draw(axes: Axes, steps: list[_Step]) -> None:
     axes.set(xlim=(t[0], t[-1]), ylim=(v[0], v[-1]), xlabel="time t of departure (forcing periods)")
 
 
-def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
+def _make(stores: Mapping[str, str], report: Report) -> Sheet:
     drawing = Figure(figsize=(12.0, 5.2), dpi=90, layout="constrained")
     maps = {"P_cell": _steps(True), "P_corr o P^4": _steps(False)}
     titles = ("(a) P_cell, four times", "(b) P_corr ∘ P⁴")
@@ -75,14 +75,14 @@ def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
         _draw(axes, steps)
         axes.set_title(title)
     drawing.axes[0].set_ylabel("velocity v of departure")
-    told = {
+    summaries = {
         name: {"images": [step.image for step in steps], "ends_in": list(_cell_of(steps[-1].image))}
         for name, steps in maps.items()
     }
     window = {"time": [_GRID.time_start, _GRID.time_stop], "velocity": [_GRID.velocity_start, _GRID.velocity_stop]}
     grid = window | {"cells": [_GRID.time_cells, _GRID.velocity_cells]}
-    start = {"starts_in": list(_FIRST), "starts_at": list(_centre_of(_FIRST))}
-    return Sheet(drawing, {"oscillator": told_oscillator(papers_oscillator()), "grid": grid} | start | {"maps": told})
+    start = {"grid": grid, "starts_in": list(_FIRST), "starts_at": list(_centre_of(_FIRST))}
+    return Sheet(drawing, {"oscillator": oscillator_summary(papers_oscillator())} | start | {"maps": summaries})
 
 
 FIG5 = PaperFigure("fig5", "a cell's images under P_cell, and under P_corr o P^4", _make)

@@ -1,11 +1,11 @@
-"""Fig. 6: basins of the piecewise linear model from kappa = 100 to 1e5; beside it, how far they are from the limit."""
+"""Fig. 6: basins of the piecewise linear model from kappa = 100 to 1e5, and how much they differ from the limit."""
 
 from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
-from rattle.paper.numbers.solutions import told_basin, told_differences
+from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.numbers.solutions import basin_summary, differences_summary
 from rattle.paper.panels.basin_panel import draw_panel, legend_of, model_of
 from rattle.paper.panels.basin_view import view_basin
 from rattle.paper.papers_oscillator import papers_basin
@@ -22,20 +22,20 @@ def _basins(grid: CellGrid) -> dict[str, BasinJob]:
     }
 
 
-def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
+def _make(stores: Mapping[str, str], report: Report) -> Sheet:
     views = {name: view_basin(location) for name, location in stores.items()}
     drawing = Figure(figsize=(12.0, 9.0), dpi=90, layout="constrained")
     panels = drawing.subplots(2, 2).flat
     for number, (axes, name) in enumerate(zip(panels, _STIFFNESSES, strict=True)):
-        tell("drawing", number, len(_STIFFNESSES))
+        report("drawing", number, len(_STIFFNESSES))
         draw_panel(axes, views[name], ())
         axes.set_title(f"({'abcd'[number]}) {model_of(views[name].oscillator)}", fontsize="medium")
         axes.legend(handles=legend_of(views[name]), loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="x-small")
-    panels_told = {
-        name: told_basin(views[name]) | {"differs_from_impacting": told_differences(views[name], views[_LIMIT])}
+    panel_summaries = {
+        name: basin_summary(views[name]) | {"differs_from_impacting": differences_summary(views[name], views[_LIMIT])}
         for name in _STIFFNESSES
     }
-    return Sheet(drawing, {"panels": panels_told})
+    return Sheet(drawing, {"panels": panel_summaries})
 
 
 FIG6 = PaperFigure("fig6", "basins of the piecewise linear model at kappa = 1e2, 1e3, 1e4 and 1e5", _make, _basins)

@@ -1,8 +1,8 @@
 """Fig. 7: basins at kappa = 1e6 above those of the impacting limit, with attractors and their time histories.
 
-At kappa = 1e6 the paper shows chaos where the catalogue finds P(8,8,5): what is seen after 1499 impacts is a transient.
-The panel shows both: cells still wandering then are speckled dark red with their landing points in black, those that
-have settled have the orbit's colour; and there is a time history of each.
+At kappa = 1e6 the paper shows chaos where the catalogue finds P(8,8,5): the chaos seen after 1499 impacts is transient.
+The panel shows both. Cells still on the transient are speckled dark red, and their landing points are black. Cells that
+have settled have the colour of the orbit. Both have a time history.
 """
 
 from collections.abc import Mapping
@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Sheet, Tell
-from rattle.paper.numbers.solutions import told_basin, told_differences
+from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.numbers.solutions import basin_summary, differences_summary
 from rattle.paper.numbers.transients import measure_transient, on_transient
 from rattle.paper.panels.basin_panel import attractor_overlays, draw_panel, landings_on_transient, legend_of, model_of
 from rattle.paper.panels.basin_view import BasinView, view_basin
@@ -25,12 +25,12 @@ from worker.jobs.basin_job import BasinJob
 _STIFF, _LIMIT = "piecewise linear", "impacting"
 _STIFFNESS = 1e6
 _PERIODS = 10.0
-# A departure that falls quiet: its history shows how.
+# A departure that ends in permanent contact.
 _QUIET_DEPARTURE = (0.2, 1.0)
 
 
 class _Example(NamedTuple):
-    """A motion to follow: what it is called, and a departure on it."""
+    """A motion to follow: its label, and a departure on it."""
 
     label: str
     t: float
@@ -42,7 +42,7 @@ def _basins(grid: CellGrid) -> dict[str, BasinJob]:
 
 
 def _examples(view: BasinView) -> list[_Example]:
-    """A departure of each motion, the fastest first, and one on the transient where there is one."""
+    """A departure on each motion and on the transient, if any, the fastest first; last, one that becomes quiet."""
     examples = [_example_of(motion) for motion in view.attractors if motion.time.size]
     t, v = landings_on_transient(view)
     if t.size:
@@ -59,7 +59,7 @@ def _example_of(motion: Attractor) -> _Example:
 
 
 def _last_to_settle(view: BasinView) -> int:
-    """Index of the orbit that most cells have not settled on after k applications."""
+    """Index of the orbit with the most cells that have not settled on it after k applications."""
     return int(np.bincount(view.solution[on_transient(view)], minlength=len(view.attractors)).argmax())
 
 
@@ -68,7 +68,7 @@ def _history(oscillator: Oscillator, example: _Example) -> TimeHistory:
 
 
 def _draw_row(drawing: Any, view: BasinView) -> None:
-    """One model: its basins, and beside them the histories with arrows."""
+    """Draw one model: its basins, and beside them time histories with arrows to their departures."""
     basin, beside = drawing.subfigures(1, 2, width_ratios=(1.3, 1.0))
     axes = basin.subplots()
     draw_panel(axes, view, attractor_overlays(view))
@@ -82,7 +82,7 @@ def _draw_row(drawing: Any, view: BasinView) -> None:
     panels[-1].set_xlabel("time since the departure (forcing periods)")
 
 
-def _told_transient(view: BasinView) -> dict[str, Any]:
+def _transient_summary(view: BasinView) -> dict[str, Any]:
     wandering = on_transient(view)
     if not wandering.any():
         return {}
@@ -102,16 +102,16 @@ def _told_transient(view: BasinView) -> dict[str, Any]:
     }
 
 
-def _make(stores: Mapping[str, str], tell: Tell) -> Sheet:
+def _make(stores: Mapping[str, str], report: Report) -> Sheet:
     views = {name: view_basin(location) for name, location in stores.items()}
     drawing = Figure(figsize=(12.0, 14.0), dpi=80, layout="constrained")
     rows: Any = drawing.subfigures(2, 1, height_ratios=(1.1, 1.0))
     panels: dict[str, Any] = {}
     for number, (name, view) in enumerate(views.items()):
-        tell("histories and transients", number, len(views))
+        report("histories and transients", number, len(views))
         _draw_row(rows[number], view)
-        panels[name] = told_basin(view) | _told_transient(view)
-    differences = told_differences(views[_STIFF], views[_LIMIT])
+        panels[name] = basin_summary(view) | _transient_summary(view)
+    differences = differences_summary(views[_STIFF], views[_LIMIT])
     return Sheet(drawing, {"panels": panels, "differs_from_impacting": differences})
 
 

@@ -1,1 +1,1 @@
-"""Numbers that figures report."""
+"""The numbers that figures report."""

@@ -1,4 +1,4 @@
-"""Periodic orbits and special points: those that a figure names, and as the figures' JSON files hold them."""
+"""Periodic orbits and special points that a figure names, and their entries in the figure's JSON file."""
 
 from typing import Any
 
@@ -15,33 +15,33 @@ from rattle_kernels import (
 )
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
-# Enough for the orbits that the paper names.
+# Enough to find the orbits that the paper names.
 _SEARCH_CELLS = 24
-# Windows are looked for within this part of the damping.
+# Windows are searched within this fraction of the damping.
 _WINDOW = 0.02
 _WINDOW_POINTS = 400
 
 
 def orbits_named(oscillator: Oscillator, name: str) -> tuple[FoundOrbit, ...]:
-    """All orbits P(m, n+, n-) of a name that the search finds, stable or not, the slowest first."""
+    """All orbits with a name P(m, n+, n-) that the search finds, stable or not, the slowest first."""
     longest = int(name.removeprefix("P(").split(",")[1])
     return tuple(each for each in find_orbits(oscillator, longest, cells=_SEARCH_CELLS) if each.orbit.name == name)
 
 
 def the_orbit(oscillator: Oscillator, name: str, *, attracts: bool) -> PeriodicOrbit:
-    """The one orbit of a name that attracts, or that does not."""
+    """The only orbit with a name that attracts, or the only one that does not."""
     (orbit,) = (each.orbit for each in orbits_named(oscillator, name) if each.orbit.attracts == attracts)
     return orbit
 
 
 def the_point(points: tuple[SpecialPoint, ...], kind: SpecialKind) -> SpecialPoint:
-    """The one special point of a kind."""
+    """The only special point of a kind."""
     (point,) = (each for each in points if each.kind == kind)
     return point
 
 
-def told_orbit(orbit: PeriodicOrbit) -> dict[str, Any]:
-    """Departures, multipliers, and what is left of P^p(x) = x."""
+def orbit_summary(orbit: PeriodicOrbit) -> dict[str, Any]:
+    """Name, departures and multipliers of an orbit, and the residual of P^p(x) = x."""
     return {
         "name": orbit.name,
         "attracts": orbit.attracts,
@@ -51,8 +51,8 @@ def told_orbit(orbit: PeriodicOrbit) -> dict[str, Any]:
     }
 
 
-def told_point(point: SpecialPoint) -> dict[str, Any]:
-    """Kind, parameter and place of a special point, and what is left of its equations."""
+def point_summary(point: SpecialPoint) -> dict[str, Any]:
+    """Kind, orbit, parameter value and departures of a special point, and the residual of its equations."""
     return {
         "kind": point.kind.value,
         "orbit": f"P({point.forcing_periods},{point.upper_contacts},{point.lower_contacts})",
@@ -63,10 +63,10 @@ def told_point(point: SpecialPoint) -> dict[str, Any]:
     }
 
 
-def told_window(oscillator: Oscillator, attractor: Attractor) -> dict[str, Any]:
-    """Special points next below and next above in damping, between which a periodic attractor goes on as it is.
+def window_summary(oscillator: Oscillator, attractor: Attractor) -> dict[str, Any]:
+    """The nearest special points below and above in damping. A periodic attractor persists between them.
 
-    Empty where Newton's method does not find it again, as may be next to a graze.
+    Empty if Newton's method does not find the attractor again, which can happen close to a graze.
     """
     orbit = find_periodic_orbit(
         oscillator, float(attractor.time[0]), float(attractor.velocity[0]), attractor.upper_contacts,

@@ -1,4 +1,4 @@
-"""Numbers of a basin and its motions, as the figures' JSON files hold them."""
+"""Summaries of basins and their motions for the figures' JSON files."""
 
 import math
 from typing import Any
@@ -11,44 +11,44 @@ from rattle_kernels import Attractor, AttractorKind, Oscillator
 from rattle_kernels.attractors.attractor import PERMANENT_CONTACT_ATTRACTOR
 
 
-def told_oscillator(oscillator: Oscillator) -> dict[str, Any]:
-    """Parameters of an oscillator."""
+def oscillator_summary(oscillator: Oscillator) -> dict[str, Any]:
+    """Model and parameters of an oscillator."""
     damping, eccentricity, half_backlash, stiffness, _ = oscillator
-    told: dict[str, Any] = {"model": "impacting" if math.isinf(stiffness) else "piecewise_linear"}
-    told |= {"damping": damping, "eccentricity": eccentricity, "half_backlash": half_backlash}
-    return told if math.isinf(stiffness) else told | {"stiffness": stiffness}
+    summary: dict[str, Any] = {"model": "impacting" if math.isinf(stiffness) else "piecewise_linear"}
+    summary |= {"damping": damping, "eccentricity": eccentricity, "half_backlash": half_backlash}
+    return summary if math.isinf(stiffness) else summary | {"stiffness": stiffness}
 
 
-def told_motion(motion: Attractor) -> dict[str, Any]:
-    """Name and exponent of a motion; where it is, by its points or, of a chaotic one, by their ranges."""
-    told: dict[str, Any] = {"name": motion.name}
+def motion_summary(motion: Attractor) -> dict[str, Any]:
+    """Name and Lyapunov exponent of a motion, and its points; of a chaotic one, the ranges of its points."""
+    summary: dict[str, Any] = {"name": motion.name}
     if motion.kind == AttractorKind.PERIODIC or motion.is_chaotic:
-        told["lyapunov_exponent"] = motion.lyapunov_exponent
+        summary["lyapunov_exponent"] = motion.lyapunov_exponent
     if motion.kind == AttractorKind.PERIODIC:
-        told["points"] = list(zip(motion.time.tolist(), motion.velocity.tolist(), strict=True))
+        summary["points"] = list(zip(motion.time.tolist(), motion.velocity.tolist(), strict=True))
     if motion.is_chaotic:
-        told["lyapunov_error"] = motion.lyapunov_error
+        summary["lyapunov_error"] = motion.lyapunov_error
         if not math.isnan(motion.mean_life):
-            told["mean_life"] = motion.mean_life
-        told["time_range"] = [float(motion.time.min()), float(motion.time.max())]
-        told["velocity_range"] = [float(motion.velocity.min()), float(motion.velocity.max())]
-    return told
+            summary["mean_life"] = motion.mean_life
+        summary["time_range"] = [float(motion.time.min()), float(motion.time.max())]
+        summary["velocity_range"] = [float(motion.velocity.min()), float(motion.velocity.max())]
+    return summary
 
 
-def told_basin(view: BasinView) -> dict[str, Any]:
-    """Request of a basin, and its motions with their shares of the cells, and of those not settled after k."""
+def basin_summary(view: BasinView) -> dict[str, Any]:
+    """Request of a basin, and its motions with their shares and the shares not settled after k applications."""
     wandering = on_transient(view)
     solutions = []
     for index, (motion, share) in enumerate(zip(view.attractors, view.shares, strict=True)):
-        if math.isnan(share):  # another basin of the sweep has it
+        if math.isnan(share):  # only another basin of the sweep has it
             continue
-        told = {"number": index} | told_motion(motion) | {"share": share}
+        summary = {"number": index} | motion_summary(motion) | {"share": share}
         if motion.kind == AttractorKind.PERIODIC:
-            told["share_not_settled"] = float(np.mean(wandering & (view.solution == index)))
-        solutions.append(told)
+            summary["share_not_settled"] = float(np.mean(wandering & (view.solution == index)))
+        solutions.append(summary)
     grid = view.job.grid
     return {
-        "oscillator": told_oscillator(view.oscillator),
+        "oscillator": oscillator_summary(view.oscillator),
         "cells": [grid.time_cells, grid.velocity_cells],
         "iterations": view.job.iterations,
         "solutions": solutions,
@@ -60,11 +60,11 @@ def _wanders(view: BasinView) -> np.ndarray:
     return np.array([motion.is_chaotic for motion in view.attractors])[view.solution]
 
 
-def told_differences(one: BasinView, other: BasinView) -> dict[str, float]:
-    """Share of the cells that end differently in two basins over one grid.
+def differences_summary(one: BasinView, other: BasinView) -> dict[str, float]:
+    """Share of the cells that end differently in two basins on the same grid.
 
     ``by_name``: in solutions of different names. ``after_k``: the same, but motions that have not settled after k
-    applications count as chaotic, as the paper takes them. ``quiet_or_not``: in permanent contact in one only.
+    applications count as chaotic, as in the paper. ``quiet_or_not``: in permanent contact in only one of the basins.
     """
     by_name = one.names != other.names
     quiet = [view.names == PERMANENT_CONTACT_ATTRACTOR.name for view in (one, other)]

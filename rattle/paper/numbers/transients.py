@@ -1,10 +1,10 @@
-"""Cells that end in a periodic orbit but have not reached it within the k applications: a long chaotic transient.
+"""Long chaotic transients: cells that end in a periodic orbit but have not reached it within k applications.
 
-The paper takes where ``P^k`` lands for where a motion ends. Where a chaotic attractor has just been destroyed (its
-remnant is a chaotic saddle) or a periodic window opens, motions wander as on the attractor for thousands of impacts
-before they settle; a picture at k = 1499 then shows chaos, and the solution of the cell is a periodic orbit. Both are
-true, and figures show both. At a bifurcation an orbit attracts so slowly that k applications may not do either: there,
-not settled is not chaos.
+The paper takes the landing point of ``P^k`` as the end of a motion. But just after a chaotic attractor is destroyed
+(its remnant is a chaotic saddle) or a periodic window opens, motions move as on the attractor for thousands of impacts
+before they settle. A picture at k = 1499 then shows chaos, while the solution of the cell is a periodic orbit. Both are
+true, and figures show both. At a bifurcation an orbit attracts so slowly that k applications may not be enough either.
+There, a motion that has not settled is not chaotic.
 """
 
 from dataclasses import dataclass
@@ -16,8 +16,8 @@ from rattle_kernels import Attractor, AttractorKind, Oscillator, next_impacts
 from rattle_kernels.lanes.lyapunov import tangent_growth
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 
-# An orbit's multipliers bring a motion this close within some tens of impacts; by chance, a point of the transients is
-# as close to one of n points of an orbit once in some 1e6/n landings.
+# An orbit's multipliers bring a motion this close within some tens of impacts. By chance, a transient lands this close
+# to an orbit of n points about once in 1e6/n landings.
 _ON_ORBIT = 1e-3
 _LEGS = 8
 _LEG_IMPACTS = 1499
@@ -29,9 +29,9 @@ _MEASURED = 100
 class Transient:
     """How motions leave a chaotic transient for an orbit.
 
-    ``left`` counts those still on it after 0, 1, 2, ... legs of ``leg_impacts`` impacts each; ``mean_life`` is the
-    maximum likelihood estimate of impacts for an exponential law, with its standard error; ``exponent`` the mean of
-    Lyapunov exponents per forcing period along motions that stay on it for a leg, NaN where none does.
+    ``left`` counts the motions still on it after 0, 1, 2, ... legs of ``leg_impacts`` impacts each. ``mean_life`` is
+    the maximum likelihood estimate in impacts for an exponential law, ``error`` its standard error. ``exponent`` is the
+    mean Lyapunov exponent per forcing period along motions that stay on it for a leg, NaN if none does.
     """
 
     left: tuple[int, ...]
@@ -42,7 +42,7 @@ class Transient:
 
 
 def is_on_orbit(oscillator: Oscillator, orbit: Attractor, t: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Whether departures are within 1e-3 (forcing periods, natural speeds) of a periodic orbit's."""
+    """Whether departures are within 1e-3 of those of a periodic orbit, in forcing periods and natural speeds."""
     scale = largest_grazing_speed(oscillator)
     on = np.zeros(t.shape, bool)
     for time, velocity in zip(orbit.time, orbit.velocity, strict=True):
@@ -63,7 +63,7 @@ def on_transient(view: BasinView) -> np.ndarray:
 
 
 def measure_transient(oscillator: Oscillator, orbit: Attractor, t: np.ndarray, v: np.ndarray) -> Transient:
-    """Follow departures that end in an orbit until they are on it, and tell how long that takes.
+    """Follow departures until they are on the orbit that they end in, and measure how long that takes.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def measure_transient(oscillator: Oscillator, orbit: Attractor, t: np.ndarray, v
     orbit : Attractor
         Periodic.
     t, v : ndarray of float64, shape (n,)
-        Departures on the transient; at most 2000 of them, evenly chosen, are followed.
+        Departures on the transient. At most 2000 of them, evenly chosen, are followed.
     """
     chosen = np.unique(np.linspace(0, t.size - 1, min(t.size, _FOLLOWED)).astype(np.int64))
     t, v = t[chosen], v[chosen]
@@ -86,19 +86,19 @@ def measure_transient(oscillator: Oscillator, orbit: Attractor, t: np.ndarray, v
 
 
 def _exponent(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> float:
-    """Mean Lyapunov exponent along a leg from some of the departures."""
+    """Mean Lyapunov exponent along one leg, from some of the departures."""
     growth = tangent_growth(oscillator, t[:_MEASURED], v[:_MEASURED], _LEG_IMPACTS)
     there = growth.of(np.isfinite(growth.growth))
     return there.exponent if there.t.size else np.nan
 
 
 def _mean_life(left: list[int]) -> tuple[float, float]:
-    """Mean life in impacts, known only by legs: each leg that is begun is survived with one probability."""
+    """Mean life in impacts and its standard error. Every leg is survived with the same probability."""
     begun, survived = sum(left[:-1]), sum(left[1:])
     if not survived or survived == begun:
         return np.nan, np.nan
     probability = survived / begun
     life = -_LEG_IMPACTS / np.log(probability)
-    # By the binomial law of the probability.
+    # Relative standard error of the probability, by the binomial law.
     spread = np.sqrt((1.0 - probability) / (probability * begun))
     return float(life), float(life * life / _LEG_IMPACTS * spread)

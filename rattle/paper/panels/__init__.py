@@ -1,1 +1,1 @@
-"""Panels that figures are made of, and what they show."""
+"""The panels of figures, and the data they show."""

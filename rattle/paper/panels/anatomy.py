@@ -1,9 +1,9 @@
-"""What the boundaries of the paper's basins are made of (Sec. 6): its curves, the saddles A and B, their manifolds."""
+"""Boundaries of the paper's basins (Sec. 6): the grazing curve with its pre-images, and the manifolds of A and B."""
 
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from rattle.paper.numbers.orbits import orbits_named, told_orbit
+from rattle.paper.numbers.orbits import orbit_summary, orbits_named
 from rattle.paper.panels.basin_view import BasinView
 from rattle.paper.papers_oscillator import papers_basin
 from rattle_kernels import (
@@ -23,7 +23,7 @@ from worker.jobs.basin_job import BasinJob
 from worker.pictures.overlay import Lines, Marks, manifold_lines, saddle_marks
 
 BASIN = "basin"
-# Colours of Fig. 15, and widths: B's stays visible between the stripes of A's.
+# Colours of Fig. 15, and line widths. B's manifold stays visible between the stripes of A's.
 _STYLES = {"A": ("magenta", 0.8), "B": ("lime", 1.2)}
 _PREIMAGES = 2
 
@@ -36,19 +36,19 @@ class Manifold(NamedTuple):
 
     @property
     def pieces(self) -> list[Piece]:
-        """Those of all branches."""
+        """Pieces of all branches."""
         return [piece for branch in self.branches for piece in branch.pieces]
 
 
 def the_basin(grid: CellGrid) -> dict[str, BasinJob]:
-    """The basin that the paper's Figs. 14 to 16 lie on: that of Fig. 7 (bottom)."""
+    """The basin of the paper's Figs. 14 to 16, which is that of Fig. 7 (bottom)."""
     return {BASIN: papers_basin(grid)}
 
 
 def saddles(oscillator: Oscillator) -> dict[str, PeriodicOrbit]:
-    """A, P(1,1,0), from its closed form, and B, P(1,1,1).
+    """The saddles A, P(1,1,0), from its closed form, and B, P(1,1,1).
 
-    Of the two saddles P(1,1,1), B is the slower one: it lies on a boundary of basins, the other one amid chaos.
+    B is the slower of the two saddles P(1,1,1). It lies on a basin boundary, the other one within chaos.
     """
     _, closed_form = single_contact_orbits(oscillator)
     return {
@@ -58,7 +58,7 @@ def saddles(oscillator: Oscillator) -> dict[str, PeriodicOrbit]:
 
 
 def manifolds(oscillator: Oscillator, arclength: float, highest: float) -> dict[str, Manifold]:
-    """Stable manifolds of A and B up to a speed."""
+    """Stable manifolds of A and B up to a given speed."""
     limits = ManifoldLimits(arclength=arclength, highest_velocity=highest)
     return {
         label: Manifold(saddle, stable_manifold(oscillator, saddle, limits))
@@ -67,12 +67,12 @@ def manifolds(oscillator: Oscillator, arclength: float, highest: float) -> dict[
 
 
 def preimages(oscillator: Oscillator, highest: float) -> tuple[tuple[Piece, ...], ...]:
-    """The grazing curve and its first and second pre-image up to a speed."""
+    """The grazing curve and its first and second pre-images up to a given speed."""
     return grazing_preimages(oscillator, _PREIMAGES, velocity_limits=(0.0, highest))
 
 
 def manifold_overlays(grown: dict[str, Manifold]) -> list[Lines]:
-    """A's magenta and B's green, as in Fig. 15; A's, which is the longer one, below."""
+    """The manifold of A in magenta and of B in green, as in Fig. 15. A's is longer and lies below."""
     return [
         manifold_lines(each.branches, f"stable manifold of {each.saddle.name}, {label}", *_STYLES[label])
         for label, each in grown.items()
@@ -85,13 +85,13 @@ def saddle_overlays(grown: dict[str, Manifold]) -> tuple[Marks, ...]:
 
 
 def share_of_boundaries(view: BasinView, pieces: Iterable[Piece]) -> float:
-    """Share of the boundary cells that are shown within one cell of curves."""
+    """Share of the boundary cells shown that lie within one cell of the curves."""
     rows, columns = view.solution.shape
     return boundary_share(view.solution, view.job.grid._replace(time_cells=columns, velocity_cells=rows), list(pieces))
 
 
-def told_manifold(manifold: Manifold) -> dict[str, Any]:
-    """The saddle, and of each branch its length, its points, and why it ends."""
+def manifold_summary(manifold: Manifold) -> dict[str, Any]:
+    """The saddle, and the length, the number of points and the end of each branch."""
     branches = [
         {
             "arclength": branch.arclength,
@@ -100,4 +100,4 @@ def told_manifold(manifold: Manifold) -> dict[str, Any]:
         }
         for branch in manifold.branches
     ]
-    return {"saddle": told_orbit(manifold.saddle), "branches": branches}
+    return {"saddle": orbit_summary(manifold.saddle), "branches": branches}

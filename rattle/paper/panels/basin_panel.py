@@ -1,4 +1,4 @@
-"""A panel of basins as the paper draws them: colours by solution, grazing curve, attractors; transients are shown."""
+"""A panel of basins as the paper draws them: coloured by solution, with grazing curve, attractors and transients."""
 
 import math
 from collections.abc import Iterable
@@ -16,18 +16,18 @@ from worker.pictures.panel_picture import frame
 
 _MOST_DOTS = 4096
 _NO_POINTS = np.empty(0)
-# Stands for what cells on a transient look like after k applications.
+# Stands for the cells that are on a transient after k applications.
 _WANDERING = Attractor(AttractorKind.CHAOTIC, 0, 0, 0, np.nan, np.nan, _NO_POINTS, _NO_POINTS)
 
 
 def landings_on_transient(view: BasinView) -> tuple[np.ndarray, np.ndarray]:
-    """Landing points ``P^k`` that are not on the orbit that they end in: phases and speeds."""
+    """Phases and speeds of the landing points of ``P^k`` that are not yet on the orbit that they end in."""
     wandering = on_transient(view)
     return view.landing_time[wandering], view.landing_velocity[wandering]
 
 
 def attractor_overlays(view: BasinView) -> tuple[Overlay, ...]:
-    """Periodic attractors (white crosses), chaotic ones and landing points on transients (black dots)."""
+    """Periodic attractors as white crosses; chaotic ones and landing points on transients as black dots."""
     t, v = landings_on_transient(view)
     dots = slice(None, None, max(1, t.size // _MOST_DOTS))
     return attractor_marks((_WANDERING._replace(time=t[dots], velocity=v[dots]), *view.attractors))
@@ -40,10 +40,10 @@ def draw_panel(axes: Axes, view: BasinView, overlays: Iterable[Overlay]) -> None
     ----------
     axes : matplotlib.axes.Axes
     view : BasinView
-        Cells on a chaotic transient after k applications are speckled dark red, as the paper shows them; those that
-        have settled have the colour of the solution.
+        Cells on a chaotic transient after k applications are speckled dark red, as in the paper. Cells that have
+        settled have the colour of their solution.
     overlays : iterable of Overlay
-        What lies between the cells and the grazing curve.
+        Drawn between the cells and the grazing curve.
     """
     grid = view.job.grid
     solution = np.where(on_transient(view), len(view.attractors), view.solution)
@@ -56,7 +56,7 @@ def draw_panel(axes: Axes, view: BasinView, overlays: Iterable[Overlay]) -> None
 
 
 def legend_of(view: BasinView) -> list[Patch]:
-    """Entries of a legend: solutions with their shares, of periodic ones also that which has not settled after k."""
+    """Legend entries: the share of each solution, and of a periodic one also the share not settled after k."""
     palette, wandering = colours.colours_of(view.attractors), on_transient(view)
     entries = []
     there = [index for index, share in enumerate(view.shares) if not math.isnan(share)]

@@ -1,4 +1,4 @@
-"""A basin as a figure sees it: its motions, and its cells, thinned out where they are more than a sheet shows."""
+"""A basin as a figure shows it: its motions, and its cells, thinned out if they are too many for a sheet."""
 
 from dataclasses import dataclass
 
@@ -10,16 +10,16 @@ from worker.stores.basin_store import BasinStore
 from worker.stores.summary import count_images
 from worker.views.reading import attractors_of, basin_of, job_of, open_basin
 
-# Cells each way at the most: beyond, every n-th cell stands for its neighbours (labels cannot be averaged).
+# Most cells along each axis. In larger basins every n-th cell stands for its neighbours: labels cannot be averaged.
 _MOST_CELLS = 1000
 
 
 @dataclass(frozen=True)
 class BasinView:
-    """What a complete store says.
+    """Contents of a complete store.
 
-    ``shares`` are those of all cells; ``solution``, ``group``, ``landing_time`` and ``landing_velocity`` (shape (rows,
-    columns)) those of the cells shown; ``image_counts`` says how many cells have each reserved image.
+    ``shares`` count all cells. ``solution``, ``group``, ``landing_time`` and ``landing_velocity``, of shape (rows,
+    columns), are those of the cells shown. ``image_counts`` is the number of cells with each reserved image.
     """
 
     job: BasinJob
@@ -33,12 +33,12 @@ class BasinView:
 
     @property
     def oscillator(self) -> Oscillator:
-        """The one whose basin it is."""
+        """Oscillator of the basin."""
         return self.job.oscillator
 
     @property
     def names(self) -> np.ndarray:
-        """Name of the solution of each cell."""
+        """Name of each cell's solution."""
         return np.array([attractor.name for attractor in self.attractors])[self.solution]
 
 
@@ -49,13 +49,13 @@ def view_basin(location: str, panel: int = 0) -> BasinView:
     ----------
     location : str
     panel : int
-        Of a sweep, which basin: its ``job`` is that of the basin alone, its ``attractors`` those of the sweep by
-        number; one that it lacks has no points and the share NaN.
+        Number of the basin in a sweep. The view has the ``job`` of this basin alone, and the ``attractors`` of the
+        whole sweep by number. An attractor that the basin lacks has no points and the share NaN.
 
     Raises
     ------
     StoreConflict
-        Where there is none.
+        If there is no store.
     """
     whole = open_basin(location)
     dataset = basin_of(whole, **job_of(whole).values_of(panel))

@@ -1,4 +1,4 @@
-"""A small panel of one time history, Phi(t) between the backlash boundaries, and an arrow from it to its place."""
+"""A small panel of one time history, Phi(t) between the backlash boundaries, and an arrow to its departure."""
 
 from matplotlib.axes import Axes
 from matplotlib.patches import ConnectionPatch
@@ -6,7 +6,7 @@ from matplotlib.patches import ConnectionPatch
 from rattle_kernels import Oscillator, TimeHistory
 from worker.pictures.history_picture import draw_boundaries
 
-# Of the span drawn, what is left free above and below.
+# Free space above and below, as a fraction of the span drawn.
 _MARGIN = 0.15
 
 
@@ -29,8 +29,8 @@ def draw_history_panel(axes: Axes, oscillator: Oscillator, history: TimeHistory,
 
 
 def point_from(history: Axes, basin: Axes, t: float, v: float) -> None:
-    """Draw an arrow from the left of a history's panel to a departure in a panel of basins."""
-    # Orange is seen on white paper and on every basin's colour but its own.
+    """Draw an arrow from the left of a history panel to a departure in a panel of basins."""
+    # Orange is visible on white paper and on all colours of basins except orange.
     arrow = ConnectionPatch(
         xyA=(-0.16, 0.5), coordsA=history.transAxes, xyB=(t, v), coordsB=basin.transData,
         arrowstyle="-|>", mutation_scale=13, color="tab:orange", linewidth=1.5, shrinkB=5.0, clip_on=False,

@@ -1,4 +1,4 @@
-"""A sweep over one parameter as a figure sees it: the basin at each value, and what is born and dies between them."""
+"""A sweep over one parameter as a figure shows it: the basin at each value, and births and deaths between them."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from worker.stores.summary import Change, summarise
 
 @dataclass(frozen=True)
 class SweepView:
-    """What a complete store of a sweep says; ``basins`` are in the order of the values, under one numbering."""
+    """Contents of a complete store of a sweep. ``basins`` are in the order of the values and share one numbering."""
 
     job: BasinJob
     basins: tuple[BasinView, ...]
@@ -27,7 +27,7 @@ def view_sweep(location: str) -> SweepView:
     Raises
     ------
     StoreConflict
-        Where there is none.
+        If there is no store.
     """
     summary = summarise(location)
     basins = tuple(view_basin(location, panel) for panel in range(len(summary.basins)))

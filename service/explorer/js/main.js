@@ -34,7 +34,7 @@ const motions = new Motions(by("history"), plane, oscillatorHere);
 const overlays = new OverlayList(by("overlays"), plane);
 const still = new Still(by("still"));
 
-/** Back to the window that was asked for, before any zooming. */
+/** Return to the requested window, before any zooming. */
 function showWhole() {
   if (at.whole) plane.go(at.whole);
 }
@@ -49,26 +49,26 @@ async function submit(request, zooming) {
       method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(request),
     });
     const job = await answer.json();
-    // The same request may be another's job, under way or done: only what is new is ours to cancel.
+    // The same request may belong to another client's job. Only a new job is ours to cancel.
     at.mine = Date.parse(job.created) >= Date.parse(answer.headers.get("date")) - 1000 ? job.id : null;
     await open(job, 0, zooming ? plane.view : null, zooming);
   });
 }
 
-/** Stop what this page has asked for, and nobody looks at any more. */
+/** Cancel a job of this page that is no longer shown. */
 async function withdraw() {
   const superseded = at.mine && at.job?.id === at.mine && !ended(at.job);
   at.mine = null;
-  // Where it cannot be stopped it goes on, and the next one is computed all the same.
+  // If it cannot be cancelled it continues, and the next one is computed anyway.
   if (superseded) await post(at.job.links.cancel, {}).catch(() => {});
 }
 
 /**
- * Look at a job.
+ * Show a job.
  * @param {object} job
  * @param {number} panel
- * @param {object|null} view the job's own window where null
- * @param {boolean} over older pictures stay underneath
+ * @param {object|null} view null for the job's own window
+ * @param {boolean} over whether older pictures stay underneath
  */
 async function open(job, panel, view, over) {
   at.following?.abort();
@@ -106,14 +106,14 @@ function tell(job, place) {
   by("cancel").hidden = ended(job) || job.state === "cancelling";
 }
 
-/** Follow a job, and draw what there is of one of its basins. */
+/** Follow a job, and draw one of its basins as it is computed. */
 async function watch(job, panel, signal) {
   let picture = null;
   const report = async (now, place) => {
     at.job = now;
-    // That it is complete is said when that can be seen.
+    // Completion is announced below, once the picture is complete.
     if (!ended(now)) tell(now, place);
-    // A job's store is there once it has told how far it is.
+    // A job has a store once it has reported progress.
     if (!hasCells(now)) {
       if (ended(now) && now.progress) await still.show(now, signal);
     } else if (now.progress) {
@@ -132,7 +132,7 @@ async function begin(job, panel, signal) {
     if (!signal.aborted) plane.show(picture);
     return picture;
   } catch (error) {
-    // What a cancelled job had computed may have gone over to the job that was asked for after it.
+    // The store of a cancelled job may have passed to the next job of the same request.
     if (error.kind === "not-ready") return null;
     throw error;
   }
@@ -175,7 +175,7 @@ function openPanel(panel) {
 
 // The window.
 
-/** The request for the window that is looked at, of the oscillator that is looked at. */
+/** The request for the visible window of the current oscillator. */
 function requestHere() {
   const { request } = at.job;
   const { time, velocity } = request.grid;
@@ -207,7 +207,7 @@ function hovered(place) {
   read();
 }
 
-/** Say what is known of the place that was last pointed at. */
+/** Show what is known of the point last pointed at. */
 function read() {
   const place = at.pointed;
   if (!place) return;
@@ -262,7 +262,7 @@ function setUpControls() {
   addEventListener("popstate", () => attempt(openAddress));
 }
 
-/** Look at what the address says. */
+/** Open what the address names. */
 async function openAddress() {
   const { job: id, panel, view } = readAddress();
   if (!id) return;

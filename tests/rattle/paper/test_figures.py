@@ -27,9 +27,9 @@ def no_cluster():
     raise AssertionError("a cluster was asked for where nothing is missing")
 
 
-def produced(name, folder, client=None, tell=ignore):
+def produced(name, folder, client=None, report=ignore):
     connect = no_cluster if client is None else lambda: contextlib.nullcontext(client)
-    done = produce(figure_named(name), folder, SMALL, connect, tell=tell, cancel=threading.Event())
+    done = produce(figure_named(name), folder, SMALL, connect, report=report, cancel=threading.Event())
     assert imread(done.picture).size > 100_000
     return json.loads(done.numbers.read_text())
 
@@ -235,7 +235,7 @@ def test_a_figure_that_is_cancelled_stops_and_is_resumed(client, tmp_path):
 
     with pytest.raises(JobCancelled):
         produce(
-            figure_named("fig6"), tmp_path, SMALL, lambda: contextlib.nullcontext(client), tell=cancel_soon,
+            figure_named("fig6"), tmp_path, SMALL, lambda: contextlib.nullcontext(client), report=cancel_soon,
             cancel=cancel,
         )  # fmt: skip
     assert not list(tmp_path.glob("fig6.*")) and len(list(tmp_path.glob("*.zarr"))) == 5

@@ -40,6 +40,7 @@ def test_images_are_those_of_the_plain_loop(oscillator):
     assert caught.applications < 0.8 * map_points(oscillator, grid, ITERATIONS, t, v).applications
 
 
+@pytest.mark.slow
 def test_images_at_the_machines_own_damping_are_those_of_the_plain_loop():
     grid = CellGrid(0.0, 1.0, 1000, 0.0, 12.0 * MACHINE.damping, 1000)
     iterations, (t, v) = settled_iterations(MACHINE.damping), points(MACHINE, 64)

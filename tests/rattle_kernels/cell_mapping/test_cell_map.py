@@ -55,7 +55,7 @@ def plain(oscillator, grid, iterations):
 
 
 @pytest.mark.parametrize("oscillator", PANELS, ids=lambda o: f"{o.damping}-{o.eccentricity}")
-@pytest.mark.parametrize("iterations", [1, 101, 1499])
+@pytest.mark.parametrize("iterations", [1, 101, pytest.param(1499, marks=pytest.mark.slow)])
 def test_no_image_of_a_regular_trajectory_depends_on_shortcuts(oscillator, iterations):
     image, grown, t, v = plain(oscillator, GRID, iterations)
     # Chaos on the way, however short, turns rounding into another image: regular is what never grows ten-thousandfold.

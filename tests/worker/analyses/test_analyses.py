@@ -167,7 +167,7 @@ def test_a_diagram_is_that_of_the_kernels_whatever_the_stretches(stores):
         DAMPING.values,
         *np.array([(seed.time, seed.velocity) for seed in SEEDS]).T,
         direction="both",
-        transient=10_000,
+        transient=DIAGRAM.transient,
     )
     with xr.open_zarr(stores / "bifurcation") as store:
         np.testing.assert_array_equal(store.damping, direct.values)

@@ -72,7 +72,7 @@ def last(monkeypatch):
     return LastWrite(monkeypatch)
 
 
-@pytest.fixture(params=JOBS)
+@pytest.fixture(params=["small", pytest.param("tiled", marks=pytest.mark.slow)])
 def job(request):
     return JOBS[request.param]
 

@@ -48,6 +48,7 @@ def assert_same_bytes(object_store, name, folder):
     assert different <= {"zarr.json"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("job", [JOB, SWEEP], ids=["basin", "sweep"])
 def test_objects_are_the_files_of_a_folder_to_the_byte(client, object_store, folders, job):
     name = f"{job.kind}.zarr"

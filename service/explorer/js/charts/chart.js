@@ -15,7 +15,7 @@ export function element(name, attributes = {}, text = "") {
 
 export class Chart {
   /**
-   * @param {HTMLElement} place replaced content
+   * @param {HTMLElement} place whose content is replaced
    * @param {{height: number, x: number[], y: number[], xLabel: string, yLabel: string, label: string}} what
    */
   constructor(place, { height, x, y, xLabel, yLabel, label }) {
@@ -51,7 +51,7 @@ export class Chart {
     return this.bottom - ((value - from) / (to - from)) * (this.bottom - MARGIN.top);
   }
 
-  /** Value on the x axis at a pointer's event. */
+  /** Value on the x axis at a pointer event. */
   valueAt(event) {
     const box = this.svg.getBoundingClientRect();
     const x = ((event.clientX - box.left) / box.width) * this.width;

@@ -14,7 +14,7 @@ export function ticks(from, to, about) {
   });
 }
 
-/** A coordinate with the digits that a window of this width shows. */
+/** A coordinate with as many digits as a window of this width needs. */
 export function reading(value, width) {
   return value.toFixed(Math.min(12, Math.max(3, 3 - Math.floor(Math.log10(width)))));
 }

@@ -14,9 +14,9 @@ function short(number) {
 }
 
 /**
- * Note in the address what is looked at.
+ * Write the current job, basin and window to the address.
  * @param {{job: string, panel: number, view: object}} place
- * @param {boolean} isNew a step that Back undoes, not a correction of this one
+ * @param {boolean} isNew whether Back undoes it; otherwise it corrects the current entry
  */
 export function writeAddress({ job, panel, view }, isNew) {
   const query = [`job=${encodeURIComponent(job)}`];

@@ -3,12 +3,12 @@
 let key = "";
 let askForKey = async () => "";
 
-/** Say how a key is asked for: a function that is told what is wrong with the last one and resolves to a new one. */
+/** Set the function that asks for a key. It gets the error of the last key and resolves to a new key. */
 export function whenKeyIsNeeded(asker) {
   askForKey = asker;
 }
 
-/** A request that the service did not fulfil, in its own words. */
+/** An error response, with the service's own message. */
 export class Refusal extends Error {
   constructor(status, problem) {
     super(problem.detail || `the service answered ${status}`);
@@ -18,7 +18,7 @@ export class Refusal extends Error {
   }
 }
 
-/** The service could not be reached at all. */
+/** The service could not be reached. */
 export class Unreachable extends Error {
   constructor() {
     super("the service does not answer");
@@ -34,7 +34,7 @@ async function problemOf(answer) {
 }
 
 /**
- * Send a request; a 401 asks for the key and tries again.
+ * Send a request. After a 401, ask for the key and try again.
  * @param {string} path
  * @param {RequestInit} [options]
  * @returns {Promise<Response>}
@@ -53,17 +53,17 @@ export async function send(path, options = {}) {
     if (answer.ok) return answer;
     const problem = await problemOf(answer);
     if (answer.status !== 401) throw new Refusal(answer.status, problem);
-    // Another request may have been given a key in the meantime.
+    // Another request may have got a key meanwhile.
     if (used === key) key = await askForKey(used ? problem.detail || "this key is not known" : told);
   }
 }
 
-/** Answer to a GET, as JSON. */
+/** Response to a GET, as JSON. */
 export async function get(path, options) {
   return (await send(path, options)).json();
 }
 
-/** Answer to a POST of JSON, as JSON. */
+/** Response to a POST of JSON, as JSON. */
 export async function post(path, body, options) {
   const headers = { "content-type": "application/json" };
   return (await send(path, { ...options, method: "POST", headers, body: JSON.stringify(body) })).json();
@@ -74,7 +74,7 @@ const PATHS = {
   manifold: "/v1/manifolds", grazing_curve: "/v1/grazing-curves",
 };
 
-/** Where the request of a job is sent. */
+/** Path to which the request of a job is sent. */
 export function pathOf({ kind }) {
   return PATHS[kind];
 }

@@ -6,7 +6,7 @@ const FINAL = ["succeeded", "failed", "cancelled"];
 const PATIENT_MS = 1000;
 const NOTHING_MORE = 204;
 
-/** Whether a job will never change again. */
+/** Whether a job can no longer change. */
 export function ended(job) {
   return FINAL.includes(job.state);
 }
@@ -33,9 +33,9 @@ function parse(text) {
 }
 
 /**
- * The newest event of each lot that arrives; read by fetch, as an EventSource cannot carry the key.
+ * The newest event of each chunk that arrives. They are fetched, because an EventSource cannot carry the key.
  * @param {object} job
- * @param {{id: string|null}} seen the last event that has been seen, kept up to date
+ * @param {{id: string|null}} seen the last event seen, kept up to date
  */
 async function* eventsOf(job, seen, signal) {
   const headers = seen.id ? { "last-event-id": seen.id } : {};
@@ -55,13 +55,13 @@ async function* eventsOf(job, seen, signal) {
   }
 }
 
-/** Whether an error passes by itself: the service is away, or the connection was cut in mid-stream. */
+/** Whether an error is temporary: the service is unavailable, or the connection was cut in mid-stream. */
 function passes(error) {
   return error instanceof Unreachable || error instanceof TypeError || (error instanceof Refusal && error.status >= 500);
 }
 
 /**
- * Report a job's state, now and as it changes, the last one being final; a service that is away is waited for.
+ * Report a job's state, now and at every change until it is final. If the service is unavailable, wait for it.
  * @param {object} job as it was a moment ago
  * @param {(job: object, place: number|null) => Promise<void>|void} report job, and its place in the queue while it waits
  * @param {(error: Error) => void} lost called while the service does not answer

@@ -5,7 +5,7 @@ import { post } from "./api.js";
 export const SHOWN_PERIODS = 15;
 const SAMPLES = 120;
 const LONG_PERIODS = 300;
-// On an orbit: departures this close to its points from then on.
+// A motion is on an orbit once all its departures are this close to the orbit's points.
 const CLOSE_TIME = 1e-3;
 const CLOSE_SPEED = 5e-3;
 const SURE = 3;
@@ -14,7 +14,7 @@ function ask(oscillator, { t, v }, periods, samples) {
   return post("/v1/trajectories", { oscillator, start: { time: t, velocity: v }, periods, samples_per_period: samples });
 }
 
-/** Departures from +beta, the first one among them. */
+/** Departures from +beta, including the first. */
 function departuresOf(start, history) {
   const later = history.contacts.filter(({ wall, direction }) => wall === 1 && direction !== "in");
   return [start, ...later.map(({ time, speed }) => ({ t: time, v: speed }))];
@@ -31,7 +31,7 @@ function isOn(points, { t, v }) {
   });
 }
 
-/** When a history has settled: the time from which it stays what its solution is; null where it has not yet. */
+/** Time from which a history stays on its solution; null if it has not settled yet. */
 function settledAt(solution, start, history) {
   if (solution.kind === "permanent_contact") return history.permanent_from;
   if (solution.kind !== "periodic") return null;

@@ -6,7 +6,7 @@ const field = document.getElementById("key");
 const greeting = note.textContent;
 let asking = null;
 
-/** Ask for a key; many requests that need one at a time share one question. */
+/** Ask for a key. Requests that need one at the same time share one prompt. */
 export function askForKey(wrong) {
   note.textContent = wrong ? `${wrong}. ${greeting}` : greeting;
   asking ??= new Promise((resolve) => {

@@ -2,18 +2,18 @@
 
 const line = document.getElementById("state");
 
-/** Say something. */
+/** Show a message. */
 export function say(text, wrong = false) {
   line.textContent = text;
   line.classList.toggle("wrong", wrong);
 }
 
-/** What went wrong, as a sentence begins. */
+/** Message of an error, with a capital letter. */
 export function inWords(error) {
   return `${error.message[0].toUpperCase()}${error.message.slice(1)}`;
 }
 
-/** Do something that may be refused, and say so in the service's words; null where it was. */
+/** Result of work that may fail. If it fails, show the error and return null. */
 export async function attempt(work) {
   try {
     return await work();

@@ -20,7 +20,7 @@ function seconds(job) {
   return ((Date.parse(job.finished) - Date.parse(job.started)) / 1000).toFixed(1);
 }
 
-/** What a job does, and whether that is bad news. */
+/** What a job is doing, and whether that is an error. */
 export function stateInWords(job, place) {
   switch (job.state) {
     case "queued":
@@ -42,7 +42,7 @@ function capital(text) {
   return text[0].toUpperCase() + text.slice(1);
 }
 
-/** Show how far the stage of a job is. */
+/** Show the progress of a job's stage. */
 export function showProgress(bar, { state, progress }) {
   bar.hidden = state !== "running" || !progress;
   if (bar.hidden) return;

@@ -7,12 +7,12 @@ const KINDS = {
   manifold: "Manifolds of saddles", grazing_curve: "Grazing curve and its pre-images",
 };
 
-/** Whether a job computes cells, which the page draws by itself. */
+/** Whether a job computes cells, which the page draws itself. */
 export function hasCells({ request }) {
   return request.grid !== undefined && !request.sample;
 }
 
-/** A job in a word or two. */
+/** Kind of a job, in a word or two. */
 export function kindInWords({ kind }) {
   return KINDS[kind];
 }
@@ -29,7 +29,7 @@ export class Still {
     this.image.removeAttribute("src");
   }
 
-  /** Show what there is of a job; fetched rather than linked to, as a link cannot carry the key. */
+  /** Show the result of a job so far. It is fetched, not linked, because a link cannot carry the key. */
   async show(job, signal) {
     const picture = URL.createObjectURL(await (await send(job.links.picture, { signal })).blob());
     URL.revokeObjectURL(this.image.src);

@@ -21,26 +21,34 @@ function copyable(title, text) {
   return [heading, code];
 }
 
-/** Fetched rather than linked to, as a link cannot carry the key. */
+/** Fetch a file and save it. A plain link could not carry the key. */
 async function save(path, name) {
   const picture = URL.createObjectURL(await (await send(path)).blob());
   Object.assign(document.createElement("a"), { href: picture, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(picture), 1000);
 }
 
-/** Show what there is of a job. */
+const FILES = [["Picture (PNG)", "png"], ["SVG", "svg"], ["PDF", "pdf"], ["Table (CSV)", "csv"]];
+
+/** Path of a file of a job: a picture, of cells in a layer, or the table of what is found. */
+function fileOf(job, ending, layer) {
+  if (ending === "csv") return job.links.result + ".csv";
+  return job.links.picture.replace(/png$/, ending) + (layer ? `?layer=${layer}` : "");
+}
+
+/** Show the downloads of a job. */
 export function showTakeaway(place, job, layer) {
   const cells = hasCells(job);
-  const png = Object.assign(document.createElement("button"), { type: "button", textContent: "Picture (PNG)" });
-  png.addEventListener("click", () => save(cells ? `${job.links.picture}?layer=${layer}` : job.links.picture, `${job.kind}-${job.id.slice(0, 8)}.png`));
+  const name = `${job.kind}-${job.id.slice(0, 8)}`;
+  const downloads = FILES.map(([text, ending]) => {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: text });
+    button.addEventListener("click", () => save(fileOf(job, ending, cells ? layer : null), `${name}.${ending}`));
+    return button;
+  });
   const zarr = new URL(job.links.zarr, location.href).href;
-  const first = (cells ? job.request.vary ?? [] : []).map(({ parameter }) => `${parameter}=0`).join(", ");
-  const basin = first ? `basin.solution.isel(${first})` : "basin.solution";
-  const python = cells
-    ? `import xarray as xr\nbasin = xr.open_zarr("${zarr}")\n${basin}.plot()`
-    : `import xarray as xr\nresult = xr.open_zarr("${zarr}")\nprint(result)`;
+  const python = `import rattle\nresult = rattle.open("${zarr}")\nresult.rattle.plot()`;
   const body = JSON.stringify(job.request, null, 1);
   const url = new URL(pathOf(job), location.href).href;
   const curl = `curl -X POST ${url} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(job.request)}'`;
-  place.replaceChildren(png, ...copyable("Zarr store", zarr), ...copyable("Python", python), ...copyable("curl", curl), ...copyable("JSON", body));
+  place.replaceChildren(...downloads, ...copyable("Zarr store", zarr), ...copyable("Python", python), ...copyable("curl", curl), ...copyable("JSON", body));
 }

@@ -2,7 +2,7 @@
 
 const system = matchMedia("(prefers-color-scheme: dark)");
 
-/** Set up the switch; `changed` is called when the colours of the page have changed. */
+/** Set up the switch. `changed` is called when the colours of the page have changed. */
 export function setUpTheme(select, changed) {
   const apply = () => {
     const dark = select.value === "dark" || (select.value === "auto" && system.matches);

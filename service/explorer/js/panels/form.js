@@ -8,7 +8,7 @@ const GRID = ["time.start", "time.stop", "time.cells", "velocity.start", "veloci
 const CELLS = 500;
 const WAIT_MS = 180;
 
-/** What a field says: a number where it is one, else the text as it stands, for the service to refuse. */
+/** Value of a field: a number if possible, otherwise the text itself, which the service then refuses. */
 function valueOf(input) {
   const text = input.value.trim().replace(",", ".");
   return text !== "" && Number.isFinite(Number(text)) ? Number(text) : input.value;
@@ -21,7 +21,7 @@ function hintOf(bound) {
   return { text: limits.join(", "), why: bound.why };
 }
 
-/** Name of the form's field that a fault of the request lies in; null where there is none. */
+/** Name of the form's field that contains an error of the request; null if there is none. */
 function fieldOf(location) {
   const [, part, ...rest] = location;
   if (part === "oscillator") return rest[0] ?? null;
@@ -57,7 +57,7 @@ export class Form {
     });
   }
 
-  /** Offer the examples; the one of that name is filled in. */
+  /** List the examples, and fill in the one of this name. */
   offer(presets, name) {
     const select = this.form.querySelector("#preset");
     for (const { name: value, label } of presets) select.append(new Option(label, value));
@@ -84,7 +84,7 @@ export class Form {
     this.#field("allow_no_quiet_solution").checked = oscillator.allow_no_quiet_solution === true;
     for (const name of GRID) {
       const [axis, end] = name.split(".");
-      // A sample has no cells; the form asks for some.
+      // A sample has no cells, but the form requires some.
       const value = grid[axis][end] ?? (end === "cells" ? CELLS : undefined);
       if (value !== undefined) this.#field(name).value = value;
     }
@@ -100,7 +100,7 @@ export class Form {
     this.check();
   }
 
-  /** Show the fields that belong to what is chosen. */
+  /** Show the fields that the selected options need. */
   #shape() {
     const model = this.#field("model").value;
     this.form.querySelectorAll("[data-model]").forEach((part) => (part.hidden = part.dataset.model !== model));
@@ -108,13 +108,13 @@ export class Form {
     vary.querySelector("[value=stiffness]").disabled = model === "impacting";
     if (model === "impacting" && vary.value === "stiffness") vary.value = "";
     this.form.querySelectorAll("[data-vary]").forEach((part) => (part.hidden = vary.value === ""));
-    // Its values are those of the sweep.
+    // The sweep sets the values of this parameter.
     for (const name of OSCILLATOR) this.#field(name).disabled = name === vary.value;
     this.button.textContent = vary.value ? "Compute the sweep" : "Compute";
     if (model === "piecewise_linear" && this.#field("stiffness").value === "") this.#field("stiffness").value = "1000";
   }
 
-  /** Request that the form asks for. */
+  /** Request that the form describes. */
   request() {
     const value = (name) => valueOf(this.#field(name));
     const model = this.#field("model").value;
@@ -131,7 +131,7 @@ export class Form {
     return request;
   }
 
-  /** Ask the service what it would say, and say so; whether it would accept. */
+  /** Let the service check the request, show the outcome, and return whether it would be accepted. */
   async check() {
     clearTimeout(this.timer);
     const number = ++this.asked;
@@ -170,7 +170,7 @@ export class Form {
     hint.classList.toggle("wrong", wrong);
   }
 
-  /** Mark the field at fault; false where there is none. */
+  /** Mark the field at fault; false if there is none. */
   #blame({ location, message }) {
     const input = this.#field(fieldOf(location) ?? "");
     if (!input?.setAttribute) return false;

@@ -8,7 +8,7 @@ export class Motions {
   /**
    * @param {HTMLElement} section
    * @param {import("../plane/plane.js").Plane} plane
-   * @param {() => object} oscillator that of the basin that is looked at, as in a request
+   * @param {() => object} oscillator of the visible basin, as in a request
    */
   constructor(section, plane, oscillator) {
     this.section = section;
@@ -29,7 +29,7 @@ export class Motions {
     this.second.setAttribute("aria-pressed", String(on));
   }
 
-  /** Follow the motion from a place, or rather from the centre of the cell there. */
+  /** Follow the motion from the centre of the cell at a point. */
   async pick(place, second) {
     if (place.v <= 0) return;
     const name = this.followed.size && (second || this.comparing) ? "second" : "first";
@@ -46,7 +46,7 @@ export class Motions {
     });
   }
 
-  /** Follow anew what began where nothing was known, as soon as it is. */
+  /** Follow motions again whose cells were not computed yet, once they are. */
   async again() {
     const { era } = this;
     for (const [name, { start }] of this.followed) {
@@ -59,7 +59,7 @@ export class Motions {
     }
   }
 
-  /** Forget all of them. */
+  /** Remove all motions. */
   forget() {
     this.era++;
     this.followed.clear();

@@ -1,4 +1,4 @@
-/** The list of overlays: switches them on and off, and fetches those that the service has to compute. */
+/** The list of overlays: turns them on and off, and fetches those that the service has to compute. */
 
 import { get } from "../net/api.js";
 import { element } from "../charts/chart.js";
@@ -49,10 +49,10 @@ export class OverlayList {
   }
 
   /**
-   * Say which basin overlays are computed for: the first of an oscillator, however far one zooms into it.
+   * Set the basin that overlays are computed for: the first one of an oscillator, at any zoom.
    * @param {string} job
    * @param {number} panel
-   * @param {boolean} ready its motions are known
+   * @param {boolean} ready whether its motions are known
    */
   of(job, panel, ready) {
     if (this.source || !ready) return;

@@ -5,7 +5,7 @@ import { reading } from "../charts/ticks.js";
 
 const SYMBOLS = { damping: "damping δ", eccentricity: "eccentricity ε", half_backlash: "half backlash β", stiffness: "stiffness κ" };
 
-/** Place of a panel along each swept parameter, the last one running fastest. */
+/** Index of a basin along each swept parameter; the last one varies fastest. */
 function placesOf(vary, panel) {
   const places = [];
   for (const { values } of [...vary].reverse()) {
@@ -48,7 +48,7 @@ export class Sweep {
     this.vary = null;
   }
 
-  /** Show the sliders of a sweep at one of its panels. */
+  /** Show the sliders of a sweep at one of its basins. */
   show(vary, panel) {
     this.section.hidden = false;
     [this.vary, this.panel, this.drawn] = [vary, panel, null];
@@ -57,7 +57,7 @@ export class Sweep {
     this.section.querySelector("#sliders").replaceChildren(...sliders);
   }
 
-  /** Move to a panel that was opened elsewhere; sliders keep the focus. */
+  /** Move to a basin that was opened elsewhere. Sliders keep the focus. */
   moveTo(panel) {
     this.panel = panel;
     const places = placesOf(this.vary, panel);
@@ -69,13 +69,13 @@ export class Sweep {
   }
 
   /**
-   * Draw shares over the last parameter, at the places of the others.
-   * @param {object} result as `/result` tells it
+   * Draw shares over the last parameter, at the current values of the others.
+   * @param {object} result as from `/result`
    * @param {object} outline whose colours are used
    * @param {string} palette
    */
   draw(result, outline, palette) {
-    // A chart that is replaced under the pointer loses the click.
+    // A click is lost if the chart under the pointer is replaced.
     const drawn = [this.panel, palette, result.basins.filter(({ complete }) => complete).length, this.section.clientWidth].join();
     if (drawn === this.drawn) return;
     this.drawn = drawn;

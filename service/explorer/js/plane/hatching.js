@@ -1,4 +1,4 @@
-/** Hatching of tiles without labels: crossed where nothing is known, single where the cells are mapped. */
+/** Hatching of tiles without labels: crossed if nothing is known, single if the cells are mapped. */
 
 const LABELLED = 3;
 const PENDING = 1;

@@ -28,7 +28,7 @@ export function drawCurve(plot, curve, style, width) {
     context.beginPath();
     curve.time.forEach((t, i) => {
       const x = plot.x(t + shift), y = plot.y(curve.velocity[i]);
-      // A curve that leaves at one side of the period comes back at the other: no line across.
+      // A curve that leaves on one side of the period returns on the other, without a line across.
       const torn = i === 0 || Math.abs(t - curve.time[i - 1]) > 0.5 || !Number.isFinite(y);
       if (torn) context.moveTo(x, y);
       else context.lineTo(x, y);
@@ -66,7 +66,7 @@ function drawAttractors(plot, picture) {
   }
 }
 
-/** Curves as a path in units of the plane: thousands of points are then moved and scaled by the browser itself. */
+/** Curves as a path in units of the plane, so that the browser itself moves and scales thousands of points. */
 function pathOf(pieces) {
   const path = new Path2D();
   for (const { time, velocity } of pieces) time.forEach((t, i) => path[i ? "lineTo" : "moveTo"](t, velocity[i]));
@@ -108,7 +108,7 @@ function drawFetched(plot, overlays) {
   }
 }
 
-/** What can be laid over a basin; what comes with its outline, and what is fetched when it is first switched on. */
+/** Overlays of a basin: some come with its outline, the others are fetched when first turned on. */
 export const OVERLAYS = [
   {
     name: "grazing", label: "Grazing curve", on: true, sign: { d: "M1 12 C9 1 17 1 25 12", stroke: "#ffffff" },
@@ -129,7 +129,7 @@ export function drawOverlay(plot, overlay, picture) {
   else overlay.draw(plot, picture);
 }
 
-/** Draw a motion's departures: where each impact on +beta puts it, joined in order. */
+/** Draw a motion's departures from +beta, joined in order. */
 export function drawMotion(plot, departures, name) {
   const { context } = plot;
   const style = colour(name);

@@ -1,6 +1,6 @@
 /** Colours of cells, as 32-bit pixels of an ImageData. */
 
-// Anchors of a scale whose lightness rises evenly, so that colour-blind readers can read it.
+// Anchors of a scale of evenly increasing lightness, which colour-blind readers can read.
 const SCALE = ["#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"].map(channels);
 const STEPS = 256;
 
@@ -21,7 +21,7 @@ function paler(rgb, toward, part) {
   return rgb.map((channel, i) => Math.round(channel + (toward[i] - channel) * part));
 }
 
-/** Colour of a place from 0 to 1 on the scale. */
+/** Colour at a position from 0 to 1 on the scale. */
 export function scaleColour(place) {
   const at = Math.min(Math.max(place, 0), 1) * (SCALE.length - 1);
   const below = Math.min(Math.floor(at), SCALE.length - 2);
@@ -31,7 +31,7 @@ export function scaleColour(place) {
 const SCALE_PIXELS = Int32Array.from({ length: STEPS }, (_, i) => pixel(scaleColour(i / (STEPS - 1))));
 
 /**
- * Pixels of solutions: for each number as many as there are brightnesses of its speckle.
+ * Pixels of solutions: for each number, one for every brightness of the speckle.
  * @param {object} outline
  * @param {{palette: string, highlight: number|null, ground: string}} look
  */
@@ -59,7 +59,7 @@ export function paintSolutions(pixels, solution, group, table, kinds, from, to) 
   }
 }
 
-/** Paint one of Hsu's numbers on a scale that is logarithmic, as most cells have small ones. */
+/** Paint one of Hsu's numbers on a logarithmic scale, because most cells have small numbers. */
 export function paintNumbers(pixels, values, solution, highest, special, from, to) {
   const factor = (STEPS - 1) / Math.log1p(Math.max(highest, 1));
   for (let i = from; i < to; i++) {
@@ -69,7 +69,7 @@ export function paintNumbers(pixels, values, solution, highest, special, from, t
   }
 }
 
-/** Pixel of cells whose number is a word, not a count. */
+/** Pixel of cells whose number is a code, not a count. */
 export function specialPixel(hex) {
   return pixel(channels(hex));
 }

@@ -3,7 +3,7 @@
 import { get, send } from "../net/api.js";
 import { paintNumbers, paintSolutions, solutionPixels, specialPixel } from "./palette.js";
 
-// Cells each way that are fetched and drawn at the most; of more, every n-th stands for its neighbours.
+// Largest number of cells each way that are fetched and drawn. Of more cells, only every n-th is shown.
 const MOST_CELLS = 1500;
 const LABELLED = 3;
 const SHIFTS = [-1, 0, 1];
@@ -16,7 +16,7 @@ export class Picture {
   /**
    * @param {string} job
    * @param {number} panel
-   * @param {object} outline as `/outline` tells it
+   * @param {object} outline as from `/outline`
    */
   constructor(job, panel, outline) {
     this.job = job;
@@ -45,7 +45,7 @@ export class Picture {
     this.pixels = new Int32Array(this.image.data.buffer);
   }
 
-  /** Basin of a job, or of one panel of it, with no cells yet. */
+  /** Basin of a job, without cells yet. */
   static async open(job, panel) {
     return new Picture(job, panel, await get(`/v1/jobs/${job}/outline?panel=${panel}`));
   }
@@ -59,14 +59,14 @@ export class Picture {
     return this.there.size === 0;
   }
 
-  /** Whether every tile is here, as it will remain. */
+  /** Whether every tile is here in its final form. */
   get whole() {
     return this.outline.complete && this.settled.size === this.outline.tiles.states.length;
   }
 
   /**
-   * Ask what has changed, and fetch what is new.
-   * @param {boolean} final the job has ended: what was fetched before may have been labelled anew, and is asked for again
+   * Fetch what has changed.
+   * @param {boolean} final whether the job has ended: earlier tiles may have new labels and are fetched again
    * @param {(tile: object) => void} arrived
    */
   async refresh(final, arrived, signal) {
@@ -112,19 +112,19 @@ export class Picture {
     const { left, top } = this.rectangle(tile);
     for (const [whole, part] of parts) {
       for (let row = 0; row < rows; row++) {
-        // Speeds grow upwards, pixels run down.
+        // Speeds increase upwards, pixel rows downwards.
         const at = (this.height - 1 - top - row) * this.width + left;
         whole.set(part.subarray(row * columns, (row + 1) * columns), at);
       }
     }
   }
 
-  /** Largest of one of Hsu's numbers so far. */
+  /** Largest value of one of Hsu's numbers so far. */
   highest(layer) {
     return this[layer].reduce((most, value) => (value > most ? value : most), 0);
   }
 
-  /** Paint one tile, or all, in the colours of a look. */
+  /** Paint one tile, or all, in a style. */
   paint(look, tile = null) {
     const everything = { left: 0, top: 0, right: this.width, bottom: this.height };
     const { left, top, right, bottom } = tile === null ? everything : this.rectangle(tile);
@@ -157,7 +157,7 @@ export class Picture {
     }
   }
 
-  /** What is known of the cell at a point; null outside, or where it is missing. */
+  /** What is known of the cell at a point; null outside, or if it is missing. */
   at(t, v) {
     const { t0, v0 } = this.view;
     const column = Math.floor((t - t0 - Math.floor(t - t0 + 1e-12)) / this.cellTime);
@@ -166,7 +166,7 @@ export class Picture {
     const i = (this.height - 1 - row) * this.width + column;
     if (this.solution[i] < 0) return null;
     const solution = this.outline.solutions[this.solution[i]];
-    // Of a thinned picture, the cell that is shown is the first of its neighbours.
+    // If only every n-th cell is shown, it is the first of its neighbours.
     const t1 = t0 + column * this.cellTime + this.cellTime / this.every / 2;
     const v1 = v0 + row * this.cellVelocity + this.cellVelocity / this.every / 2;
     return { solution, step: this.step[i], group: this.group[i], period: this.period[i], t: t1, v: v1 };

@@ -5,12 +5,12 @@ import { drawCrossHair, drawMotion, drawOverlay } from "./overlays.js";
 import { Plot } from "./plot.js";
 import { colour } from "../page/theme.js";
 
-// Older pictures that stay underneath until a new one has arrived.
+// Largest number of pictures. Older ones stay underneath until a new one has arrived.
 const MOST_PICTURES = 8;
 const SMALLEST = 1e-9;
 const CLICK_PIXELS = 4;
 
-/** A window that the service takes: at most a period wide, its beginning a phase, no negative speeds. */
+/** A window that the service accepts: at most a period wide, starting at a phase, without negative speeds. */
 export function within(view) {
   const width = Math.min(Math.max(view.t1 - view.t0, SMALLEST), 1);
   let t0 = view.t0 + (view.t1 - view.t0 - width) / 2;
@@ -59,14 +59,14 @@ export class Plane {
     return this.pictures.at(-1) ?? null;
   }
 
-  /** Put a picture on top; those with no cells under it, and the oldest, go. */
+  /** Put a picture on top. Pictures without cells, and the oldest, are removed. */
   show(picture) {
     this.pictures = this.pictures.filter((older) => !older.empty).slice(1 - MOST_PICTURES);
     this.pictures.push(picture);
     this.draw();
   }
 
-  /** Forget all pictures: another oscillator follows. */
+  /** Remove all pictures, before another oscillator. */
   clear() {
     this.pictures = [];
     this.motions.clear();
@@ -76,12 +76,12 @@ export class Plane {
 
   /** A tile of a picture has arrived. */
   arrived(picture, tile) {
-    // On a scale, one tile may change the colours of all.
+    // With a colour scale, one tile may change the colours of all.
     picture.paint(this.look, this.look.layer === "solution" ? tile : null);
     this.draw();
   }
 
-  /** Paint everything anew in another look. */
+  /** Repaint everything in another style. */
   restyle(look) {
     Object.assign(this.look, look);
     for (const picture of this.pictures) picture.paint(this.look);
@@ -97,20 +97,20 @@ export class Plane {
     return null;
   }
 
-  /** Look at another window, without telling. */
+  /** Move to another window, without an event. */
   lookAt(view) {
     this.view = view;
     this.draw();
   }
 
-  /** Move to another window, and tell. */
+  /** Move to another window, with an event. */
   go(view) {
     this.view = within(view);
     this.draw();
     this.tell.moved(this.view);
   }
 
-  /** Zoom about the middle; a factor below 1 zooms in. */
+  /** Zoom about the centre; a factor below 1 zooms in. */
   zoom(factor) {
     const { t0, t1, v0, v1 } = this.view;
     this.go(scaled(this.view, { t: (t0 + t1) / 2, v: (v0 + v1) / 2 }, factor));
@@ -142,7 +142,7 @@ export class Plane {
     plot.axes();
   }
 
-  /** The same departure, in the period that is looked at. */
+  /** The same departure, in the visible period. */
   #inView({ t, v }) {
     const { t0 } = this.view;
     return { t: t - Math.floor(t - t0), v };

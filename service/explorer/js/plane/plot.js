@@ -30,7 +30,7 @@ export class Plot {
     return this.top + ((this.view.v1 - v) / (this.view.v1 - this.view.v0)) * this.height;
   }
 
-  /** Time and velocity of a place on the canvas. */
+  /** Time and velocity of a point on the canvas. */
   point(x, y) {
     const { t0, t1, v0, v1 } = this.view;
     return { t: t0 + ((x - this.left) / this.width) * (t1 - t0), v: v1 - ((y - this.top) / this.height) * (v1 - v0) };
@@ -40,7 +40,7 @@ export class Plot {
     return x >= this.left && x <= this.left + this.width && y >= this.top && y <= this.top + this.height;
   }
 
-  /** Draw with everything outside the frame cut off. */
+  /** Draw, clipped to the frame. */
   clipped(draw) {
     this.context.save();
     this.context.beginPath();

@@ -1,4 +1,4 @@
-"""What kind each job is of, and who submitted it.
+"""Kind and submitter of each job.
 
 Revision ID: 0002
 Revises: 0001

@@ -1,4 +1,4 @@
-"""Leases of running jobs, what quotas count, and the store that a job goes on from.
+"""Leases of running jobs, sizes that quotas count, and the store that a job continues.
 
 Revision ID: 0003
 Revises: 0002

@@ -1,4 +1,4 @@
-"""Keys to the service's doors.
+"""API keys.
 
 Revision ID: 0004
 Revises: 0003

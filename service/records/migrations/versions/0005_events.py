@@ -1,4 +1,4 @@
-"""What has happened to each job.
+"""Events of each job.
 
 Revision ID: 0005
 Revises: 0004
@@ -24,7 +24,7 @@ def upgrade() -> None:
         sa.Column("moment", sa.DateTime(timezone=True), nullable=False),
     )
     jobs = sa.table("jobs", sa.column("id"), sa.column("state"), sa.column("created"))
-    # Jobs of before begin with the state that they are in.
+    # Existing jobs begin with their current state.
     now = sa.select(jobs.c.id, sa.literal(1), jobs.c.state, jobs.c.created)
     op.get_bind().execute(events.insert().from_select(["job_id", "sequence", "state", "moment"], now))
 

@@ -1,4 +1,4 @@
-"""How often each job has changed; and which jobs share a store, found without looking at all of them.
+"""Revisions of jobs, and an index that finds the jobs that share a store.
 
 Revision ID: 0006
 Revises: 0005
