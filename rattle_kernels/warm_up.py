@@ -157,6 +157,6 @@ def _run_kernels_of_analyses() -> None:
     bifurcation_diagram(oscillator, "damping", [0.6], [_T], [_V], transient=1, kept=2)
     locate(SpecialKind.GRAZING, oscillator, "damping", OrbitShape(1, 1), _T, _V)
     locate(SpecialKind.CONTACT_LOSS, _STIFF, "stiffness", OrbitShape(1, 2), _T, _V)
-    describe_point(SpecialKind.CONTACT_LOSS, "stiffness", OrbitShape(1, 2), _STIFF, _T, 0.0, 0.0, 0.0)
+    describe_point(SpecialKind.CONTACT_LOSS, "stiffness", OrbitShape(1, 2), _STIFF, _T, 0.0, residual=0.0, error=0.0)
     shallowest_in_contact(_STIFF, found.orbit.t, found.orbit.v)
     stable_manifold(oscillator, find_saddle(oscillator, 0.6, 3.77), ManifoldLimits(0.1, 0.0, 7.0))

@@ -6,6 +6,7 @@ from typing import Any, NoReturn
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from rattle import progress
@@ -18,7 +19,7 @@ _MOST_CHANGES = 20
 
 def give_up(message: str, code: int = 1) -> NoReturn:
     """Print an error and exit: with code 2 if the command was wrong, 1 if the work failed."""
-    err.print(f"[bold red]error:[/] {message}", highlight=False, soft_wrap=True)
+    err.print(f"[bold red]error:[/] {escape(message)}", highlight=False, soft_wrap=True)
     raise typer.Exit(code)
 
 

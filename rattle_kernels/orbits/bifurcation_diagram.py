@@ -201,6 +201,7 @@ def bifurcation_diagram(
     values: np.typing.ArrayLike,
     t: np.typing.ArrayLike,
     v: np.typing.ArrayLike,
+    *,
     direction: str = "up",
     transient: int = _TRANSIENT,
     kept: int = _KEPT,

@@ -143,7 +143,7 @@ def locate(
     if evaluated is None or read is None:
         return None
     error = solution.last_step * space.scales[-1]
-    return describe_point(kind, parameter, shape, *read, float(np.abs(evaluated[0]).max()), float(error))
+    return describe_point(kind, parameter, shape, *read, residual=float(np.abs(evaluated[0]).max()), error=float(error))
 
 
 def describe_point(
@@ -153,6 +153,7 @@ def describe_point(
     oscillator: Oscillator,
     t: float,
     v: float,
+    *,
     residual: float,
     error: float,
 ) -> SpecialPoint:

@@ -167,6 +167,7 @@ def continue_orbit(
     orbit: PeriodicOrbit,
     parameter: str,
     bounds: tuple[float, float],
+    *,
     direction: str = "both",
     most_points: int = 2000,
     steps: Steps = Steps(),  # noqa: B008 (immutable)

@@ -5,17 +5,7 @@ import sys
 
 import pytest
 
-SERVICE = (
-    "fastapi",
-    "starlette",
-    "uvicorn",
-    "sqlalchemy",
-    "alembic",
-    "cachetools",
-    "prometheus_client",
-    "yaml",
-    "psutil",
-)
+SERVICE = ("fastapi", "starlette", "uvicorn", "sqlalchemy", "alembic", "cachetools", "prometheus_client")
 BASE_ONLY = (*SERVICE, "psycopg", "obstore")
 
 

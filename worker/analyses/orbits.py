@@ -75,7 +75,7 @@ def search_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: 
 def follow_branch(oscillator: Oscillator, orbit: PeriodicOrbit, along: Continuation, *, pause: Pause) -> Columns:
     """Branch of an orbit, its special points, and the orbits of the same oscillator that it passes through."""
     bounds = along.start, along.stop
-    branch = continue_orbit(oscillator, orbit, along.parameter, bounds, "both", along.most_points, pause=pause)
+    branch = continue_orbit(oscillator, orbit, along.parameter, bounds, most_points=along.most_points, pause=pause)
     passed = _passed(oscillator, branch)
     columns = branch_table(along.parameter).of([branch]) | SPECIALS.of(branch.special_points)
     return columns | {"passed_time": passed[:, 0], "passed_velocity": passed[:, 1]}

@@ -50,7 +50,7 @@ def _follow() -> _Diagram:
     attractor, saddle = (the_orbit(oscillator, _NAME, attracts=attracts) for attracts in (True, False))
     values = np.linspace(_FIRST, _LAST, _VALUES)
     settled = bifurcation_diagram(oscillator, "damping", values, attractor.t[0], attractor.v[0])
-    branch = continue_orbit(oscillator, attractor, "damping", (_FIRST, _LAST), "up")
+    branch = continue_orbit(oscillator, attractor, "damping", (_FIRST, _LAST), direction="up")
     return _Diagram(attractor, saddle, settled, branch)
 
 

@@ -43,7 +43,7 @@ def _diagram() -> BifurcationDiagram:
     oscillator = papers_oscillator(damping=_FIRST)
     orbit = the_orbit(oscillator, "P(3,3,2)", attracts=True)
     values = np.linspace(_FIRST, _LAST, _VALUES)
-    return bifurcation_diagram(oscillator, "damping", values, orbit.t[0], orbit.v[0], "both")
+    return bifurcation_diagram(oscillator, "damping", values, orbit.t[0], orbit.v[0], direction="both")
 
 
 def _ways(diagram: BifurcationDiagram) -> dict[str, slice]:
