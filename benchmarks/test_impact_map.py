@@ -54,6 +54,13 @@ def test_lanes(benchmark, departures, oscillator):
     record(benchmark, t.size * APPLICATIONS, _lane_impact)
 
 
+@pytest.mark.parametrize("applications", [1, 10, 1000])
+def test_lanes_by_applications(benchmark, departures, applications):
+    t, v = (np.resize(array, 1_000_000 // applications) for array in departures)
+    benchmark(next_impacts, Oscillator(), t, v, applications)
+    record(benchmark, t.size * applications, _lane_impact)
+
+
 @pytest.mark.parametrize("stiffness", STIFFNESSES, ids=lambda stiffness: f"stiffness-{stiffness:g}")
 def test_stiff_lanes(benchmark, departures, stiffness):
     t, v = departures
