@@ -20,7 +20,7 @@ from rattle_kernels.numerics.jit import inlined
 from rattle_kernels.numerics.phase import wrap
 
 # A lane without a point flies at so many times the largest grazing speed, where it is never unsure.
-_IDLE_SPEED = 1e6
+IDLE_SPEED = 1e6
 
 
 @inlined
@@ -61,4 +61,4 @@ def depart(lanes, lane, phase, speed):
 @inlined
 def idle(lanes, lane, largest_grazing_speed):
     """Let a lane fly at a speed at which it is never unsure."""
-    depart(lanes, lane, 0.0, _IDLE_SPEED * largest_grazing_speed)
+    depart(lanes, lane, 0.0, IDLE_SPEED * largest_grazing_speed)

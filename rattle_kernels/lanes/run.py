@@ -55,7 +55,7 @@ def run_lanes(
     tables = lane_tables(oscillator)
     capture_bound, lock_tolerance = (tables.capture_bound, _LOCK_TOLERANCE) if shortcuts else (0.0, -1.0)
     begins = Rules(float(min(applications, LONGEST_SHORT_RUN)), capture_bound, lock_tolerance)
-    batch = Batch(t.copy(), v.copy(), np.zeros(t.size, np.int8), np.zeros(t.size, np.int64))
+    batch = Batch(t.copy(), v.copy(), np.empty(t.size, np.int8), np.empty(t.size, np.int64))
     run = run_short(oscillator, tables, begins, batch, pause)
     if applications > LONGEST_SHORT_RUN:
         going = np.flatnonzero(batch.outcome == OUTCOME_RETURNED)

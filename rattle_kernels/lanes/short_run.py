@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from rattle_kernels.impact_map.chatter import is_below, ringing_radian
-from rattle_kernels.lanes.advance import fly, idle, stay
+from rattle_kernels.lanes.advance import IDLE_SPEED, fly, idle, stay
 from rattle_kernels.lanes.batch import Batch, LaneRun, Rules
 from rattle_kernels.lanes.flight import (
     DROPS,
@@ -46,6 +46,7 @@ _ON_THE_WAY = -1.0
 _RETURNED = float(OUTCOME_RETURNED)
 _PERMANENT_CONTACT = float(OUTCOME_PERMANENT_CONTACT)
 _NOT_CONVERGED = float(OUTCOME_NOT_CONVERGED)
+_OUTSIDE_SECTION = float(OUTCOME_OUTSIDE_SECTION)
 
 LONGEST_SHORT_RUN = 15
 """Applications of P before the first checkpoint."""
@@ -57,29 +58,46 @@ _CHUNK = 4096
 
 
 @inlined
-def _wait_to_depart(batch, first, last, waiting):
-    """List the departures among some points; the others get their outcome. Velocities become signed."""
-    t, v = batch.t, batch.v
-    count = 0
-    for point in range(first, last):
-        departs = math.isfinite(t[point]) and math.isfinite(v[point]) and v[point] > 0.0
-        t[point] = wrap(t[point]) if departs else math.nan
-        v[point] = -v[point] if departs else math.nan
-        batch.outcome[point] = OUTCOME_OUTSIDE_SECTION
-        waiting[count] = point
-        count += 1 if departs else 0
-    return count
+def _depart(lanes, t, v, applications, largest_grazing_speed):
+    """Let the lanes depart with neighbouring points; those that are no departures, and lanes without a point, idle."""
+    for i in range(t.size):
+        departs = (v[i] > 0.0) & (v[i] < math.inf) & (abs(t[i]) < math.inf)
+        lanes[PHASE + i] = wrap(t[i]) if departs else 0.0
+        lanes[VELOCITY + i] = -v[i] if departs else -IDLE_SPEED * largest_grazing_speed
+        lanes[_LEFT + i] = applications if departs else math.nan
+    for i in range(t.size, LANES):
+        idle(lanes, i, largest_grazing_speed)
 
 
 @inlined
-def _load(lanes, batch, left, waiting, head, first, count, largest_grazing_speed):
-    """Give the lanes the next points that wait; lanes without one idle."""
-    for i in range(count):
-        point = waiting[head + i]
-        lanes[PHASE + i], lanes[VELOCITY + i] = batch.t[point], batch.v[point]
-        lanes[_LEFT + i] = left[point - first]
-    for i in range(count, LANES):
+def _land(lanes, t, v, outcome, lower_impacts, left):
+    """Write down where the neighbouring points of `_depart` are."""
+    for i in range(t.size):
+        t[i], v[i] = lanes[PHASE + i], lanes[VELOCITY + i]
+    for i in range(t.size):
+        outcome[i] = np.int8(lanes[_OUTCOME + i])
+    for i in range(t.size):
+        lower_impacts[i], left[i] = np.int64(lanes[DROPS + i]), lanes[_LEFT + i]
+
+
+@inlined
+def _load(lanes, t, v, left, points, largest_grazing_speed):
+    """Give the lanes points that wait; lanes without one idle."""
+    for i in range(points.size):
+        point = points[i]
+        lanes[PHASE + i], lanes[VELOCITY + i], lanes[_LEFT + i] = t[point], v[point], left[point]
+    for i in range(points.size, LANES):
         idle(lanes, i, largest_grazing_speed)
+
+
+@inlined
+def _store(lanes, t, v, outcome, lower_impacts, left, points):
+    """Write down where the points of `_load` are."""
+    for i in range(points.size):
+        point = points[i]
+        t[point], v[point], left[point] = lanes[PHASE + i], lanes[VELOCITY + i], lanes[_LEFT + i]
+        outcome[point] = np.int8(lanes[_OUTCOME + i])
+        lower_impacts[point] += np.int64(lanes[DROPS + i])
 
 
 @inlined
@@ -97,10 +115,12 @@ def _decide(lanes, capture_bound, radian):
         outcome = _PERMANENT_CONTACT if velocity == 0.0 else outcome  # a contact that does not end
         outcome = outcome if drops == 0.0 else _ON_THE_WAY
         outcome = outcome if phase == phase else _NOT_CONVERGED  # NaN: a root-finder gave up
+        outcome = outcome if left == left else _OUTSIDE_SECTION
         ended = outcome != _ON_THE_WAY
         speed = -velocity if velocity != 0.0 else math.nan
         end_velocity = speed if ended else velocity
-        end_velocity = math.nan if outcome == _NOT_CONVERGED else end_velocity
+        end_velocity = end_velocity if outcome < _NOT_CONVERGED else math.nan
+        lanes[DROPS + i] = drops if left == left else 0.0
         lanes[_LEFT + i], lanes[_OUTCOME + i] = left, outcome
         # A sum, so that a phase is NaN where the speed is.
         lanes[PHASE + i] = phase + (end_velocity - end_velocity)
@@ -108,15 +128,10 @@ def _decide(lanes, capture_bound, radian):
 
 
 @inlined
-def _write_down(lanes, batch, left, waiting, head, first, count, tail):
-    """Write down where the points of the lanes are, and let those that have not landed wait; return how many wait."""
-    for i in range(count):
-        point = waiting[head + i]
-        batch.t[point], batch.v[point] = lanes[PHASE + i], lanes[VELOCITY + i]
-        batch.lower_impacts[point] += np.int64(lanes[DROPS + i])
-        batch.outcome[point] = np.int8(lanes[_OUTCOME + i])
-        left[point - first] = lanes[_LEFT + i]
-        waiting[tail] = point
+def _list_those_on_the_way(lanes, points, waiting, tail):
+    """Add the points of the lanes that have not landed to those that wait; return how many wait."""
+    for i in range(points.size):
+        waiting[tail] = points[i]
         tail += 1 if lanes[_OUTCOME + i] == _ON_THE_WAY else 0
     return tail
 
@@ -125,26 +140,39 @@ def _write_down(lanes, batch, left, waiting, head, first, count, tail):
 def _fly_leg(oscillator, tables, rules, batch, first, last):
     """Fly the points from `first` to the one before `last`; return applications and careful flights and contacts."""
     lanes, corners = lane_buffer(_FIELDS), np.zeros(LANES, np.int64)
-    waiting, left = np.zeros(_CHUNK, np.uint32), np.zeros(_CHUNK)
+    size = min(_CHUNK, last - first)
+    numbers, waiting, left = np.arange(size).astype(np.uint32), np.zeros(size, np.uint32), np.zeros(size)
     stiff, radian, slow = math.isfinite(oscillator.stiffness), ringing_radian(oscillator), slow_part(oscillator)
-    flights, careful = 0, 0
+    flights, careful, top = 0, 0, tables.largest_grazing_speed
     for begin in range(first, last, _CHUNK):
-        left[:] = rules.applications
-        flying = _wait_to_depart(batch, begin, min(begin + _CHUNK, last), waiting)
+        end = min(begin + _CHUNK, last)
+        t, v = batch.t[begin:end], batch.v[begin:end]
+        outcome, lower_impacts = batch.outcome[begin:end], batch.lower_impacts[begin:end]
+        flying, departed = t.size, False
         while flying > 0:
             tail = 0
             for head in range(0, flying, LANES):
-                count = min(LANES, flying - head)
-                _load(lanes, batch, left, waiting, head, begin, count, tables.largest_grazing_speed)
+                stop = min(head + LANES, flying)
+                points = waiting[head:stop] if departed else numbers[head:stop]
+                if departed:
+                    _load(lanes, t, v, left, points, top)
+                else:
+                    _depart(lanes, t[head:stop], v[head:stop], rules.applications, top)
                 careful += fly(lanes, corners, oscillator, tables)
                 if stiff:
                     careful += stay(lanes, corners, oscillator, tables, slow)
                 _decide(lanes, rules.capture_bound, radian)
-                flights += count
-                tail = _write_down(lanes, batch, left, waiting, head, begin, count, tail)
-            flying = tail
-    # Each application ends with a flight to +beta; the other flights are those to -beta.
-    return flights - batch.lower_impacts[first:last].sum(), careful
+                if departed:
+                    _store(lanes, t, v, outcome, lower_impacts, left, points)
+                else:
+                    own = slice(head, stop)
+                    _land(lanes, t[own], v[own], outcome[own], lower_impacts[own], left[own])
+                tail = _list_those_on_the_way(lanes, points, waiting, tail)
+            flights += flying
+            flying, departed = tail, True
+    # Each application ends with a flight to +beta. The other flights are those to -beta, and of lanes that idled.
+    idled = (batch.outcome[first:last] == OUTCOME_OUTSIDE_SECTION).sum()
+    return flights - batch.lower_impacts[first:last].sum() - idled, careful
 
 
 def run_short(oscillator: Oscillator, tables: LaneTables, rules: Rules, batch: Batch, pause: Pause) -> LaneRun:
