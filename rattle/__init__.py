@@ -12,6 +12,8 @@ used: ``import rattle`` itself takes no time.
 from importlib import import_module
 from typing import Any
 
+from rattle.processor import use_whole_registers
+
 _HOMES = {
     "rattle.verbs": ("basin", "sweep", "bifurcation", "orbits", "manifolds", "grazing_curve", "trajectory"),
     "rattle.results.opening": ("open",),
@@ -39,6 +41,7 @@ def __getattr__(name: str) -> Any:
         return version("gear-rattle")
     if name not in _HOME_OF:
         raise AttributeError(f"module 'rattle' has no attribute {name!r}; it has {', '.join(__all__)}")
+    use_whole_registers()
     found = getattr(import_module(_HOME_OF[name]), name)
     globals()[name] = found
     return found

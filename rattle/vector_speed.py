@@ -13,7 +13,7 @@ _FLIGHTS = 12_000
 _ROUNDS = 15
 
 
-@numba.njit(error_model="numpy", fastmath={"contract", "nsz", "arcp"})  # type: ignore[untyped-decorator]
+@numba.njit(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _fly(lanes: np.ndarray, flights: int) -> None:
     """Polynomials and a select on numbers that stay in the first-level cache, as in the flights of lanes."""
     for _ in range(flights):

@@ -14,7 +14,7 @@ from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 
 ROOT = Path(__file__).parents[1]
 NATIVE, V2, V3, V4 = "native", "x86-64-v2", "x86-64-v3", "x86-64-v4"
-"""The machine's own; without FMA; AVX2 and FMA; AVX-512."""
+"""The machine's own; without FMA; AVX2 and FMA; AVX-512, whole registers."""
 _NEEDED = {V2: ["sse4.2"], V3: ["avx2", "fma", "bmi2"], V4: ["avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"]}
 _CHOICES = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NPY_DISABLE_CPU_FEATURES", "OPENBLAS_CORETYPE")
 
@@ -42,7 +42,7 @@ def environment_for(target):
         pytest.skip(reason)
     variables = {name: value for name, value in os.environ.items() if name not in _CHOICES}
     if target != NATIVE:
-        variables |= {"NUMBA_CPU_NAME": target, "NUMBA_CPU_FEATURES": ""}
+        variables |= {"NUMBA_CPU_NAME": target, "NUMBA_CPU_FEATURES": "-prefer-256-bit" if target == V4 else ""}
     if target == V3:
         found = np.show_config(mode="dicts")["SIMD Extensions"]["found"]
         variables["OPENBLAS_CORETYPE"] = "Haswell"

@@ -11,6 +11,7 @@ import typer
 from typer.core import TyperGroup
 
 from rattle.cli.console import give_up, out
+from rattle.processor import use_whole_registers
 from worker.kinds import KINDS
 
 _OTHER_COMMANDS = {
@@ -42,6 +43,9 @@ _OTHER_COMMANDS = {
 }
 """Module of each command, and what ``rattle --help`` says of it. The others compute a kind of `worker.kinds`."""
 
+_WITH_KERNELS = ("serve", "trajectory", "paper")
+"""Those of them that run kernels, or start processes that do."""
+
 
 def _kinds_by_command() -> dict[str, str]:
     """Kind of job that a command computes."""
@@ -51,6 +55,8 @@ def _kinds_by_command() -> dict[str, str]:
 def _loaded(name: str) -> Any:
     """The command itself."""
     kinds = _kinds_by_command()
+    if name in kinds or name in _WITH_KERNELS:
+        use_whole_registers()
     if name in kinds:
         found = import_module("rattle.cli.compute").compute_command(kinds[name])
     else:

@@ -81,5 +81,6 @@ def test_a_processor_is_told_and_kept_where_it_is_given():
             command, env={"PATH": "/usr/bin:/bin"} | environment, capture_output=True, text=True, check=True
         ).stdout.strip()
 
-    assert name_of() in ("x86-64-v4", "x86-64-v3", "none none")
+    assert name_of() in ("x86-64-v4 -prefer-256-bit", "x86-64-v3", "none none")
+    assert name_of(NUMBA_CPU_NAME="x86-64-v4") == "x86-64-v4 -prefer-256-bit"
     assert name_of(NUMBA_CPU_NAME="x86-64-v3") == "x86-64-v3"

@@ -1,0 +1,73 @@
+"""Vectors as wide as the processor's registers, for kernels of processes that are this project's own.
+
+LLVM uses half of the registers of Intel processors with AVX-512, since the first of these slowed their clock down for
+whole ones. Later ones do not. So both are timed, once for each kind of processor, and the answer is kept in the user's
+cache folder. Results are the same bytes.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+_TARGET = "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"
+_WHOLE = ",-prefer-256-bit"
+# How much faster whole registers must be, beyond what two runs differ by.
+_GAIN = 1.05
+_TIMED_WITHIN = 60.0
+
+
+def use_whole_registers() -> None:
+    """Choose the widest vectors that pay, for this process and those that it starts.
+
+    Nothing is changed where the user has named a target, or where Numba is loaded already and may have compiled.
+    """
+    if "numba" in sys.modules or any(name in os.environ for name in _TARGET):
+        return
+    import llvmlite.binding as llvm
+
+    features = llvm.get_host_cpu_features().flatten()
+    processor = f"{llvm.get_host_cpu_name()} {llvm.llvm_version_info} {features}"
+    if "+avx512f" in features and _pays(processor, features):
+        os.environ["NUMBA_CPU_FEATURES"] = features + _WHOLE
+
+
+def _record() -> Path:
+    import platformdirs
+
+    return platformdirs.user_cache_path("gear-rattle") / "vectors.json"
+
+
+def _pays(processor: str, features: str) -> bool:
+    """Whether whole registers are faster on this kind of processor: what is on record, or what is measured now."""
+    try:
+        known = json.loads(_record().read_text())
+    except (OSError, ValueError):
+        known = {}
+    if processor not in known:
+        known[processor] = _measured(features)
+        try:
+            _record().parent.mkdir(parents=True, exist_ok=True)
+            _record().write_text(json.dumps(known))
+        except OSError:  # timed again by the next process
+            pass
+    return bool(known[processor])
+
+
+def _measured(features: str) -> bool:
+    """Whether a loop runs faster in whole registers. False where that cannot be timed."""
+    try:
+        halves, whole = (_seconds(target) for target in ({}, {"NUMBA_CPU_FEATURES": features + _WHOLE}))
+    except (OSError, subprocess.SubprocessError, ValueError):
+        return False
+    return halves > _GAIN * whole
+
+
+def _seconds(target: Mapping[str, str]) -> float:
+    command = [sys.executable, "-m", "rattle.vector_speed"]
+    timed = subprocess.run(
+        command, env={**os.environ, **target}, capture_output=True, text=True, check=True, timeout=_TIMED_WITHIN
+    )
+    return float(timed.stdout)
