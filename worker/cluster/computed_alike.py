@@ -4,7 +4,6 @@ The driver also computes: it continues attractors from basin to basin. So every 
 the worker checks it. A check of the list of workers would miss those that join after the job has begun.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 from distributed import get_worker
@@ -14,21 +13,19 @@ from worker.errors import UnlikeWorkers
 from worker.rounding import with_or_without
 
 
-def compute_alike(fused: bool, function: Callable[..., Any], *arguments: Any) -> Any:
+def compute_alike(call: tuple[Any, ...]) -> Any:
     """Run a task on a worker, if the worker computes as the driver does.
 
     Parameters
     ----------
-    fused : bool
-        Whether the driver computes with FMA.
-    function : callable
-    *arguments
-        Arguments of the function.
+    call : tuple
+        Whether the driver computes with FMA, the function, and its arguments.
 
     Raises
     ------
     UnlikeWorkers
     """
+    fused, function, *arguments = call
     if fuses_multiply_add() != fused:
         raise UnlikeWorkers(
             f"worker {get_worker().address} computes {with_or_without(not fused)} fused multiply-add (FMA), and the "

@@ -5,7 +5,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from distributed import CancelledError, Future
+from distributed import CancelledError, Client, Future
 from distributed.scheduler import KilledWorker
 
 from worker.cluster.connection import _warn_of_settings
@@ -50,9 +50,29 @@ def test_a_receipt_that_died_with_its_worker_is_computed_again(client, tmp_path,
             raise lost
         return result(future, *arguments)
 
+    def never_gathered(client, futures):
+        raise lost
+
     monkeypatch.setattr(Future, "result", once_refused)
+    monkeypatch.setattr(Client, "gather", never_gathered)
     assert run(client, tmp_path / "place", 0) == [7]
     assert refused[0].endswith("-a1") and len((tmp_path / "place").read_text()) == 2
+
+
+def test_tasks_that_end_together_are_gathered_together(client, tmp_path, monkeypatch):
+    gather, sizes = Client.gather, []
+
+    def counted(client, futures):
+        sizes.append(len(futures))
+        return gather(client, futures)
+
+    monkeypatch.setattr(Client, "gather", counted)
+    monkeypatch.setattr(Driver, "window_size", 64)
+    tasks = iter([Task(reach_store, number, (0, StoreFailed)) for number in range(200)])
+    address = str(tmp_path / "place"), "digest"
+    done = Driver(client).run_tasks(address, lambda: next(tasks, None), threading.Event())
+    assert sorted(receipt for _, receipt in done) == list(range(200))
+    assert sum(sizes) == 200 and len(sizes) < 100
 
 
 @pytest.mark.parametrize(("saturation", "failures", "lines"), [(1.0, 1, 0), (1.1, 1, 1), (float("inf"), 3, 2)])
