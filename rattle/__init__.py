@@ -5,8 +5,9 @@
 >>> basin.rattle.attractors.name.values.tolist()
 ['permanent contact', 'P(1,1,0)', 'chaotic']
 
-Times count forcing periods; everything else is nondimensional. The names of this module are loaded when they are first
-used: ``import rattle`` itself takes no time.
+Times count forcing periods; everything else is nondimensional. `rattle.pictures` has the parts of pictures, and
+`rattle_kernels` the mathematics. The names of this module are loaded when they are first used: ``import rattle`` itself
+takes no time.
 """
 
 from importlib import import_module
@@ -15,7 +16,7 @@ from typing import Any
 from rattle.processor import use_whole_registers
 
 _HOMES = {
-    "rattle.verbs": ("basin", "sweep", "bifurcation", "orbits", "manifolds", "grazing_curve", "trajectory"),
+    "rattle.verbs": ("basin", "sweep", "bifurcation", "orbits", "manifolds", "grazing_curve", "trajectory", "compute"),
     "rattle.results.opening": ("open",),
     "rattle.remote.verbs": ("connect", "Service"),
     "rattle.remote.job": ("RemoteJob",),
@@ -23,12 +24,16 @@ _HOMES = {
     "rattle.results.kept": ("cache",),
     "rattle_kernels": ("Oscillator", "OutsideDomain"),
     "worker.errors": ("WorkerError", "InvalidJob", "NotFound", "JobCancelled"),
+    "worker.progress": ("Progress",),
     "worker.jobs.basin_job": ("BasinJob", "SweepJob"),
+    "worker.jobs.swept_parameter": ("SweptParameter", "Spacing"),
+    "worker.jobs.sample": ("Sample",),
     "worker.jobs.bifurcation_job": ("BifurcationJob",),
     "worker.jobs.orbits_job": ("OrbitsJob",),
     "worker.jobs.manifold_job": ("ManifoldJob",),
     "worker.jobs.grazing_curve_job": ("GrazingCurveJob",),
 }
+_MODULES = ("pictures",)
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = sorted(_HOME_OF)  # noqa: PLE0605 - the names of the table
@@ -39,6 +44,8 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("gear-rattle")
+    if name in _MODULES:
+        return import_module(f"rattle.{name}")
     if name not in _HOME_OF:
         raise AttributeError(f"module 'rattle' has no attribute {name!r}; it has {', '.join(__all__)}")
     use_whole_registers()
@@ -48,4 +55,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return [*__all__, "__version__"]
+    return [*__all__, *_MODULES, "__version__"]

@@ -8,7 +8,7 @@ from typing import Any
 from distributed import Client
 
 from rattle.interruptible import run_interruptibly
-from rattle.progress import ProgressLine
+from rattle_kernels.warm_up import Report as Compiling
 from rattle_kernels.warm_up import reporting_compilation
 from worker.cluster.connection import remote_cluster, thread_cluster
 from worker.cluster.driver import Driver
@@ -16,7 +16,7 @@ from worker.cluster.settings import ClusterSettings
 from worker.fence import unfenced
 from worker.jobs.job import Job
 from worker.kinds import KINDS
-from worker.progress import Progress
+from worker.progress import Report
 
 
 def usable_cores() -> int:
@@ -25,7 +25,13 @@ def usable_cores() -> int:
 
 
 def run_here(
-    job: Job, location: str, line: ProgressLine, *, workers: int | None = None, scheduler: str | None = None
+    job: Job,
+    location: str,
+    report: Report,
+    *,
+    compiling: Compiling | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
 ) -> None:
     """Compute a job into a store, or continue the store that is there. Ctrl-C stops it within two seconds.
 
@@ -34,8 +40,10 @@ def run_here(
     job : Job
     location : str
         The store: a folder, or ``s3://bucket/prefix``.
-    line : ProgressLine
-        Shows how far the work is.
+    report : callable
+        Called with each `Progress`, in another thread. An exception that it raises stops the work.
+    compiling : callable, optional
+        Called with the numbers of ready and of needed kernels, while some have to be compiled.
     workers : int, optional
         Threads of this process; by default one for each core.
     scheduler : str, optional
@@ -48,14 +56,9 @@ def run_here(
     StoreConflict, StoreFailed, TileFailed, ClusterFailed, NotFound
     """
     kind = KINDS[job.kind]
-
-    def report(progress: Progress) -> None:
-        tiles, basins = (progress.tiles_done, progress.tiles_total), (progress.basins_done, progress.basins_total)
-        line.show(progress.stage, tiles, basins, progress.cells_per_second)
-
     with (
         _cluster(scheduler, workers) as client,
-        reporting_compilation(line.compiling, analyses=kind.analysis is not None),
+        reporting_compilation(compiling, analyses=kind.analysis is not None),
     ):
         driver = Driver(client)
         run_interruptibly(lambda cancel: kind.run(job, location, driver, report=report, cancel=cancel, fence=unfenced))

@@ -6,7 +6,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Progress as Bar
+
+from worker.progress import Progress
 
 # Plain lines come ever more seldom, from every few seconds on to one a minute.
 _PLAIN_LINE_SECONDS = 5.0
@@ -30,7 +33,7 @@ class ProgressLine:
         What is counted.
     """
 
-    def __init__(self, console: Console, bar: Progress | None, unit: str) -> None:
+    def __init__(self, console: Console, bar: Bar | None, unit: str) -> None:
         self.console, self.bar, self.unit = console, bar, unit
         self.task = bar.add_task("waiting", total=None, unit=unit, pace="") if bar else None
         self.stage, self.said, self.pause = "", 0.0, _PLAIN_LINE_SECONDS
@@ -40,6 +43,11 @@ class ProgressLine:
         if self.stage != "compiling":
             say_compiling(self.console)
         self.show("compiling", (done, total), unit="kernels")
+
+    def report(self, progress: Progress) -> None:
+        """Show the progress of a job."""
+        tiles, basins = (progress.tiles_done, progress.tiles_total), (progress.basins_done, progress.basins_total)
+        self.show(progress.stage, tiles, basins, progress.cells_per_second)
 
     def show(
         self,
@@ -90,5 +98,5 @@ def progress_line(console: Console, unit: str = "tiles") -> Iterator[ProgressLin
         TextColumn("{task.description:<11}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[unit]}"),
         TimeRemainingColumn(), TextColumn("{task.fields[pace]}"),
     )  # fmt: skip
-    with Progress(*columns, console=console, transient=console.is_jupyter) as bar:
+    with Bar(*columns, console=console, transient=console.is_jupyter) as bar:
         yield ProgressLine(console, bar, unit)

@@ -16,14 +16,18 @@ from rattle.results.trajectories import TRAJECTORY_EXAMPLE, dataset_of, trajecto
 from rattle.verb import VERBS, Verb, described
 from worker.jobs.job import Job
 from worker.kinds import KINDS
+from worker.progress import Report
 from worker.stores.opening import is_complete
 
 _HERE = (
     Argument("store", str | Path | None, None, "Where the result lies; by default in `rattle.cache`"),
     Argument("workers", int | None, None, "Threads; by default one for each core"),
     Argument("scheduler", str | None, None, "Address of a Dask scheduler, in place of threads"),
-    Argument("progress", bool, True, "Whether progress is shown on a terminal and in a notebook"),
-)
+    Argument(
+        "progress", bool | Report, True,
+        "Whether progress is shown on a terminal and in a notebook; or a function, called with each `Progress`",
+    ),
+)  # fmt: skip
 
 
 def compute(
@@ -32,7 +36,7 @@ def compute(
     store: str | Path | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
-    progress: bool = True,
+    progress: bool | Report = True,
 ) -> xr.Dataset:
     """Compute a job here, or open its result if it is there already.
 
@@ -45,8 +49,9 @@ def compute(
         Threads; by default one for each core.
     scheduler : str, optional
         Address of a Dask scheduler, in place of threads.
-    progress : bool
-        Whether progress is shown on a terminal and in a notebook.
+    progress : bool or callable
+        Whether progress is shown on a terminal and in a notebook. Or a function that is called with each `Progress`,
+        in another thread; an exception that it raises stops the work.
 
     Returns
     -------
@@ -59,6 +64,13 @@ def compute(
     StoreConflict
         If the store is another request's.
     StoreFailed, TileFailed, ClusterFailed, NotFound
+
+    Examples
+    --------
+    >>> import rattle
+    >>> job = rattle.BasinJob(grid={"time": {"cells": 20}, "velocity": {"cells": 20}}, iterations=101)
+    >>> rattle.compute(job, progress=False).rattle.complete
+    True
     """
     location = cache.location_of(job) if store is None else str(store)
     if workers is not None and workers < 1:
@@ -66,9 +78,13 @@ def compute(
     if not is_complete(location, job.digest):
         from rattle.here import run_here  # loads Dask, which a result that is kept does without
 
-        unit = "tiles" if KINDS[job.kind].analysis is None else "pieces"
-        with progress_line(_console(progress), unit) as line:
-            run_here(job, location, line, workers=workers, scheduler=scheduler)
+        where: dict[str, Any] = {"workers": workers, "scheduler": scheduler}
+        if callable(progress):
+            run_here(job, location, progress, **where)
+        else:
+            unit = "tiles" if KINDS[job.kind].analysis is None else "pieces"
+            with progress_line(_console(progress), unit) as line:
+                run_here(job, location, line.report, compiling=line.compiling, **where)
     return open(location)
 
 

@@ -5,7 +5,7 @@ This is the public face. What else the folders hold is for the worker, and may c
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.attractors.attractor_search import find_attractors
-from rattle_kernels.attractors.classify import name_solutions
+from rattle_kernels.attractors.classify import UNASSIGNED, name_solutions
 from rattle_kernels.attractors.matching import attractor_distance, continue_attractor
 from rattle_kernels.basin_measures.boundary import boundary_cells, boundary_share
 from rattle_kernels.basin_measures.entropy import BasinEntropy, basin_entropy
@@ -22,7 +22,9 @@ from rattle_kernels.cell_mapping.cell_groups import CellGroups, find_groups, lab
 from rattle_kernels.cell_mapping.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells, map_points
 from rattle_kernels.cell_mapping.iterations import expected_applications, settled_iterations
 from rattle_kernels.impact_map.apply import Impacts, previous_impacts
+from rattle_kernels.impact_map.capture_velocity import capture_velocity
 from rattle_kernels.impact_map.time_history import Contacts, Direction, TimeHistory, time_history
+from rattle_kernels.lanes.lyapunov import TangentGrowth, tangent_growth
 from rattle_kernels.lanes.run import next_impacts
 from rattle_kernels.manifolds.grazing_preimages import TooManyPoints, grazing_preimages
 from rattle_kernels.manifolds.polyline import CurveResolution, Piece, arclength
@@ -34,7 +36,7 @@ from rattle_kernels.manifolds.stable_manifold import (
     stable_manifold,
     unstable_manifold,
 )
-from rattle_kernels.model.grazing_curve import grazing_velocity
+from rattle_kernels.model.grazing_curve import grazing_velocity, largest_grazing_speed
 from rattle_kernels.model.oscillator import (
     Oscillator,
     OutsideDomain,
@@ -94,8 +96,10 @@ __all__ = [
     "SpecialCurve",
     "SpecialKind",
     "SpecialPoint",
+    "TangentGrowth",
     "TimeHistory",
     "TooManyPoints",
+    "UNASSIGNED",
     "UNDECIDED",
     "UncertaintyExponent",
     "arclength",
@@ -104,6 +108,7 @@ __all__ = [
     "bifurcation_diagram",
     "boundary_cells",
     "boundary_share",
+    "capture_velocity",
     "check_domain",
     "check_impacting",
     "check_quiet",
@@ -125,6 +130,7 @@ __all__ = [
     "grazing_velocity",
     "integrity_factor",
     "label_cells",
+    "largest_grazing_speed",
     "least_disturbance",
     "local_integrity_measure",
     "map_cells",
@@ -137,6 +143,7 @@ __all__ = [
     "single_contact_orbits",
     "stable_manifold",
     "stiffness_bound",
+    "tangent_growth",
     "time_history",
     "uncertainty_exponent",
     "unstable_manifold",

@@ -1,5 +1,6 @@
 """The OpenAPI document: FastAPI's own, with problem documents, keys, and the errors that any request may get."""
 
+import re
 from collections import Counter
 from typing import Any
 
@@ -22,6 +23,8 @@ _WITH_BODY = {
 }
 _READING = ("get", "head")
 _COMPONENTS = "#/components/schemas/"
+# Sections of a docstring, such as Raises and Examples, are for Python.
+_SECTION = re.compile(r"\n\n\w+\n-{3,}\n")
 
 
 def describe(app: FastAPI) -> dict[str, Any]:
@@ -42,6 +45,9 @@ def describe(app: FastAPI) -> dict[str, Any]:
             "description": "Not needed where a service listens on loopback only",
         }
     }
+    for each in schemas.values():
+        if "description" in each:
+            each["description"] = _SECTION.split(each["description"], maxsplit=1)[0]
     for path, operations in schema["paths"].items():
         for method, operation in operations.items():
             for response in operation["responses"].values():

@@ -24,7 +24,17 @@ Place = tuple[str | int, ...]
 
 
 class WorkerError(Exception):
-    """Anything that work can fail with."""
+    """Anything that work can fail with.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> try:
+    ...     rattle.open("nowhere.zarr")
+    ... except rattle.WorkerError as error:
+    ...     print(error)
+    nowhere.zarr is no basin store, and none of an analysis: nothing there that Zarr can open
+    """
 
 
 class InvalidJob(WorkerError, ValueError):
@@ -34,6 +44,14 @@ class InvalidJob(WorkerError, ValueError):
     ----------
     place : tuple of str and int
         The field at fault in the request; empty where no single field is.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> try:
+    ...     rattle.basin(cells=0)
+    ... except rattle.InvalidJob as error:
+    ...     print(error)
     """
 
     def __init__(self, message: str, place: Place = ()) -> None:
@@ -73,7 +91,16 @@ class SweptOutsideDomain(OutsideDomain):
 
 
 class NotFound(WorkerError):
-    """Computing has shown that there is no such orbit, saddle or attractor where it was looked for."""
+    """Computing has shown that there is no such orbit, saddle or attractor where it was looked for.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> try:
+    ...     rattle.manifolds(saddles=["P(1,4,0)"], progress=False)
+    ... except rattle.NotFound as error:
+    ...     print(error)
+    """
 
 
 class StoreConflict(WorkerError):
@@ -101,7 +128,19 @@ class LeaseLost(WorkerError):
 
 
 class JobCancelled(WorkerError):
-    """The job was cancelled; what had been computed is in the store, and its ledger tells what."""
+    """The job was cancelled, or Ctrl-C stopped it. What had been computed is in the store: the same call goes on.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> def stop(progress):
+    ...     raise rattle.JobCancelled(f"stopped at {progress.tiles_done} of {progress.tiles_total} tiles")
+    >>> try:
+    ...     rattle.basin(cells=20, store="stopped.zarr", progress=stop)
+    ... except rattle.JobCancelled as error:
+    ...     print(error)
+    stopped at 0 of 1 tiles
+    """
 
 
 @contextlib.contextmanager

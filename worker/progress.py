@@ -46,6 +46,14 @@ class Progress:
 
     A sweep is in one stage, computing, from beginning to end: its tiles are done when their basin is complete.
     What has no tiles has pieces in their place, and neither cells nor basins: 0 of 0.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> seen = []
+    >>> basin = rattle.basin(cells=20, store="followed.zarr", progress=seen.append)
+    >>> seen[-1].stage.value, seen[-1].tiles_done, seen[-1].tiles_total
+    ('done', 1, 1)
     """
 
     stage: Stage

@@ -56,7 +56,7 @@ def _compute(job: Job, location: str, workers: int, as_json: bool) -> None:
     try:
         out.quiet |= as_json
         with progress_line("tiles" if KINDS[job.kind].analysis is None else "pieces") as line:
-            run_here(job, location, line, workers=workers)
+            run_here(job, location, line.report, compiling=line.compiling, workers=workers)
         print_result(job.kind, _result(job, location), as_json=as_json)
     except JobCancelled:
         give_up(f"stopped; the same command goes on from what is in {location}")

@@ -6,10 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rattle.cli.console import announced_compiling, give_up, out, progress_line
-from rattle.interruptible import run_interruptibly
 from rattle_kernels import CellGrid
-from worker.cluster.connection import connect
-from worker.cluster.settings import ClusterSettings
 from worker.errors import InvalidJob, JobCancelled, WorkerError
 
 if TYPE_CHECKING:
@@ -24,7 +21,7 @@ def paper(
         1000,
         1000,
     ),
-    workers: Annotated[int, typer.Option(min=1, help="Worker processes")] = 2,
+    workers: Annotated[int, typer.Option(min=1, help="Threads that compute")] = 2,
 ) -> None:
     """Recompute a figure of the paper and its numbers; basins that are there already are used, unfinished resumed."""
     from rattle.paper.registry import figure_named  # loads xarray, which other commands need not wait for
@@ -34,7 +31,7 @@ def paper(
         produced = _produce(figure_named(figure), out_, grid, workers)
     except InvalidJob as error:
         give_up(str(error), 2)
-    except JobCancelled:
+    except (JobCancelled, KeyboardInterrupt):
         give_up(f"stopped; the same command goes on with the basins that are in {out_}")
     except WorkerError as error:
         give_up(str(error))
@@ -46,19 +43,7 @@ def paper(
 def _produce(figure: "PaperFigure", folder: Path, grid: CellGrid, workers: int) -> "Produced":
     from rattle.paper.production import produce
 
-    settings = ClusterSettings()
     with progress_line(unit="") as line, announced_compiling(out):
-
-        def report(what: str, done: int, total: int) -> None:
-            line.show(what, (done, total))
-
-        return run_interruptibly(
-            lambda cancel: produce(
-                figure,
-                folder,
-                grid,
-                lambda: connect(settings.scheduler, workers, settings.certificates),
-                report=report,
-                cancel=cancel,
-            )
+        return produce(
+            figure, folder, grid, report=lambda what, done, total: line.show(what, (done, total)), workers=workers
         )

@@ -4,13 +4,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import xarray as xr
 from matplotlib.figure import Figure
 
+from rattle import BasinJob
 from rattle_kernels import CellGrid
-from worker.jobs.basin_job import BasinJob
+
+Results = Mapping[str, xr.Dataset]
+"""Results of the basins that a figure needs, by name."""
 
 Report = Callable[[str, int, int], None]
-"""Called with the current step, how much of it is done, and the total. It may raise to stop the work."""
+"""Called with the current step, how much of it is done, and the total."""
 
 
 @dataclass(frozen=True)
@@ -37,12 +41,12 @@ class PaperFigure:
     shows : str
         What it shows, in one line.
     make : callable
-        Draws the sheet. It takes the locations of the complete stores, by the names that `basins` gives them.
+        Draws the sheet. It takes the results, by the names that `basins` gives them.
     basins : callable
         Returns the jobs that the figure needs, by name, for a given grid. Each is a single basin or a sweep.
     """
 
     name: str
     shows: str
-    make: Callable[[Mapping[str, str], Report], Sheet]
+    make: Callable[[Results, Report], Sheet]
     basins: Callable[[CellGrid], dict[str, BasinJob]] = no_basins

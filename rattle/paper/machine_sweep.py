@@ -1,7 +1,6 @@
 """Share of quiet and least speed that ends in rattle, over the machine's damping and eccentricity, by sampling."""
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,15 +8,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle import BasinJob, Sample, SweepJob, SweptParameter
+from rattle.paper.figure import PaperFigure, Report, Results, Sheet
 from rattle.paper.machine import machine_oscillator
-from rattle_kernels import AttractorKind, CellGrid, Oscillator
-from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
-from rattle_kernels.impact_map.chatter import fastest_below
-from worker.jobs.basin_job import BasinJob, SweepJob
-from worker.jobs.sample import Sample
-from worker.jobs.swept_parameter import SweptParameter
-from worker.views.reading import job_of, open_basin
+from rattle.paper.numbers.solutions import cells_that, is_quiet
+from rattle_kernels import AttractorKind, CellGrid, capture_velocity
 
 _MACHINE = machine_oscillator(6e-4)
 # Beyond eps/delta = 0.2 the capture region is so small that low bounces do not reach it within k applications.
@@ -42,39 +37,23 @@ def _basins(grid: CellGrid) -> dict[str, BasinJob]:
     }
 
 
-def _proven_quiet(oscillator: Oscillator) -> float:
-    """Speed below which departures at all phases lie in the capture region. They provably end in quiet."""
-    bound = capture_bound(oscillator)
-    return float(min(fastest_below(oscillator, bound, phase) for phase in _PHASES))
-
-
-def _summaries(whole: xr.Dataset, low: xr.Dataset) -> list[dict[str, Any]]:
-    job = job_of(whole)
-    kinds = whole.kind.values
-    quiet, motions = kinds == AttractorKind.PERMANENT_CONTACT, whole.name.values
-    quiet_low = low.kind.values == AttractorKind.PERMANENT_CONTACT
-    speeds = low.velocity.values
-    summaries: list[dict[str, Any]] = []
-    for panel in range(job.basins):
-        at = job.place_of(panel)
-        share, solution = whole.share.values[at], low.solution.values[at]
-        rattles = ~quiet_low[solution]
-        largest = np.argsort(-np.where(np.isfinite(share) & ~quiet, share, -1.0))[:3]
-        oscillator = job.oscillator_of(panel)
-        values: dict[str, Any] = dict(job.values_of(panel))
-        summaries.append(
-            values
-            | {
-                "quiet": float(share[quiet][0]),
-                "quiet_error": float(whole.share_error.values[at][quiet][0]),
-                "undecided": float(np.nansum(share[kinds == AttractorKind.UNDECIDED])),
-                "motions": int((np.nan_to_num(share) > 0.0).sum()),
-                "largest": [[str(motions[i]), float(share[i])] for i in largest if share[i] > 0.0],
-                "least_rattle": float(speeds[rattles].min()) if rattles.any() else None,
-                "proven_quiet_below": _proven_quiet(oscillator),
-            }
-        )
-    return summaries
+def _summary(whole: xr.Dataset, low: xr.Dataset) -> dict[str, Any]:
+    """One basin, in both windows."""
+    oscillator, share, kinds = whole.rattle.oscillator, whole.share.values, whole.kind.values
+    quiet, rattles = kinds == AttractorKind.PERMANENT_CONTACT, ~cells_that(low, is_quiet)
+    largest = np.argsort(-np.where(np.isfinite(share) & ~quiet, share, -1.0))[:3]
+    return {
+        "damping": oscillator.damping,
+        "eccentricity": oscillator.eccentricity,
+        "quiet": float(share[quiet][0]),
+        "quiet_error": float(whole.share_error.values[quiet][0]),
+        "undecided": float(np.nansum(share[kinds == AttractorKind.UNDECIDED])),
+        "motions": int((np.nan_to_num(share) > 0.0).sum()),
+        "largest": [[str(whole.name.values[i]), float(share[i])] for i in largest if share[i] > 0.0],
+        "least_rattle": float(low.velocity.values[rattles].min()) if rattles.any() else None,
+        # Departures at all phases lie in the region of capture.
+        "proven_quiet_below": float(capture_velocity(oscillator, _PHASES).min()),
+    }
 
 
 def _draw_map(axes: Axes, summaries: list[dict[str, Any]], key: str, scale: float, title: str, label: str) -> None:
@@ -96,9 +75,10 @@ def _draw_map(axes: Axes, summaries: list[dict[str, Any]], key: str, scale: floa
     axes.figure.colorbar(image, ax=axes, label=label)
 
 
-def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+def _make(results: Results, report: Report) -> Sheet:
     report("drawing", 0, 1)
-    summaries = _summaries(*(open_basin(stores[name]) for name in _WINDOWS))
+    windows = [results[name].rattle.basins() for name in _WINDOWS]
+    summaries = [_summary(whole, low) for whole, low in zip(*windows, strict=True)]
     drawing = Figure(figsize=(13.0, 4.6), dpi=80, layout="constrained")
     left, right = drawing.subplots(1, 2)
     _draw_map(left, summaries, "quiet", 100.0, "(a) share of quiet", "per cent of v in [0, 7.2e-3)")

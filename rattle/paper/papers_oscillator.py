@@ -2,8 +2,8 @@
 
 import math
 
+from rattle import BasinJob
 from rattle_kernels import CellGrid, Oscillator
-from worker.jobs.basin_job import BasinJob
 
 ITERATIONS = 1499
 

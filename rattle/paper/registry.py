@@ -1,5 +1,6 @@
 """The figures that can be recomputed: those of the paper in its order, then those of the machine."""
 
+from rattle import InvalidJob
 from rattle.paper.figure import PaperFigure
 from rattle.paper.figures.fig1 import FIG1
 from rattle.paper.figures.fig2_fig3 import FIG2, FIG3
@@ -17,7 +18,6 @@ from rattle.paper.figures.fig16 import FIG16
 from rattle.paper.figures.fig17 import FIG17
 from rattle.paper.machine import MACHINE, MACHINE_SOFT
 from rattle.paper.machine_sweep import MACHINE_SWEEP
-from worker.errors import InvalidJob
 
 _IN_ORDER = (
     FIG1, FIG2, FIG3, FIG4, FIG5, FIG6, FIG7, FIG8, FIG9, FIG10, FIG11, FIG12, FIG13, FIG14, FIG15, FIG16, FIG17,

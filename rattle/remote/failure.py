@@ -10,6 +10,15 @@ class ServiceFailed(Exception):
     ----------
     status : int or None
         HTTP status; None if there was no answer.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> try:
+    ...     rattle.connect("http://127.0.0.1:8000").job("0" * 32)
+    ... except rattle.ServiceFailed as error:
+    ...     print(error.status)
+    404
     """
 
     def __init__(self, message: str, status: int | None = None) -> None:

@@ -31,6 +31,16 @@ class RemoteJob:
     service : ServiceClient
     described : dict
         As the service describes it.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> there = rattle.connect("http://127.0.0.1:8000")
+    >>> job = there.submit(rattle.GrazingCurveJob(order=1)).wait(progress=False)
+    >>> job.state, job.progress["stage"]
+    ('succeeded', 'done')
+    >>> job.open().sizes["order"], rattle.open(job.url).rattle.kind
+    (2, 'grazing_curve')
     """
 
     def __init__(self, service: "ServiceClient", described: dict[str, Any]) -> None:

@@ -39,6 +39,13 @@ def connect(url: str, key: str | None = None) -> "Service":
     ------
     ServiceFailed
         If no service answers there.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> there = rattle.connect("http://127.0.0.1:8000")
+    >>> there.basin(cells=20, progress=False).name.values.tolist()
+    ['permanent contact', 'P(1,1,0)', 'chaotic']
     """
     service = Service(url, key)
     service.ask("GET", "/healthz")
@@ -52,6 +59,16 @@ class Service(ServiceClient):
     ----------
     url : str
     key : str, optional
+
+    Examples
+    --------
+    >>> import rattle
+    >>> there = rattle.connect("http://127.0.0.1:8000")
+    >>> there.grazing_curve(order=1, progress=False).sizes["order"]
+    2
+    >>> job = there.submit(rattle.GrazingCurveJob(order=1))  # the same request is the same job
+    >>> job.id in [each.id for each in there.jobs()]
+    True
     """
 
     def __init__(self, url: str, key: str | None = None) -> None:

@@ -18,7 +18,7 @@ from worker.kinds import KINDS
 from worker.pictures.history_picture import draw_history
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
 from worker.pictures.picture import legend_patches
-from worker.pictures.share_chart import draw_shares
+from worker.pictures.share_chart import draw_lines, draw_shares
 from worker.views import reading
 
 _BASINS_ACROSS = 3
@@ -74,17 +74,22 @@ def _solutions(dataset: xr.Dataset, job: BasinJob) -> tuple[Attractor, ...]:
     return reading.attractors_of(reading.basin_of(dataset, **job.values_of(0)))
 
 
-def draw_shares_of(dataset: xr.Dataset, job: BasinJob) -> Figure:
-    """Draw the shares of a sweep on a new figure.
+def draw_shares_of(dataset: xr.Dataset, job: BasinJob, ax: Axes | None) -> Figure | Axes:
+    """Draw the shares of a sweep on axes, or else on a new figure.
 
     Raises
     ------
     InvalidJob
-        If no basin is complete yet.
+        If no basin is complete yet, or maps would need more than the axes.
     """
     share = dataset.share.values if "share" in dataset else np.empty(0)
     if not np.isfinite(share).any():
         raise InvalidJob("no basin of the sweep is complete yet")
+    if ax is not None:
+        if len(job.vary) > 1:
+            raise InvalidJob("shares over two parameters are maps on a figure of their own: leave out ax")
+        draw_lines(ax, job, share, _solutions(dataset, job))
+        return ax
     figure = plt.figure(figsize=_SIZE, layout="constrained")
     draw_shares(figure, job, share, _solutions(dataset, job))
     return figure

@@ -11,7 +11,15 @@ from worker.jobs.job import Job
 
 
 class ResultCache:
-    """The folder of kept results: ``RATTLE_CACHE``, or the user's cache folder."""
+    """The folder of kept results: ``RATTLE_CACHE``, or the user's cache folder.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> basin = rattle.basin(cells=20, progress=False)
+    >>> len(rattle.cache.stores()) >= 1 and rattle.cache.size > 0
+    True
+    """
 
     @property
     def folder(self) -> Path:

@@ -30,6 +30,13 @@ def open(location: str | Path, *, key: str | None = None) -> xr.Dataset:  # noqa
         If there is no result.
     OSError
         If an address does not answer.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> basin = rattle.basin(cells=20, store="basin.zarr", progress=False)
+    >>> rattle.open("basin.zarr").name.values.tolist()
+    ['permanent contact', 'P(1,1,0)', 'chaotic']
     """
     options: dict[str, Any] = {"headers": {"authorization": f"Bearer {key}"}} if key else {}
     return open_store(location, options)

@@ -17,7 +17,7 @@ import numpy as np
 
 from rattle_kernels.cell_mapping.iterations import settled_iterations
 from rattle_kernels.lanes.flight import LANES
-from rattle_kernels.lanes.lyapunov import Growth, tangent_growth
+from rattle_kernels.lanes.lyapunov import TangentGrowth, tangent_growth
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import Outcome
@@ -136,7 +136,7 @@ def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = n
     )  # fmt: skip
 
 
-def _resolved_growth(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> tuple[Growth, int]:
+def _resolved_growth(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> tuple[TangentGrowth, int]:
     """Growth of tangent vectors over enough impacts to distinguish chaos from regular motion, and that number."""
     for impacts in _GROWING:
         ended = tangent_growth(oscillator, t, v, impacts)

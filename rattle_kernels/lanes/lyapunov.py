@@ -18,7 +18,7 @@ from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, st
 from rattle_kernels.lanes.flight import DROPS, DURATION, END_VELOCITY, FLIGHT_FIELDS, LANES, PHASE, VELOCITY
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.contact import Contact, slow_part
-from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.model.oscillator import Oscillator, check_domain
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import inlined, lane_kernel
 
@@ -26,7 +26,7 @@ from rattle_kernels.numerics.jit import inlined, lane_kernel
 _ALIGNING = 64
 
 
-class Growth(NamedTuple):
+class TangentGrowth(NamedTuple):
     """How tangent vectors grew along some trajectories, all of one number of impacts; arrays of shape (n,).
 
     ``growth`` is the change of the logarithm of the vector's length, ``elapsed`` the time (forcing periods) that it
@@ -38,9 +38,9 @@ class Growth(NamedTuple):
     t: np.ndarray
     v: np.ndarray
 
-    def of(self, chosen: np.ndarray) -> "Growth":
+    def of(self, chosen: np.ndarray) -> "TangentGrowth":
         """The trajectories that a mask chooses."""
-        return Growth(*(field[chosen] for field in self))
+        return TangentGrowth(*(field[chosen] for field in self))
 
     @property
     def exponent(self) -> float:
@@ -125,25 +125,49 @@ def _grow(oscillator, tables, impacts, t, v, growth, elapsed):
                 flying -= 1
 
 
-def tangent_growth(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, impacts: int) -> Growth:
-    """Growth of tangent vectors along trajectories.
+def tangent_growth(
+    oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.ArrayLike, impacts: int
+) -> TangentGrowth:
+    """Growth of tangent vectors along trajectories: their largest Lyapunov exponent, and its error.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Checked by the caller.
-    t, v : ndarray of float64, shape (n,)
-        Phases and speeds of departures from +beta.
+        Either model.
+    t, v : array_like, shape (n,)
+        Phases (forcing periods) and speeds of departures from +beta.
     impacts : int
-        Impacts over which growth is measured, after 64 impacts in which the vectors align.
+        Impacts over which growth is measured, at least 1, after 64 impacts in which the vectors align.
 
     Returns
     -------
-    Growth
+    TangentGrowth
+        NaN also where a point is no departure: not finite, or without a positive speed.
+
+    Raises
+    ------
+    OutsideDomain
+        If the oscillator's parameters lie outside the domain of the map.
+    ValueError
+        If `impacts` is below 1.
+
+    Examples
+    --------
+    >>> chaos = tangent_growth(Oscillator(), [0.553, 0.554, 0.555], [4.703, 4.703, 4.703], 512)
+    >>> chaos.exponent > 0.1
+    True
     """
-    tables, ends = lane_tables(oscillator), (t.copy(), v.copy())
-    sums = np.zeros(t.size), np.zeros(t.size)
-    for first in range(0, t.size, LANES):
+    checked = check_domain(oscillator)
+    if impacts < 1:
+        raise ValueError(f"impacts must be at least 1, not {impacts}")
+    phase, speed = np.asarray(t, np.float64), np.asarray(v, np.float64)
+    departs = np.isfinite(phase) & np.isfinite(speed) & (speed > 0.0)
+    tables, ends = lane_tables(checked), (phase[departs], speed[departs])
+    sums = np.zeros(ends[0].size), np.zeros(ends[0].size)
+    for first in range(0, ends[0].size, LANES):
         batch = slice(first, first + LANES)
-        _grow(oscillator, tables, impacts, *(field[batch] for field in (*ends, *sums)))
-    return Growth(*sums, *ends)
+        _grow(checked, tables, impacts, *(field[batch] for field in (*ends, *sums)))
+    grown = TangentGrowth(*(np.full(phase.shape, np.nan) for _ in range(4)))
+    for whole, part in zip(grown, (*sums, *ends), strict=True):
+        whole[departs] = part
+    return grown

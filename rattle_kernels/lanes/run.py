@@ -68,7 +68,12 @@ def run_lanes(
 
 
 def next_impacts(
-    oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.ArrayLike, applications: int = 1
+    oscillator: Oscillator,
+    t: np.typing.ArrayLike,
+    v: np.typing.ArrayLike,
+    applications: int = 1,
+    *,
+    shortcuts: bool = False,
 ) -> Impacts:
     """Apply P to every point.
 
@@ -79,12 +84,15 @@ def next_impacts(
     t, v : array_like, broadcast together
         Phase (forcing periods, any finite value) and speed of departures from +beta.
     applications : int
-        How often P is applied. No shortcut is taken.
+        How often P is applied.
+    shortcuts : bool
+        Whether a motion that ever lower bounces have captured ends early (outcome PERMANENT_CONTACT, state at capture),
+        and one that is locked to a periodic orbit skips whole turns. Long motions then take a fraction of the time.
 
     Returns
     -------
     Impacts
-        ``lower_impacts`` counts the contacts with -beta of all applications.
+        ``lower_impacts`` counts the contacts with -beta of all applications; with shortcuts, of those that were done.
 
     Raises
     ------
@@ -103,5 +111,5 @@ def next_impacts(
     if applications < 1:
         raise ValueError(f"applications must be at least 1, not {applications}")
     phase, speed = np.broadcast_arrays(np.asarray(t, dtype=np.float64), np.asarray(v, dtype=np.float64))
-    impacts, _ = run_lanes(checked, phase.ravel(), speed.ravel(), applications, shortcuts=False)
+    impacts, _ = run_lanes(checked, phase.ravel(), speed.ravel(), applications, shortcuts=shortcuts)
     return Impacts(*(field.reshape(phase.shape) for field in impacts))

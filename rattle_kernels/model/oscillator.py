@@ -21,6 +21,11 @@ class Oscillator(NamedTuple):
         A contact beyond +beta that lasts longer than this many forcing periods counts as permanent. Infinity stands
         for the exact rule (the ringing's envelope), 1.0 for the paper's rule, one gross rotation. The impacting model
         does not use it.
+
+    Examples
+    --------
+    >>> Oscillator(damping=0.6, eccentricity=0.1, half_backlash=0.6)._replace(stiffness=1e4).stiffness
+    10000.0
     """
 
     damping: float = 0.6
@@ -47,6 +52,14 @@ class OutsideDomain(ValueError):
         Value of that bound.
     value : float
         Value of the parameter.
+
+    Examples
+    --------
+    >>> try:
+    ...     check_domain(Oscillator(eccentricity=0.3))
+    ... except OutsideDomain as error:
+    ...     print(error.parameter, error.bound, round(error.limit, 3))
+    eccentricity epsilon_crit2 0.19
     """
 
     def __init__(self, parameter: str, value: float, bound: str, limit: float, message: str) -> None:

@@ -1,6 +1,7 @@
 """The public functions of the kernels document every parameter, what they return and what they raise."""
 
 import ast
+import doctest
 import inspect
 import textwrap
 
@@ -36,6 +37,13 @@ def test_what_a_public_function_raises_is_documented(name):
     function = getattr(rattle_kernels, name)
     _, _, section = (inspect.getdoc(function) or "").partition("Raises\n------\n")
     assert {raised for raised in exceptions_of(function) if raised not in section} == set()
+
+
+@pytest.mark.parametrize("name", [name for name in rattle_kernels.__all__ if callable(getattr(rattle_kernels, name))])
+def test_examples_of_public_names_run(name):
+    whole = vars(rattle_kernels)
+    for example in doctest.DocTestFinder(recurse=False).find(getattr(rattle_kernels, name), name, globs=dict(whole)):
+        assert doctest.DocTestRunner().run(example).failed == 0
 
 
 def test_the_check_finds_what_is_missing():

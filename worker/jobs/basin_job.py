@@ -30,7 +30,15 @@ _SWEEP_EXAMPLE: dict[str, Any] = {
 
 
 class BasinJob(Job):
-    """One basin of attraction."""
+    """One basin of attraction.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> job = rattle.BasinJob(oscillator=rattle.Oscillator(damping=0.7), grid={"time": {"cells": 500}})
+    >>> job.oscillator.damping, job.grid.time_cells, job.iterations
+    (0.7, 500, 1499)
+    """
 
     model_config = ConfigDict(title="BasinRequest", json_schema_extra={"examples": [_BASIN_EXAMPLE]})
     result_version: ClassVar[int] = 4
@@ -199,7 +207,15 @@ class BasinJob(Job):
 
 
 class SweepJob(BasinJob):
-    """Basins over one or two parameters: one for each combination of their values."""
+    """Basins over one or two parameters: one for each combination of their values.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> job = rattle.SweepJob(vary=[rattle.SweptParameter("damping", (0.5, 0.6, 0.7))])
+    >>> job.basins, job.oscillator_of(1).damping
+    (3, 0.6)
+    """
 
     model_config = ConfigDict(title="SweepRequest", json_schema_extra={"examples": [_SWEEP_EXAMPLE]})
 

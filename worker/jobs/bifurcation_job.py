@@ -34,7 +34,15 @@ class Direction(StrEnum):
 
 
 class BifurcationJob(AnalysisJob):
-    """A bifurcation diagram: at each value the last departures after a transient, the very last seeding the next."""
+    """A bifurcation diagram: at each value the last departures after a transient, the very last seeding the next.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> job = rattle.BifurcationJob(vary=rattle.SweptParameter("damping", (0.58, 0.59)), direction="both", kept=4)
+    >>> job.values.tolist()
+    [0.58, 0.59]
+    """
 
     model_config = ConfigDict(title="BifurcationRequest", json_schema_extra={"examples": [_EXAMPLE]})
 

@@ -21,7 +21,14 @@ _LEAST_POINTS = 1000
 
 
 class GrazingCurveJob(AnalysisJob):
-    """The grazing curve of the impacting model and its pre-images (Sec. 6.1)."""
+    """The grazing curve of the impacting model and its pre-images (Sec. 6.1).
+
+    Examples
+    --------
+    >>> import rattle
+    >>> rattle.GrazingCurveJob(order=1).order
+    1
+    """
 
     model_config = ConfigDict(title="GrazingCurveRequest", json_schema_extra={"examples": [_EXAMPLE]})
 

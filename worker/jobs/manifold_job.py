@@ -128,7 +128,14 @@ Saddle = Annotated[SaddleRequest, BeforeValidator(accepting((OrbitSeed, Itinerar
 
 
 class ManifoldJob(AnalysisJob):
-    """Stable and unstable manifolds of saddles of the impacting model."""
+    """Stable and unstable manifolds of saddles of the impacting model.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> rattle.ManifoldJob(saddles=[{"time": 0.6017, "velocity": 3.7699}], arclength=20).side.value
+    'stable'
+    """
 
     model_config = ConfigDict(title="ManifoldRequest", json_schema_extra={"examples": [_EXAMPLE]})
 

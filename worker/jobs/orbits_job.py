@@ -80,7 +80,14 @@ class Continuation:
 
 
 class OrbitsJob(AnalysisJob):
-    """Periodic orbits, stable or not: those of a region, or those near seeds; on request with their branches."""
+    """Periodic orbits, stable or not: those of a region, or those near seeds; on request with their branches.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> rattle.OrbitsJob(longest=2, continuation={"parameter": "damping", "start": 0.5, "stop": 0.7}).longest
+    2
+    """
 
     model_config = ConfigDict(title="OrbitsRequest", json_schema_extra={"examples": [_EXAMPLE]})
 

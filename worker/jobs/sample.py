@@ -17,10 +17,22 @@ _BITS = 30
 class Sample:
     """Points of the window to start from in place of a grid of cells: a scrambled Sobol sequence.
 
+    Parameters
+    ----------
+    points : int
+    seed : int
+        The same seed gives the same points.
+
     Raises
     ------
     InvalidJob
         If there are too few or too many points, or the seed is negative.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> rattle.BasinJob(sample=Sample(512)).sample
+    Sample(points=512, seed=0)
     """
 
     __pydantic_config__: ClassVar[ConfigDict] = values_config("SampleRequest")

@@ -18,7 +18,13 @@ Parameter = Literal["damping", "eccentricity", "half_backlash", "stiffness"]
 
 
 class Spacing(StrEnum):
-    """How values lie between a start and a stop."""
+    """How values lie between a start and a stop.
+
+    Examples
+    --------
+    >>> [spacing.value for spacing in Spacing]
+    ['linear', 'geometric']
+    """
 
     LINEAR = "linear"
     GEOMETRIC = "geometric"
@@ -26,7 +32,19 @@ class Spacing(StrEnum):
 
 @dataclass(frozen=True)
 class SweptParameter:
-    """A parameter of the oscillator and its values, in the order in which basins follow one another."""
+    """A parameter of the oscillator and its values, in the order in which basins follow one another.
+
+    Parameters
+    ----------
+    parameter : {"damping", "eccentricity", "half_backlash", "stiffness"}
+    values : tuple of float
+        Ascending or descending.
+
+    Examples
+    --------
+    >>> SweptParameter.spaced("stiffness", 1e2, 1e4, 3, Spacing.GEOMETRIC)
+    SweptParameter(parameter='stiffness', values=(100.0, 1000.0, 10000.0))
+    """
 
     parameter: str
     values: tuple[float, ...]

@@ -60,7 +60,13 @@ _SAFE_NAMED: dict[str, Colour] = {
 
 
 class Palette(StrEnum):
-    """Which colours motions have."""
+    """Which colours motions have.
+
+    Examples
+    --------
+    >>> [palette.value for palette in Palette]
+    ['paper', 'colour_blind']
+    """
 
     PAPER = "paper"
     """The colours that the paper's text names."""
@@ -106,6 +112,14 @@ def colours_of(attractors: tuple[Attractor, ...], palette: Palette = Palette.PAP
     Returns
     -------
     list of (red, green, blue)
+        Each in [0, 1].
+
+    Examples
+    --------
+    >>> import rattle
+    >>> basin = rattle.basin(cells=40, progress=False)
+    >>> colours_of(basin.rattle.catalogue())
+    [(0.0, 0.0, 0.5), (0.55, 0.85, 1.0), (0.5, 0.0, 0.0)]
     """
     seen: dict[str, int] = {}
     colours = []
@@ -117,12 +131,14 @@ def colours_of(attractors: tuple[Attractor, ...], palette: Palette = Palette.PAP
     return colours
 
 
-def paint_cells(solution: np.ndarray, group: np.ndarray, attractors: tuple[Attractor, ...]) -> np.ndarray:
+def paint_cells(
+    solution: np.typing.ArrayLike, group: np.typing.ArrayLike, attractors: tuple[Attractor, ...]
+) -> np.ndarray:
     """Colours of cells, with chaos speckled by Hsu's groups as in the paper.
 
     Parameters
     ----------
-    solution, group : ndarray of int, one shape
+    solution, group : array_like of int, one shape
         Solution and group of each cell; a cell with a negative solution is missing.
     attractors : tuple of Attractor
         The catalogue that `solution` indexes.
@@ -131,7 +147,15 @@ def paint_cells(solution: np.ndarray, group: np.ndarray, attractors: tuple[Attra
     -------
     ndarray of float64, that shape and 3
         Red, green, blue in [0, 1].
+
+    Examples
+    --------
+    >>> import rattle
+    >>> basin = rattle.basin(cells=40, progress=False)
+    >>> paint_cells(basin.solution, basin.group, basin.rattle.catalogue()).shape
+    (40, 40, 3)
     """
+    solution, group = np.asarray(solution), np.asarray(group)
     palette = np.array([*colours_of(attractors), MISSING])
     image = palette[np.where(solution >= 0, solution, len(attractors))]
     chaotic = [i for i, attractor in enumerate(attractors) if attractor.is_chaotic]

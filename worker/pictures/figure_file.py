@@ -76,6 +76,13 @@ def save_figure(figure: Figure, target: str | Path | IO[bytes], picture_format: 
     ------
     InvalidJob
         If the file's name asks for no such format.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> save_figure(Figure(), "picture.svg")
+    >>> Path("picture.svg").read_text()[:5]
+    '<?xml'
     """
     if picture_format is None:
         assert isinstance(target, str | Path)

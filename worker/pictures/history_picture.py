@@ -19,7 +19,24 @@ _MARKS = {
 
 
 def draw_boundaries(axes: Axes, oscillator: Oscillator, walls: tuple[int, ...] = (1, -1)) -> None:
-    """Draw +beta, -beta or both as dotted lines with their names."""
+    """Draw +beta, -beta or both as dotted lines with their names.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Of displacement over time.
+    oscillator : Oscillator
+    walls : tuple of int
+        1 for +beta, -1 for -beta.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().subplots()
+    >>> draw_boundaries(axes, Oscillator())
+    >>> [text.get_text() for text in axes.texts]
+    ['+β', '−β']
+    """
     for wall in walls:
         name = "+β" if wall > 0 else "−β"
         axes.axhline(wall * oscillator.half_backlash, color="black", linestyle=":", linewidth=1.0)

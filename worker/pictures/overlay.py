@@ -23,6 +23,16 @@ class Lines(NamedTuple):
     """Curves of one kind.
 
     Phases of ``pieces`` may exceed a period. ``label`` is for a legend, ``width`` in points, ``style`` matplotlib's.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from rattle_kernels import Piece
+    >>> axes = Figure().subplots()
+    >>> Lines("a curve", "white", (Piece(np.array([0.1, 0.2]), np.array([1.0, 2.0])),)).draw(axes)
+    >>> axes.lines[0].get_label()
+    'a curve'
     """
 
     label: str
@@ -45,7 +55,17 @@ class Lines(NamedTuple):
 
 
 class Marks(NamedTuple):
-    """Marked departures. ``marker`` is matplotlib's, ``size`` its size in points."""
+    """Marked departures. ``marker`` is matplotlib's, ``size`` its size in points.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().subplots()
+    >>> Marks("departures", "red", np.array([0.1, 0.5]), np.array([1.0, 2.0]), "x").draw(axes)
+    >>> axes.lines[0].get_label()
+    'departures'
+    """
 
     label: str
     colour: str
@@ -67,7 +87,26 @@ Overlay = Lines | Marks
 
 
 def attractor_marks(attractors: Iterable[Attractor], colour: str = "white") -> tuple[Marks, ...]:
-    """Crosses of one colour on the departures of periodic attractors, and black dots on those of chaos."""
+    """Crosses of one colour on the departures of periodic attractors, and black dots on those of chaos.
+
+    Parameters
+    ----------
+    attractors : iterable of Attractor
+    colour : str
+        Of the crosses, as Matplotlib names colours.
+
+    Returns
+    -------
+    tuple of Marks
+        One for each attractor that has departures.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> basin = rattle.basin(cells=40, progress=False)
+    >>> [marks.label for marks in attractor_marks(basin.rattle.catalogue())]
+    ['P(1,1,0)', 'chaotic']
+    """
     marks = []
     for attractor in attractors:
         if attractor.kind == AttractorKind.PERIODIC:
@@ -78,18 +117,68 @@ def attractor_marks(attractors: Iterable[Attractor], colour: str = "white") -> t
 
 
 def saddle_marks(saddles: Iterable[PeriodicOrbit], colour: str = "white") -> tuple[Marks, ...]:
-    """Upright crosses on the departures of saddles, as in Fig. 10."""
+    """Upright crosses on the departures of saddles, as in Fig. 10.
+
+    Parameters
+    ----------
+    saddles : iterable of PeriodicOrbit
+    colour : str
+        As Matplotlib names colours.
+
+    Returns
+    -------
+    tuple of Marks
+        One for each saddle.
+
+    Examples
+    --------
+    >>> from rattle_kernels import Oscillator, find_saddle
+    >>> [marks.label for marks in saddle_marks([find_saddle(Oscillator(), 0.6017, 3.7699)])]
+    ['saddle P(1,1,0)']
+    """
     return tuple(Marks(f"saddle {saddle.name}", colour, saddle.t, saddle.v, "+", 9.0) for saddle in saddles)
 
 
 def grazing_line(oscillator: Oscillator) -> Lines:
-    """The grazing curve v*(t) of either model, in white."""
+    """The grazing curve v*(t) of either model, in white.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+
+    Returns
+    -------
+    Lines
+
+    Examples
+    --------
+    >>> from rattle_kernels import Oscillator
+    >>> grazing_line(Oscillator()).label
+    'grazing curve'
+    """
     t = np.linspace(0.0, 1.0, _CURVE_POINTS)
     return Lines("grazing curve", _BY_ORDER[0], (Piece(t, grazing_velocity(oscillator, t)),), 1.4)
 
 
 def preimage_lines(orders: Iterable[Iterable[Piece]]) -> tuple[Lines, ...]:
-    """Pre-images of the grazing curve, orders 1, 2, ..., as `grazing_preimages` returns them after the curve."""
+    """Pre-images of the grazing curve.
+
+    Parameters
+    ----------
+    orders : iterable of iterable of Piece
+        Orders 1, 2, ..., as `grazing_preimages` returns them after the curve itself.
+
+    Returns
+    -------
+    tuple of Lines
+        One for each order.
+
+    Examples
+    --------
+    >>> from rattle_kernels import Oscillator, grazing_preimages
+    >>> [lines.label for lines in preimage_lines(grazing_preimages(Oscillator(), 1)[1:])]
+    ['pre-image 1 of grazing']
+    """
     return tuple(
         Lines(f"pre-image {order} of grazing", _BY_ORDER[1 + (order - 1) % (len(_BY_ORDER) - 1)], tuple(pieces))
         for order, pieces in enumerate(orders, 1)
@@ -97,5 +186,29 @@ def preimage_lines(orders: Iterable[Iterable[Piece]]) -> tuple[Lines, ...]:
 
 
 def manifold_lines(branches: Iterable[ManifoldBranch], label: str, colour: str, width: float = 1.0) -> Lines:
-    """All branches of a saddle's manifold."""
+    """All branches of a saddle's manifold.
+
+    Parameters
+    ----------
+    branches : iterable of ManifoldBranch
+        Of `stable_manifold` or `unstable_manifold`.
+    label : str
+        For a legend.
+    colour : str
+        As Matplotlib names colours.
+    width : float
+        In points.
+
+    Returns
+    -------
+    Lines
+
+    Examples
+    --------
+    >>> from rattle_kernels import ManifoldLimits, Oscillator, find_saddle, stable_manifold
+    >>> saddle = find_saddle(Oscillator(), 0.6017, 3.7699)
+    >>> branches = stable_manifold(Oscillator(), saddle, ManifoldLimits(arclength=1.0, highest_velocity=7.0))
+    >>> len(manifold_lines(branches, "stable manifold", "magenta").pieces) >= 2
+    True
+    """
     return Lines(label, colour, tuple(piece for branch in branches for piece in branch.pieces), width)

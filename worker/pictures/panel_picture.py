@@ -29,7 +29,22 @@ class Layer(StrEnum):
 
 
 def frame(axes: Axes, extent: tuple[float, float, float, float]) -> None:
-    """Limit axes to a window (least and largest t, least and largest v) and label them."""
+    """Limit axes to a window of the (t, v) plane, and label them.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    extent : (float, float, float, float)
+        Least and largest time, least and largest speed.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().subplots()
+    >>> frame(axes, (0.0, 1.0, 0.0, 7.0))
+    >>> axes.get_xlabel()
+    'time t of departure (forcing periods)'
+    """
     axes.set_xlim(*extent[:2])
     axes.set_ylim(*extent[2:])
     axes.set_xlabel("time t of departure (forcing periods)")

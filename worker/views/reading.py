@@ -165,6 +165,23 @@ def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
     )
 
 
+def thinned(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with at most 1000 cells each way: every n-th stands for its neighbours, as labels have no mean.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of one basin. That of a sample stays as it is.
+
+    Returns
+    -------
+    xarray.Dataset
+        Shares remain those of all cells.
+    """
+    every = slice(None, None, max(1, -(-max(dataset.solution.shape) // _MOST_CELLS)))
+    return dataset.isel(time=every, velocity=every) if "velocity" in dataset.dims else dataset
+
+
 def _edges(centres: np.ndarray, width: float) -> tuple[float, float]:
     """Outer edges of cells, from the spacing of their centres, or from `width` for a single cell."""
     half = 0.5 * (float(centres[1] - centres[0]) if centres.size > 1 else width)
@@ -211,9 +228,8 @@ def plot_basin(
     """
     axes = plt.gca() if ax is None else ax
     attractors, extent = attractors_of(dataset), _extent(dataset)
-    every = slice(None, None, max(1, -(-max(dataset.solution.shape) // _MOST_CELLS)))
-    thinned = dataset[["solution", "group"]].isel(time=every, velocity=every)
-    image = colours.paint_cells(thinned.solution.values, thinned.group.values, attractors)
+    shown = thinned(dataset)
+    image = colours.paint_cells(shown.solution, shown.group, attractors)
     axes.imshow(image, origin="lower", extent=extent, aspect="auto", interpolation="nearest")
     for overlay in overlays_for(overlays, job_of(dataset).oscillator, attractors, extent[2:]):
         overlay.draw(axes, extent[0])

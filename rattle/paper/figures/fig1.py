@@ -5,16 +5,16 @@ coexist. They are found by following random departures for a long time. Rare sol
 """
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.figure import PaperFigure, Report, Results, Sheet
 from rattle.paper.numbers.solutions import motion_summary, oscillator_summary
-from rattle.paper.panels.history_panel import draw_history_panel
+from rattle.pictures import draw_history_panel
 from rattle_kernels import (
+    UNASSIGNED,
     Attractor,
     AttractorKind,
     Direction,
@@ -23,10 +23,9 @@ from rattle_kernels import (
     TimeHistory,
     find_attractors,
     name_solutions,
+    next_impacts,
     time_history,
 )
-from rattle_kernels.attractors.classify import UNASSIGNED
-from rattle_kernels.lanes.run import run_lanes
 
 MACHINE = Oscillator(damping=6e-4, eccentricity=1e-4, half_backlash=6e-4, stiffness=1000.0)
 
@@ -63,7 +62,7 @@ def rattling_solutions(departures: int, report: Report) -> tuple[tuple[Attractor
     t, v = chance.random(departures), chance.uniform(0.0, _FASTEST, departures)
     for leg in range(_LEGS):
         report("following departures", leg, _LEGS)
-        landed, _ = run_lanes(MACHINE, t, v, _LEG_IMPACTS, shortcuts=True)
+        landed = next_impacts(MACHINE, t, v, _LEG_IMPACTS, shortcuts=True)
         going = landed.outcome == Outcome.RETURNED
         t, v = landed.t[going], landed.v[going]
     found = find_attractors(MACHINE, t[:0], v[:0])
@@ -122,7 +121,7 @@ def _draw(orbits: list[Attractor]) -> Figure:
     return drawing
 
 
-def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+def _make(results: Results, report: Report) -> Sheet:
     found, counts = rattling_solutions(_DEPARTURES, report)
     periodic = [index for index, motion in enumerate(found) if motion.kind == AttractorKind.PERIODIC]
     periodic.sort(key=lambda index: found[index].upper_contacts + found[index].lower_contacts)

@@ -1,18 +1,19 @@
 """Fig. 10: the P(1,2,0) solution as damping grows up to its saddle-node, and the basins before, at and after it."""
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle import BasinJob
+from rattle.paper.figure import PaperFigure, Report, Results, Sheet
 from rattle.paper.numbers.orbits import orbit_summary, orbits_named, point_summary, the_orbit, the_point
 from rattle.paper.numbers.solutions import basin_summary
 from rattle.paper.panels.basin_panel import draw_panel, legend_of
-from rattle.paper.panels.basin_view import BasinView, view_basin
 from rattle.paper.papers_oscillator import papers_basin, papers_oscillator
+from rattle.pictures import attractor_marks, saddle_marks
 from rattle_kernels import (
     BifurcationDiagram,
     Branch,
@@ -22,8 +23,6 @@ from rattle_kernels import (
     bifurcation_diagram,
     continue_orbit,
 )
-from worker.jobs.basin_job import BasinJob
-from worker.pictures.overlay import attractor_marks, saddle_marks
 
 _NAME = "P(1,2,0)"
 _FIRST, _LAST = 0.575, 0.6
@@ -78,26 +77,26 @@ def _draw_diagram(axes: Axes, diagram: _Diagram) -> None:
     axes.legend(loc="center left", fontsize="small")
 
 
-def _draw_basin(axes: Axes, label: str, view: BasinView, orbits: list[PeriodicOrbit]) -> None:
-    there = tuple(each for each in view.attractors if each.name == _NAME)
+def _draw_basin(axes: Axes, label: str, basin: xr.Dataset, orbits: list[PeriodicOrbit]) -> None:
+    there = tuple(each for each in basin.rattle.catalogue() if each.name == _NAME)
     saddles = [orbit for orbit in orbits if not orbit.attracts]
-    draw_panel(axes, view, (*attractor_marks(there), *saddle_marks(saddles)))
-    axes.set_title(f"({label}) δ = {view.oscillator.damping:g}", fontsize="medium")
-    axes.legend(handles=legend_of(view), loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="x-small")
+    draw_panel(axes, basin, (*attractor_marks(there), *saddle_marks(saddles)))
+    axes.set_title(f"({label}) δ = {basin.rattle.oscillator.damping:g}", fontsize="medium")
+    axes.legend(handles=legend_of(basin), loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="x-small")
 
 
-def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+def _make(results: Results, report: Report) -> Sheet:
     report("following the orbit", 0, 1)
-    diagram, views = _follow(), {label: view_basin(location) for label, location in stores.items()}
+    diagram = _follow()
     drawing = Figure(figsize=(13.0, 9.0), dpi=90, layout="constrained")
     places = drawing.subplots(2, 2).flat
     _draw_diagram(places[0], diagram)
     panels = {}
-    for number, (label, view) in enumerate(views.items(), 1):
-        report("drawing", number, len(views))
-        orbits = [each.orbit for each in orbits_named(view.oscillator, _NAME)]
-        _draw_basin(places[number], label, view, orbits)
-        panels[label] = basin_summary(view) | {"orbits": [orbit_summary(orbit) for orbit in orbits]}
+    for number, (label, basin) in enumerate(results.items(), 1):
+        report("drawing", number, len(results))
+        orbits = [each.orbit for each in orbits_named(basin.rattle.oscillator, _NAME)]
+        _draw_basin(places[number], label, basin, orbits)
+        panels[label] = basin_summary(basin) | {"orbits": [orbit_summary(orbit) for orbit in orbits]}
     point = the_point(diagram.branch.special_points, SpecialKind.SADDLE_NODE)
     numbers = {
         "at_first_damping": {"attractor": orbit_summary(diagram.attractor), "saddle": orbit_summary(diagram.saddle)},

@@ -1,6 +1,5 @@
 """Fig. 11: the motion that is P(3,3,2) at damping 0.5, followed to 0.6 and back, and the points A, B and C."""
 
-from collections.abc import Mapping
 from itertools import groupby
 from typing import Any
 
@@ -8,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.figure import PaperFigure, Report, Results, Sheet
 from rattle.paper.numbers.orbits import orbit_summary, point_summary, the_orbit, the_point
 from rattle.paper.papers_oscillator import papers_oscillator
 from rattle_kernels import BifurcationDiagram, SpecialKind, SpecialPoint, bifurcation_diagram, continue_orbit
@@ -78,7 +77,7 @@ def _draw(axes: Axes, diagram: BifurcationDiagram, points: dict[str, SpecialPoin
     axes.legend(loc="upper left", markerscale=6.0)
 
 
-def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+def _make(results: Results, report: Report) -> Sheet:
     report("following motions", 0, 2)
     diagram = _diagram()
     report("locating special points", 1, 2)

@@ -1,16 +1,14 @@
 """Fig. 17: the stable manifolds of Fig. 15 up to v = 40."""
 
-from collections.abc import Mapping
-
 import numpy as np
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.figure import PaperFigure, Report, Results, Sheet
 from rattle.paper.numbers.solutions import oscillator_summary
 from rattle.paper.panels.anatomy import manifold_overlays, manifold_summary, manifolds, saddle_overlays
 from rattle.paper.papers_oscillator import papers_oscillator
+from rattle.pictures import frame
 from rattle_kernels import Oscillator, next_impacts
-from worker.pictures.panel_picture import frame
 
 _HIGHEST = 40.0
 # At this length A's manifold passes within a cell of every boundary in a picture of 1600 x 1600 cells (docs/theory).
@@ -24,7 +22,7 @@ def _speed_lost(oscillator: Oscillator) -> list[float]:
     return [float(lost.min()), float(lost.max())]
 
 
-def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+def _make(results: Results, report: Report) -> Sheet:
     report("growing manifolds", 0, 1)
     oscillator = papers_oscillator()
     grown = manifolds(oscillator, _ARCLENGTH, _HIGHEST)

@@ -4,18 +4,17 @@
 """
 
 import math
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.figure import PaperFigure, Report, Results, Sheet
 from rattle.paper.numbers.solutions import oscillator_summary
 from rattle.paper.papers_oscillator import papers_oscillator
+from rattle.pictures import draw_boundaries
 from rattle_kernels import Oscillator, TimeHistory, grazing_velocity, time_history
-from worker.pictures.history_picture import draw_boundaries
 
 # Speeds in units of the grazing speed.
 _SPEEDS = {"a": 0.85, "b": 1.15, "c": 1.0}
@@ -84,7 +83,7 @@ def _draw_flight(axes: Axes, label: str, flight: Flights) -> None:
     axes.set_xlabel("time since the departure (forcing periods)")
 
 
-def _make_fig2(stores: Mapping[str, str], report: Report) -> Sheet:
+def _make_fig2(results: Results, report: Report) -> Sheet:
     flights = three_flights(papers_oscillator(), _PHASE)
     drawing = Figure(figsize=(12.0, 4.2), dpi=90, layout="constrained")
     for axes, (label, flight) in zip(drawing.subplots(1, 3, sharey=True), flights.items(), strict=True):
@@ -151,7 +150,7 @@ def _curve_summary(oscillator: Oscillator) -> dict[str, Any]:
     }
 
 
-def _make_fig3(stores: Mapping[str, str], report: Report) -> Sheet:
+def _make_fig3(results: Results, report: Report) -> Sheet:
     oscillator = papers_oscillator()
     flights = three_flights(oscillator, _PHASE)
     drawing = Figure(figsize=(12.0, 4.8), dpi=90, layout="constrained")

@@ -5,14 +5,13 @@ by a scan of entry phases and speeds.
 """
 
 import math
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.figure import PaperFigure, Report, Results, Sheet
 from rattle.paper.numbers.solutions import oscillator_summary
 from rattle_kernels import Direction, Oscillator, TimeHistory, time_history
 
@@ -100,7 +99,7 @@ def _summary(entry: _Entry) -> dict[str, Any]:
     }
 
 
-def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+def _make(results: Results, report: Report) -> Sheet:
     found = examples(report)
     drawing = Figure(figsize=(12.0, 4.2), dpi=90, layout="constrained")
     for axes, (label, entry) in zip(drawing.subplots(1, 3, sharey=True), found.items(), strict=True):

@@ -3,14 +3,13 @@
 The paper sketches both. Here they are computed for the impacting model, near its attracting P(1,1,0).
 """
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle.paper.figure import PaperFigure, Report, Results, Sheet
 from rattle.paper.numbers.solutions import oscillator_summary
 from rattle.paper.papers_oscillator import papers_oscillator
 from rattle_kernels import CellGrid, next_impacts
@@ -67,7 +66,7 @@ def _draw(axes: Axes, steps: list[_Step]) -> None:
     axes.set(xlim=(t[0], t[-1]), ylim=(v[0], v[-1]), xlabel="time t of departure (forcing periods)")
 
 
-def _make(stores: Mapping[str, str], report: Report) -> Sheet:
+def _make(results: Results, report: Report) -> Sheet:
     drawing = Figure(figsize=(12.0, 5.2), dpi=90, layout="constrained")
     maps = {"P_cell": _steps(True), "P_corr o P^4": _steps(False)}
     titles = ("(a) P_cell, four times", "(b) P_corr ∘ P⁴")

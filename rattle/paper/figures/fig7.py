@@ -5,22 +5,22 @@ The panel shows both. Cells still on the transient are speckled dark red, and th
 have settled have the colour of the orbit. Both have a time history.
 """
 
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Report, Sheet
+from rattle import BasinJob
+from rattle.paper.figure import PaperFigure, Report, Results, Sheet
 from rattle.paper.numbers.solutions import basin_summary, differences_summary
 from rattle.paper.numbers.transients import measure_transient, on_transient
 from rattle.paper.panels.basin_panel import attractor_overlays, draw_panel, landings_on_transient, legend_of, model_of
-from rattle.paper.panels.basin_view import BasinView, view_basin
-from rattle.paper.panels.history_panel import draw_history_panel, point_from
+from rattle.paper.panels.departure_arrow import point_from
 from rattle.paper.papers_oscillator import papers_basin
+from rattle.pictures import draw_history_panel
 from rattle_kernels import Attractor, CellGrid, Oscillator, TimeHistory, time_history
-from worker.jobs.basin_job import BasinJob
 
 _STIFF, _LIMIT = "piecewise linear", "impacting"
 _STIFFNESS = 1e6
@@ -41,15 +41,14 @@ def _basins(grid: CellGrid) -> dict[str, BasinJob]:
     return {_STIFF: papers_basin(grid, _STIFFNESS), _LIMIT: papers_basin(grid)}
 
 
-def _examples(view: BasinView) -> list[_Example]:
+def _examples(basin: xr.Dataset) -> list[_Example]:
     """A departure on each motion and on the transient, if any, the fastest first; last, one that becomes quiet."""
-    examples = [_example_of(motion) for motion in view.attractors if motion.time.size]
-    t, v = landings_on_transient(view)
+    examples = [_example_of(motion) for motion in basin.rattle.catalogue() if motion.time.size]
+    t, v = landings_on_transient(basin)
     if t.size:
-        settles = view.attractors[_last_to_settle(view)].name
-        examples.append(
-            _Example(f"chaotic at k = {view.job.iterations}, in the end {settles}", float(t[0]), float(v[0]))
-        )
+        settles = basin.name.values[_last_to_settle(basin)]
+        label = f"chaotic at k = {basin.rattle.job.iterations}, in the end {settles}"
+        examples.append(_Example(label, float(t[0]), float(v[0])))
     return [*sorted(examples, key=lambda example: -example.v), _Example("permanent contact", *_QUIET_DEPARTURE)]
 
 
@@ -58,38 +57,38 @@ def _example_of(motion: Attractor) -> _Example:
     return _Example(motion.name, float(motion.time[fastest]), float(motion.velocity[fastest]))
 
 
-def _last_to_settle(view: BasinView) -> int:
+def _last_to_settle(basin: xr.Dataset) -> int:
     """Index of the orbit with the most cells that have not settled on it after k applications."""
-    return int(np.bincount(view.solution[on_transient(view)], minlength=len(view.attractors)).argmax())
+    return int(np.bincount(basin.rattle.shown.solution.values[on_transient(basin)]).argmax())
 
 
 def _history(oscillator: Oscillator, example: _Example) -> TimeHistory:
     return time_history(oscillator, example.t, oscillator.half_backlash, -example.v, periods=_PERIODS)
 
 
-def _draw_row(drawing: Any, view: BasinView) -> None:
+def _draw_row(drawing: Any, basin: xr.Dataset) -> None:
     """Draw one model: its basins, and beside them time histories with arrows to their departures."""
-    basin, beside = drawing.subfigures(1, 2, width_ratios=(1.3, 1.0))
-    axes = basin.subplots()
-    draw_panel(axes, view, attractor_overlays(view))
-    axes.set_title(f"{model_of(view.oscillator)}, k = {view.job.iterations}", fontsize="medium")
-    axes.legend(handles=legend_of(view), loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2, fontsize="small")
-    examples = _examples(view)
+    left, beside = drawing.subfigures(1, 2, width_ratios=(1.3, 1.0))
+    axes, oscillator = left.subplots(), basin.rattle.oscillator
+    draw_panel(axes, basin, attractor_overlays(basin))
+    axes.set_title(f"{model_of(oscillator)}, k = {basin.rattle.job.iterations}", fontsize="medium")
+    axes.legend(handles=legend_of(basin), loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2, fontsize="small")
+    examples = _examples(basin)
     panels: list[Axes] = list(beside.subplots(len(examples), 1, sharex=True, squeeze=False)[:, 0])
     for panel, example in zip(panels, examples, strict=True):
-        draw_history_panel(panel, view.oscillator, _history(view.oscillator, example), example.label)
+        draw_history_panel(panel, oscillator, _history(oscillator, example), example.label)
         point_from(panel, axes, example.t, example.v)
     panels[-1].set_xlabel("time since the departure (forcing periods)")
 
 
-def _transient_summary(view: BasinView) -> dict[str, Any]:
-    wandering = on_transient(view)
+def _transient_summary(basin: xr.Dataset) -> dict[str, Any]:
+    wandering, shown = on_transient(basin), basin.rattle.shown
     if not wandering.any():
         return {}
-    index = _last_to_settle(view)
-    orbit, ends_there = view.attractors[index], wandering & (view.solution == index)
-    t, v = view.landing_time[ends_there], view.landing_velocity[ends_there]
-    measured = measure_transient(view.oscillator, orbit, t, v)
+    index = _last_to_settle(basin)
+    orbit, ends_there = basin.rattle.catalogue()[index], wandering & (shown.solution.values == index)
+    t, v = shown.landing_time.values[ends_there], shown.landing_velocity.values[ends_there]
+    measured = measure_transient(basin.rattle.oscillator, orbit, t, v)
     return {
         "transient": {
             "settles_on": orbit.name,
@@ -102,16 +101,15 @@ def _transient_summary(view: BasinView) -> dict[str, Any]:
     }
 
 
-def _make(stores: Mapping[str, str], report: Report) -> Sheet:
-    views = {name: view_basin(location) for name, location in stores.items()}
+def _make(results: Results, report: Report) -> Sheet:
     drawing = Figure(figsize=(12.0, 14.0), dpi=80, layout="constrained")
     rows: Any = drawing.subfigures(2, 1, height_ratios=(1.1, 1.0))
     panels: dict[str, Any] = {}
-    for number, (name, view) in enumerate(views.items()):
-        report("histories and transients", number, len(views))
-        _draw_row(rows[number], view)
-        panels[name] = basin_summary(view) | _transient_summary(view)
-    differences = differences_summary(views[_STIFF], views[_LIMIT])
+    for number, (name, basin) in enumerate(results.items()):
+        report("histories and transients", number, len(results))
+        _draw_row(rows[number], basin)
+        panels[name] = basin_summary(basin) | _transient_summary(basin)
+    differences = differences_summary(results[_STIFF], results[_LIMIT])
     return Sheet(drawing, {"panels": panels, "differs_from_impacting": differences})
 
 

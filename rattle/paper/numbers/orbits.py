@@ -10,10 +10,9 @@ from rattle_kernels import (
     SpecialKind,
     SpecialPoint,
     continue_orbit,
+    find_orbit,
     find_orbits,
-    grazing_velocity,
 )
-from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
 # Enough to find the orbits that the paper names.
 _SEARCH_CELLS = 24
@@ -68,15 +67,12 @@ def window_summary(oscillator: Oscillator, attractor: Attractor) -> dict[str, An
 
     Empty if Newton's method does not find the attractor again, which can happen close to a graze.
     """
-    orbit = find_periodic_orbit(
-        oscillator, float(attractor.time[0]), float(attractor.velocity[0]), attractor.upper_contacts,
-        float(grazing_velocity(oscillator, 0.0)),
-    )  # fmt: skip
-    if orbit is None:
+    found = find_orbit(oscillator, attractor.time[0], attractor.velocity[0], attractor.upper_contacts)
+    if found is None:
         return {}
     here = oscillator.damping
     bounds = (1.0 - _WINDOW) * here, (1.0 + _WINDOW) * here
-    points = continue_orbit(oscillator, orbit, "damping", bounds, most_points=_WINDOW_POINTS).special_points
+    points = continue_orbit(oscillator, found.orbit, "damping", bounds, most_points=_WINDOW_POINTS).special_points
     below = max((point for point in points if point.value < here), key=lambda point: point.value, default=None)
     above = min((point for point in points if point.value > here), key=lambda point: point.value, default=None)
     return {

@@ -1,14 +1,14 @@
 """Summaries of basins and their motions for the figures' JSON files."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from rattle.paper.numbers.transients import on_transient
-from rattle.paper.panels.basin_view import BasinView
 from rattle_kernels import Attractor, AttractorKind, Oscillator
-from rattle_kernels.attractors.attractor import PERMANENT_CONTACT_ATTRACTOR
 
 
 def oscillator_summary(oscillator: Oscillator) -> dict[str, Any]:
@@ -35,40 +35,47 @@ def motion_summary(motion: Attractor) -> dict[str, Any]:
     return summary
 
 
-def basin_summary(view: BasinView) -> dict[str, Any]:
+def basin_summary(basin: xr.Dataset) -> dict[str, Any]:
     """Request of a basin, and its motions with their shares and the shares not settled after k applications."""
-    wandering = on_transient(view)
+    wandering, solution = on_transient(basin), basin.rattle.shown.solution.values
     solutions = []
-    for index, (motion, share) in enumerate(zip(view.attractors, view.shares, strict=True)):
+    for index, (motion, share) in enumerate(zip(basin.rattle.catalogue(), basin.share.values.tolist(), strict=True)):
         if math.isnan(share):  # only another basin of the sweep has it
             continue
         summary = {"number": index} | motion_summary(motion) | {"share": share}
         if motion.kind == AttractorKind.PERIODIC:
-            summary["share_not_settled"] = float(np.mean(wandering & (view.solution == index)))
+            summary["share_not_settled"] = float(np.mean(wandering & (solution == index)))
         solutions.append(summary)
-    grid = view.job.grid
+    job = basin.rattle.job
     return {
-        "oscillator": oscillator_summary(view.oscillator),
-        "cells": [grid.time_cells, grid.velocity_cells],
-        "iterations": view.job.iterations,
+        "oscillator": oscillator_summary(job.oscillator),
+        "cells": [job.grid.time_cells, job.grid.velocity_cells],
+        "iterations": job.iterations,
         "solutions": solutions,
-        "image_counts": view.image_counts,
+        "image_counts": basin.rattle.image_counts(),
     }
 
 
-def _wanders(view: BasinView) -> np.ndarray:
-    return np.array([motion.is_chaotic for motion in view.attractors])[view.solution]
+def cells_that(basin: xr.Dataset, is_so: Callable[[Attractor], bool]) -> np.ndarray:
+    """Cells shown that end in a motion of which something holds."""
+    return np.array([is_so(motion) for motion in basin.rattle.catalogue()])[basin.rattle.shown.solution.values]
 
 
-def differences_summary(one: BasinView, other: BasinView) -> dict[str, float]:
+def is_quiet(motion: Attractor) -> bool:
+    """Whether a motion is permanent contact."""
+    return motion.kind == AttractorKind.PERMANENT_CONTACT
+
+
+def differences_summary(one: xr.Dataset, other: xr.Dataset) -> dict[str, float]:
     """Share of the cells that end differently in two basins on the same grid.
 
     ``by_name``: in solutions of different names. ``after_k``: the same, but motions that have not settled after k
     applications count as chaotic, as in the paper. ``quiet_or_not``: in permanent contact in only one of the basins.
     """
-    by_name = one.names != other.names
-    quiet = [view.names == PERMANENT_CONTACT_ATTRACTOR.name for view in (one, other)]
-    chaotic = [on_transient(view) | _wanders(view) for view in (one, other)]
+    names = [basin.rattle.shown.rattle.cell_names().values for basin in (one, other)]
+    by_name = names[0] != names[1]
+    quiet = [cells_that(basin, is_quiet) for basin in (one, other)]
+    chaotic = [on_transient(basin) | cells_that(basin, lambda motion: motion.is_chaotic) for basin in (one, other)]
     after_k = np.where(chaotic[0] | chaotic[1], chaotic[0] != chaotic[1], by_name)
     return {
         "by_name": float(by_name.mean()),

@@ -10,11 +10,16 @@ There, a motion that has not settled is not chaotic.
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 
-from rattle.paper.panels.basin_view import BasinView
-from rattle_kernels import Attractor, AttractorKind, Oscillator, next_impacts
-from rattle_kernels.lanes.lyapunov import tangent_growth
-from rattle_kernels.model.grazing_curve import largest_grazing_speed
+from rattle_kernels import (
+    Attractor,
+    AttractorKind,
+    Oscillator,
+    largest_grazing_speed,
+    next_impacts,
+    tangent_growth,
+)
 
 # An orbit's multipliers bring a motion this close within some tens of impacts. By chance, a transient lands this close
 # to an orbit of n points about once in 1e6/n landings.
@@ -51,14 +56,16 @@ def is_on_orbit(oscillator: Oscillator, orbit: Attractor, t: np.ndarray, v: np.n
     return on
 
 
-def on_transient(view: BasinView) -> np.ndarray:
-    """Cells whose landing point is not yet on the periodic orbit that they end in."""
-    wandering = np.zeros(view.solution.shape, bool)
-    for index, attractor in enumerate(view.attractors):
+def on_transient(basin: xr.Dataset) -> np.ndarray:
+    """Cells shown whose landing point is not yet on the periodic orbit that they end in."""
+    shown, oscillator = basin.rattle.shown, basin.rattle.oscillator
+    solution = shown.solution.values
+    wandering = np.zeros(solution.shape, bool)
+    for index, attractor in enumerate(basin.rattle.catalogue()):
         if attractor.kind == AttractorKind.PERIODIC:
-            cells = view.solution == index
-            landed = view.landing_time[cells], view.landing_velocity[cells]
-            wandering[cells] = ~is_on_orbit(view.oscillator, attractor, *landed)
+            cells = solution == index
+            landed = shown.landing_time.values[cells], shown.landing_velocity.values[cells]
+            wandering[cells] = ~is_on_orbit(oscillator, attractor, *landed)
     return wandering
 
 

@@ -3,9 +3,12 @@
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
+import xarray as xr
+
+from rattle import BasinJob
 from rattle.paper.numbers.orbits import orbit_summary, orbits_named
-from rattle.paper.panels.basin_view import BasinView
 from rattle.paper.papers_oscillator import papers_basin
+from rattle.pictures import Lines, Marks, manifold_lines, saddle_marks
 from rattle_kernels import (
     CellGrid,
     ManifoldBranch,
@@ -19,8 +22,6 @@ from rattle_kernels import (
     single_contact_orbits,
     stable_manifold,
 )
-from worker.jobs.basin_job import BasinJob
-from worker.pictures.overlay import Lines, Marks, manifold_lines, saddle_marks
 
 BASIN = "basin"
 # Colours of Fig. 15, and line widths. B's manifold stays visible between the stripes of A's.
@@ -84,10 +85,11 @@ def saddle_overlays(grown: dict[str, Manifold]) -> tuple[Marks, ...]:
     return saddle_marks(each.saddle for each in grown.values())
 
 
-def share_of_boundaries(view: BasinView, pieces: Iterable[Piece]) -> float:
+def share_of_boundaries(basin: xr.Dataset, pieces: Iterable[Piece]) -> float:
     """Share of the boundary cells shown that lie within one cell of the curves."""
-    rows, columns = view.solution.shape
-    return boundary_share(view.solution, view.job.grid._replace(time_cells=columns, velocity_cells=rows), list(pieces))
+    solution = basin.rattle.shown.solution
+    shown = basin.rattle.job.grid._replace(time_cells=solution.sizes["time"], velocity_cells=solution.sizes["velocity"])
+    return boundary_share(solution, shown, pieces)
 
 
 def manifold_summary(manifold: Manifold) -> dict[str, Any]:

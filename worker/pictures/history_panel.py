@@ -1,7 +1,6 @@
-"""A small panel of one time history, Phi(t) between the backlash boundaries, and an arrow to its departure."""
+"""A small panel of one time history: Phi(t) between the backlash boundaries, from its beginning on."""
 
 from matplotlib.axes import Axes
-from matplotlib.patches import ConnectionPatch
 
 from rattle_kernels import Oscillator, TimeHistory
 from worker.pictures.history_picture import draw_boundaries
@@ -14,6 +13,25 @@ def draw_history_panel(axes: Axes, oscillator: Oscillator, history: TimeHistory,
     """Draw a time history from its beginning, with the label above it.
 
     A motion that stays in the upper half of the backlash is enlarged, and the label says so.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    oscillator : Oscillator
+        The oscillator that made the history.
+    history : TimeHistory
+        Of `rattle_kernels.time_history`.
+    label : str
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from rattle_kernels import Oscillator, time_history
+    >>> axes = Figure().subplots()
+    >>> history = time_history(Oscillator(), 0.25, 0.6, -4.0, periods=5.0)
+    >>> draw_history_panel(axes, Oscillator(), history, "from +beta at 4.0")
+    >>> axes.get_xlim()
+    (np.float64(0.0), np.float64(5.0))
     """
     beta, phi = oscillator.half_backlash, history.displacement
     enlarged = phi.min() > 0.0
@@ -26,13 +44,3 @@ def draw_history_panel(axes: Axes, oscillator: Oscillator, history: TimeHistory,
     axes.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
     axes.set_ylabel("Φ(t)")
     axes.set_title(f"{label} (enlarged)" if enlarged else label, fontsize="medium", loc="left", pad=3)
-
-
-def point_from(history: Axes, basin: Axes, t: float, v: float) -> None:
-    """Draw an arrow from the left of a history panel to a departure in a panel of basins."""
-    # Orange is visible on white paper and on all colours of basins except orange.
-    arrow = ConnectionPatch(
-        xyA=(-0.16, 0.5), coordsA=history.transAxes, xyB=(t, v), coordsB=basin.transData,
-        arrowstyle="-|>", mutation_scale=13, color="tab:orange", linewidth=1.5, shrinkB=5.0, clip_on=False,
-    )  # fmt: skip
-    history.figure.add_artist(arrow)
