@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator
 from importlib.metadata import version
 
 from anyio import to_thread
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 
 from rattle_kernels import warm_up_curves
 from service.answers.event_feed import EventFeed
@@ -25,6 +25,7 @@ from service.records.keys import KeyRing, Keys
 from service.records.revisions import Revisions
 from service.records.threads import DatabaseThreads
 from service.routes import (
+    api_page,
     checks,
     events,
     explorer,
@@ -35,6 +36,7 @@ from service.routes import (
     trajectories,
     viewer,
 )
+from service.routes.dependencies import refuse_unknown_parameters
 from service.routes.submissions import submission_router
 from service.runner.process import RunnerProcess
 from service.settings import Settings
@@ -89,7 +91,8 @@ def create_app(settings: Settings) -> FastAPI:
 
     app = FastAPI(
         title="gear-rattle", version=version("gear-rattle"), description=_DESCRIPTION, lifespan=lifespan,
-        license_info={"name": "BSD-3-Clause", "identifier": "BSD-3-Clause"},
+        license_info={"name": "BSD-3-Clause", "identifier": "BSD-3-Clause"}, docs_url=None, redoc_url=None,
+        dependencies=[Depends(refuse_unknown_parameters)],
     )  # fmt: skip
     app.state.settings = settings
     # The middleware added last sees a request first.
@@ -98,8 +101,9 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(Access)
     install_error_handlers(app)
     app.include_router(submission_router())
-    for each in (checks, trajectories, jobs, events, results, viewer, health, metrics, explorer):
+    for each in (checks, trajectories, jobs, events, results, viewer, health, metrics, explorer, api_page):
         app.include_router(each.router)
     app.mount("/explorer", explorer.files)
+    app.mount("/docs", api_page.files)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]
     return app

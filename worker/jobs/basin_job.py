@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from functools import cached_property
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -35,6 +35,8 @@ class BasinJob(Job):
     model_config = ConfigDict(title="BasinRequest", json_schema_extra={"examples": [_BASIN_EXAMPLE]})
     result_version: ClassVar[int] = 4
 
+    # Every answer has the kind, so a request may have it, too. It is no part of the canonical form.
+    kind_: Literal["basin"] = "basin"
     grid_: Grid = Field(default_factory=GridRequest)
     iterations_: Count | None = Field(
         None,
@@ -203,6 +205,7 @@ class SweepJob(BasinJob):
 
     model_config = ConfigDict(title="SweepRequest", json_schema_extra={"examples": [_SWEEP_EXAMPLE]})
 
+    kind_: Literal["sweep"] = "sweep"  # type: ignore[assignment]
     vary_: Annotated[list[Vary], Field(min_length=1, max_length=MOST_SWEPT)] = Field(
         description="Swept parameters; the last one runs fastest"
     )
