@@ -15,6 +15,7 @@ from worker.analyses.run import summarise_analysis
 from worker.errors import InvalidJob, JobCancelled, WorkerError
 from worker.jobs.job import Job
 from worker.kinds import KINDS
+from worker.stores.opening import is_complete
 from worker.stores.summary import summarise
 
 Out = Annotated[
@@ -56,7 +57,8 @@ def _compute(job: Job, location: str, workers: int, as_json: bool) -> None:
     try:
         out.quiet |= as_json
         with progress_line("tiles" if KINDS[job.kind].analysis is None else "pieces") as line:
-            run_here(job, location, line, workers=workers)
+            if not is_complete(location, job.digest):  # else nothing is started for a table that is there
+                run_here(job, location, line, workers=workers)
         print_result(job.kind, _result(job, location), as_json=as_json)
     except JobCancelled:
         give_up(f"stopped; the same command goes on from what is in {location}")
