@@ -40,6 +40,7 @@ from service.routes.dependencies import refuse_unknown_parameters
 from service.routes.submissions import submission_router
 from service.runner.process import RunnerProcess
 from service.settings import Settings
+from worker.estimate import measured_speed
 
 # Compiled kernels load in a third of a second. Compiling them takes ten, and a stopping service does not wait for that.
 _LOADED_SECONDS = 2.0
@@ -50,6 +51,14 @@ Submit a basin, a sweep or an analysis, follow its job, read the result: a summa
 (`xarray.open_zarr(".../v1/jobs/ID/result.zarr")`). A single motion is computed while the client waits. Time counts
 forcing periods; everything else is nondimensional.
 """
+
+
+def _load_kernels() -> None:
+    """Load what outlines and estimates need."""
+    warm_up_curves()
+    for stiff in (False, True):
+        for together in (True, False):
+            measured_speed(stiff, together)
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -77,7 +86,7 @@ def create_app(settings: Settings) -> FastAPI:
         app.state.probes = Probes(Probe(app.state.jobs.answers, False), app.state.runner.workers)
         app.state.runner.start()
         # Otherwise the first request for an outline would wait for the kernels.
-        loading = threading.Thread(target=warm_up_curves, name="rattle-kernels", daemon=True)
+        loading = threading.Thread(target=_load_kernels, name="rattle-kernels", daemon=True)
         loading.start()
         # Objects loaded so far stay. The garbage collector would scan them otherwise and delay responses by 150 ms.
         gc.freeze()

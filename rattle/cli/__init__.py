@@ -126,8 +126,8 @@ _HELP = (
     "`rattle bifurcation`, `rattle orbits`, `rattle manifold` and `rattle grazing-curve` explain them; "
     "`rattle trajectory` follows one motion, `rattle paper` recomputes a figure of the paper. "
     "With a service: `rattle serve` starts one, "
-    "`rattle submit` sends it a request, `rattle jobs`, `rattle status`, `rattle cancel` and `rattle delete` follow, stop "
-    "and remove what it does; "
+    "`rattle submit` sends it a request, `rattle jobs` and `rattle status` follow what it does, "
+    "`rattle cancel` and `rattle delete` stop and remove it; "
     "`rattle keys` and `rattle certs` guard it."
 )
 app = command_line()

@@ -56,7 +56,8 @@ def _follow(job: RemoteJob, as_json: bool) -> None:
             job.follow(line)
     except KeyboardInterrupt:
         out.print(
-            f"no longer following; the job goes on. Look with `rattle status {job.id}`, stop it with `rattle cancel {job.id}`"
+            f"no longer following; the job goes on. Look with `rattle status {job.id}`, "
+            f"stop it with `rattle cancel {job.id}`"
         )
         raise typer.Exit(130) from None
     job.demand_success()

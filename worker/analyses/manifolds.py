@@ -93,8 +93,8 @@ def saddles_named(
     if not saddles:
         others = ", ".join(f"{o.orbit.name} {'saddle' if is_saddle(o.orbit) else 'that attracts'}" for o in orbits)
         raise NotFound(
-            f"saddle {number + 1}: the search found no saddle {itinerary.name}; it found {others or 'no orbit'}: ask for "
-            "one of these, search more cells or another region, or give a seed"
+            f"saddle {number + 1}: the search found no saddle {itinerary.name}; it found {others or 'no orbit'}: ask "
+            "for one of these, search more cells or another region, or give a seed"
         )
     return ORBITS.of(saddles)
 
