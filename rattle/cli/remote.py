@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
-from rich.table import Table
+from rich.table import Column, Table
 
 from rattle.cli.console import give_up, out, progress_line
 from rattle.cli.result_tables import print_result
@@ -19,6 +19,7 @@ Key = Annotated[
 ]
 _HERE = "http://127.0.0.1:8000"
 _ID_DIGITS, _NEWEST = 32, 200
+_WIDE = 140
 
 
 def _refuse(error: ServiceFailed) -> NoReturn:
@@ -79,24 +80,35 @@ def jobs(
     if as_json:
         typer.echo(json.dumps(found, indent=2))
         return
-    table = Table("job", "kind", "state", "stage", "tiles", "submitted", "oscillator")
-    # An id that is cut cannot be used: other columns give way.
-    table.columns[0].no_wrap, table.columns[0].min_width = True, _ID_DIGITS
+    _print_jobs(found)
+
+
+def _print_jobs(found: list[dict[str, Any]]) -> None:
+    """Print a table of jobs. Ids are whole: one that is cut cannot be used. In little room columns are left out."""
+    names = ["job", "kind", "state", "stage", "tiles", "submitted", "oscillator"]
+    if out.width < _WIDE:
+        names = [name for name in names if name not in ("stage", "tiles", "submitted")]
+    table = Table(*(Column(name, no_wrap=name == "job", overflow="fold") for name in names))
     for job in found:
         progress = job["progress"] or {}
-        oscillator = job["request"]["oscillator"]
         tiles = f"{progress['tiles_done']}/{progress['tiles_total']}" if progress else ""
-        vary = job["request"].get("vary", [])
-        swept = {each["parameter"]: each["values"] for each in (vary if isinstance(vary, list) else [vary])}
-        parameters = ", ".join(
-            f"{name} {_span(swept[name]) if name in swept else _written(value)}"
-            for name, value in oscillator.items()
-            if name != "model"
-        )
-        table.add_row(
-            job["id"], job["kind"], job["state"], progress.get("stage", ""), tiles, job["created"][:19], parameters
-        )
+        cells = {
+            "job": job["id"], "kind": job["kind"], "state": job["state"], "stage": progress.get("stage", ""),
+            "tiles": tiles, "submitted": job["created"][:19], "oscillator": _parameters(job["request"]),
+        }  # fmt: skip
+        table.add_row(*(cells[name] for name in names))
     out.print(table)
+
+
+def _parameters(request: dict[str, Any]) -> str:
+    """Parameters of a request's oscillator, those that are swept with their ends."""
+    vary = request.get("vary", [])
+    swept = {each["parameter"]: each["values"] for each in (vary if isinstance(vary, list) else [vary])}
+    return ", ".join(
+        f"{name} {_span(swept[name]) if name in swept else _written(value)}"
+        for name, value in request["oscillator"].items()
+        if name != "model"
+    )
 
 
 def _written(value: Any) -> str:

@@ -35,11 +35,11 @@ def test_an_oscillator_beyond_double_precision_is_refused_with_the_bound(oscilla
 
 
 def test_a_window_too_fast_to_be_decided_is_refused_with_the_speed():
-    with pytest.raises(InvalidJob, match="speeds must be at most 189358, not 1e\\+06") as refused:
+    with pytest.raises(InvalidJob, match="speeds must be at most 189359, not 1e\\+06") as refused:
         BasinJob.from_request({"grid": {"velocity": {"stop": 1e6}}})
     assert refused.value.place == ("grid", "velocity", "stop")
     limit = 4 * 0.6 * 0.6 * (1499 + FOLLOWED)
-    assert f"{limit:.6g}" == "189358"
+    assert f"{limit:.6g}" == "189359"
     BasinJob.from_request({"grid": {"velocity": {"stop": 0.999 * limit}}})
     with pytest.raises(InvalidJob, match="speeds must be at most 3.15598e-07, not 7"):
         BasinJob.from_request({"oscillator": {"half_backlash": 1e-12}})
