@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator
 from importlib.metadata import version
 
 from anyio import to_thread
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 
 from rattle_kernels import warm_up_curves
 from service.answers.event_feed import EventFeed
@@ -25,6 +25,7 @@ from service.records.keys import KeyRing, Keys
 from service.records.revisions import Revisions
 from service.records.threads import DatabaseThreads
 from service.routes import (
+    api_page,
     checks,
     events,
     explorer,
@@ -35,9 +36,11 @@ from service.routes import (
     trajectories,
     viewer,
 )
+from service.routes.dependencies import refuse_unknown_parameters
 from service.routes.submissions import submission_router
 from service.runner.process import RunnerProcess
 from service.settings import Settings
+from worker.estimate import measured_speed
 
 # Compiled kernels load in a third of a second. Compiling them takes ten, and a stopping service does not wait for that.
 _LOADED_SECONDS = 2.0
@@ -48,6 +51,14 @@ Submit a basin, a sweep or an analysis, follow its job, read the result: a summa
 (`xarray.open_zarr(".../v1/jobs/ID/result.zarr")`). A single motion is computed while the client waits. Time counts
 forcing periods; everything else is nondimensional.
 """
+
+
+def _load_kernels() -> None:
+    """Load what outlines and estimates need."""
+    warm_up_curves()
+    for stiff in (False, True):
+        for together in (True, False):
+            measured_speed(stiff, together)
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -75,7 +86,7 @@ def create_app(settings: Settings) -> FastAPI:
         app.state.probes = Probes(Probe(app.state.jobs.answers, False), app.state.runner.workers)
         app.state.runner.start()
         # Otherwise the first request for an outline would wait for the kernels.
-        loading = threading.Thread(target=warm_up_curves, name="rattle-kernels", daemon=True)
+        loading = threading.Thread(target=_load_kernels, name="rattle-kernels", daemon=True)
         loading.start()
         # Objects loaded so far stay. The garbage collector would scan them otherwise and delay responses by 150 ms.
         gc.freeze()
@@ -89,7 +100,8 @@ def create_app(settings: Settings) -> FastAPI:
 
     app = FastAPI(
         title="gear-rattle", version=version("gear-rattle"), description=_DESCRIPTION, lifespan=lifespan,
-        license_info={"name": "BSD-3-Clause", "identifier": "BSD-3-Clause"},
+        license_info={"name": "BSD-3-Clause", "identifier": "BSD-3-Clause"}, docs_url=None, redoc_url=None,
+        dependencies=[Depends(refuse_unknown_parameters)],
     )  # fmt: skip
     app.state.settings = settings
     # The middleware added last sees a request first.
@@ -98,8 +110,9 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(Access)
     install_error_handlers(app)
     app.include_router(submission_router())
-    for each in (checks, trajectories, jobs, events, results, viewer, health, metrics, explorer):
+    for each in (checks, trajectories, jobs, events, results, viewer, health, metrics, explorer, api_page):
         app.include_router(each.router)
     app.mount("/explorer", explorer.files)
+    app.mount("/docs", api_page.files)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]
     return app
