@@ -12,6 +12,7 @@ from fastapi import FastAPI
 from rattle_kernels import warm_up_curves
 from service.answers.event_feed import EventFeed
 from service.answers.job_views import JobViews
+from service.answers.previews import Previews
 from service.answers.readiness import Probe, Probes
 from service.api_document import describe
 from service.middleware.access import Access
@@ -31,6 +32,7 @@ from service.routes import (
     health,
     jobs,
     metrics,
+    previews,
     results,
     trajectories,
     viewer,
@@ -67,6 +69,7 @@ def create_app(settings: Settings) -> FastAPI:
         engine, sessions = open_database(settings.database)
         app.state.jobs = Jobs(sessions, settings.quotas)
         app.state.views = JobViews(Revisions(engine), app.state.jobs)
+        app.state.previews = Previews()
         app.state.threads = DatabaseThreads(near=engine.dialect.name == "sqlite")
         app.state.key_ring = KeyRing(Keys(sessions), settings.keys_required)
         app.state.events = Events(sessions)
@@ -98,7 +101,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(Access)
     install_error_handlers(app)
     app.include_router(submission_router())
-    for each in (checks, trajectories, jobs, events, results, viewer, health, metrics, explorer):
+    for each in (checks, previews, trajectories, jobs, events, results, viewer, health, metrics, explorer):
         app.include_router(each.router)
     app.mount("/explorer", explorer.files)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]

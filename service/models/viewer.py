@@ -1,5 +1,6 @@
 """One basin for a viewer: everything needed to draw it, except the cells."""
 
+from collections.abc import Iterable
 from typing import Literal
 
 from pydantic import BaseModel, Field
@@ -13,7 +14,8 @@ from worker.views.outline import PanelOutline
 _DIGITS = 7
 
 
-def _hex(colour: Colour) -> str:
+def in_hex(colour: Colour) -> str:
+    """A colour as "#rrggbb"."""
     return "#" + "".join(f"{round(255 * channel):02x}" for channel in colour)
 
 
@@ -61,6 +63,17 @@ class DrawnSolution(BaseModel):
             share=share, lyapunov_exponent=attractor.lyapunov_exponent, mean_life=attractor.mean_life,
             colours=colours, points=list(points),
         )  # fmt: skip
+
+
+def drawn(attractors: tuple[Attractor, ...], shares: Iterable[float]) -> list[DrawnSolution]:
+    """Solutions as drawn, with their colours in every palette."""
+    palettes = {palette: colours_of(attractors, palette) for palette in Palette}
+    return [
+        DrawnSolution.from_attractor(
+            number, attractor, share, {name: in_hex(colours[number]) for name, colours in palettes.items()}
+        )
+        for number, (attractor, share) in enumerate(zip(attractors, shares, strict=True))
+    ]
 
 
 class PolylineView(BaseModel):
@@ -114,13 +127,6 @@ class OutlineView(BaseModel):
         """View of an outline."""
         grid, tiling = outline.tiling.grid, outline.tiling
         down, across = tiling.shape
-        palettes = {palette: colours_of(outline.solutions, palette) for palette in Palette}
-        solutions = [
-            DrawnSolution.from_attractor(
-                number, attractor, share, {name: _hex(colours[number]) for name, colours in palettes.items()}
-            )
-            for number, (attractor, share) in enumerate(zip(outline.solutions, outline.shares, strict=True))
-        ]
         return cls(
             parameters=outline.values,
             time=WindowView(start=grid.time_start, stop=grid.time_stop, cells=grid.time_cells),
@@ -129,6 +135,7 @@ class OutlineView(BaseModel):
                 rows=tiling.tile_rows, columns=tiling.tile_columns, down=down, across=across,
                 first=outline.first_tile, states=list(outline.states),
             ),
-            complete=outline.complete, solutions=solutions, missing_colour=_hex(MISSING), speckle=list(SPECKLE),
+            complete=outline.complete, solutions=drawn(outline.solutions, outline.shares),
+            missing_colour=in_hex(MISSING), speckle=list(SPECKLE),
             grazing=PolylineView(time=outline.curve[0].tolist(), velocity=outline.curve[1].tolist()),
         )  # fmt: skip
