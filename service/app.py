@@ -8,6 +8,7 @@ from importlib.metadata import version
 
 from anyio import to_thread
 from fastapi import FastAPI
+from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
 from rattle_kernels import warm_up_curves
 from service.answers.event_feed import EventFeed
@@ -36,6 +37,7 @@ from service.routes import (
     results,
     trajectories,
     viewer,
+    withdrawals,
 )
 from service.routes.submissions import submission_router
 from service.runner.process import RunnerProcess
@@ -43,6 +45,10 @@ from service.settings import Settings
 
 # Compiled kernels load in a third of a second. Compiling them takes ten, and a stopping service does not wait for that.
 _LOADED_SECONDS = 2.0
+# The state of a job is smaller, and is read a hundred times as often as anything else.
+_LEAST_COMPRESSED = 4096
+# Chunks of stores are compressed already, and tiles by their route.
+_NOT_COMPRESSED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "application/octet-stream", "application/pdf")
 
 _DESCRIPTION = """Basins of attraction of a rattling gear pair.
 
@@ -96,12 +102,15 @@ def create_app(settings: Settings) -> FastAPI:
     )  # fmt: skip
     app.state.settings = settings
     # The middleware added last sees a request first.
+    app.add_middleware(
+        GZipMiddleware, minimum_size=_LEAST_COMPRESSED, compresslevel=4, exclude_content_types=_NOT_COMPRESSED
+    )  # fmt: skip
     app.add_middleware(Authentication)
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)
     install_error_handlers(app)
     app.include_router(submission_router())
-    for each in (checks, previews, trajectories, jobs, events, results, viewer, health, metrics, explorer):
+    for each in (checks, previews, trajectories, jobs, withdrawals, events, results, viewer, health, metrics, explorer):
         app.include_router(each.router)
     app.mount("/explorer", explorer.files)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]

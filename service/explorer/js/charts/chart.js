@@ -21,7 +21,8 @@ export class Chart {
   constructor(place, { height, x, y, xLabel, yLabel, label }) {
     this.width = Math.max(place.clientWidth, 240);
     this.height = height;
-    [this.range, this.reach] = [x, y];
+    this.range = x;
+    this.reach = y;
     this.svg = element("svg", { viewBox: `0 0 ${this.width} ${height}`, role: "img", "aria-label": label });
     const { left, bottom, top, right } = MARGIN;
     this.bottom = height - bottom;

@@ -1,0 +1,17 @@
+import js from "@eslint/js";
+import globals from "globals";
+
+export default [
+  js.configs.recommended,
+  {
+    files: ["service/explorer/js/**/*.js"],
+    languageOptions: { globals: globals.browser, ecmaVersion: 2024 },
+    rules: {
+      "no-unused-vars": ["error", { varsIgnorePattern: "^_", argsIgnorePattern: "^_" }],
+      eqeqeq: ["error", "always", { null: "ignore" }],
+      "prefer-const": "error",
+      "max-lines": ["error", 300],
+    },
+  },
+  { files: ["tests/explorer/**/*.js"], languageOptions: { globals: globals.node, ecmaVersion: 2024 } },
+];
