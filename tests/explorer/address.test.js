@@ -14,7 +14,7 @@ const SWEEP = { ...REQUEST, vary: [{ parameter: "damping", values: [0.5, 0.6, 0.
 for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRINGS, sweep: SWEEP })) {
   test(`an address holds the whole of what is seen: ${name}`, () => {
     const seen = {
-      job: "abc", panel: 2, request, view: { t0: 0.25, t1: 0.5, v0: 1, v1: 2 }, whole: { t0: 0, t1: 1, v0: 0, v1: 7 },
+      job: "abc", panel: 2, request, view: { t0: 0.25, t1: 0.5, v0: 1, v1: 2 }, whole: { t0: 0, t1: 1, v0: 0, v1: 6 },
       layer: "step", palette: "paper", overlays: ["grazing", "saddles"], motions: [[0.5, 3], [0.125, 2]],
     };
     assert.deepEqual(decode(encode(seen)), seen);
@@ -31,9 +31,16 @@ test("links of earlier versions are read: a job, a basin of a sweep, a window", 
   assert.deepEqual([seen.job, seen.panel, seen.view, seen.request], ["0123", 3, { t0: 0.1, t1: 0.2, v0: 3, v1: 4 }, null]);
 });
 
-test("no overlays is something else than nothing said of overlays", () => {
+test("what is usual is not written, and no overlays are something else than the usual ones", () => {
+  const usual = decode("");
+  assert.equal(encode(usual), "");
+  assert.deepEqual(usual.overlays, ["grazing", "attractors"]);
   assert.deepEqual(decode(encode({ request: REQUEST, overlays: [] })).overlays, []);
-  assert.equal(decode(encode({ request: REQUEST })).overlays, null);
+});
+
+test("the window of the request itself is not written twice", () => {
+  const view = { t0: 0, t1: 1, v0: 0, v1: 7 };
+  assert.doesNotMatch(encode({ request: REQUEST, view, whole: view }), /window|whole/);
 });
 
 test("what is no window, no motion or no request is left out", () => {

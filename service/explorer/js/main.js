@@ -6,13 +6,14 @@ import { ended } from "./jobs/life.js";
 import { showCaption } from "./look/caption.js";
 import { Screen } from "./look/screen.js";
 import { by } from "./page/by.js";
-import { setUpControls } from "./page/controls.js";
+import { enableTools, setUpControls } from "./page/controls.js";
 import { askForKey } from "./page/login.js";
 import { attempt, inWords, say } from "./page/say.js";
 import { showState } from "./page/state.js";
 import { hasCells, kindInWords, Still } from "./page/still.js";
 import { showTakeaway } from "./page/takeaway.js";
 import { Comparison } from "./panels/comparison.js";
+import { Diagrams } from "./panels/diagrams.js";
 import { Examples } from "./panels/examples.js";
 import { Form } from "./panels/form.js";
 import { Hover } from "./panels/hover.js";
@@ -30,8 +31,6 @@ import { setUpTheme } from "./page/theme.js";
 
 const FIRST_EXAMPLE = "fig7bottom";
 const REST_MS = 350;
-const DEFAULT_LOOK = { layer: "solution", palette: "colour_blind" };
-const DEFAULT_OVERLAYS = ["grazing", "attractors"];
 
 /**
  * `request`: what is asked for, or would be. `edited`: it has not been asked for. `whole`: the window before zooming.
@@ -39,7 +38,7 @@ const DEFAULT_OVERLAYS = ["grazing", "attractors"];
  */
 const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: null, rest: 0, sliding: false };
 
-const plane = new Plane(by("plane"), { moved, hovered: (place) => hover.at(place), picked, whole: showWhole });
+const plane = new Plane(by("plane"), { moved, hovered: (place) => hover.at(place), picked: (place, second) => screen.oscillator && motions.pick(place, second), whole: showWhole });
 const marks = new Marks(by("marks"), plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
 const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds) });
@@ -51,6 +50,7 @@ const overlays = new OverlayList(by("overlays"), plane, () => remember(false));
 const sweep = new Sweep(by("sweep"), openPanel);
 const still = new Still(by("still"));
 new Comparison({ button: by("keep"), range: by("swipe") }, plane, screen);
+const diagrams = new Diagrams({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), turn: lookAtValue });
 const examples = new Examples(by("preset"), by("examples"), by("preset-note"), showExample);
 
 // What is asked for.
@@ -98,13 +98,13 @@ function firstOf({ oscillator, vary }) {
 
 function showExample(request) {
   jobs.leave();
-  show(request, {});
+  show(request);
   at.edited = false;
   remember(true);
 }
 
 /** Show the window of a request, or a part of it, before its cells are there. */
-function show(request, { view = null, whole = null }) {
+function show(request, { view = null, whole = null } = {}) {
   form.fill(request);
   at.request = request;
   at.whole = whole ?? viewOf(request.grid);
@@ -136,12 +136,14 @@ function moved(view) {
   }, REST_MS);
 }
 
-function showWhole() {
-  plane.go(at.whole);
+/** A value was clicked on a diagram. */
+function lookAtValue(parameter, value) {
+  form.set(parameter, value);
+  compute(form.request());
 }
 
-function picked(place, second) {
-  if (screen.oscillator) motions.pick(place, second);
+function showWhole() {
+  plane.go(at.whole);
 }
 
 // Jobs.
@@ -160,19 +162,23 @@ function begun(job) {
     if (at.opening && !at.opening.request) show(job.request, at.opening);
     at.request = job.request;
     turn.show(screen.begin(job, at.panel));
+  } else if (job.kind === "bifurcation") {
+    at.request = { ...form.request(), oscillator: job.request.oscillator };
+    show(at.request);
+    attempt(() => diagrams.show(job));
   } else {
     screen.clear();
   }
   if (cells && job.request.vary) sweep.show(job.request.vary, at.panel);
   else sweep.hide();
-  showTools(cells);
+  enableTools(cells);
   remember(false);
 }
 
 /** Draw a job as far as it is computed. */
 async function drawn(job, signal) {
   if (!hasCells(job)) {
-    if (ended(job) && job.progress) await still.show(job, signal);
+    if (ended(job) && job.progress && job.kind !== "bifurcation") await still.show(job, signal);
     return;
   }
   const picture = await screen.draw(job, signal);
@@ -194,6 +200,7 @@ function openPanel(panel) {
 // What is seen.
 
 function pictureChanged() {
+  diagrams.follow();
   legend();
   hover.read();
   caption();
@@ -233,10 +240,6 @@ function takeaway() {
   if (request) showTakeaway(by("takeaway"), { job: at.edited ? null : jobs.job, request, panel: at.panel, plane, motions, caption: document.title });
 }
 
-function showTools(cells) {
-  for (const id of ["back", "forward", "in", "out", "whole", "box", "layer", "keep"]) by(id).disabled = !cells;
-}
-
 function restyle(look) {
   plane.restyle({ ...look, ground: getComputedStyle(document.documentElement).getPropertyValue("--plot").trim() });
   legend();
@@ -249,19 +252,10 @@ function restyle(look) {
 /** Write what is seen to the address. */
 function remember(isNew) {
   if (at.opening) return;
-  const analysis = jobs.job && !hasCells(jobs.job);
   const { layer, palette } = plane.look;
-  write(encode({
-    job: at.edited || jobs.life.phase === "asking" ? null : jobs.job?.id,
-    panel: at.panel,
-    request: analysis ? null : at.request,
-    view: analysis || same(plane.view, at.whole) ? null : plane.view,
-    whole: analysis || !at.request || same(at.whole, viewOf(at.request.grid)) ? null : at.whole,
-    layer: layer === DEFAULT_LOOK.layer ? null : layer,
-    palette: palette === DEFAULT_LOOK.palette ? null : palette,
-    overlays: overlays.names.join() === DEFAULT_OVERLAYS.join() ? null : overlays.names,
-    motions: motions.starts,
-  }), isNew);
+  const job = at.edited || jobs.life.phase === "asking" ? null : jobs.job;
+  const pictured = job && !hasCells(job) ? {} : { request: at.request, view: plane.view, whole: at.whole };
+  write(encode({ job: job?.id, panel: at.panel, layer, palette, overlays: overlays.names, motions: motions.starts, ...pictured }), isNew);
   by("back").disabled = !hasEarlier();
 }
 
@@ -270,9 +264,9 @@ async function openAddress() {
   const seen = (at.opening = decode(location.search));
   const { job, request, panel, layer, palette } = seen;
   at.panel = panel;
-  restyle({ layer: layer ?? DEFAULT_LOOK.layer, palette: palette ?? DEFAULT_LOOK.palette });
-  [by("layer").value, by("palette").value] = [plane.look.layer, plane.look.palette];
-  overlays.choose(seen.overlays ?? DEFAULT_OVERLAYS);
+  restyle({ layer, palette });
+  [by("layer").value, by("palette").value] = [layer, palette];
+  overlays.choose(seen.overlays);
   try {
     if (request) show(request, seen);
     if (job) await jobs.open(job, request);

@@ -52,7 +52,10 @@ export class Chart {
     return this.bottom - ((value - from) / (to - from)) * (this.bottom - MARGIN.top);
   }
 
-  /** Value on the x axis at a pointer event. */
+  /**
+   * Value on the x axis at a pointer event.
+   * @param {{clientX: number}} event
+   */
   valueAt(event) {
     const box = this.svg.getBoundingClientRect();
     const x = ((event.clientX - box.left) / box.width) * this.width;

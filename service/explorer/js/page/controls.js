@@ -26,6 +26,11 @@ function setUpMenus() {
   });
 }
 
+/** Let the window be moved, or not where there is none. */
+export function enableTools(on) {
+  for (const id of ["back", "forward", "in", "out", "whole", "box", "layer", "keep"]) by(id).disabled = !on;
+}
+
 /**
  * Set up the controls.
  * @param {object} page

@@ -42,6 +42,9 @@ export class Sweep {
   constructor(section, open) {
     this.section = section;
     this.open = open;
+    /** Basins that were complete when the shares were fetched. */
+    this.charted = 0;
+    this.result = null;
   }
 
   hide() {

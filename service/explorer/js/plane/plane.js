@@ -77,6 +77,11 @@ export class Plane {
     this.draw();
   }
 
+  /** Colour of a motion by its name, as it is drawn; undefined for a motion that is not seen. */
+  colourOf(name) {
+    return this.picture?.outline.solutions.find((solution) => solution.name === name)?.colours[this.look.palette];
+  }
+
   /** What is known at a point. */
   at(t, v) {
     return this.stack.at(t, v);

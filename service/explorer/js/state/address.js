@@ -1,8 +1,10 @@
 /** The address of the page: the whole state of what is seen, so that a link shows it on any service. */
 
-import { viewOf } from "./window.js";
+import { same, viewOf } from "./window.js";
 
 const NUMBERS = ["damping", "eccentricity", "half_backlash", "stiffness"];
+/** What is not written. */
+const USUAL = { layer: "solution", palette: "colour_blind", overlays: "grazing,attractors" };
 const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
 
 /**
@@ -11,11 +13,11 @@ const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
  * @property {string|null} job
  * @property {number} panel
  * @property {BasinRequest|null} request
- * @property {View|null} view null for the window of the request
+ * @property {View|null} view null for the whole
  * @property {View|null} whole the window before zooming; null for that of the request
- * @property {string|null} layer
- * @property {string|null} palette
- * @property {string[]|null} overlays names of those that are on
+ * @property {string} layer
+ * @property {string} palette
+ * @property {string[]} overlays names of those that are on
  * @property {number[][]} motions departures (t, v) that are followed
  */
 
@@ -95,9 +97,9 @@ export function decode(search) {
     request: requestOf(query),
     view: windowOf(query.get("window")),
     whole: windowOf(query.get("whole")),
-    layer: query.get("layer"),
-    palette: query.get("palette"),
-    overlays: query.has("overlays") ? query.get("overlays").split(",").filter(Boolean) : null,
+    layer: query.get("layer") ?? USUAL.layer,
+    palette: query.get("palette") ?? USUAL.palette,
+    overlays: (query.get("overlays") ?? USUAL.overlays).split(",").filter(Boolean),
     motions,
   };
 }
@@ -111,12 +113,13 @@ export function encode({ job, panel, request, view, whole, layer, palette, overl
   const fields = [];
   if (job) fields.push(["job", job]);
   if (panel) fields.push(["panel", String(panel)]);
-  if (view) fields.push(["window", windowText(view)]);
-  if (whole) fields.push(["whole", windowText(whole)]);
+  const asked = request ? viewOf(request.grid) : null;
+  if (view && !same(view, whole ?? asked)) fields.push(["window", windowText(view)]);
+  if (whole && !same(whole, asked)) fields.push(["whole", windowText(whole)]);
   if (request) fields.push(...requestFields(request));
-  if (layer) fields.push(["layer", layer]);
-  if (palette) fields.push(["palette", palette]);
-  if (overlays) fields.push(["overlays", overlays.join(",")]);
+  if (layer && layer !== USUAL.layer) fields.push(["layer", layer]);
+  if (palette && palette !== USUAL.palette) fields.push(["palette", palette]);
+  if (overlays && overlays.join(",") !== USUAL.overlays) fields.push(["overlays", overlays.join(",")]);
   for (const motion of motions ?? []) fields.push(["motion", motion.map(short).join(",")]);
   return fields.length ? `?${fields.map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}` : "";
 }
