@@ -26,7 +26,8 @@ TARGETS = {
 SHOWN = """() => performance.getEntriesByType("resource").filter(({name}) => name.endsWith("/v1/previews"))
   .map(({responseEnd}) => responseEnd)"""
 FRAMES = """() => { window.frames_ = []; let last = performance.now();
-  const next = (now) => { window.frames_.push(now - last); last = now; window.sampling && requestAnimationFrame(next); };
+  const next = (now) => { window.frames_.push(now - last); last = now; 
+    window.sampling && requestAnimationFrame(next); };
   window.sampling = true; requestAnimationFrame(next); }"""
 
 

@@ -98,6 +98,7 @@ def create_app(settings: Settings) -> FastAPI:
 
     app = FastAPI(
         title="gear-rattle", version=version("gear-rattle"), description=_DESCRIPTION, lifespan=lifespan,
+        docs_url=None, redoc_url=None,
         license_info={"name": "BSD-3-Clause", "identifier": "BSD-3-Clause"},
     )  # fmt: skip
     app.state.settings = settings

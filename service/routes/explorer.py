@@ -1,4 +1,4 @@
-"""The explorer: its page, and the files that the page loads."""
+"""The explorer: its page, the page of the API, and the files that both load."""
 
 from pathlib import Path
 
@@ -16,3 +16,9 @@ files = StaticFiles(directory=_FILES)
 def get_page() -> FileResponse:
     """Page of the explorer. Browsers revalidate it at each visit, so a new version is seen at once."""
     return FileResponse(_FILES / "index.html", headers={"cache-control": "no-cache"})
+
+
+@router.get("/docs")
+def get_reference() -> FileResponse:
+    """Page of the API. Nothing of it comes from elsewhere, so it works without the internet."""
+    return FileResponse(_FILES / "docs.html", headers={"cache-control": "no-cache"})

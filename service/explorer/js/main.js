@@ -34,9 +34,9 @@ const REST_MS = 350;
 
 /**
  * `request`: what is asked for, or would be. `edited`: it has not been asked for. `whole`: the window before zooming.
- * `opening`: what the address says, while it is opened.
+ * `opening`: what the address says, while it is opened; at first nothing is known of it.
  */
-const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: null, rest: 0, sliding: false };
+const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, rest: 0, sliding: false };
 
 const plane = new Plane(by("plane"), { moved, hovered: (place) => hover.at(place), picked: (place, second) => screen.oscillator && motions.pick(place, second), whole: showWhole });
 const marks = new Marks(by("marks"), plane);
@@ -50,7 +50,7 @@ const overlays = new OverlayList(by("overlays"), plane, () => remember(false));
 const sweep = new Sweep(by("sweep"), openPanel);
 const still = new Still(by("still"));
 new Comparison({ button: by("keep"), range: by("swipe") }, plane, screen);
-const diagrams = new Diagrams({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), turn: lookAtValue });
+const diagrams = new Diagrams({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) });
 const examples = new Examples(by("preset"), by("examples"), by("preset-note"), showExample);
 
 // What is asked for.
@@ -134,12 +134,6 @@ function moved(view) {
     form.fill(request);
     ask(request);
   }, REST_MS);
-}
-
-/** A value was clicked on a diagram. */
-function lookAtValue(parameter, value) {
-  form.set(parameter, value);
-  compute(form.request());
 }
 
 function showWhole() {
@@ -281,17 +275,22 @@ async function openAddress() {
   return Boolean(job || request);
 }
 
-async function start() {
-  whenKeyIsNeeded(askForKey);
-  setUpControls({ plane, jobs, restyle, whole: showWhole, takeaway });
-  setUpTheme(by("theme"), () => restyle({}));
-  addEventListener("popstate", () => attempt(openAddress));
-  const opened = openAddress();
-  examples.offer(await get("explorer/presets.json"));
-  if (await opened) return;
+/** Open the address, or the first example where it says nothing. */
+async function open(offered) {
+  if (await openAddress()) return;
+  await offered;
   at.opening = {};
   examples.choose(FIRST_EXAMPLE);
   at.opening = null;
+}
+
+function start() {
+  whenKeyIsNeeded(askForKey);
+  setUpControls({ plane, jobs, restyle, whole: showWhole, takeaway });
+  setUpTheme(by("theme"), () => restyle({}));
+  const offered = get("explorer/presets.json").then((presets) => examples.offer(presets));
+  addEventListener("popstate", () => attempt(() => open(offered)));
+  return open(offered);
 }
 
 attempt(start);

@@ -38,6 +38,11 @@ export class Preview extends Picture {
     return known && { solution: known.solution, t, v };
   }
 
+  /** Paint what cells end in, in every layer: a preview has no numbers to paint. */
+  paint(look, tile = null) {
+    super.paint({ ...look, layer: "solution" }, tile);
+  }
+
   get isPreview() {
     return true;
   }

@@ -114,8 +114,8 @@ export function encode({ job, panel, request, view, whole, layer, palette, overl
   if (job) fields.push(["job", job]);
   if (panel) fields.push(["panel", String(panel)]);
   const asked = request ? viewOf(request.grid) : null;
-  if (view && !same(view, whole ?? asked)) fields.push(["window", windowText(view)]);
-  if (whole && !same(whole, asked)) fields.push(["whole", windowText(whole)]);
+  if (asked && view && !same(view, whole ?? asked)) fields.push(["window", windowText(view)]);
+  if (asked && whole && !same(whole, asked)) fields.push(["whole", windowText(whole)]);
   if (request) fields.push(...requestFields(request));
   if (layer && layer !== USUAL.layer) fields.push(["layer", layer]);
   if (palette && palette !== USUAL.palette) fields.push(["palette", palette]);
