@@ -27,7 +27,7 @@ SHOWN = {
 
 
 def start(explorer):
-    explorer.visit().pictured("Preview, 256")
+    explorer.visit().pictured("Preview")
 
 
 def refused(explorer):

@@ -1,5 +1,6 @@
 /** What can be taken away: the picture that is seen, the tables, the request, the code that computes it. */
 
+import { pythonOf } from "../look/python.js";
 import { pathOf, send } from "../net/api.js";
 import { hasCells } from "./still.js";
 import { pictureOf } from "./photograph.js";
@@ -50,14 +51,6 @@ function sharesCsv(picture) {
   return asCsv([["solution", "share"], ...picture.outline.solutions.map(({ name, number }) => [`"${name}"`, shares[number]])]);
 }
 
-function pythonOf({ oscillator, grid, iterations, vary }) {
-  const { time, velocity } = grid;
-  const window = `grid={"time": ${JSON.stringify(time)}, "velocity": ${JSON.stringify(velocity)}}`;
-  const oscillatorText = `oscillator={${Object.entries(oscillator).map(([name, value]) => `"${name}": ${value === true ? "True" : JSON.stringify(value)}`).join(", ")}}`;
-  if (!vary) return `import rattle\n\nbasin = rattle.basin(\n    ${oscillatorText},\n    ${window},\n    iterations=${iterations},\n)\nbasin.rattle.plot()`;
-  return `import rattle\n\nsweep = rattle.sweep(\n    ${oscillatorText},\n    vary=${JSON.stringify(vary)},\n    ${window},\n    iterations=${iterations},\n)\nsweep.rattle.plot()`;
-}
-
 /** Files that can be saved: a title, a name, and how to get it. */
 function filesOf({ job, panel, plane, motions, caption }) {
   const cells = !job || hasCells(job);
@@ -91,9 +84,8 @@ export function showTakeaway(place, seen) {
   if (job) {
     const zarr = new URL(job.links.zarr, location.href).href;
     blocks.push(...copyable("Zarr store", zarr), ...copyable("Python", `import rattle\nresult = rattle.open("${zarr}")\nresult.rattle.plot()`));
-  } else {
-    blocks.push(...copyable("Python", pythonOf(request)));
   }
+  if (request.grid && !request.sample) blocks.push(...copyable("Python that computes it", pythonOf(request)));
   const url = new URL(pathOf(job ?? { kind: request.vary ? "sweep" : "basin" }), location.href).href;
   const curl = `curl -X POST ${url} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(request)}'`;
   blocks.push(...copyable("curl", curl), ...copyable("JSON", JSON.stringify(request, null, 1)));
