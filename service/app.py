@@ -37,7 +37,6 @@ from service.routes import (
     results,
     trajectories,
     viewer,
-    withdrawals,
 )
 from service.routes.submissions import submission_router
 from service.runner.process import RunnerProcess
@@ -111,7 +110,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(Access)
     install_error_handlers(app)
     app.include_router(submission_router())
-    for each in (checks, previews, trajectories, jobs, withdrawals, events, results, viewer, health, metrics, explorer):
+    for each in (checks, previews, trajectories, jobs, events, results, viewer, health, metrics, explorer):
         app.include_router(each.router)
     app.mount("/explorer", explorer.files)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]

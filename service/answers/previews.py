@@ -11,8 +11,8 @@ from anyio import CapacityLimiter, create_task_group, to_thread
 
 from service.errors import LimitExceeded, TooMuch
 from worker.basins.preview import Preview, preview_basin
+from worker.basins.preview_request import PreviewRequest
 from worker.errors import JobCancelled
-from worker.jobs.preview_request import PreviewRequest
 
 MOST_CELLS = 65_536
 MOST_APPLICATIONS = 50_000_000

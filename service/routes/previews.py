@@ -6,10 +6,10 @@ from fastapi import APIRouter, Depends, Request
 from starlette.concurrency import run_in_threadpool
 
 from service.answers.previews import MOST_APPLICATIONS, MOST_CELLS, Previews
-from service.models.preview import PreviewView
+from service.models.viewer import PreviewView
 from service.routes.dependencies import problems
 from service.routes.plain_json import PlainJsonRoute
-from worker.jobs.preview_request import PreviewRequest
+from worker.basins.preview_request import PreviewRequest
 
 router = APIRouter(prefix="/v1", tags=["previews"], route_class=PlainJsonRoute)
 

@@ -94,7 +94,7 @@ def test_a_click_moves_a_tooth_in_step_with_the_history_and_a_dot(opened):
     expect(page.locator("#histories")).to_contain_text("ends in")
     expect(page.locator("#tooth-canvas")).to_be_visible()
     cursor = page.locator("#histories .cursor")
-    expect(cursor).to_be_visible()
+    expect(cursor).to_have_attribute("visibility", "visible")
     first = cursor.get_attribute("d")
     expect(cursor).not_to_have_attribute("d", first)
     page.locator("#play").click()
@@ -267,7 +267,7 @@ def test_a_bifurcation_diagram_is_a_live_chart(opened):
     page.locator("[data-diagram=damping]").click()
     expect(page.locator("#diagram-note")).to_contain_text("Click to look", timeout=120_000)
     assert page.locator("#diagram .points").count() >= 2
-    expect(page.locator("#diagram .here")).to_be_visible()
+    expect(page.locator("#diagram .here")).to_have_attribute("visibility", "visible")
     page.locator("#diagram .target").click(position={"x": 40, "y": 60})
     expect(page.locator("#shown")).to_contain_text("δ = 0.5")
 

@@ -12,7 +12,7 @@ from rattle_kernels.attractors.classify import coarser_boxes
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import Seeds, choose_seeds
 from worker.basins.landings import CATALOGUE_ROUNDS, name_landings, with_undecided
-from worker.jobs.preview_request import PreviewRequest
+from worker.basins.preview_request import PreviewRequest
 
 # A job follows thousands of seeds for thousands of impacts each, which takes longer than all cells of a preview.
 # Attractors that these seeds miss show up as unassigned landing points.

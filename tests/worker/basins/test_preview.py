@@ -9,10 +9,10 @@ import xarray as xr
 from rattle_kernels import OutsideDomain
 from worker.basins.pipeline import run_basin
 from worker.basins.preview import preview_basin
+from worker.basins.preview_request import PreviewRequest
 from worker.cluster.driver import Driver
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob
-from worker.jobs.preview_request import PreviewRequest
 
 WEAK = {
     "oscillator": {"damping": 0.05, "eccentricity": 0.008, "half_backlash": 0.05},
