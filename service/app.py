@@ -8,10 +8,12 @@ from importlib.metadata import version
 
 from anyio import to_thread
 from fastapi import Depends, FastAPI
+from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
 from rattle_kernels import warm_up_curves
 from service.answers.event_feed import EventFeed
 from service.answers.job_views import JobViews
+from service.answers.previews import Previews
 from service.answers.readiness import Probe, Probes
 from service.api_document import describe
 from service.middleware.access import Access
@@ -32,6 +34,7 @@ from service.routes import (
     health,
     jobs,
     metrics,
+    previews,
     results,
     trajectories,
     viewer,
@@ -44,6 +47,10 @@ from worker.estimate import measured_speed
 
 # Compiled kernels load in a third of a second. Compiling them takes ten, and a stopping service does not wait for that.
 _LOADED_SECONDS = 2.0
+# The state of a job is smaller, and is read a hundred times as often as anything else.
+_LEAST_COMPRESSED = 4096
+# Chunks of stores are compressed already, and tiles by their route.
+_NOT_COMPRESSED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "application/octet-stream", "application/pdf")
 
 _DESCRIPTION = """Basins of attraction of a rattling gear pair.
 
@@ -78,6 +85,7 @@ def create_app(settings: Settings) -> FastAPI:
         engine, sessions = open_database(settings.database)
         app.state.jobs = Jobs(sessions, settings.quotas)
         app.state.views = JobViews(Revisions(engine), app.state.jobs)
+        app.state.previews = Previews()
         app.state.threads = DatabaseThreads(near=engine.dialect.name == "sqlite")
         app.state.key_ring = KeyRing(Keys(sessions), settings.keys_required)
         app.state.events = Events(sessions)
@@ -105,12 +113,15 @@ def create_app(settings: Settings) -> FastAPI:
     )  # fmt: skip
     app.state.settings = settings
     # The middleware added last sees a request first.
+    app.add_middleware(
+        GZipMiddleware, minimum_size=_LEAST_COMPRESSED, compresslevel=4, exclude_content_types=_NOT_COMPRESSED
+    )  # fmt: skip
     app.add_middleware(Authentication)
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)
     install_error_handlers(app)
     app.include_router(submission_router())
-    for each in (checks, trajectories, jobs, events, results, viewer, health, metrics, explorer, api_page):
+    for each in (checks, previews, trajectories, jobs, events, results, viewer, health, metrics, explorer, api_page):
         app.include_router(each.router)
     app.mount("/explorer", explorer.files)
     app.mount("/docs", api_page.files)

@@ -11,8 +11,8 @@ import typer
 from typer.core import TyperGroup
 
 from rattle.cli.console import give_up, out
-from rattle.processor import use_whole_registers
 from rattle.cli.strict_command import StrictCommand
+from rattle.processor import use_whole_registers
 from worker.errors import InvalidSettings
 from worker.kinds import KINDS
 

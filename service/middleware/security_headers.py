@@ -14,12 +14,7 @@ _EXPLORER = (
     "default-src 'self'; img-src 'self' blob: data:; style-src 'self'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'"
 )
-
-
-def _policy(path: str) -> str:
-    if path == "/":
-        return _EXPLORER
-    return _DOCS if path == "/docs" else _NOTHING
+_PAGES = {"/": _EXPLORER, "/docs": _DOCS}
 
 
 class SecurityHeaders:
@@ -47,7 +42,7 @@ class SecurityHeaders:
                 headers = MutableHeaders(scope=message)
                 headers["x-content-type-options"] = "nosniff"
                 headers["referrer-policy"] = "no-referrer"
-                headers["content-security-policy"] = _policy(scope["path"])
+                headers["content-security-policy"] = _PAGES.get(scope["path"], _NOTHING)
                 headers.setdefault("cache-control", "private, no-cache" if "etag" in headers else "no-store")
             await send(message)
 
