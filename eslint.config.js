@@ -14,6 +14,6 @@ export default [
       "max-lines": ["error", 300],
     },
   },
-  { files: ["service/api_page/show.js"], languageOptions: { globals: globals.browser, sourceType: "script" } },
+  { files: ["service/api_page/show.js"], languageOptions: { globals: { ...globals.browser, SwaggerUIBundle: "readonly" }, sourceType: "script" } },
   { files: ["tests/explorer/**/*.js"], languageOptions: { globals: globals.node, ecmaVersion: 2024 } },
 ];
