@@ -50,7 +50,7 @@ def job_of(job_class: type[Job], given: Values, verb: str) -> Job:
         return job_class.from_request(request_of(job_class, given))
     except InvalidFields as error:
         faults = [(_argument_at(place), message) for place, message in error.faults]
-        raise InvalidFields(faults) from None
+        raise InvalidFields(list(dict.fromkeys(faults))) from None  # one argument may make two fields
 
 
 def demand_given(verb: str, given: Values, arguments: Sequence[Argument]) -> None:

@@ -53,6 +53,7 @@ class InvalidJob(WorkerError, ValueError):
     ...     rattle.basin(cells=0)
     ... except rattle.InvalidJob as error:
     ...     print(error)
+    cells: Input should be greater than or equal to 1
     """
 
     def __init__(self, message: str, place: Place = ()) -> None:
@@ -104,7 +105,8 @@ class NotFound(WorkerError):
     >>> try:
     ...     rattle.manifolds(saddles=["P(1,4,0)"], progress=False)
     ... except rattle.NotFound as error:
-    ...     print(error)
+    ...     print(str(error).partition(";")[0])
+    saddles.0: the search found no saddle P(1,4,0)
     """
 
 

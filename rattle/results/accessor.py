@@ -51,6 +51,7 @@ class Result(Measures, Plots):
         --------
         >>> sweep = rattle.sweep(damping=[0.55, 0.6, 0.7], cells=16, iterations=101, progress=False)
         >>> sweep.rattle.to_table("change")[["change_kind", "change_from", "change_to"]].values.tolist()[0]
+        ['death', 0.55, 0.6]
         """
         return table_of(self._dataset, name)
 
@@ -73,7 +74,8 @@ class Result(Measures, Plots):
         Examples
         --------
         >>> rattle.basin(cells=40, progress=False).rattle.to_csv("motions.csv")
-        >>> open("motions.csv").readline()[:16]
+        >>> from pathlib import Path
+        >>> Path("motions.csv").read_text()[:16]
         'name,kind,share,'
         """
         self.to_table(name).to_csv(path, index=False)

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("service", "worker", "rattle_kernels")
+PACKAGES = ("rattle", "service", "worker", "rattle_kernels")
 
 
 def lint_imports(folder):
@@ -21,14 +21,23 @@ def test_the_contracts_hold():
     assert answer.returncode == 0, answer.stdout
 
 
-def test_a_planted_import_is_caught(tmp_path):
+def test_planted_imports_are_caught(tmp_path):
     for package in PACKAGES:
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    flight = tmp_path / "rattle_kernels" / "model" / "flight.py"
-    flight.write_text(flight.read_text() + "\nimport worker.stores.tiles\n")
+    planted = {
+        "rattle_kernels/model/flight.py": ["worker.stores.tiles"],
+        "rattle/paper/figures/fig5.py": ["rattle_kernels.lanes.run", "worker.jobs.basin_job", "rattle.here"],
+    }
+    for name, modules in planted.items():
+        path = tmp_path / name
+        path.write_text(path.read_text() + "".join(f"\nimport {module}\n" for module in modules))
     answer = lint_imports(tmp_path)
-    assert answer.returncode != 0 and "rattle_kernels.model.flight" in answer.stdout
+    assert answer.returncode != 0
+    told = " ".join(answer.stdout.split())
+    for name, modules in planted.items():
+        importer = name.removesuffix(".py").replace("/", ".")
+        assert all(f"{importer} -> {module}" in told for module in modules), answer.stdout
 
 
 def test_the_kernels_load_nothing_heavy():

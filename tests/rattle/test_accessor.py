@@ -1,5 +1,6 @@
 """`dataset.rattle`: draws, measures and lists what a result holds, and says what its kind has not."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,7 +8,15 @@ import xarray as xr
 
 import rattle
 from worker.errors import InvalidJob
+from worker.stores.summary import summarise
+from worker.views import reading
 from worker.views.measures import measure_basins
+
+
+@pytest.fixture(scope="module")
+def pairs(kept):
+    """Four basins over two parameters."""
+    return rattle.sweep(damping=[0.6, 0.7], eccentricity=[0.05, 0.1], cells=10, iterations=101, progress=False)
 
 
 def test_it_knows_what_it_is_on(basin, sweep):
@@ -51,6 +60,47 @@ def test_a_basin_of_a_sweep_is_measured_as_it_is_alone(sweep):
     assert one.rattle.kind == "basin" and one.rattle.oscillator.damping == 0.6
     with pytest.raises(InvalidJob, match="0.55, 0.6, 0.7"):
         sweep.rattle.basin(damping=0.61)
+
+
+def test_all_basins_of_a_sweep_come_in_order_with_its_colours(pairs):
+    values = [(each.rattle.oscillator.damping, each.rattle.oscillator.eccentricity) for each in pairs.rattle.basins()]
+    assert values == [(0.6, 0.05), (0.6, 0.1), (0.7, 0.05), (0.7, 0.1)]
+    assert {tuple(each.rattle.colours) for each in pairs.rattle.basins()} == {tuple(pairs.rattle.colours)}
+    assert len(pairs.rattle.colours) == pairs.sizes["attractor"]
+
+
+def test_cells_have_the_names_of_their_motions_and_none_where_they_are_missing(basin, sweep):
+    np.testing.assert_array_equal(basin.rattle.cell_names(), basin.name.values[basin.solution])
+    part = sweep.assign(solution=sweep.solution.where(sweep.damping < 0.7, -9).astype(np.int16))
+    names = part.rattle.cell_names()
+    assert names.dims == sweep.solution.dims and set(names.sel(damping=0.7).values.ravel()) == {""}
+    assert "" not in names.sel(damping=[0.55, 0.6])
+
+
+def test_images_are_counted_as_in_the_summary(basin, sweep, kept):
+    for result in (basin, sweep):
+        assert result.rattle.image_counts() == summarise(rattle.cache.location_of(result.rattle.job)).image_counts
+    assert sum(basin.rattle.image_counts().values()) > 0
+    sample = rattle.basin(sample=64, iterations=101, progress=False)
+    counts = summarise(rattle.cache.location_of(sample.rattle.job)).image_counts
+    assert sample.rattle.image_counts() == counts and "sink" not in counts
+    assert sample.rattle.shown.sizes["sample"] == 64 and sample.rattle.cell_names().sizes == {"sample": 64}
+
+
+def test_of_many_cells_every_nth_is_shown(basin, monkeypatch):
+    monkeypatch.setattr(reading, "_MOST_CELLS", 15)
+    shown = basin.copy().rattle.shown
+    np.testing.assert_array_equal(shown.solution, basin.solution[::3, ::3])
+    np.testing.assert_array_equal(shown.share, basin.share)
+
+
+def test_shares_are_drawn_on_axes_that_are_there(sweep, pairs):
+    axes = plt.figure().add_subplot()
+    assert sweep.rattle.plot_shares(axes) is axes and axes.get_legend() is None
+    assert len(axes.get_lines()) == sweep.sizes["attractor"]
+    assert len(pairs.rattle.plot_shares().axes) > pairs.sizes["attractor"]
+    with pytest.raises(InvalidJob, match="leave out ax"):
+        pairs.rattle.plot_shares(axes)
 
 
 def test_measures_are_those_of_the_worker(basin):

@@ -1,6 +1,5 @@
-"""`import rattle`: quick to import, documented with examples that run, and its verbs compute, keep and resume."""
+"""`import rattle`: quick to import, and its verbs compute, keep and resume."""
 
-import doctest
 import inspect
 import subprocess
 import sys
@@ -33,18 +32,11 @@ def test_what_it_has_is_listed_and_what_it_has_not_is_said():
 
 
 @pytest.mark.parametrize("name", VERB_NAMES)
-def test_a_verb_has_a_signature_and_an_example_that_runs(name):
+def test_a_verb_has_a_signature_and_documents_it(name):
     verb = getattr(rattle, name)
     assert "damping" in inspect.signature(verb).parameters and verb.__name__ == name
     documented = {line.partition(" : ")[0] for line in verb.__doc__.splitlines() if " : " in line}
     assert documented >= set(inspect.signature(verb).parameters)
-    found = doctest.DocTestFinder().find(verb, name, globs={})
-    failed, tried = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(found[0])
-    assert failed == 0 and tried >= 3
-
-
-def test_the_example_of_the_package_runs():
-    assert doctest.testmod(rattle).failed == 0
 
 
 def test_a_result_is_kept_under_its_request(basin, kept):
@@ -93,6 +85,26 @@ def test_an_interrupted_computation_goes_on_where_it_was(tmp_path, monkeypatch):
     assert rattle.basin(**given).rattle.complete
 
 
+def test_progress_may_be_a_function_and_what_it_raises_stops_the_work(tmp_path):
+    """As another program needs it that shows progress, or has a button to cancel."""
+    job = rattle.BasinJob(grid={"time": {"cells": 160}, "velocity": {"cells": 160}}, iterations=101)
+    store = tmp_path / "followed.zarr"
+
+    def stop(progress):
+        if progress.tiles_done:
+            raise JobCancelled("enough")
+
+    with pytest.raises(JobCancelled, match="enough"):
+        rattle.compute(job, store=store, progress=stop)
+    assert not rattle.open(store).rattle.complete
+    seen = []
+    assert rattle.compute(job, store=store, workers=1, progress=seen.append).rattle.complete
+    assert (
+        seen[0].tiles_done > 0 and seen[-1].stage == "done" and all(isinstance(each, rattle.Progress) for each in seen)
+    )
+    assert rattle.compute(job, store=store, progress=stop).rattle.complete
+
+
 def test_threads_give_the_bytes_that_processes_give(client, tmp_path):
     """Work here and work on a cluster are the same to the byte."""
     from tests.store_content import content
@@ -102,9 +114,7 @@ def test_threads_give_the_bytes_that_processes_give(client, tmp_path):
     job = rattle.BasinJob(iterations=101)
     job = type(job).from_request(job.request() | {"grid": {"time": {"cells": 30}, "velocity": {"cells": 30}}})
     here, there = tmp_path / "here.zarr", tmp_path / "there.zarr"
-    from rattle.verbs import compute
-
-    compute(job, store=here, progress=False)
+    rattle.compute(job, store=here, progress=False)
     run_basin(job, str(there), Driver(client), report=lambda _: None, cancel=threading.Event())
     arrays = {name for name in content(there) if not name.endswith("zarr.json")}
     assert {name: content(here)[name] for name in arrays} == {name: content(there)[name] for name in arrays}

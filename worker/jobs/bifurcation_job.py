@@ -40,8 +40,8 @@ class BifurcationJob(AnalysisJob):
     --------
     >>> import rattle
     >>> job = rattle.BifurcationJob(vary=rattle.SweptParameter("damping", (0.58, 0.59)), direction="both", kept=4)
-    >>> job.values.tolist()
-    [0.58, 0.59]
+    >>> job.vary.values, job.direction.value
+    ((0.58, 0.59), 'both')
     """
 
     model_config = ConfigDict(title="BifurcationRequest", json_schema_extra={"examples": [_EXAMPLE]})

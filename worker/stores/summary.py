@@ -154,9 +154,9 @@ def representatives(store: BasinStore, table: SolutionTable) -> tuple[Attractor,
     return tuple(found[number] for number in range(len(table.motions)))
 
 
-def count_images(store: BasinStore, basin: int | None = None) -> dict[str, int]:
-    """Number of cells of a basin, or of all, with each reserved image. Empty until all of them are mapped."""
-    counts = store.read_image_counts()[slice(None) if basin is None else slice(basin, basin + 1)]
+def count_images(store: BasinStore) -> dict[str, int]:
+    """Number of cells with each reserved image. Empty until all of them are mapped."""
+    counts = store.read_image_counts()
     if (counts < 0).any():
         return {}
     named = dict(zip(("sink", "permanent_contact", "undecided"), counts.sum(axis=0).tolist(), strict=True))

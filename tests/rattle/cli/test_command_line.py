@@ -12,6 +12,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from rattle.cli import app
+from rattle.paper import production
 
 SMALL = ["--cells", "24", "20", "--iterations", "101"]
 
@@ -80,6 +81,15 @@ def test_a_figure_of_the_paper_is_drawn_and_its_numbers_written_down(tmp_path):
     (tmp_path / "file").touch()
     refused = rattle("paper", "fig4", "--out", tmp_path / "file")
     assert refused.returncode == 1 and "cannot be written" in refused.stderr and "Traceback" not in refused.stderr
+
+
+def test_an_interrupted_figure_says_that_the_same_command_goes_on(tmp_path, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(production, "produce", interrupted)
+    answer = CliRunner().invoke(app, ["paper", "fig4", "--out", str(tmp_path)])
+    assert answer.exit_code == 1 and "the same command goes on with the basins" in " ".join(answer.output.split())
 
 
 def test_a_manifold_is_grown_here_told_and_drawn(tmp_path):

@@ -1,17 +1,16 @@
 """Each figure at a tiny size: its numbers carry what the paper says, or what docs/paper/figures.md says instead."""
 
-import contextlib
 import json
 import math
-import threading
 
 import numpy as np
 import pytest
 from matplotlib.image import imread
 
+from rattle import here
 from rattle.paper import machine, machine_sweep
 from rattle.paper.figures import fig1, fig11, fig17
-from rattle.paper.production import produce
+from rattle.paper.production import produce, store_name
 from rattle.paper.registry import PAPER_FIGURES, figure_named
 from rattle_kernels import CellGrid, Oscillator, next_impacts
 from worker.errors import InvalidJob, JobCancelled
@@ -23,15 +22,17 @@ def ignore(*progress):
     pass
 
 
-def no_cluster():
-    raise AssertionError("a cluster was asked for where nothing is missing")
-
-
-def produced(name, folder, client=None, report=ignore):
-    connect = no_cluster if client is None else lambda: contextlib.nullcontext(client)
-    done = produce(figure_named(name), folder, SMALL, connect, report=report, cancel=threading.Event())
+def produced(name, folder, report=ignore):
+    done = produce(figure_named(name), folder, SMALL, report=report, workers=2)
     assert imread(done.picture).size > 100_000
     return json.loads(done.numbers.read_text())
+
+
+def produced_again(name, folder):
+    """From the basins that are there: none is computed."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(here, "run_here", None)
+        return produced(name, folder)
 
 
 def shares(panel):
@@ -47,8 +48,8 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def fig7(client, folder):
-    return produced("fig7", folder, client)
+def fig7(folder):
+    return produced("fig7", folder)
 
 
 def test_both_models_of_fig7_have_permanent_contact_and_p110_and_only_the_stiff_one_p120(fig7):
@@ -70,8 +71,8 @@ def test_what_fig7_shows_as_chaos_at_kappa_1e6_is_a_transient_of_six_thousand_im
     assert abs(transient["mean_life_impacts"] - 6100) < 4 * transient["mean_life_error"] < 1500
 
 
-def test_fig6_draws_near_to_the_impacting_model_as_stiffness_grows_and_its_stores_are_shared(fig7, client, folder):
-    panels = produced("fig6", folder, client)["panels"]
+def test_fig6_draws_near_to_the_impacting_model_as_stiffness_grows_and_its_stores_are_shared(fig7, folder):
+    panels = produced("fig6", folder)["panels"]
     quiet_or_not = [panel["differs_from_impacting"]["quiet_or_not"] for panel in panels.values()]
     quiet_or_not.append(fig7["differs_from_impacting"]["quiet_or_not"])
     assert np.all(np.diff(quiet_or_not) < 0.0) and quiet_or_not[0] > 0.4 and quiet_or_not[-1] < 0.06
@@ -79,7 +80,7 @@ def test_fig6_draws_near_to_the_impacting_model_as_stiffness_grows_and_its_store
     common = {"permanent contact", "P(1,1,0)", "P(1,2,0)"}
     assert names == [common | more for more in ({"P(1,1,1)"}, {"P(1,1,1)", "P(3,3,2)"}, {"P(6,6,4)"}, {"P(2,2,1)"})]
     assert len(list(folder.glob("impacting-*.zarr"))) == 1
-    assert produced("fig6", folder)["panels"] == panels
+    assert produced_again("fig6", folder)["panels"] == panels
 
 
 def test_a_motion_of_fig4_swings_back_one_leaves_after_several_maxima_and_one_stays(tmp_path):
@@ -111,8 +112,8 @@ def names_of(numbers):
     return {name: set(shares(panel)) for name, panel in numbers["panels"].items()}
 
 
-def test_rattle_of_fig8_is_born_at_the_bound_and_coexists_with_quiet_alone_at_first(client, tmp_path):
-    numbers = produced("fig8", tmp_path, client)
+def test_rattle_of_fig8_is_born_at_the_bound_and_coexists_with_quiet_alone_at_first(tmp_path):
+    numbers = produced("fig8", tmp_path)
     names, quiet = names_of(numbers), "permanent contact"
     assert numbers["values"] == [0.056, 0.0615, 0.067, 0.0725, 0.078, 0.0835, 0.089, 0.0945, 0.1]
     assert names["eccentricity 0.056"] == {quiet}
@@ -122,11 +123,11 @@ def test_rattle_of_fig8_is_born_at_the_bound_and_coexists_with_quiet_alone_at_fi
     before, after = changes(numbers, "birth")["P(1,1,0)"]
     assert before < 0.0596431 < after and "P(1,1,0)" not in changes(numbers, "death")
     assert len(list(tmp_path.glob("*-over-eccentricity-*.zarr"))) == 1
-    assert produced("fig8", tmp_path) == numbers
+    assert produced_again("fig8", tmp_path) == numbers
 
 
-def test_solutions_of_fig9_die_where_the_paper_says_until_all_is_quiet(client, tmp_path):
-    numbers = produced("fig9", tmp_path, client)
+def test_solutions_of_fig9_die_where_the_paper_says_until_all_is_quiet(tmp_path):
+    numbers = produced("fig9", tmp_path)
     names, died = names_of(numbers), changes(numbers, "death")
     assert names["damping 0.7"] == {"permanent contact"}
     assert died["P(1,2,0)"] == (0.575, 0.6) and died["P(1,3,0)"] == (0.5, 0.525)
@@ -166,8 +167,8 @@ def test_what_fig5_puts_back_to_cell_centres_goes_another_way_than_what_it_does_
     assert true[3] == pytest.approx([float(landed.t), float(landed.v)], abs=1e-10)
 
 
-def test_p120_of_fig10_ends_in_a_saddle_node_and_its_basin_with_it(client, folder):
-    numbers = produced("fig10", folder, client)
+def test_p120_of_fig10_ends_in_a_saddle_node_and_its_basin_with_it(folder):
+    numbers = produced("fig10", folder)
     assert numbers["saddle_node"]["damping"] == pytest.approx(0.5997157625984, abs=1e-11)
     assert numbers["last_followed"] == pytest.approx(0.5997, abs=1e-9)
     orbits = {label: [orbit["attracts"] for orbit in panel["orbits"]] for label, panel in numbers["panels"].items()}
@@ -190,24 +191,24 @@ def test_motions_of_fig11_depend_on_the_way_and_its_points_are_the_papers(tmp_pa
     assert points["C"] == pytest.approx(0.5922073480957, abs=1e-11)
 
 
-def test_chaos_of_fig12_coexists_with_p332_which_lives_between_its_birth_and_its_doubling(client, folder):
-    numbers = produced("fig12", folder, client)
+def test_chaos_of_fig12_coexists_with_p332_which_lives_between_its_birth_and_its_doubling(folder):
+    numbers = produced("fig12", folder)
     assert shares(numbers).keys() >= {"P(3,3,2)", "chaotic transient", "P(1,1,0)", "P(1,2,0)", "permanent contact"}
     window = numbers["windows"]["P(3,3,2)"]
     assert [(side, window[side]["kind"]) for side in window] == [("below", "saddle-node"), ("above", "period doubling")]
     assert window["below"]["damping"] < 0.527 < window["above"]["damping"]
 
 
-def test_the_orbit_of_fig13_is_about_to_graze_and_has_lost_its_basin(client, folder):
-    before, at = produced("fig13", folder, client)["panels"].values()
+def test_the_orbit_of_fig13_is_about_to_graze_and_has_lost_its_basin(folder):
+    before, at = produced("fig13", folder)["panels"].values()
     assert before["orbit"]["name"] == "P(2,2,1)" and shares(before)["P(2,2,1)"] > 0.25
     assert at["orbit"]["name"] == "P(4,4,2)" and at["orbit"]["grazing_distance"] < 1e-4
     assert shares(at).get("P(4,4,2)", 0.0) < 0.001 and shares(at)["P(24,24,14)"] > 0.23
     assert at["windows"]["P(24,24,14)"]["above"]["damping"] < 0.592207
 
 
-def test_manifolds_of_figs_14_to_16_are_the_boundaries_and_preimages_only_some(client, folder):
-    fig14, fig15, fig16 = (produced(name, folder, client) for name in ("fig14", "fig15", "fig16"))
+def test_manifolds_of_figs_14_to_16_are_the_boundaries_and_preimages_only_some(folder):
+    fig14, fig15, fig16 = (produced(name, folder) for name in ("fig14", "fig15", "fig16"))
     orders = [order["share_of_boundaries"] for order in fig14["orders"]]
     assert orders == sorted(orders) and fig14["share_of_boundaries"] < 0.7
     assert [each["saddle"]["name"] for each in fig15["manifolds"].values()] == ["P(1,1,0)", "P(1,1,1)"]
@@ -226,20 +227,18 @@ def test_manifolds_of_fig17_reach_v_40_where_an_impact_costs_4_beta_delta(tmp_pa
     assert least < 4 * 0.6 * 0.6 < greatest < least + 0.06
 
 
-def test_a_figure_that_is_cancelled_stops_and_is_resumed(client, tmp_path):
-    cancel = threading.Event()
+def test_a_figure_that_is_stopped_goes_on_where_it_was(tmp_path):
+    def stop_at_the_second(what, done, total):
+        if what.startswith("basin 2"):
+            raise JobCancelled("enough")
 
-    def cancel_soon(what, done, total):
-        if done:
-            cancel.set()
-
-    with pytest.raises(JobCancelled):
-        produce(
-            figure_named("fig6"), tmp_path, SMALL, lambda: contextlib.nullcontext(client), report=cancel_soon,
-            cancel=cancel,
-        )  # fmt: skip
-    assert not list(tmp_path.glob("fig6.*")) and len(list(tmp_path.glob("*.zarr"))) == 5
-    assert len(produced("fig6", tmp_path, client)["panels"]) == 4
+    with pytest.raises(JobCancelled, match="enough"):
+        produced("fig6", tmp_path, stop_at_the_second)
+    assert not list(tmp_path.glob("fig6.*"))
+    first = tmp_path / store_name(figure_named("fig6").basins(SMALL)["kappa 1e2"])
+    before = {path: path.stat().st_mtime_ns for path in first.rglob("*")}
+    assert before and len(produced("fig6", tmp_path)["panels"]) == 4
+    assert {path: path.stat().st_mtime_ns for path in first.rglob("*")} == before
 
 
 def test_a_figure_that_is_not_there_is_refused_and_those_that_are_listed():
@@ -247,21 +246,21 @@ def test_a_figure_that_is_not_there_is_refused_and_those_that_are_listed():
         figure_named("fig99")
 
 
-def test_the_machine_s_basins_are_told_by_share_with_their_lowest_rattle(folder, client, monkeypatch):
+def test_the_machine_s_basins_are_told_by_share_with_their_lowest_rattle(folder, monkeypatch):
     monkeypatch.setattr(machine, "_DAMPINGS", {"delta 0.06": 0.06, "delta 6e-3": 6e-3})
-    for panel in produced("machine", folder, client)["panels"].values():
+    for panel in produced("machine", folder)["panels"].values():
         told = [solution["share"] for solution in panel["solutions"]]
         assert told == sorted(told, reverse=True) and sum(told) == pytest.approx(1.0)
         assert {"permanent contact", "P(1,2,0)"} <= {solution["name"] for solution in panel["solutions"]}
         assert 0.2 < panel["least_rattle"]["velocity"] / panel["oscillator"]["damping"] < 3.0
 
 
-def test_quiet_of_the_machine_grows_with_damping_and_falls_with_eccentricity(folder, client, monkeypatch):
+def test_quiet_of_the_machine_grows_with_damping_and_falls_with_eccentricity(folder, monkeypatch):
     monkeypatch.setattr(machine_sweep, "_MACHINE", machine.machine_oscillator(6e-3))
     monkeypatch.setattr(machine_sweep, "_DAMPINGS", (6e-3, 12e-3))
     monkeypatch.setattr(machine_sweep, "_ECCENTRICITIES", (0.4e-3, 1e-3))
     monkeypatch.setattr(machine_sweep, "_POINTS", 128)
-    panels = produced("machine-sweep", folder, client)["panels"]
+    panels = produced("machine-sweep", folder)["panels"]
     quiet = np.array([panel["quiet"] for panel in panels]).reshape(2, 2)
     assert (quiet[1] > quiet[0]).all() and (quiet[:, 0] > quiet[:, 1]).all()
     for panel in panels:
