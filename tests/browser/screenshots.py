@@ -160,13 +160,13 @@ def slide(explorer):
 def move_tooth(explorer):
     """Stills of the tooth: as it departs, and as it strikes each side."""
     finished(explorer)
-    explorer.page.mouse.click(*explorer.spot(0.88, 0.5))
+    explorer.page.mouse.click(*explorer.spot(0.2, 0.53))
     expect(explorer.page.locator("#histories")).to_contain_text("A The motion")
     explorer.page.locator("#play").click()
     chart = explorer.page.locator("#histories svg")
     strikes = [
         chart.locator(f"circle.first >> nth={number}").evaluate("dot => [dot.cx.baseVal.value, dot.cy.baseVal.value]")
-        for number in range(6)
+        for number in range(12)
     ]
     lowest = max(y for _, y in strikes)
     lower = next(x for x, y in strikes if y == lowest)

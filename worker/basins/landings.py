@@ -14,7 +14,11 @@ CATALOGUE_ROUNDS = 3
 
 
 def name_landings(
-    oscillator: Oscillator, attractors: tuple[Attractor, ...], images: CellImages, pause: Callable[[], None]
+    oscillator: Oscillator,
+    attractors: tuple[Attractor, ...],
+    images: CellImages,
+    pause: Callable[[], None],
+    name: Callable[..., np.ndarray] = name_solutions,
 ) -> tuple[np.ndarray, Seeds]:
     """Solution of each cell, and some of the landing points that reached no attractor.
 
@@ -26,6 +30,8 @@ def name_landings(
     images : CellImages
     pause : callable
         Called several times a second; an exception raised there ends the work.
+    name : callable
+        As `rattle_kernels.name_solutions`.
 
     Returns
     -------
@@ -37,7 +43,7 @@ def name_landings(
     solution = np.full(image.shape, UNASSIGNED, np.int16)
     solution[image == PERMANENT_CONTACT] = 0
     landed = image >= SINK
-    solution[landed] = name_solutions(oscillator, attractors, t[landed], v[landed], pause=pause)
+    solution[landed] = name(oscillator, attractors, t[landed], v[landed], pause)
     unassigned = (solution == UNASSIGNED) & landed
     kinds = [attractor.kind for attractor in attractors]
     if AttractorKind.UNDECIDED in kinds:

@@ -9,15 +9,20 @@ import numpy as np
 
 from rattle_kernels import Attractor, CellGrid, CellImages, Oscillator, find_attractors, map_cells
 from rattle_kernels.attractors.classify import coarser_boxes
+from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import Seeds, choose_seeds
-from worker.basins.landings import CATALOGUE_ROUNDS, name_landings, with_undecided
+from rattle_kernels.numerics.phase import wrap_all
+from worker.basins.landings import name_landings, with_undecided
 from worker.basins.preview_request import PreviewRequest
 
 # A job follows thousands of seeds for thousands of impacts each, which takes longer than all cells of a preview.
 # Attractors that these seeds miss show up as unassigned landing points.
-_MOST_SEEDS = 64
+_MOST_SEEDS = 24
 _CATALOGUES_KEPT = 8
+_ROUNDS = 2
+# A job carries points on long transients through 32 legs of some 4000 impacts; what is left here is undecided.
+_LEGS = 2
 
 Catalogue = tuple[Attractor, ...]
 
@@ -96,17 +101,24 @@ def _named(oscillator: Oscillator, images: CellImages, pause: Callable[[], None]
     unassigned = choose_seeds(oscillator, images.landing_time, images.landing_velocity)
     attractors = _known.of(oscillator)
     if attractors:
-        solution, unassigned = name_landings(oscillator, attractors, images, pause)
-    for _ in range(CATALOGUE_ROUNDS):
+        solution, unassigned = name_landings(oscillator, attractors, images, pause, _name_at_once)
+    for _ in range(_ROUNDS):
         if attractors and not unassigned.box.size:
             break
         seeds, known = _few(unassigned), attractors
         attractors = find_attractors(oscillator, seeds.time, seeds.velocity, known=known, pause=pause)
-        solution, unassigned = name_landings(oscillator, attractors, images, pause)
+        solution, unassigned = name_landings(oscillator, attractors, images, pause, _name_at_once)
     if (solution < 0).any():
         attractors = with_undecided(attractors)
         solution[solution < 0] = len(attractors) - 1
     return solution, attractors
+
+
+def _name_at_once(
+    oscillator: Oscillator, attractors: Catalogue, t: np.ndarray, v: np.ndarray, pause: Callable[[], None]
+) -> np.ndarray:
+    """Solution of each landing point, as `rattle_kernels.name_solutions` with fewer legs."""
+    return locate(oscillator, neighbourhoods(oscillator, attractors), wrap_all(t), v, _LEGS, pause).astype(np.int16)
 
 
 def _few(seeds: Seeds) -> Seeds:

@@ -186,7 +186,9 @@ function openPanel(panel) {
   if (panel === at.panel) return;
   at.panel = panel;
   sweep.moveTo(panel);
-  screen.look(screen.begin(jobs.job, panel), plane.view);
+  const oscillator = screen.begin(jobs.job, panel);
+  turn.show(oscillator);
+  screen.look(oscillator, plane.view);
   remember(true);
   jobs.again();
 }

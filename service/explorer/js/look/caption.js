@@ -31,8 +31,9 @@ function standing(picture, edited, job) {
   if (!picture) return { words: "", kind: "none" };
   const { time, velocity } = picture.outline;
   const cells = `${time.cells} × ${velocity.cells} cells`;
-  if (picture.isPreview && edited) return { words: `Preview, ${cells}: edited, not computed`, kind: "edited" };
-  if (picture.isPreview) return { words: `Preview, ${cells}${job ? "" : "; Compute refines it"}`, kind: "preview" };
+  const preview = picture.isPreview ? "Preview, " : "";
+  if (edited) return { words: `${preview}${cells}: edited, not computed`, kind: "edited" };
+  if (preview) return { words: `${preview}${cells}${job ? "" : "; Compute refines it"}`, kind: "preview" };
   const k = job ? `, k = ${job.request.iterations}` : "";
   return { words: `${cells}${k}`, kind: picture.outline.complete ? "complete" : "coming" };
 }
