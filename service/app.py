@@ -27,13 +27,12 @@ from service.records.keys import KeyRing, Keys
 from service.records.revisions import Revisions
 from service.records.threads import DatabaseThreads
 from service.routes import (
-    api_page,
     checks,
     events,
-    explorer,
     health,
     jobs,
     metrics,
+    pages,
     previews,
     results,
     trajectories,
@@ -121,9 +120,9 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(Access)
     install_error_handlers(app)
     app.include_router(submission_router())
-    for each in (checks, previews, trajectories, jobs, events, results, viewer, health, metrics, explorer, api_page):
+    for each in (checks, previews, trajectories, jobs, events, results, viewer, health, metrics, pages):
         app.include_router(each.router)
-    app.mount("/explorer", explorer.files)
-    app.mount("/docs", api_page.files)
+    app.mount("/explorer", pages.explorer_files)
+    app.mount("/docs", pages.api_page_files)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]
     return app
