@@ -236,8 +236,9 @@ def plot_basin(
         swept = ", ".join(each.parameter for each in job_of(dataset).vary)
         raise InvalidJob(f"this is a sweep over {swept}: choose a basin by basin_of(sweep, ...), then draw it")
     axes = plt.gca() if ax is None else ax
-    if ax is None and axes.figure.get_layout_engine() is None:
-        axes.figure.set_layout_engine("constrained")  # room for the legend beside the axes, in files as well
+    figure = axes.get_figure(root=True)
+    if ax is None and figure is not None and figure.get_layout_engine() is None:
+        figure.set_layout_engine("constrained")  # room for the legend beside the axes, in files as well
     attractors, extent = attractors_of(dataset), _extent(dataset)
     every = slice(None, None, max(1, -(-max(dataset.solution.shape) // _MOST_CELLS)))
     thinned = dataset[["solution", "group"]].isel(time=every, velocity=every)
