@@ -11,7 +11,9 @@ from worker.errors import InvalidJob, Place
 SHORTEST_FLIGHT = 2.0**-40
 """Phases are stored to 2^-53 of a period. A flight of 2^-40 is then known to four digits."""
 # Capture is looked for from the grazing speed, 2 beta delta, down to 3.5e-7 (0.8^(200/3)) of it.
-_LARGEST_DRAG = 2.0**20
+_LARGEST_DRAG = 2.0**18
+# Below it the speed of capture falls like the square of the damping.
+_STRONG = 0.6
 FOLLOWED = 130_000
 """Impacts after which a motion that has not settled is undecided."""
 
@@ -37,13 +39,16 @@ def check_decidable(oscillator: Oscillator) -> Oscillator:
     if damping > 1.0 / SHORTEST_FLIGHT:
         why = "a bounce lasts 1/damping, and double precision does not resolve a shorter one"
         raise _outside("damping", damping, "resolution", 1.0 / SHORTEST_FLIGHT, "at most 2^40", why)
-    least, most = 4.0 * math.pi * damping * SHORTEST_FLIGHT**2, _LARGEST_DRAG / damping
+    least = 4.0 * math.pi * damping * SHORTEST_FLIGHT**2
+    most = _LARGEST_DRAG * min(1.0, (damping / _STRONG) ** 2) / damping
     if half_backlash < least:
         why = "double precision does not resolve the flight from wall to wall of a narrower backlash"
         raise _outside("half_backlash", half_backlash, "resolution", least, "at least 4 pi damping 2^-80", why)
     if half_backlash > most:
         why = "the bounces by which motions fall quiet are too low beside a wider backlash to be told apart"
-        raise _outside("half_backlash", half_backlash, "capture", most, "at most 2^20/damping", why)
+        raise _outside(
+            "half_backlash", half_backlash, "capture", most, "at most 2^18 min(1, (damping/0.6)^2)/damping", why
+        )
     return oscillator
 
 

@@ -13,7 +13,6 @@ from typer.core import TyperGroup
 from rattle.cli.console import give_up, out
 from rattle.cli.strict_command import StrictCommand
 from rattle.processor import use_whole_registers
-from worker.errors import InvalidSettings
 from worker.kinds import KINDS
 
 _OTHER_COMMANDS = {
@@ -91,7 +90,13 @@ class _OnDemand(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
-        except InvalidSettings as error:
+        except ValueError as error:
+            from worker.errors import (
+                InvalidSettings,
+            )  # loads Numba, which commands that only call a service do not need
+
+            if not isinstance(error, InvalidSettings):
+                raise
             give_up(str(error), 2)
 
 

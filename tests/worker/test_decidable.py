@@ -3,7 +3,8 @@
 import pytest
 
 from rattle_kernels import CellGrid, Oscillator, OutsideDomain
-from worker.decidable import FOLLOWED
+from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
+from worker.decidable import FOLLOWED, check_decidable
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.bifurcation_job import BifurcationJob
@@ -17,8 +18,8 @@ from worker.jobs.trajectory_request import TrajectoryRequest
     [
         ({"damping": 1e15}, "damping must be at most 2^40 = 1.09951e+12, not 1e+15"),
         ({"half_backlash": 1e-300}, "half_backlash must be at least 4 pi damping 2^-80 = 6.2"),
-        ({"half_backlash": 1e9}, "half_backlash must be at most 2^20/damping = 1.74763e+06, not 1e+09"),
-        ({"damping": 1e10}, "half_backlash must be at most 2^20/damping = 0.000104858, not 0.6"),
+        ({"half_backlash": 1e9}, "^2)/damping = 436907, not 1e+09"),
+        ({"damping": 1e10}, "^2)/damping = 2.62144e-05, not 0.6"),
     ],
 )
 def test_an_oscillator_beyond_double_precision_is_refused_with_the_bound(oscillator, told):
@@ -52,11 +53,19 @@ def test_speeds_of_analyses_have_a_bound_too():
         GrazingCurveJob.from_request({"oscillator": {"half_backlash": 1e-12}})
 
 
+@pytest.mark.parametrize("damping", [0.1, 0.6, 1e3, 1e6])
+def test_below_the_bound_of_the_backlash_something_is_captured(damping):
+    limit = 2.0**18 * min(1.0, (damping / 0.6) ** 2) / damping
+    assert capture_bound(check_decidable(Oscillator(damping=damping, eccentricity=0.01, half_backlash=limit))) > 0.0
+    with pytest.raises(OutsideDomain):
+        check_decidable(Oscillator(damping=damping, half_backlash=1.001 * limit))
+
+
 @pytest.mark.parametrize(
     ("oscillator", "velocity"),
     [
         (Oscillator(half_backlash=1e-12), 3e-7),
-        (Oscillator(damping=1e6), 7.0),
+        (Oscillator(damping=4e5), 7.0),
         pytest.param(Oscillator(), 1.8e5, marks=pytest.mark.slow),
     ],
 )

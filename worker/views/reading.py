@@ -99,8 +99,10 @@ def _labelled(dataset: xr.Dataset) -> xr.Dataset:
 
     netCDF knows no others.
     """
-    oscillator = json.loads(dataset.attrs["request"]).get("oscillator", {})
-    parameters = {name: value for name, value in oscillator.items() if not isinstance(value, bool)}
+    request = json.loads(dataset.attrs["request"])
+    vary = request.get("vary", [])
+    swept = [each["parameter"] for each in (vary if isinstance(vary, list) else [vary])]
+    parameters = {name: value for name, value in request.get("oscillator", {}).items() if name not in swept}
     attributes = {name: _plain(value) for name, value in (dataset.attrs | parameters).items()}
     names = [name for name in ("name",) if name in dataset.data_vars]
     return dataset.set_coords(names).assign_attrs(attributes)
@@ -160,7 +162,7 @@ def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
         oscillator=job.oscillator._replace(**at), grid=job.grid, iterations=job.iterations, sample=job.sample
     )
     request = {"request": json.dumps(alone.request()), "request_sha256": alone.digest}
-    return dataset.isel(place).assign_attrs(request)
+    return dataset.isel(place).assign_attrs(request | at)
 
 
 def _index_of(swept: SweptParameter, value: float) -> int:
@@ -251,6 +253,9 @@ def plot_basin(
         swept = ", ".join(each.parameter for each in job_of(dataset).vary)
         raise InvalidJob(f"this is a sweep over {swept}: choose a basin by basin_of(sweep, ...), then draw it")
     axes = plt.gca() if ax is None else ax
+    figure = axes.get_figure(root=True)
+    if ax is None and figure is not None and figure.get_layout_engine() is None:
+        figure.set_layout_engine("constrained")  # room for the legend beside the axes, in files as well
     attractors, extent = attractors_of(dataset), _extent(dataset)
     shown = thinned(dataset)
     image = colours.paint_cells(shown.solution, shown.group, attractors)
