@@ -44,7 +44,7 @@ const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed
 const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds) });
 const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
 const jobs = new Jobs({ changed: lifeChanged, begun, drawn });
-const motions = new Motions(by("history"), plane, marks, () => screen.oscillator, () => remember(false));
+const motions = new Motions(by("history"), plane, marks, () => screen.wanted, () => remember(false));
 const hover = new Hover(plane, marks, () => screen.oscillator, { reading: by("reading"), sentence: by("sentence") });
 const overlays = new OverlayList(by("overlays"), plane, () => remember(false));
 const sweep = new Sweep(by("sweep"), openPanel);

@@ -83,7 +83,7 @@ export class Screen {
   /** Show no pictures: what is shown has no cells. */
   clear() {
     this.live.drop();
-    this.oscillator = this.opened = null;
+    this.oscillator = this.wanted = this.opened = null;
     this.plane.clear();
   }
 
