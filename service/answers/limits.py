@@ -30,7 +30,7 @@ def job_from(job_class: type[Job], body: dict[str, Any], settings: Settings) -> 
         Naming the field at fault, or the limit.
     """
     job = job_class.from_request(body, partial(_check_size, settings=settings))
-    expected = estimate(job, settings.workers)
+    expected = estimate(job, settings.workers, measuring=False)  # nothing is compiled while a client waits
     if expected.seconds > 3600.0 * settings.max_hours:
         most = f"the limit of {settings.max_hours:g} hours (RATTLE_MAX_HOURS)"
         raise LimitExceeded(f"this takes {expected} on {settings.workers} workers: more than {most}")

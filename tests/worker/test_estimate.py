@@ -71,3 +71,9 @@ def test_every_kind_has_an_estimate(kind):
     }.get(kind, {})
     found = estimate(KINDS[kind].job_class.from_request(fields))
     assert found.seconds > 0 and found.bytes > 0 and "before compression" in str(found)
+
+
+def test_nothing_is_measured_where_a_client_waits(monkeypatch):
+    monkeypatch.setattr(estimates, "_measured", {})
+    monkeypatch.setattr(estimates, "next_impacts", None)  # would compile
+    assert estimate(basin(100, iterations=1499), measuring=False).seconds == pytest.approx(100**2 * 1499 / 1e7)

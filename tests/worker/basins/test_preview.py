@@ -5,6 +5,7 @@ import threading
 import numpy as np
 import pytest
 import xarray as xr
+from pydantic import ValidationError
 
 from rattle_kernels import OutsideDomain
 from worker.basins.pipeline import run_basin
@@ -79,7 +80,7 @@ def test_it_stops_where_it_is_asked_to():
     [
         ({"iterations": 128}, InvalidJob, "1 or a prime"),
         ({"oscillator": {"eccentricity": 0.5}}, OutsideDomain, "eccentricity"),
-        ({"grid": {"velocity": {"start": 3, "stop": 2}}}, InvalidJob, "velocity"),
+        ({"grid": {"velocity": {"start": 3, "stop": 2}}}, ValidationError, "velocity"),
         ({"oscillator": {"model": "piecewise_linear", "stiffness": 100, "eccentricity": 0.16}}, OutsideDomain, "allow"),
     ],
 )

@@ -154,20 +154,21 @@ def test_few_tasks_are_in_flight_and_few_panels_under_way_however_many_there_are
     job = SweepJob(grid=CellGrid(time_cells=8, velocity_cells=8), iterations=1, vary=(damping,))
     in_flight, under_way = [], []
     take = Schedule.take
-    submit = client.submit
+    submit = client.map
     futures = []
 
-    def watched_submit(*arguments, **options):
-        futures.append(submit(*arguments, **options))
+    def watched_map(*arguments, **options):
+        submitted = submit(*arguments, **options)
+        futures.extend(submitted)
         in_flight.append(sum(not future.done() for future in futures))
-        return futures[-1]
+        return submitted
 
     def watched_take(run, task, receipt):
         futures[:] = [future for future in futures if not future.done()]
         under_way.append(len(run.basins))
         take(run, task, receipt)
 
-    monkeypatch.setattr(client, "submit", watched_submit)
+    monkeypatch.setattr(client, "map", watched_map)
     monkeypatch.setattr(Schedule, "take", watched_take)
     assert run(job, tmp_path / "sweep.zarr", client).complete
     assert max(in_flight) <= Driver(client).window_size <= 4
