@@ -85,9 +85,11 @@ async def refuse_unknown_parameters(request: Request) -> None:
     RequestValidationError
         It lists those that the route has.
     """
-    if not request.query_params:
+    route = request.scope["route"]
+    # The pages read their own addresses: the explorer's holds what is seen.
+    if not request.query_params or not route.include_in_schema:
         return
-    known = sorted(each.alias for each in request.scope["route"].dependant.query_params)
+    known = sorted(each.alias for each in route.dependant.query_params)
     takes = f"this address takes {', '.join(known)}" if known else "this address takes none"
     unknown = [name for name in request.query_params if name not in known]
     if unknown:

@@ -28,3 +28,8 @@ def test_its_files_are_swagger_uis_under_its_licence(service):
     assert "SwaggerUIBundle" in bundle[:1000] and ".swagger-ui" in style
     assert "Apache License" in service.request("GET", "/docs/swagger-ui.LICENSE").text
     assert not re.search(r"url\(\s*[\"']?https?:|@import", style)
+
+
+def test_the_pages_take_addresses_that_hold_what_is_seen(service):
+    assert service.request("GET", "/?job=0123&window=0,1").status_code == 200
+    assert service.request("GET", "/docs?x=1").status_code == 200
