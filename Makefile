@@ -21,7 +21,7 @@ install = { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install --yes 
 # Tests of one file share what they have built.
 ON_TWO_CORES := --numprocesses 2 --dist loadfile
 
-.PHONY: help demo test test-pythons test-processors test-slow test-faults test-load test-backends test-containers test-hosts test-browser screenshots check bench serve openapi settings lock clean
+.PHONY: help demo test test-pythons test-processors test-slow test-faults test-load test-backends test-containers test-hosts test-browser screenshots check check-explorer bench serve openapi settings lock clean
 
 help:  ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -74,15 +74,27 @@ test-hosts: $(READY)  ## the compose file's commands as hosts of a network, and 
 	@command -v nginx >/dev/null || ls /usr/sbin/nginx >/dev/null 2>&1 || $(call install,nginx-light)
 	$(BIN)/python -m pytest tests/hosts -m hosts --timeout 1200
 
-test-browser: $(READY)  ## the explorer in the system's Chromium
+test-browser: $(READY) node_modules  ## the explorer in the system's Chromium
 	@command -v chromium >/dev/null || $(call install,chromium fonts-dejavu-core)
 	$(BIN)/python -m pytest tests/browser -m browser
 
 screenshots: $(READY)  ## pictures of every state of the explorer: screenshots, and the README's in docs/pictures
 	@command -v chromium >/dev/null || $(call install,chromium fonts-dejavu-core)
+	$(BIN)/python -m tests.browser.thumbnails
 	$(BIN)/python -m tests.browser.screenshots
 
-check: $(READY)  ## formatting, lint, types, import layers, spelling
+# ESLint, TypeScript's type check and axe, for the explorer's scripts and its tests.
+node_modules: package-lock.json
+	@command -v npm >/dev/null || $(call install,nodejs npm)
+	npm ci --no-audit --no-fund --silent
+	@touch node_modules
+
+check-explorer: node_modules  ## unit tests, lint and types of the explorer's scripts
+	npm run --silent lint
+	npm run --silent types
+	npm run --silent test
+
+check: $(READY) check-explorer  ## formatting, lint, types, import layers, spelling
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy

@@ -23,6 +23,7 @@ _HOMES = {
     "rattle.remote.failure": ("ServiceFailed",),
     "rattle.results.kept": ("cache",),
     "rattle_kernels": ("Oscillator", "OutsideDomain"),
+    "worker.estimate": ("estimate",),
     "worker.errors": ("WorkerError", "InvalidJob", "NotFound", "JobCancelled"),
     "worker.progress": ("Progress",),
     "worker.jobs.basin_job": ("BasinJob", "SweepJob"),

@@ -14,11 +14,13 @@ from rattle.results.kept import cache
 from rattle.results.opening import open
 from rattle.results.trajectories import TRAJECTORY_EXAMPLE, dataset_of, trajectory_arguments, trajectory_request
 from rattle.verb import VERBS, Verb, described
+from worker.estimate import estimate
 from worker.jobs.job import Job
 from worker.kinds import KINDS
 from worker.progress import Report
 from worker.stores.opening import is_complete
 
+_LARGE_SECONDS = 60.0
 _HERE = (
     Argument("store", str | Path | None, None, "Where the result lies; by default in `rattle.cache`"),
     Argument("workers", int | None, None, "Threads; by default one for each core"),
@@ -83,9 +85,21 @@ def compute(
             run_here(job, location, progress, **where)
         else:
             unit = "tiles" if KINDS[job.kind].analysis is None else "pieces"
-            with progress_line(_console(progress), unit) as line:
+            console = _console(progress)
+            if not console.quiet:
+                _announce(job, workers, console)
+            with progress_line(console, unit) as line:
                 run_here(job, location, line.report, compiling=line.compiling, **where)
     return open(location)
+
+
+def _announce(job: Job, workers: int | None, console: Console) -> None:
+    """Say what large work takes, before it begins."""
+    from rattle.here import usable_cores
+
+    expected = estimate(job, workers or usable_cores())
+    if expected.seconds > _LARGE_SECONDS:
+        console.print(f"this takes {expected}", highlight=False)
 
 
 def _console(progress: bool) -> Console:

@@ -7,11 +7,13 @@ from collections.abc import AsyncIterator
 from importlib.metadata import version
 
 from anyio import to_thread
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
+from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
 from rattle_kernels import warm_up_curves
 from service.answers.event_feed import EventFeed
 from service.answers.job_views import JobViews
+from service.answers.previews import Previews
 from service.answers.readiness import Probe, Probes
 from service.api_document import describe
 from service.middleware.access import Access
@@ -27,20 +29,27 @@ from service.records.threads import DatabaseThreads
 from service.routes import (
     checks,
     events,
-    explorer,
     health,
     jobs,
     metrics,
+    pages,
+    previews,
     results,
     trajectories,
     viewer,
 )
+from service.routes.dependencies import refuse_unknown_parameters
 from service.routes.submissions import submission_router
 from service.runner.process import RunnerProcess
 from service.settings import Settings
+from worker.estimate import measured_speed
 
 # Compiled kernels load in a third of a second. Compiling them takes ten, and a stopping service does not wait for that.
 _LOADED_SECONDS = 2.0
+# The state of a job is smaller, and is read a hundred times as often as anything else.
+_LEAST_COMPRESSED = 4096
+# Chunks of stores are compressed already, and tiles by their route.
+_NOT_COMPRESSED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "application/octet-stream", "application/pdf")
 
 _DESCRIPTION = """Basins of attraction of a rattling gear pair.
 
@@ -48,6 +57,14 @@ Submit a basin, a sweep or an analysis, follow its job, read the result: a summa
 (`xarray.open_zarr(".../v1/jobs/ID/result.zarr")`). A single motion is computed while the client waits. Time counts
 forcing periods; everything else is nondimensional.
 """
+
+
+def _load_kernels() -> None:
+    """Load what outlines and estimates need."""
+    warm_up_curves()
+    for stiff in (False, True):
+        for together in (True, False):
+            measured_speed(stiff, together)
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -67,6 +84,7 @@ def create_app(settings: Settings) -> FastAPI:
         engine, sessions = open_database(settings.database)
         app.state.jobs = Jobs(sessions, settings.quotas)
         app.state.views = JobViews(Revisions(engine), app.state.jobs)
+        app.state.previews = Previews()
         app.state.threads = DatabaseThreads(near=engine.dialect.name == "sqlite")
         app.state.key_ring = KeyRing(Keys(sessions), settings.keys_required)
         app.state.events = Events(sessions)
@@ -75,7 +93,7 @@ def create_app(settings: Settings) -> FastAPI:
         app.state.probes = Probes(Probe(app.state.jobs.answers, False), app.state.runner.workers)
         app.state.runner.start()
         # Otherwise the first request for an outline would wait for the kernels.
-        loading = threading.Thread(target=warm_up_curves, name="rattle-kernels", daemon=True)
+        loading = threading.Thread(target=_load_kernels, name="rattle-kernels", daemon=True)
         loading.start()
         # Objects loaded so far stay. The garbage collector would scan them otherwise and delay responses by 150 ms.
         gc.freeze()
@@ -89,17 +107,22 @@ def create_app(settings: Settings) -> FastAPI:
 
     app = FastAPI(
         title="gear-rattle", version=version("gear-rattle"), description=_DESCRIPTION, lifespan=lifespan,
-        license_info={"name": "BSD-3-Clause", "identifier": "BSD-3-Clause"},
+        license_info={"name": "BSD-3-Clause", "identifier": "BSD-3-Clause"}, docs_url=None, redoc_url=None,
+        dependencies=[Depends(refuse_unknown_parameters)],
     )  # fmt: skip
     app.state.settings = settings
     # The middleware added last sees a request first.
+    app.add_middleware(
+        GZipMiddleware, minimum_size=_LEAST_COMPRESSED, compresslevel=4, exclude_content_types=_NOT_COMPRESSED
+    )  # fmt: skip
     app.add_middleware(Authentication)
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)
     install_error_handlers(app)
     app.include_router(submission_router())
-    for each in (checks, trajectories, jobs, events, results, viewer, health, metrics, explorer):
+    for each in (checks, previews, trajectories, jobs, events, results, viewer, health, metrics, pages):
         app.include_router(each.router)
-    app.mount("/explorer", explorer.files)
+    app.mount("/explorer", pages.explorer_files)
+    app.mount("/docs", pages.api_page_files)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]
     return app

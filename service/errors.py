@@ -9,6 +9,10 @@ class NotReady(Exception):
     """The requested result does not exist yet."""
 
 
+class WrongKind(Exception):
+    """The job is of a kind that has nothing of what is requested."""
+
+
 class LimitExceeded(Exception):
     """The request is larger than this service allows."""
 

@@ -12,7 +12,7 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
 from rattle_kernels import OutsideDomain
-from service.errors import JobNotFound, LimitExceeded, NotReady, NotYours, TooMuch, Unstoppable
+from service.errors import JobNotFound, LimitExceeded, NotReady, NotYours, TooMuch, Unstoppable, WrongKind
 from service.records.engine import DatabaseError
 from worker.errors import (
     ClusterFailed,
@@ -38,6 +38,7 @@ _TABLE: dict[type[Exception], tuple[int, str]] = {
     TooMuch: (429, "too-much"),
     JobNotFound: (404, "not-found"),
     NotReady: (404, "not-ready"),
+    WrongKind: (409, "wrong-kind"),
     StoreConflict: (409, "store-conflict"),
     Unstoppable: (409, "still-stopping"),
     NotYours: (403, "not-yours"),
@@ -69,6 +70,22 @@ class MalformedBody(HTTPException):
     def __init__(self, status_code: int, message: str) -> None:
         super().__init__(status_code, f"body: {message}")
         self.errors = [{"location": ["body"], "message": message}]
+
+
+def without_paths(message: str, results: str) -> str:
+    """A message for clients, in which a store has only its name: where this service keeps its files is its own affair.
+
+    Parameters
+    ----------
+    message : str
+    results : str
+        Folder of all results.
+
+    Returns
+    -------
+    str
+    """
+    return message.replace(f"{results.rstrip('/')}/", "")
 
 
 def kind_of(error: Exception) -> str:
@@ -123,6 +140,7 @@ async def _known(request: Request, error: Exception) -> JSONResponse:
     status, kind = next(entry for known, entry in _TABLE.items() if isinstance(error, known))
     faults = faults_of(error)
     detail = _in_words(faults) if isinstance(error, InvalidFields) else str(error)
+    detail = without_paths(detail, request.app.state.settings.results)
     errors = [each for each in faults if each["location"] != ["body"]]
     headers = {"Retry-After": str(error.seconds)} if isinstance(error, TooMuch) else None
     return problem(status, kind, detail, request.url.path, errors, headers)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from pydantic import Field, PositiveInt
+from pydantic import Field, PositiveFloat, PositiveInt
 
 from service.logs import LogFormat
 from worker.cluster.settings import ClusterSettings
@@ -52,6 +52,9 @@ class Settings(ClusterSettings):
     max_basins: PositiveInt = Field(10_000, description="Most basins of a sweep")
     max_sweep_applications: PositiveInt = Field(1_000_000_000_000, description="Most cells times k of a whole sweep")
 
+    max_hours: PositiveFloat = Field(
+        100.0, description="Longest time that a job may be expected to take, by the measured speed of this machine"
+    )
     max_diagram_applications: PositiveInt = Field(10_000_000_000, description="Most impacts of a bifurcation diagram")
     max_diagram_points: PositiveInt = Field(20_000_000, description="Most departures that a bifurcation diagram stores")
     max_orbit_starts: PositiveInt = Field(1_000_000, description="Most cells times largest n+ of an orbit search")

@@ -2,6 +2,7 @@
 
 WorkerError
     InvalidJob       the request is at fault: correct it (also a ValueError)
+    InvalidSettings  a RATTLE_... variable or an option is at fault: the message names it (also a ValueError)
     NotFound         what was asked for is not there: the message tells what is, and what would be right
     StoreConflict    something else lies at the location: choose another, or delete it
     StoreFailed      the store could not be read or written: the message holds the system's reason; resume when mended
@@ -75,6 +76,10 @@ class InvalidFields(InvalidJob):
 
     def __reduce__(self) -> tuple[type, tuple[list[tuple[Place, str]]]]:
         return type(self), (self.faults,)
+
+
+class InvalidSettings(WorkerError, ValueError):
+    """A setting has a wrong value, or settings contradict each other."""
 
 
 class SweptOutsideDomain(OutsideDomain):

@@ -11,6 +11,7 @@ import typer
 from typer.core import TyperGroup
 
 from rattle.cli.console import give_up, out
+from rattle.cli.strict_command import StrictCommand
 from rattle.processor import use_whole_registers
 from worker.kinds import KINDS
 
@@ -29,7 +30,9 @@ _OTHER_COMMANDS = {
     ),
     "submit": ("remote", "Submit a request to a service; the same request again is the same job."),
     "jobs": ("remote", "List the service's jobs, newest first."),
+    "status": ("remote", "Show one job: its state, how far it is, and how long it will take."),
     "cancel": ("remote", "Stop a job; what it has computed stays readable."),
+    "delete": ("remote", "Stop a job, and delete it with its result."),
     "keys": ("keys", "Make, list and revoke the API keys of a service."),
     "certs": ("certs", "Make certificates for the parts of a Dask cluster."),
     "plot": (
@@ -63,7 +66,7 @@ def _loaded(name: str) -> Any:
         found = getattr(_loaded_module(name), name)
     if not isinstance(found, typer.Typer):
         alone = typer.Typer(add_completion=False)
-        alone.command(name)(found)
+        alone.command(name, cls=StrictCommand)(found)
         found = alone
     return typer.main.get_command(found)
 
@@ -83,6 +86,18 @@ class _OnDemand(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         name, command, rest = super().resolve_command(ctx, args)
         return name, command if name is None else _loaded(name), rest
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except ValueError as error:
+            from worker.errors import (
+                InvalidSettings,
+            )  # loads Numba, which commands that only call a service do not need
+
+            if not isinstance(error, InvalidSettings):
+                raise
+            give_up(str(error), 2)
 
 
 def _say_version(asked: bool) -> None:
@@ -122,7 +137,8 @@ _HELP = (
     "`rattle bifurcation`, `rattle orbits`, `rattle manifold` and `rattle grazing-curve` explain them; "
     "`rattle trajectory` follows one motion, `rattle paper` recomputes a figure of the paper. "
     "With a service: `rattle serve` starts one, "
-    "`rattle submit` sends it a request, `rattle jobs` and `rattle cancel` follow and stop what it does; "
+    "`rattle submit` sends it a request, `rattle jobs` and `rattle status` follow what it does, "
+    "`rattle cancel` and `rattle delete` stop and remove it; "
     "`rattle keys` and `rattle certs` guard it."
 )
 app = command_line()

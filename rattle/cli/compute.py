@@ -1,26 +1,34 @@
 """The commands that compute a job here, without a service: one for each kind of `worker.kinds`."""
 
+import sys
 from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
 
 from rattle.arguments import job_of
-from rattle.cli.console import give_up, out, progress_line
+from rattle.cli.console import err, give_up, out, progress_line
 from rattle.cli.options import arguments_from, job_options, with_options
 from rattle.cli.result_tables import print_result
-from rattle.here import run_here
+from rattle.here import run_here, usable_cores
 from rattle_kernels import OutsideDomain
 from worker.analyses.run import summarise_analysis
 from worker.errors import InvalidJob, JobCancelled, WorkerError
+from worker.estimate import estimate
 from worker.jobs.job import Job
 from worker.kinds import KINDS
+from worker.stores.opening import is_complete
 from worker.stores.summary import summarise
+
+# From these on the estimate is printed; above ten minutes the command asks.
+_LARGE_SECONDS, _LARGE_BYTES = 60.0, 1 << 30
+_ASKED_SECONDS = 600.0
 
 Out = Annotated[
     str, typer.Option("--out", help="Zarr store to write, a folder or s3://BUCKET/PREFIX; an unfinished one is resumed")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")]
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask before work of more than ten minutes")]
 Workers = Annotated[int, typer.Option(min=1, help="Threads that compute")]
 
 
@@ -40,23 +48,36 @@ def compute_command(name: str) -> Callable[..., None]:
     kind = KINDS[name]
 
     @with_options(job_options(kind.job_class))
-    def command(out_: Out, workers: Workers = 2, as_json: AsJson = False, **values: Any) -> None:
+    def command(out_: Out, workers: Workers = 2, as_json: AsJson = False, yes: Yes = False, **values: Any) -> None:
         try:
             job = job_of(kind.job_class, arguments_from(kind.job_class, values), name)
         except (OutsideDomain, InvalidJob) as error:
             give_up(str(error), 2)
+        out.quiet |= as_json
+        if not is_complete(out_, job.digest):
+            _announce(job, workers, ask=not yes)
         _compute(job, out_, workers, as_json)
 
     command.__doc__ = kind.command
     return command
 
 
+def _announce(job: Job, workers: int, ask: bool) -> None:
+    """Say what large work takes, and ask before it on a terminal. Elsewhere nobody could answer, so it begins."""
+    expected = estimate(job, min(workers, usable_cores()))
+    if expected.seconds < _LARGE_SECONDS and expected.bytes < _LARGE_BYTES:
+        return
+    err.print(f"this takes {expected}", highlight=False, soft_wrap=True)
+    if ask and expected.seconds > _ASKED_SECONDS and sys.stdin.isatty():
+        typer.confirm("go on?", abort=True, err=True)
+
+
 def _compute(job: Job, location: str, workers: int, as_json: bool) -> None:
     """Compute a job into a store, and print what it has found."""
     try:
-        out.quiet |= as_json
         with progress_line("tiles" if KINDS[job.kind].analysis is None else "pieces") as line:
-            run_here(job, location, line.report, compiling=line.compiling, workers=workers)
+            if not is_complete(location, job.digest):  # else nothing is started for a table that is there
+                run_here(job, location, line.report, compiling=line.compiling, workers=workers)
         print_result(job.kind, _result(job, location), as_json=as_json)
     except JobCancelled:
         give_up(f"stopped; the same command goes on from what is in {location}")

@@ -27,7 +27,7 @@ def opened_keys(settings: Settings) -> Iterator[Keys]:
     """Keys of the service with these settings."""
     try:
         engine, sessions = open_database(settings.database)
-    except DatabaseError as error:
+    except (DatabaseError, OSError) as error:
         give_up(f"the database does not open: {str(error).splitlines()[0]}")
     try:
         yield Keys(sessions)

@@ -2,10 +2,10 @@
 
 import json
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import typer
-from rich.table import Table
+from rich.table import Column, Table
 
 from rattle.cli.console import give_up, out, progress_line
 from rattle.cli.result_tables import print_result
@@ -18,6 +18,8 @@ Key = Annotated[
     str | None, typer.Option(envvar="RATTLE_KEY", show_envvar=True, help="Key, if the service requires one")
 ]
 _HERE = "http://127.0.0.1:8000"
+_ID_DIGITS, _NEWEST = 32, 200
+_WIDE = 140
 
 
 def _refuse(error: ServiceFailed) -> NoReturn:
@@ -55,7 +57,8 @@ def _follow(job: RemoteJob, as_json: bool) -> None:
             job.follow(line)
     except KeyboardInterrupt:
         out.print(
-            f"no longer following; the job goes on. Look with `rattle jobs`, stop it with `rattle cancel {job.id}`"
+            f"no longer following; the job goes on. Look with `rattle status {job.id}`, "
+            f"stop it with `rattle cancel {job.id}`"
         )
         raise typer.Exit(130) from None
     job.demand_success()
@@ -77,33 +80,98 @@ def jobs(
     if as_json:
         typer.echo(json.dumps(found, indent=2))
         return
-    table = Table("job", "kind", "state", "stage", "tiles", "submitted", "oscillator")
+    _print_jobs(found)
+
+
+def _print_jobs(found: list[dict[str, Any]]) -> None:
+    """Print a table of jobs. Ids are whole: one that is cut cannot be used. In little room columns are left out."""
+    names = ["job", "kind", "state", "stage", "tiles", "submitted", "oscillator"]
+    if out.width < _WIDE:
+        names = [name for name in names if name not in ("stage", "tiles", "submitted")]
+    table = Table(*(Column(name, no_wrap=name == "job", overflow="fold") for name in names))
     for job in found:
         progress = job["progress"] or {}
-        oscillator = job["request"]["oscillator"]
         tiles = f"{progress['tiles_done']}/{progress['tiles_total']}" if progress else ""
-        vary = job["request"].get("vary", [])
-        swept = {each["parameter"]: each["values"] for each in (vary if isinstance(vary, list) else [vary])}
-        parameters = ", ".join(
-            f"{name} {value:g}" if name not in swept else f"{name} {_span(swept[name])}"
-            for name, value in oscillator.items()
-            if name != "model"
-        )
-        table.add_row(
-            job["id"], job["kind"], job["state"], progress.get("stage", ""), tiles, job["created"][:19], parameters
-        )
+        cells = {
+            "job": job["id"], "kind": job["kind"], "state": job["state"], "stage": progress.get("stage", ""),
+            "tiles": tiles, "submitted": job["created"][:19], "oscillator": _parameters(job["request"]),
+        }  # fmt: skip
+        table.add_row(*(cells[name] for name in names))
     out.print(table)
+
+
+def _parameters(request: dict[str, Any]) -> str:
+    """Parameters of a request's oscillator, those that are swept with their ends."""
+    vary = request.get("vary", [])
+    swept = {each["parameter"]: each["values"] for each in (vary if isinstance(vary, list) else [vary])}
+    return ", ".join(
+        f"{name} {_span(swept[name]) if name in swept else _written(value)}"
+        for name, value in request["oscillator"].items()
+        if name != "model"
+    )
+
+
+def _written(value: Any) -> str:
+    """Value of a field of an oscillator: a number, a choice or a switch."""
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _span(values: list[float]) -> str:
     return f"{values[0]:g} to {values[-1]:g} ({len(values)})"
 
 
-def cancel(job_id: Annotated[str, typer.Argument(help="Id of the job")], url: Url = _HERE, key: Key = None) -> None:
-    """Stop a job; what it has computed stays readable."""
+JobId = Annotated[str, typer.Argument(help="Id of the job, or its first digits")]
+
+
+def _job(job_id: str, url: str, key: str | None) -> RemoteJob:
+    """Job with an id, or the only one of the newest whose id begins like that."""
     service = ServiceClient(url, key)
+    if len(job_id) == _ID_DIGITS:
+        return service.job(job_id)
+    found = [job for job in service.jobs(_NEWEST) if job.id.startswith(job_id)]
+    if len(found) != 1:
+        give_up(f"{len(found) or 'none'} of the {_NEWEST} newest jobs has an id that begins with {job_id!r}", 2)
+    return found[0]
+
+
+def status(
+    job_id: JobId,
+    url: Url = _HERE,
+    key: Key = None,
+    as_json: Annotated[bool, typer.Option("--json", help="As JSON")] = False,
+) -> None:
+    """Show one job: its state, how far it is, and how long it will take."""
     try:
-        job = RemoteJob(service, service.ask("POST", f"/v1/jobs/{job_id}/cancel"))
+        job = _job(job_id, url, key)
+    except ServiceFailed as error:
+        _refuse(error)
+    if as_json:
+        typer.echo(json.dumps(job.described, indent=2))
+        return
+    progress = job.described["progress"] or {}
+    done = f", {progress['stage']}: {progress['tiles_done']} of {progress['tiles_total']}" if progress else ""
+    left = progress.get("seconds_left")
+    done += f", some {left:.0f} s left" if left else ""
+    out.print(f"job {job.id}, {job.kind}: {job.described['state']}{done}", highlight=False, soft_wrap=True)
+    if job.described["error"]:
+        out.print(job.described["error"]["detail"], markup=False, highlight=False, soft_wrap=True)
+    out.print(job.url, highlight=False, soft_wrap=True)
+
+
+def cancel(job_id: JobId, url: Url = _HERE, key: Key = None) -> None:
+    """Stop a job; what it has computed stays readable."""
+    try:
+        job = _job(job_id, url, key).cancel()
     except ServiceFailed as error:
         _refuse(error)
     out.print(f"job {job.id} is {job.described['state']}", highlight=False)
+
+
+def delete(job_id: JobId, url: Url = _HERE, key: Key = None) -> None:
+    """Stop a job, and delete it with its result."""
+    try:
+        job = _job(job_id, url, key)
+        job.delete()
+    except ServiceFailed as error:
+        _refuse(error)
+    out.print(f"job {job.id} is deleted", highlight=False)

@@ -17,20 +17,34 @@ from service.server import Server, address, refusal_to_listen
 from service.settings import Settings
 
 
+def _default(name: str) -> str:
+    """Default of a setting, which the environment may replace."""
+    return f"RATTLE_{name.upper()}, or {Settings.model_fields[name].default}"
+
+
 def serve(
     host: Annotated[
-        str | None, typer.Option(help="Address to listen on; any but loopback requires keys  [default: 127.0.0.1]")
+        str | None,
+        typer.Option(help="Address to listen on; any but loopback requires keys", show_default=_default("host")),
     ] = None,
-    port: Annotated[int | None, typer.Option(help="Port to listen on  [default: 8000]")] = None,
-    data: Annotated[Path | None, typer.Option(help="Folder of database and results  [default: rattle-data]")] = None,
-    workers: Annotated[int | None, typer.Option(min=1, help="Local worker processes  [default: 2]")] = None,
+    port: Annotated[int | None, typer.Option(help="Port to listen on", show_default=_default("port"))] = None,
+    data: Annotated[
+        Path | None, typer.Option(help="Folder of database and results", show_default=_default("data"))
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Local worker processes", show_default=_default("workers"))
+    ] = None,
 ) -> None:
-    """Start the service, its database and two local workers; Ctrl-C stops it, the next start resumes its jobs."""
+    """Start the service, its database and two local workers; Ctrl-C stops it, the next start resumes its jobs.
+
+    It prints `ready: `, its address and the folder of its data once it can compute.
+    """
     given = {"host": host, "port": port, "data": data, "workers": workers}
     settings = Settings(**{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
     _demand_extras(settings)
     _demand_keys(settings)
     _demand_port(settings)
+    _demand_folder(settings)
     write_logs(settings.log_format, settings.log_level)
     err.print(f"starting on {address(settings.host, settings.port)}", highlight=False, soft_wrap=True)
     # Uvicorn stops gracefully, then raises the caught signal again. A service that was asked to stop has not failed.
@@ -64,6 +78,16 @@ def _demand_port(settings: Settings) -> None:
     if error.errno == errno.EADDRINUSE:
         give_up(f"port {settings.port} of {settings.host} is in use: stop what uses it, or choose another by --port")
     give_up(f"nothing can listen on port {settings.port} of {settings.host}: {error.strerror}")
+
+
+def _demand_folder(settings: Settings) -> None:
+    """Refuse to start if the folder of database and results cannot be made."""
+    try:
+        settings.data.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        give_up(
+            f"{settings.data} cannot hold database and results: {error.strerror}; choose another folder by --data", 2
+        )
 
 
 def _demand_keys(settings: Settings) -> None:

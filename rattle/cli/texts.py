@@ -27,6 +27,7 @@ def swept_of(texts: Sequence[str]) -> dict[str, Any]:
     swept: dict[str, Any] = {}
     for text in texts:
         parameter, values = _values_of(text)
+        parameter = parameter.replace("-", "_")  # as its own option is written
         if parameter not in PARAMETERS:
             raise InvalidJob(f"{parameter} cannot be swept; these can: {', '.join(PARAMETERS)}")
         if parameter in swept:
@@ -43,7 +44,8 @@ def _values_of(text: str) -> tuple[str, Any]:
         start, stop, count, *spacing = values.split(":")
         return parameter, (float(start), float(stop), int(count), *spacing[:1])
     except ValueError as error:
-        raise InvalidJob(f"--vary {text}: write damping=0.5,0.55,0.6 or damping=0.5:0.7:21 ({error})") from error
+        forms = "write values, damping=0.5,0.55,0.6, or from where to where and how many, damping=0.5:0.7:21"
+        raise InvalidJob(f"--vary {text}: {forms}") from error
 
 
 def departure_of(text: str) -> tuple[float, ...]:
@@ -135,6 +137,6 @@ def continuation_of(text: str, option: str) -> dict[str, Any]:
     parameter, _, interval = text.partition("=")
     try:
         start, stop, *points = interval.split(":")
-        return {parameter: (float(start), float(stop), *(int(count) for count in points[:1]))}
+        return {parameter.replace("-", "_"): (float(start), float(stop), *(int(count) for count in points[:1]))}
     except ValueError as error:
         raise InvalidJob(f"--{option} {text}: write damping=0.45:0.7 or damping=0.45:0.7:5000") from error

@@ -9,9 +9,10 @@ import typer
 from rattle.argument_groups import oscillator_group
 from rattle.cli.console import announced_compiling, give_up, out
 from rattle.cli.options import options_of, with_options
-from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory, check_domain, check_quiet, time_history
-from worker.jobs.oscillator_request import demand_quiet
-from worker.jobs.trajectory_request import StartRequest, TrajectoryRequest, initial_state
+from rattle.results.trajectories import trajectory_request
+from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory
+from worker.errors import InvalidFields
+from worker.jobs.trajectory_request import StartRequest, TrajectoryRequest
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.history_picture import history_figure
 
@@ -22,17 +23,6 @@ _OUTCOMES = {
 }
 _MOST_SAMPLES = 2_000_000
 _START, _FIELDS = StartRequest.model_fields, TrajectoryRequest.model_fields
-
-
-def _oscillator(values: dict[str, Any]) -> Oscillator:
-    """Oscillator that the options name, unchecked."""
-    names = ("damping", "eccentricity", "half_backlash")
-    oscillator = Oscillator(**{name: values[name] for name in names})
-    if values["stiffness"] is None:
-        return oscillator
-    return oscillator._replace(
-        stiffness=values["stiffness"], permanent_after=values["permanent_contact"].permanent_after
-    )
 
 
 def _write(oscillator: Oscillator, history: TimeHistory, target: Path) -> None:
@@ -71,14 +61,16 @@ def trajectory(
         give_up(f"{out_} should end in .png, .svg, .pdf or .csv", 2)
     if not periods * samples_per_period <= _MOST_SAMPLES:
         give_up(f"{periods * samples_per_period:.0f} samples are more than the limit of {_MOST_SAMPLES}", 2)
+    start = {"time": time, "velocity": velocity, "displacement": displacement}
     try:
-        oscillator = check_domain(_oscillator(values))
-        demand_quiet(lambda: check_quiet(oscillator), unless=values["allow_no_quiet_solution"])
-        state = initial_state(oscillator, time, velocity, displacement)
+        request = trajectory_request(values | start | {"periods": periods, "samples_per_period": samples_per_period})
         with announced_compiling():
-            history = time_history(oscillator, *state, periods=periods, samples_per_period=samples_per_period)
+            history = request.follow()
+    except InvalidFields as error:
+        give_up("; ".join(f"{place[-1]}: {message}" for place, message in error.faults), 2)
     except ValueError as error:
         give_up(str(error), 2)
+    oscillator = request.oscillator.to_oscillator()
     _write(oscillator, history, out_)
     _print_contacts(history)
     ends = f", truncated at {history.contacts.time.size} contacts" if history.truncated else ""

@@ -17,8 +17,9 @@ from service.models.problems import FieldError
 from service.problems import faults_of
 from service.settings import Settings
 from worker.errors import InvalidJob
-from worker.jobs.basin_job import BasinJob, SweepJob
+from worker.estimate import estimate
 from worker.jobs.oscillator_request import PIECEWISE_LINEAR
+from worker.kinds import KINDS
 
 
 class BoundView(BaseModel):
@@ -36,11 +37,15 @@ class CheckView(BaseModel):
     accepted: bool
     errors: list[FieldError]
     applications: int | None = Field(description="Most applications of the impact map; null if the request is refused")
+    seconds: float | None = Field(description="Longest time it takes here, estimated; null if the request is refused")
+    bytes: int | None = Field(description="Bytes of its store before compression; null if the request is refused")
     bounds: list[BoundView]
 
 
 def check_request(body: dict[str, Any], settings: Settings) -> CheckView:
-    """Check a request for a basin, or for a sweep if it has ``vary``, as its submission would.
+    """Check a request of any kind, as its submission would.
+
+    It is of the kind that it names; without one it is a basin, or a sweep if it has ``vary``.
 
     Parameters
     ----------
@@ -52,16 +57,16 @@ def check_request(body: dict[str, Any], settings: Settings) -> CheckView:
     CheckView
     """
     errors: list[FieldError] = []
-    applications = None
+    expected: dict[str, Any] = dict.fromkeys(("applications", "seconds", "bytes"))
+    kind = body.get("kind", "sweep" if "vary" in body else "basin")
     try:
-        job = job_from(SweepJob if "vary" in body else BasinJob, body, settings)
-        assert isinstance(job, BasinJob)
-        applications = job.places * job.iterations
+        if kind not in KINDS:
+            raise InvalidJob(f"there is no kind {kind!r}; there are {', '.join(KINDS)}", ("kind",))
+        job = job_from(KINDS[kind].job_class, body, settings)
+        expected = {"applications": job.impacts} | estimate(job, settings.workers)._asdict()
     except (LimitExceeded, OutsideDomain, InvalidJob) as error:
         errors = [FieldError(**fault) for fault in faults_of(error)]
-    return CheckView(
-        accepted=not errors, errors=errors, applications=applications, bounds=_bounds(body.get("oscillator"))
-    )
+    return CheckView(accepted=not errors, errors=errors, bounds=_bounds(body.get("oscillator")), **expected)
 
 
 def _bounds(oscillator: Any) -> list[BoundView]:

@@ -53,6 +53,11 @@ class EventFeed:
         """Number of jobs being followed."""
         return len(self._topics)
 
+    def followers(self, job_id: str) -> int:
+        """Number of followers of a job."""
+        topic = self._topics.get(job_id)
+        return len(topic.wakers) if topic else 0
+
     def close(self) -> None:
         """End all streams when the service stops."""
         self._closed = True

@@ -5,6 +5,7 @@ from typing import Any
 
 from service.errors import LimitExceeded
 from service.settings import Settings
+from worker.estimate import estimate
 from worker.jobs.job import Job
 
 
@@ -28,7 +29,12 @@ def job_from(job_class: type[Job], body: dict[str, Any], settings: Settings) -> 
     InvalidJob, OutsideDomain, LimitExceeded
         Naming the field at fault, or the limit.
     """
-    return job_class.from_request(body, partial(_check_size, settings=settings))
+    job = job_class.from_request(body, partial(_check_size, settings=settings))
+    expected = estimate(job, settings.workers, measuring=False)  # nothing is compiled while a client waits
+    if expected.seconds > 3600.0 * settings.max_hours:
+        most = f"the limit of {settings.max_hours:g} hours (RATTLE_MAX_HOURS)"
+        raise LimitExceeded(f"this takes {expected} on {settings.workers} workers: more than {most}")
+    return job
 
 
 def _check_size(job: Job, settings: Settings) -> None:

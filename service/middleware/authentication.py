@@ -16,9 +16,9 @@ from service.records.key_record import KeyScope
 from service.records.keys import LOCAL_CALLER, Caller, KeyRing
 from service.settings import LOOPBACK
 
-OPEN_PATHS = frozenset({"/healthz", "/readyz", "/docs", "/docs/oauth2-redirect", "/redoc", "/openapi.json"})
+OPEN_PATHS = frozenset({"/healthz", "/readyz", "/docs", "/openapi.json"})
 """Paths that need no key: health, and the description of the API."""
-_PAGE, _PAGE_FILES = "/", "/explorer/"
+_PAGE, _PAGE_FILES = "/", ("/explorer/", "/docs/")
 _READING = ("GET", "HEAD", "OPTIONS")
 _HOST = re.compile(rb"(\[[^\]]*\]|[^:]*)(:\d*)?")
 

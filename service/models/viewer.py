@@ -1,19 +1,28 @@
-"""One basin for a viewer: everything needed to draw it, except the cells."""
+"""One basin for a viewer: everything needed to draw it, except the cells; a preview with its cells."""
 
+import base64
+from collections.abc import Iterable
 from typing import Literal
 
+import numpy as np
 from pydantic import BaseModel, Field
 
-from rattle_kernels import Attractor
+from rattle_kernels import Attractor, grazing_velocity
 from service.models.numbers import FiniteOrNone
+from worker.basins.preview import Preview
 from worker.pictures.colours import MISSING, SPECKLE, Colour, Palette, colours_of
 from worker.pictures.overlay import Lines, Overlay
 from worker.views.outline import PanelOutline
 
 _DIGITS = 7
+# A preview is for a screen, and comes ten times a second.
+_PREVIEW_DIGITS = 6
+_PREVIEW_CURVE_POINTS = 192
+_PREVIEW_POINTS = 400
 
 
-def _hex(colour: Colour) -> str:
+def in_hex(colour: Colour) -> str:
+    """A colour as "#rrggbb"."""
     return "#" + "".join(f"{round(255 * channel):02x}" for channel in colour)
 
 
@@ -61,6 +70,17 @@ class DrawnSolution(BaseModel):
             share=share, lyapunov_exponent=attractor.lyapunov_exponent, mean_life=attractor.mean_life,
             colours=colours, points=list(points),
         )  # fmt: skip
+
+
+def drawn(attractors: tuple[Attractor, ...], shares: Iterable[float]) -> list[DrawnSolution]:
+    """Solutions as drawn, with their colours in every palette."""
+    palettes = {palette: colours_of(attractors, palette) for palette in Palette}
+    return [
+        DrawnSolution.from_attractor(
+            number, attractor, share, {name: in_hex(colours[number]) for name, colours in palettes.items()}
+        )
+        for number, (attractor, share) in enumerate(zip(attractors, shares, strict=True))
+    ]
 
 
 class PolylineView(BaseModel):
@@ -114,13 +134,6 @@ class OutlineView(BaseModel):
         """View of an outline."""
         grid, tiling = outline.tiling.grid, outline.tiling
         down, across = tiling.shape
-        palettes = {palette: colours_of(outline.solutions, palette) for palette in Palette}
-        solutions = [
-            DrawnSolution.from_attractor(
-                number, attractor, share, {name: _hex(colours[number]) for name, colours in palettes.items()}
-            )
-            for number, (attractor, share) in enumerate(zip(outline.solutions, outline.shares, strict=True))
-        ]
         return cls(
             parameters=outline.values,
             time=WindowView(start=grid.time_start, stop=grid.time_stop, cells=grid.time_cells),
@@ -129,6 +142,48 @@ class OutlineView(BaseModel):
                 rows=tiling.tile_rows, columns=tiling.tile_columns, down=down, across=across,
                 first=outline.first_tile, states=list(outline.states),
             ),
-            complete=outline.complete, solutions=solutions, missing_colour=_hex(MISSING), speckle=list(SPECKLE),
+            complete=outline.complete, solutions=drawn(outline.solutions, outline.shares),
+            missing_colour=in_hex(MISSING), speckle=list(SPECKLE),
             grazing=PolylineView(time=outline.curve[0].tolist(), velocity=outline.curve[1].tolist()),
         )  # fmt: skip
+
+
+class PreviewView(BaseModel):
+    """A small basin: its window, its motions, and the number of the motion that each cell ends in."""
+
+    time: WindowView
+    velocity: WindowView
+    iterations: int = Field(description="k")
+    solutions: list[DrawnSolution] = Field(description="By number")
+    missing_colour: str
+    grazing: PolylineView = Field(description="The grazing curve v*(t)")
+    labels: str = Field(
+        description="Base64 of one byte a cell: the number of its solution, row by row from the lowest speed",
+        json_schema_extra={"contentEncoding": "base64"},
+    )
+
+    @classmethod
+    def from_preview(cls, preview: Preview, iterations: int) -> "PreviewView":
+        """View of a preview."""
+        grid = preview.grid
+        phases = np.linspace(grid.time_start, grid.time_stop, _PREVIEW_CURVE_POINTS)
+        curve = grazing_velocity(preview.oscillator, phases)
+        return cls(
+            time=WindowView(start=grid.time_start, stop=grid.time_stop, cells=grid.time_cells),
+            velocity=WindowView(start=grid.velocity_start, stop=grid.velocity_stop, cells=grid.velocity_cells),
+            iterations=iterations,
+            solutions=drawn(tuple(_thinned(each) for each in preview.attractors), preview.shares.tolist()),
+            missing_colour=in_hex(MISSING),
+            grazing=PolylineView(
+                time=phases.round(_PREVIEW_DIGITS).tolist(), velocity=curve.round(_PREVIEW_DIGITS).tolist()
+            ),
+            labels=base64.b64encode(preview.solution.astype(np.uint8).tobytes()).decode(),
+        )
+
+
+def _thinned(attractor: Attractor) -> Attractor:
+    if not attractor.is_chaotic:
+        return attractor
+    every = -(-attractor.time.size // _PREVIEW_POINTS) or 1
+    time, velocity = attractor.time[::every].round(_PREVIEW_DIGITS), attractor.velocity[::every].round(_PREVIEW_DIGITS)
+    return attractor._replace(time=time, velocity=velocity)

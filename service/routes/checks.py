@@ -17,7 +17,9 @@ router = APIRouter(prefix="/v1", tags=["submit"], route_class=PlainJsonRoute)
     responses=problems(s400="malformed JSON", s413="body too large", s422="the body is no JSON object"),
 )
 def check(body: Annotated[dict[str, Any], Body()], settings: SettingsHere) -> CheckView:
-    """Check whether a basin, or with `vary` a sweep, would be accepted; if not, why not; and which bounds apply.
+    """Check whether a request would be accepted, and how long it takes; if not, why not; and which bounds apply.
+
+    A request of any kind: the one that it names, or else a basin, or with `vary` a sweep.
 
     Nothing is recorded. The errors are those of the submission.
     """

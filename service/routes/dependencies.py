@@ -9,12 +9,13 @@ from collections.abc import Awaitable, Callable
 from typing import Annotated, Any
 
 from fastapi import Depends, Path, Request
+from fastapi.exceptions import RequestValidationError
 from pydantic import AfterValidator
 
 from service.answers.event_feed import EventFeed
 from service.answers.job_views import JobViews
 from service.answers.readiness import Probes
-from service.errors import JobNotFound, NotYours
+from service.errors import JobNotFound, NotYours, WrongKind
 from service.records.events import Events
 from service.records.job_record import JobRecord
 from service.records.jobs import Jobs
@@ -60,6 +61,40 @@ def require_ownership(record: JobRecord, caller: Caller) -> None:
     """
     if record.submitter != caller.name and not caller.may(KeyScope.ADMIN):
         raise NotYours(f"job {record.id} was submitted by {record.submitter}: that needs the scope {KeyScope.ADMIN}")
+
+
+def require_kind(record: JobRecord, what: str, *kinds: str) -> None:
+    """Refuse a job that has nothing of what is requested.
+
+    Raises
+    ------
+    WrongKind
+        If the job is of none of these kinds.
+    """
+    if record.kind not in kinds:
+        raise WrongKind(
+            f"job {record.id} is of kind {record.kind}: only jobs of kind {' and '.join(kinds)} have {what}"
+        )
+
+
+async def refuse_unknown_parameters(request: Request) -> None:
+    """Refuse query parameters that the route does not have.
+
+    Raises
+    ------
+    RequestValidationError
+        It lists those that the route has.
+    """
+    route = request.scope["route"]
+    # The pages read their own addresses: the explorer's holds what is seen.
+    if not request.query_params or not route.include_in_schema:
+        return
+    known = sorted(each.alias for each in route.dependant.query_params)
+    takes = f"this address takes {', '.join(known)}" if known else "this address takes none"
+    unknown = [name for name in request.query_params if name not in known]
+    if unknown:
+        errors = [{"type": "unknown", "loc": ("query", name), "msg": f"unknown parameter: {takes}"} for name in unknown]
+        raise RequestValidationError(errors)
 
 
 _JOB_ID = "[0-9a-f]{32}"

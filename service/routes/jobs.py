@@ -1,4 +1,4 @@
-"""Jobs: list, state, cancel, delete."""
+"""Jobs: list, state, cancel, withdraw, delete."""
 
 import time
 from typing import Annotated
@@ -11,6 +11,7 @@ from service.models.job import JobPage, JobView
 from service.records.job_record import JobState
 from service.routes.dependencies import (
     CallerHere,
+    FeedHere,
     JobId,
     JobsHere,
     RunnerHere,
@@ -25,6 +26,8 @@ from worker.stores.result_files import remove_result, result_location
 router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
 
 _STOP_SECONDS = 10.0
+# A follower that has just closed its stream is counted until the service notices.
+_LEAVING_SECONDS = 1.0
 _NO_JOB = problems(s404="there is no such job")
 
 
@@ -53,6 +56,25 @@ def cancel_job(job_id: JobId, jobs: JobsHere, views: ViewsHere, runner: RunnerHe
     record = jobs.request_cancel(job_id)
     runner.cancel(job_id)
     return Response(views.of_record(record).body, 202, media_type="application/json")
+
+
+@router.post(
+    "/{job_id}/withdraw",
+    status_code=204,
+    summary="Drop a job that nobody follows",
+    responses=_NO_JOB,
+)
+def withdraw_job(job_id: JobId, jobs: JobsHere, runner: RunnerHere, feed: FeedHere, caller: CallerHere) -> Response:
+    """Stop a job unless somebody else follows its events here. What it has computed stays readable."""
+    require_ownership(jobs.get(job_id), caller)
+    deadline = time.monotonic() + _LEAVING_SECONDS
+    while feed.followers(job_id):
+        if time.monotonic() > deadline:
+            return Response(status_code=204)
+        time.sleep(0.05)
+    jobs.request_cancel(job_id)
+    runner.cancel(job_id)
+    return Response(status_code=204)
 
 
 @router.delete(

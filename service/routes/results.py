@@ -16,7 +16,7 @@ from service.answers.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, json
 from service.answers.result_view import location_of_result, result_fingerprint, summary_of_result
 from service.errors import JobNotFound, NotReady
 from service.models.results import AnyResult
-from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems
+from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems, require_kind
 from worker.analyses.picture import figure_of_store
 from worker.errors import InvalidJob
 from worker.pictures.figure_file import PictureFormat, save_figure
@@ -110,16 +110,15 @@ def get_picture(
 @_get_figure(
     "shares",
     "Shares over the swept parameters",
-    problems(s404="there is no such job, or none of its basins is complete yet", s422="the job sweeps nothing"),
+    problems(s404="there is no such job, or none of its basins is complete yet", s409="the job sweeps nothing"),
 )
 def get_shares(
     job_id: JobId, request: Request, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None
 ) -> Response:
     """Draw the share of each solution over one swept parameter, or as maps over two, also while the sweep runs."""
-    location, kind = location_of(job_id, jobs, settings), jobs.get(job_id).kind
+    require_kind(jobs.get(job_id), "shares over a parameter", "sweep")
+    location = location_of(job_id, jobs, settings)
     picture_format = PictureFormat.of_file(request.url.path)
-    if kind != "sweep":
-        raise InvalidJob(f"job {job_id} is of kind {kind}: only a sweep has a parameter to draw shares over")
     etag = etag_of(fingerprint(location), "shares", picture_format, _VERSION)
     known = not_modified(etag, if_none_match)
     try:

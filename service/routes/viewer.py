@@ -16,7 +16,7 @@ from service.answers.conditional import (
 )
 from service.errors import NotReady
 from service.models.viewer import OutlineView, OverlaysView, OverlayView
-from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems
+from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems, require_kind
 from service.routes.results import location_of
 from worker.pictures.overlay_kind import OverlayKind
 from worker.stores.summary import fingerprint
@@ -26,11 +26,24 @@ from worker.views.tile_labels import read_tile_labels
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["viewer"])
 
-_NOTHING_YET = problems(s404="there is no such job, or what was asked for is not there yet")
+_NOTHING_YET = problems(
+    s404="there is no such job, or what was asked for is not there yet", s409="the job is no basin and no sweep"
+)
 # Overlays are computed in this process, which also handles all other requests: one at a time.
 _COMPUTING = threading.Lock()
 Panel = Annotated[int, Query(ge=0, description="Which basin of a sweep, the last swept parameter fastest")]
 _IMMUTABLE, _REVALIDATE = "private, max-age=604800, immutable", "private, no-cache"
+
+
+def _location_of_basins(job_id: str, jobs: JobsHere, settings: SettingsHere, what: str) -> str:
+    """Location of the store of a basin or a sweep.
+
+    Raises
+    ------
+    JobNotFound, WrongKind, NotReady
+    """
+    require_kind(jobs.get(job_id), what, "basin", "sweep")
+    return location_of(job_id, jobs, settings)
 
 
 @router.get(
@@ -47,7 +60,7 @@ def get_outline(
     if_none_match: IfNoneMatch = None,
 ) -> Response:
     """Window, tiles and their states, solutions with their colours and points, the grazing curve."""
-    view = OutlineView.from_outline(outline_basin(location_of(job_id, jobs, settings), panel))
+    view = OutlineView.from_outline(outline_basin(_location_of_basins(job_id, jobs, settings, "an outline"), panel))
     return json_or_not_modified(json_answer(view.model_dump_json()), if_none_match)
 
 
@@ -69,7 +82,7 @@ def get_overlays(
 
     Saddles and manifolds need the catalogue of motions. Until it exists, the list is empty.
     """
-    location = location_of(job_id, jobs, settings)
+    location = _location_of_basins(job_id, jobs, settings, "overlays")
     etag = etag_of(fingerprint(location), kind, str(panel))
     if (known := not_modified(etag, if_none_match)) is not None:
         return known
@@ -102,7 +115,7 @@ def get_tile(
 
     The header `rattle-shape` holds the numbers of rows and columns.
     """
-    labels = read_tile_labels(location_of(job_id, jobs, settings), number, every)
+    labels = read_tile_labels(_location_of_basins(job_id, jobs, settings, "tiles"), number, every)
     if labels is None:
         raise NotReady(f"tile {number} of job {job_id} is not labelled yet, or there is none of this number")
     etag = etag_of(labels.content)

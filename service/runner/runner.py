@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from service.logs import about_job
-from service.problems import kind_of
+from service.problems import kind_of, without_paths
 from service.records.engine import DatabaseError
 from service.records.job_record import JobRecord, JobState
 from service.records.jobs import Jobs, LargeJobsOf
@@ -207,7 +207,7 @@ class Runner:
             if not isinstance(error, WorkerError):
                 _log.exception("job failed")
             detail = str(error) if isinstance(error, WorkerError) else repr(error)
-            return _FAILED, {"error": {"kind": kind_of(error), "detail": detail}}
+            return _FAILED, {"error": {"kind": kind_of(error), "detail": without_paths(detail, self.results)}}
         return _SUCCEEDED, {}
 
     def _may_retry(self, job_id: str, advanced: bool) -> bool:

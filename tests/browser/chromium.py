@@ -50,12 +50,23 @@ class Explorer:
         expect(self.page.locator("#preset option")).not_to_have_count(1)
         return self
 
+    def pictured(self, words="Preview"):
+        """Wait until a picture is seen that says so."""
+        expect(self.page.locator("#standing")).to_contain_text(words, timeout=30_000)
+        return self
+
     def state(self, text, seconds=60):
         """Wait until the job's line says so."""
         expect(self.page.locator("#state")).to_contain_text(text, timeout=1000 * seconds)
 
+    def open_drawer(self):
+        """Open the drawer with the request, unless it is open."""
+        if not self.page.locator("#ask").is_visible():
+            self.page.locator("#open-drawer").click()
+
     def fill(self, **fields):
         """Fill fields of the form, by their names with an underscore for a dot."""
+        self.open_drawer()
         for name, value in fields.items():
             self.page.locator(f"#ask [name='{name.replace('__', '.')}']").fill(str(value))
 
@@ -64,12 +75,16 @@ class Explorer:
         expect(self.page.locator("#compute")).to_be_enabled()
         self.page.locator("#compute").click()
 
+    def frame(self):
+        """Left, top, width and height of the plot on the screen."""
+        box = self.page.locator("#plane").bounding_box()
+        left, top, width, height = map(float, self.page.locator("#plane").get_attribute("data-frame").split(","))
+        return box["x"] + left, box["y"] + top, width, height
+
     def spot(self, across, up):
         """Place on the screen of a part of the plot, from its lower left corner."""
-        box = self.page.locator("#plane").bounding_box()
-        left, top, right, bottom = 58, 10, 14, 44
-        width, height = box["width"] - left - right, box["height"] - top - bottom
-        return box["x"] + left + across * width, box["y"] + top + (1 - up) * height
+        left, top, width, height = self.frame()
+        return left + across * width, top + (1 - up) * height
 
     def hover(self, across, up):
         """Move the pointer there, and read what the page says of it."""

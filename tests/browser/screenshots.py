@@ -1,9 +1,10 @@
 """Pictures of every state of the explorer: ``python -m tests.browser.screenshots [ADDRESS]``; see `make screenshots`.
 
-The two that the README shows go to docs/pictures, all of them to the folder screenshots.
+Those that documents show go to docs/pictures, too; all of them go to the folder screenshots.
 """
 
 import contextlib
+import io
 import re
 import shutil
 import sys
@@ -19,11 +20,14 @@ from tests.running_service import running_service
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "screenshots"
-SHOWN = ("motions", "sweep")
+SHOWN = {
+    "motions": "explorer-motions", "sweep": "explorer-sweep",
+    **{f"{what}-{number}": f"{what}-{number}" for what in ("slider", "tooth") for number in (1, 2, 3)},
+}  # fmt: skip
 
 
 def start(explorer):
-    explorer.visit()
+    explorer.visit().pictured("Preview")
 
 
 def refused(explorer):
@@ -81,7 +85,24 @@ def highlighted(explorer):
 def dark(explorer):
     explorer.page.emulate_media(color_scheme="dark")
     motions(explorer)
-    explorer.page.locator("#palette").select_option("colour_blind")
+    explorer.page.locator("#display summary").click()
+    explorer.page.locator("#palette").select_option("paper")
+    explorer.page.keyboard.press("Escape")
+
+
+def diagram(explorer):
+    finished(explorer)
+    explorer.page.locator("[data-diagram=damping]").click()
+    expect(explorer.page.locator("#diagram-note")).to_contain_text("Click to look", timeout=100_000)
+
+
+def compared(explorer):
+    finished(explorer)
+    explorer.page.locator("#keep").click()
+    explorer.fill(damping=0.57)
+    explorer.page.locator("#open-drawer").click()
+    explorer.pictured("edited, not computed")
+    explorer.page.wait_for_load_state("networkidle")
 
 
 def sweep(explorer):
@@ -89,7 +110,7 @@ def sweep(explorer):
     explorer.page.locator("#preset").select_option("fig9")
     explorer.compute()
     explorer.state("Complete", seconds=200)
-    explorer.page.get_by_role("slider").fill("3")
+    explorer.page.locator("#sliders input").fill("3")
     explorer.state("Complete")
     expect(explorer.page.locator("#shares .here")).to_have_count(1)
 
@@ -115,7 +136,55 @@ def narrow(explorer):
     finished(explorer)
 
 
-STATES = (start, refused, coming, finished, motions, zoomed, steps, highlighted, dark, sweep, cancelled, sample, narrow)
+STATES = (
+    start, refused, coming, finished, motions, zoomed, steps, highlighted, dark, diagram, compared, sweep, cancelled,
+    sample, narrow,
+)  # fmt: skip
+
+
+def slide(explorer):
+    """Stills of the picture while a slider moves."""
+    explorer.visit().pictured("Preview")
+    slider = explorer.page.locator("[data-turn=damping]")
+    for number, damping in enumerate((0.62, 0.59, 0.55), 1):
+        # As a hand does: values come while it moves, and nothing is computed until it rests.
+        slider.evaluate(
+            "(input, value) => { input.value = value; input.dispatchEvent(new Event('input', {bubbles: true})); }",
+            str(damping),
+        )
+        expect(explorer.page.locator("#shown")).to_contain_text(f"δ = {damping}", timeout=30_000)
+        explorer.page.wait_for_timeout(300)
+        yield f"slider-{number}", explorer.page.locator("#look")
+
+
+def move_tooth(explorer):
+    """Stills of the tooth: as it departs, and as it strikes each side."""
+    finished(explorer)
+    explorer.page.mouse.click(*explorer.spot(0.2, 0.53))
+    expect(explorer.page.locator("#histories")).to_contain_text("A The motion")
+    explorer.page.locator("#play").click()
+    chart = explorer.page.locator("#histories svg")
+    strikes = [
+        chart.locator(f"circle.first >> nth={number}").evaluate("dot => [dot.cx.baseVal.value, dot.cy.baseVal.value]")
+        for number in range(12)
+    ]
+    lowest = max(y for _, y in strikes)
+    lower = next(x for x, y in strikes if y == lowest)
+    upper = next(x for x, y in strikes if y != lowest)
+    for number, x in enumerate((62, lower + 1, upper + 1), 1):
+        chart.click(position={"x": x, "y": 60})
+        explorer.page.wait_for_timeout(300)
+        yield f"tooth-{number}", explorer.page.locator("#history")
+
+
+STILLS = (slide, move_tooth)
+
+
+def save(name, picture):
+    """Write a picture in few colours: a third of the size, and nothing that an eye sees is lost."""
+    target = FOLDER / f"{name}.png"
+    Image.open(io.BytesIO(picture)).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(target, optimize=True)
+    print(target.relative_to(ROOT), target.stat().st_size // 1000, "kB")
 
 
 def shoot(url, names):
@@ -128,12 +197,16 @@ def shoot(url, names):
             explorer = Explorer(started, url)
             state(explorer)
             explorer.page.wait_for_timeout(400)
-            target = FOLDER / f"{state.__name__}.png"
-            explorer.page.screenshot(path=target, full_page=True)
-            # Few colours: a third of the size, and nothing that an eye sees is lost.
-            Image.open(target).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(target, optimize=True)
+            save(state.__name__, explorer.page.screenshot(full_page=True))
+            print(explorer.complaints or "")
             explorer.context.close()
-            print(target.relative_to(ROOT), target.stat().st_size // 1000, "kB", explorer.complaints or "")
+        for stills in STILLS:
+            if names and stills.__name__ not in names:
+                continue
+            explorer = Explorer(started, url, viewport={"width": 1100, "height": 720})
+            for name, part in stills(explorer):
+                save(name, part.screenshot())
+            explorer.context.close()
 
 
 def main(arguments):
@@ -145,9 +218,9 @@ def main(arguments):
             folder = stack.enter_context(tempfile.TemporaryDirectory())
             url = stack.enter_context(running_service(folder)).url
         shoot(url, arguments)
-    for name in SHOWN:
+    for name, shown in SHOWN.items():
         if (FOLDER / f"{name}.png").exists():
-            shutil.copy(FOLDER / f"{name}.png", ROOT / "docs" / "pictures" / f"explorer-{name}.png")
+            shutil.copy(FOLDER / f"{name}.png", ROOT / "docs" / "pictures" / f"{shown}.png")
 
 
 if __name__ == "__main__":

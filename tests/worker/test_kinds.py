@@ -30,9 +30,24 @@ class GrazingSpeedJob(AnalysisJob):
     kind_: Literal["grazing_speed"] = "grazing_speed"
     phases: Annotated[int, Field(strict=True, ge=1)] = Field(8, description="Number of phases")
 
+    @property
+    def fastest(self):
+        """No speed is asked for."""
+        return 0.0
+
     def sizes(self):
         """What is large about the request."""
         return (("phases", self.phases, "max_order"),)
+
+    @property
+    def impacts(self):
+        """A flight a phase."""
+        return self.phases
+
+    @property
+    def bytes(self):
+        """A speed a phase."""
+        return 8 * self.phases
 
     def _settled(self) -> dict[str, Any]:
         return {"kind_": self.kind_, "phases": self.phases}

@@ -51,13 +51,19 @@ def find_seeds(oscillator: Oscillator, region: Region, *, pause: Pause) -> Colum
     if not moving:
         raise NotFound(
             f"all motions from v = {region.velocity.start:g} to {region.velocity.stop:g} end in permanent contact at "
-            f"the first value visited: give seeds, another region, or another direction ({oscillator})"
+            f"the first value visited, {_written(oscillator)}: give seeds, another region, or another direction"
         )
     return {
         "seed_time": np.array([each.time[0] for each in moving]),
         "seed_velocity": np.array([each.velocity[0] for each in moving]),
         "seed_name": np.array([each.name for each in moving]),
     }
+
+
+def _written(oscillator: Oscillator) -> str:
+    """Parameters of an oscillator in a sentence; those that are infinite say nothing."""
+    values = oscillator._asdict().items()
+    return ", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in values if np.isfinite(value))
 
 
 def follow_stretch(

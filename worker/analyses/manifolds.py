@@ -67,7 +67,7 @@ def saddle_of_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, paus
     try:
         saddle = find_saddle(oscillator, *astuple(seed))
     except NotASaddle as error:
-        raise NotFound(f"saddles.{number}: {error}") from error
+        raise NotFound(f"saddle {number + 1}: {error}") from error
     found = find_orbit(oscillator, saddle.t[0], saddle.v[0], saddle.upper_contacts)
     assert found is not None  # Newton's method has just converged there
     return ORBITS.of([found])
@@ -93,8 +93,8 @@ def saddles_named(
     if not saddles:
         others = ", ".join(f"{o.orbit.name} {'saddle' if is_saddle(o.orbit) else 'that attracts'}" for o in orbits)
         raise NotFound(
-            f"saddles.{number}: the search found no saddle {itinerary.name}; it found {others or 'no orbit'}: ask for "
-            "one of these, search more cells or another region, or give a seed"
+            f"saddle {number + 1}: the search found no saddle {itinerary.name}; it found {others or 'no orbit'}: ask "
+            "for one of these, search more cells or another region, or give a seed"
         )
     return ORBITS.of(saddles)
 

@@ -13,9 +13,9 @@ from functools import partial
 
 import numpy as np
 
-from rattle_kernels import Attractor, AttractorKind
-from rattle_kernels.attractors.attractor import UNDECIDED_ATTRACTOR
+from rattle_kernels import Attractor
 from rattle_kernels.attractors.seeds import Seeds, gather_seeds
+from worker.basins.landings import CATALOGUE_ROUNDS, with_undecided
 from worker.basins.tasks import (
     CatalogueReceipt,
     LabelReceipt,
@@ -30,9 +30,6 @@ from worker.cluster.task import Task
 from worker.progress import Stage
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
-
-# After this many rounds, landing points that reach no attractor of the catalogue are called undecided.
-_CATALOGUE_ROUNDS = 3
 
 
 class BasinRun:
@@ -130,7 +127,7 @@ class BasinRun:
     def _take_catalogue(self, _: int, receipt: CatalogueReceipt) -> list[Task]:
         self.seconds["assemble_kernels"] += receipt.seconds
         undecided = self.reserved[2] > 0
-        return self._label(_with_undecided(receipt.attractors) if undecided else receipt.attractors)
+        return self._label(with_undecided(receipt.attractors) if undecided else receipt.attractors)
 
     def _label(self, attractors: tuple[Attractor, ...]) -> list[Task]:
         """Label every tile, again after each extension of the catalogue."""
@@ -149,20 +146,15 @@ class BasinRun:
         self.counts = np.sum([label.counts for label in self._labels.values()], axis=0)
         unassigned = gather_seeds([self._labels[tile].unassigned for tile in self._tiles])
         self._round += 1
-        if unassigned.box.size and self._round < _CATALOGUE_ROUNDS:
+        if unassigned.box.size and self._round < CATALOGUE_ROUNDS:
             return [self._task(extend_catalogue, self.number, (self.attractors, unassigned), self._take_extension)]
-        return self._relabel(_with_undecided(self.attractors) if unassigned.box.size else self.attractors)
+        return self._relabel(with_undecided(self.attractors) if unassigned.box.size else self.attractors)
 
     def _take_extension(self, _: int, receipt: CatalogueReceipt) -> list[Task]:
         self.seconds["assemble_kernels"] += receipt.seconds
         more = len(receipt.attractors) > len(self.attractors)
-        return self._relabel(receipt.attractors if more else _with_undecided(self.attractors))
+        return self._relabel(receipt.attractors if more else with_undecided(self.attractors))
 
     def _relabel(self, attractors: tuple[Attractor, ...]) -> list[Task]:
         self.solved = len(attractors) == len(self.attractors)
         return [] if self.solved else self._label(attractors)
-
-
-def _with_undecided(attractors: tuple[Attractor, ...]) -> tuple[Attractor, ...]:
-    known = any(attractor.kind == AttractorKind.UNDECIDED for attractor in attractors)
-    return attractors if known else (*attractors, UNDECIDED_ATTRACTOR)

@@ -15,7 +15,6 @@ from rattle_kernels import (
     SINK,
     UNDECIDED,
     Attractor,
-    AttractorKind,
     CellGroups,
     CellImages,
     find_attractors,
@@ -23,13 +22,12 @@ from rattle_kernels import (
     label_cells,
     map_cells,
     map_points,
-    name_solutions,
 )
-from rattle_kernels.attractors.classify import UNASSIGNED
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import Seeds, choose_seeds
 from rattle_kernels.cell_mapping.image_set import MarkedWords, mark_images
 from worker.basins.assembly import assemble_groups
+from worker.basins.landings import name_landings
 from worker.cluster.task import stop_if_cancelled
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import demand_same_digest
@@ -190,23 +188,13 @@ def label_tile(
     groups = _groups(location, digest, tile.basin) if store.places.labelled else None
     begin = time.perf_counter()
     labels = label_cells(groups, _own_cells(store, tile), image) if groups is not None else ()
-    solution = np.full(image.shape, UNASSIGNED, np.int16)
-    solution[image == PERMANENT_CONTACT] = 0
-    landed = image >= SINK
-    solution[landed] = name_solutions(
-        store.job.oscillator_of(tile.basin), attractors, t[landed], v[landed], pause=stop_if_cancelled
-    )
-    unassigned = (solution == UNASSIGNED) & landed
-    kinds = [attractor.kind for attractor in attractors]
-    if AttractorKind.UNDECIDED in kinds:
-        solution[solution == UNASSIGNED] = kinds.index(AttractorKind.UNDECIDED)
+    oscillator = store.job.oscillator_of(tile.basin)
+    solution, unassigned = name_landings(oscillator, attractors, CellImages(image, t, v, 0), stop_if_cancelled)
     seconds = time.perf_counter() - begin
     named = store.places.solution if numbered else store.places.own_solution
     store.write_tile((*store.places.labelled, named), tile, (*labels, solution))
-    counts = np.bincount(solution[solution >= 0], minlength=len(kinds))
-    return LabelReceipt(
-        counts, seconds, choose_seeds(store.job.oscillator_of(tile.basin), t[unassigned], v[unassigned])
-    )
+    counts = np.bincount(solution[solution >= 0], minlength=len(attractors))
+    return LabelReceipt(counts, seconds, unassigned)
 
 
 def _own_cells(store: BasinStore, tile: Tile) -> np.ndarray:

@@ -3,13 +3,14 @@
 import math
 from collections.abc import Callable
 from functools import cached_property
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
 from rattle_kernels import CellGrid, Oscillator, OutsideDomain, check_domain, expected_applications, settled_iterations
 from rattle_kernels.cell_mapping.cell_grid import check_grid
 from rattle_kernels.cell_mapping.iterations import check_iterations
+from worker.decidable import FOLLOWED, check_decidable, check_fastest, fastest_decided
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.grid_request import Grid, GridRequest, grid_request
 from worker.jobs.job import Job, Sizes
@@ -27,6 +28,8 @@ _SWEEP_EXAMPLE: dict[str, Any] = {
     "vary": [{"parameter": "damping", "start": 0.5, "stop": 0.7, "count": 21}],
     "grid": {"time": {"cells": 200}, "velocity": {"cells": 200}},
 }
+# Image cell, landing time and speed, group, period, step, solution: see `worker.stores.layout`.
+_BYTES_OF_A_CELL = 8 + 2 * 8 + 3 * 4 + 2
 
 
 class BasinJob(Job):
@@ -43,6 +46,8 @@ class BasinJob(Job):
     model_config = ConfigDict(title="BasinRequest", json_schema_extra={"examples": [_BASIN_EXAMPLE]})
     result_version: ClassVar[int] = 4
 
+    # Every answer has the kind, so a request may have it, too. It is no part of the canonical form.
+    kind_: Literal["basin"] = "basin"
     grid_: Grid = Field(default_factory=GridRequest)
     iterations_: Count | None = Field(
         None,
@@ -92,6 +97,16 @@ class BasinJob(Job):
             ("cells times iterations of all basins", self.basins * applications, "max_sweep_applications"),
         )
 
+    @property
+    def impacts(self) -> int:
+        """Most applications of P, those of all cells."""
+        return round(self.places * expected_applications(self._least_damping, self.iterations))
+
+    @property
+    def bytes(self) -> int:
+        """Most bytes of the store before compression."""
+        return self.places * _BYTES_OF_A_CELL
+
     def _settled(self) -> dict[str, Any]:
         for name, window in (("time", self.grid_.time), ("velocity", self.grid_.velocity)):
             if self.sample and "cells" in window.model_fields_set:
@@ -102,8 +117,18 @@ class BasinJob(Job):
         except ValueError as error:
             raise InvalidJob(str(error)) from error
         self.check_oscillators(check_domain)
+        self.check_oscillators(self._check_decided)
         settled = {"grid_": grid_request(grid, names_cells=self.sample is None), "iterations_": self.iterations}
         return settled if self.sample is None else settled | {"sample": self.sample}
+
+    def _check_decided(self, oscillator: Oscillator) -> Oscillator:
+        limit = fastest_decided(check_decidable(oscillator), self.iterations + FOLLOWED)
+        why = (
+            f"at damping {oscillator.damping:g} and half backlash {oscillator.half_backlash:g} a faster motion is not "
+        )
+        why += f"decided within k = {self.iterations} and {FOLLOWED} more impacts"
+        check_fastest(self.grid.velocity_stop, limit, why, ("grid", "velocity", "stop"))
+        return oscillator
 
     def check_oscillators(self, check: Callable[[Oscillator], Oscillator]) -> None:
         """Check the oscillator of every basin.
@@ -219,6 +244,7 @@ class SweepJob(BasinJob):
 
     model_config = ConfigDict(title="SweepRequest", json_schema_extra={"examples": [_SWEEP_EXAMPLE]})
 
+    kind_: Literal["sweep"] = "sweep"  # type: ignore[assignment]
     vary_: Annotated[list[Vary], Field(min_length=1, max_length=MOST_SWEPT)] = Field(
         description="Swept parameters; the last one runs fastest"
     )

@@ -58,6 +58,11 @@ class BifurcationJob(AnalysisJob):
     )
     kept: Count = Field(20, description="Departures kept at each value")
 
+    @property
+    def fastest(self) -> float:
+        """Highest speed of the region, or of the seeds."""
+        return max((seed.velocity for seed in self.seeds or ()), default=(self.region or Region()).velocity.stop)
+
     def sizes(self) -> Sizes:
         """Sizes of the request, for limits."""
         # Seeds that are still to be found count as one.
@@ -66,6 +71,16 @@ class BifurcationJob(AnalysisJob):
             ("impacts", visits * (self.transient + self.kept), "max_diagram_applications"),
             ("departures kept", visits * self.kept, "max_diagram_points"),
         )
+
+    @property
+    def impacts(self) -> int:
+        """Most applications of P, with one seed where they are still to be found."""
+        return int(self.sizes()[0][1])
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of the store before compression: phase, speed and outcome of each departure."""
+        return int(self.sizes()[1][1]) * 17
 
     def _settled(self) -> dict[str, Any]:
         if self.seeds and self.region:

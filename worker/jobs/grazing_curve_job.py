@@ -42,12 +42,27 @@ class GrazingCurveJob(AnalysisJob):
     resolution_: Resolution = Field(default_factory=ResolutionRequest)
     most_points: Count = Field(MOST_POINTS, description="Of one order; an order that needs more is left incomplete")
 
+    @property
+    def fastest(self) -> float:
+        """Highest speed that is kept."""
+        return self.velocity.stop
+
     def sizes(self) -> Sizes:
         """Sizes of the request, for limits."""
         return (
             ("orders", self.order, "max_order"),
             ("points of an order", self.most_points, "max_curve_points"),
         )
+
+    @property
+    def impacts(self) -> int:
+        """Most applications of P: each point is the pre-image of one of the order before."""
+        return self.order * self.most_points
+
+    @property
+    def bytes(self) -> int:
+        """Most bytes: phase and speed of each point."""
+        return (self.order + 1) * self.most_points * 16
 
     def _settled(self) -> dict[str, Any]:
         if self.order < 0:

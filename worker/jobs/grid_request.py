@@ -1,24 +1,46 @@
 """The window of a request, cut into cells."""
 
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from rattle_kernels import CellGrid
 from worker.jobs.request import Count, Real, Request, accepting
 
 _DEFAULT = CellGrid()
+# Rounding: 1.001 - 0.001 is not 1.
+_PERIOD = 1.0 + 1e-12
 
 
-class TimeWindow(Request):
+class _Window(Request):
+    start: Real
+    stop: Real
+
+    @model_validator(mode="after")
+    def _ascends(self) -> Self:
+        if not self.start < self.stop:
+            raise ValueError(f"stop must be above start = {self.start:g}, not {self.stop:g}")
+        return self
+
+
+class TimeWindow(_Window):
     """Cells along time, in forcing periods; the window may cross phase 0 (from 0.9 to 1.1)."""
 
     start: Real = Field(_DEFAULT.time_start, ge=0, lt=1)
     stop: Real = Field(_DEFAULT.time_stop, gt=0, le=2)
     cells: Count = _DEFAULT.time_cells
 
+    @model_validator(mode="after")
+    def _spans_at_most_a_period(self) -> Self:
+        if self.stop - self.start > _PERIOD:
+            raise ValueError(
+                f"stop must be above start = {self.start:g} by at most one period, so {self.start + 1.0:g} or less, "
+                f"not {self.stop:g}"
+            )
+        return self
 
-class VelocityWindow(Request):
+
+class VelocityWindow(_Window):
     """Cells along velocity, nondimensional."""
 
     start: Real = Field(_DEFAULT.velocity_start, ge=0)

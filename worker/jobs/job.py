@@ -17,6 +17,7 @@ from typing import Any, ClassVar, Self
 from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 
 from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_impacting, check_quiet
+from worker.decidable import check_decidable, check_fastest, fastest_resolved
 from worker.jobs.oscillator_request import (
     ImpactingOscillator,
     OscillatorRequest,
@@ -153,6 +154,16 @@ class Job(Request, ABC):
         return True
 
     @property
+    @abstractmethod
+    def impacts(self) -> int:
+        """Most applications of P that it takes; for searches and curves, a usual number."""
+
+    @property
+    @abstractmethod
+    def bytes(self) -> int:
+        """Most bytes of its store before compression; for searches and curves, a usual number."""
+
+    @property
     def places(self) -> int:
         """Cells, or points of samples, that are computed; 0 for an analysis."""
         return 0
@@ -172,6 +183,22 @@ class AnalysisJob(Job):
     """A job that explains basins: about one oscillator, or about a range of them."""
 
     kind_: str
+
+    @property
+    @abstractmethod
+    def fastest(self) -> float:
+        """Highest speed of the window, or of the seeds."""
+
+    @model_validator(mode="after")
+    def _is_decidable(self) -> Self:
+        def check(oscillator: Oscillator) -> Oscillator:
+            limit = fastest_resolved(check_decidable(oscillator))
+            why = f"at half backlash {oscillator.half_backlash:g} double precision does not resolve shorter flights"
+            check_fastest(self.fastest, limit, why)
+            return oscillator
+
+        self.check_oscillators(check)
+        return self
 
     @property
     def kind(self) -> str:

@@ -1,5 +1,6 @@
 """What to compute: stable and unstable manifolds of saddles."""
 
+import math
 import re
 from enum import StrEnum
 from functools import cached_property
@@ -24,6 +25,7 @@ _EXAMPLE: dict[str, Any] = {
     "arclength": 100,
     "velocity": {"start": 0, "stop": 7},
 }
+_IMAGES_OF_A_POINT = 20
 
 
 class Side(StrEnum):
@@ -151,6 +153,11 @@ class ManifoldJob(AnalysisJob):
     region: Region = Field(default_factory=Region, description="Where saddles of an itinerary are looked for")
     cells: Count = Field(SEARCH_CELLS, description="Cells of that search each way")
 
+    @property
+    def fastest(self) -> float:
+        """Highest speed that is kept."""
+        return self.velocity.stop
+
     def sizes(self) -> Sizes:
         """Sizes of the request, for limits."""
         longest = max((each.upper_contacts for each in self.saddles if isinstance(each, Itinerary)), default=0)
@@ -159,6 +166,21 @@ class ManifoldJob(AnalysisJob):
             ("points of a branch", self.most_points, "max_curve_points"),
             ("cells times cells times n+", self.cells**2 * longest, "max_orbit_starts"),
         )
+
+    @property
+    def impacts(self) -> int:
+        """Usual number of applications of P: each point is mapped some times until neighbours are close enough."""
+        return self._points * _IMAGES_OF_A_POINT
+
+    @property
+    def bytes(self) -> int:
+        """Usual number of bytes: phase and speed of each point."""
+        return self._points * 16
+
+    @property
+    def _points(self) -> int:
+        branch = min(self.most_points, math.ceil(self.arclength / self.resolution_.chord))
+        return 2 * len(self.side.each) * len(self.saddles_) * branch
 
     def _settled(self) -> dict[str, Any]:
         if self.arclength <= 0.0:

@@ -19,6 +19,8 @@ _EXAMPLE: dict[str, Any] = {
     "longest": 4,
     "continuation": {"parameter": "damping", "start": 0.45, "stop": 0.7},
 }
+# Of the impact equations, until a start has converged or is given up; a step takes the map and its derivative.
+_NEWTON_STEPS = 40
 
 
 @dataclass(frozen=True)
@@ -103,6 +105,11 @@ class OrbitsJob(AnalysisJob):
     )
     curves: Continuation | None = Field(None, description="Follow every special point in a second parameter, too")
 
+    @property
+    def fastest(self) -> float:
+        """Highest speed of the region, or of the seeds."""
+        return max((seed.velocity for seed in self.seeds or ()), default=self.region.velocity.stop)
+
     def sizes(self) -> Sizes:
         """Sizes of the request, for limits."""
         points = max((each.most_points for each in (self.continuation, self.curves) if each), default=0)
@@ -110,6 +117,23 @@ class OrbitsJob(AnalysisJob):
             ("cells times cells times longest", self.cells**2 * self.longest, "max_orbit_starts"),
             ("points each way", points, "max_branch_points"),
         )
+
+    @property
+    def impacts(self) -> int:
+        """Usual number of applications of P: Newton's method from every start, and from point to point of a branch."""
+        seeds = self.seeds or ()
+        periods = (
+            sum(seed.period for seed in seeds) if seeds else self.cells**2 * self.longest * (self.longest + 1) // 2
+        )
+        points = sum(each.most_points for each in (self.continuation, self.curves) if each)
+        followed = sum(seed.period for seed in seeds) if seeds else self.longest * (self.longest + 1) // 2
+        return _NEWTON_STEPS * (periods + 2 * points * followed)
+
+    @property
+    def bytes(self) -> int:
+        """Usual number of bytes: those of branches, if there are any."""
+        points = sum(each.most_points for each in (self.continuation, self.curves) if each)
+        return 100 * (1000 + 2 * points * (len(self.seeds) if self.seeds else self.longest))
 
     def _settled(self) -> dict[str, Any]:
         search = ("longest", "region", "cells")

@@ -3,6 +3,7 @@
 from pydantic import ConfigDict, Field
 
 from rattle_kernels import Oscillator, OutsideDomain, TimeHistory, check_domain, check_quiet, time_history
+from worker.decidable import check_decidable, check_fastest, fastest_resolved
 from worker.errors import InvalidJob
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, demand_quiet
 from worker.jobs.request import Count, Real, Request
@@ -72,7 +73,7 @@ class TrajectoryRequest(Request):
     periods: Real = Field(20.0, gt=0, description="Span, forcing periods")
     samples_per_period: Count = 200
 
-    def follow(self, most_contacts: int = 1_000_000) -> TimeHistory:
+    def follow(self, most_contacts: int = 100_000) -> TimeHistory:
         """Compute the history.
 
         Parameters
@@ -89,7 +90,9 @@ class TrajectoryRequest(Request):
         OutsideDomain, InvalidJob
             Naming what is wrong.
         """
-        oscillator = check_domain(self.oscillator.to_oscillator())
+        oscillator = check_decidable(check_domain(self.oscillator.to_oscillator()))
+        why = f"at half backlash {oscillator.half_backlash:g} double precision does not resolve shorter flights"
+        check_fastest(abs(self.start.velocity), fastest_resolved(oscillator), why, ("start", "velocity"))
         demand_quiet(lambda: check_quiet(oscillator), unless=self.oscillator.allow_no_quiet_solution)
         state = initial_state(oscillator, self.start.time, self.start.velocity, self.start.displacement)
         try:

@@ -11,6 +11,8 @@ from worker.pictures.figure_file import new_figure
 
 # Most contacts marked. More would hide the curve.
 _MOST_MARKS = 400
+# Most points of the curve: more than a picture has columns, and fewer than Agg's rasteriser overflows at.
+_MOST_POINTS = 40_000
 _MARKS = {
     Direction.IMPACT: ("o", "tab:red", "impact"),
     Direction.IN: ("v", "tab:red", "into contact"),
@@ -46,9 +48,22 @@ def draw_boundaries(axes: Axes, oscillator: Oscillator, walls: tuple[int, ...] =
         )  # fmt: skip
 
 
-def _shade_contacts(axes: Axes, oscillator: Oscillator, history: TimeHistory) -> None:
-    inside = np.clip(history.displacement, -oscillator.half_backlash, oscillator.half_backlash)
-    axes.fill_between(history.time, inside, history.displacement, color="tab:blue", alpha=0.25, linewidth=0.0)
+def _thinned(history: TimeHistory) -> tuple[np.ndarray, np.ndarray]:
+    """Times and displacements to draw: of very many, the extremes of each stretch."""
+    time, displacement = history.time, history.displacement
+    if time.size <= _MOST_POINTS:
+        return time, displacement
+    stretch = -(-2 * time.size // _MOST_POINTS)
+    rows = np.pad(displacement, (0, -time.size % stretch), mode="edge").reshape(-1, stretch)
+    first = np.arange(rows.shape[0]) * stretch
+    extremes = np.concatenate([first + rows.argmin(axis=1), first + rows.argmax(axis=1), [0, time.size - 1]])
+    kept = np.unique(np.minimum(extremes, time.size - 1))
+    return time[kept], displacement[kept]
+
+
+def _shade_contacts(axes: Axes, oscillator: Oscillator, time: np.ndarray, displacement: np.ndarray) -> None:
+    inside = np.clip(displacement, -oscillator.half_backlash, oscillator.half_backlash)
+    axes.fill_between(time, inside, displacement, color="tab:blue", alpha=0.25, linewidth=0.0)
 
 
 def _mark_contacts(axes: Axes, oscillator: Oscillator, history: TimeHistory) -> None:
@@ -93,8 +108,9 @@ def draw_history(figure: Figure, oscillator: Oscillator, history: TimeHistory) -
     """Draw a time history on an empty figure."""
     axes = figure.add_subplot()
     draw_boundaries(axes, oscillator)
-    _shade_contacts(axes, oscillator, history)
-    axes.plot(history.time, history.displacement, color="tab:blue", linewidth=1.0)
+    time, displacement = _thinned(history)
+    _shade_contacts(axes, oscillator, time, displacement)
+    axes.plot(time, displacement, color="tab:blue", linewidth=1.0)
     _mark_contacts(axes, oscillator, history)
     if history.time[-1] > history.time[0]:
         axes.set_xlim(history.time[0], history.time[-1])

@@ -5,6 +5,7 @@ from collections.abc import Collection
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from rattle_kernels import Attractor
@@ -23,6 +24,7 @@ _MOST_CELLS = 2000
 # Most panels each way. Of more, an evenly spaced selection is shown.
 _MOST_PANELS = 6
 _LEGEND_ROWS = 18
+_SPECKLED = "chaos is speckled by Hsu's groups"
 
 
 def _legend(
@@ -51,8 +53,23 @@ def draw_legend(axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray
     """List solutions with colours and shares beside the axes; NaN is a share not known yet."""
     told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
     labels = [f"{solution.label}   {share}" for solution, share in zip(solutions, told, strict=True)]
-    handles = legend_patches(solutions, shares, labels)
-    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0)
+    handles = [*legend_patches(solutions, shares, labels), *_lines_of(axes)]
+    axes.legend(
+        handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0,
+        title=_SPECKLED if any(each.is_chaotic for each in solutions) else None, title_fontsize="x-small",
+    )  # fmt: skip
+
+
+def _lines_of(axes: Axes) -> list[Line2D]:
+    """Legend entries of the overlays, each name once; marks of attractors are listed among the motions."""
+    named = {str(line.get_label()): line for line in axes.get_lines() if line.get_linestyle() != "None"}
+    drawn = {name: line for name, line in named.items() if not name.startswith("_")}
+    # On white paper a white curve is shown grey.
+    return [
+        Line2D([], [], color="0.6" if line.get_color() == "white" else line.get_color(), label=name,
+               linestyle=line.get_linestyle())
+        for name, line in drawn.items()
+    ]  # fmt: skip
 
 
 def _title(store: BasinStore, shown: int) -> str:

@@ -91,7 +91,30 @@ def open_store(location: str | Path, storage_options: dict[str, Any] | None = No
         ) from error
     if "layout_version" not in dataset.attrs:
         raise StoreConflict(f"{location} is no store of this project")
-    return dataset
+    return _labelled(dataset)
+
+
+def _labelled(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with its parameters as attributes, and names as coordinates; attributes are numbers and text alone.
+
+    netCDF knows no others.
+    """
+    request = json.loads(dataset.attrs["request"])
+    vary = request.get("vary", [])
+    swept = [each["parameter"] for each in (vary if isinstance(vary, list) else [vary])]
+    parameters = {name: value for name, value in request.get("oscillator", {}).items() if name not in swept}
+    attributes = {name: _plain(value) for name, value in (dataset.attrs | parameters).items()}
+    names = [name for name in ("name",) if name in dataset.data_vars]
+    return dataset.set_coords(names).assign_attrs(attributes)
+
+
+def _plain(value: Any) -> Any:
+    """An attribute as netCDF takes it."""
+    if isinstance(value, bool):
+        return int(value)
+    if isinstance(value, dict):
+        return json.dumps(value)
+    return value
 
 
 def _open(location: str, storage_options: dict[str, Any] | None) -> xr.Dataset:
@@ -139,7 +162,7 @@ def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
         oscillator=job.oscillator._replace(**at), grid=job.grid, iterations=job.iterations, sample=job.sample
     )
     request = {"request": json.dumps(alone.request()), "request_sha256": alone.digest}
-    return dataset.isel(place).assign_attrs(request)
+    return dataset.isel(place).assign_attrs(request | at)
 
 
 def _index_of(swept: SweptParameter, value: float) -> int:
@@ -226,7 +249,13 @@ def plot_basin(
     -----
     Beyond 1000 cells either way every n-th represents its neighbours, since labels cannot be averaged.
     """
+    if "sample" not in dataset.dims and dataset.solution.ndim != 2:
+        swept = ", ".join(each.parameter for each in job_of(dataset).vary)
+        raise InvalidJob(f"this is a sweep over {swept}: choose a basin by basin_of(sweep, ...), then draw it")
     axes = plt.gca() if ax is None else ax
+    figure = axes.get_figure(root=True)
+    if ax is None and figure is not None and figure.get_layout_engine() is None:
+        figure.set_layout_engine("constrained")  # room for the legend beside the axes, in files as well
     attractors, extent = attractors_of(dataset), _extent(dataset)
     shown = thinned(dataset)
     image = colours.paint_cells(shown.solution, shown.group, attractors)

@@ -1,222 +1,221 @@
-/** The page: connects its parts. */
+/** The page: connects its parts. What is seen is one state: the request, the window, the look, the motions. */
 
-import { get, pathOf, post, send, whenKeyIsNeeded } from "./net/api.js";
-import { readAddress, writeAddress } from "./net/address.js";
-import { ended, follow } from "./net/follow.js";
-import { Form } from "./panels/form.js";
-import { showLegend } from "./panels/legend.js";
+import { get, whenKeyIsNeeded } from "./net/api.js";
+import { Jobs } from "./jobs/jobs.js";
+import { ended } from "./jobs/life.js";
+import { showCaption } from "./look/caption.js";
+import { Screen } from "./look/screen.js";
+import { by } from "./page/by.js";
+import { enableTools, setUpControls } from "./page/controls.js";
 import { askForKey } from "./page/login.js";
+import { attempt, inWords, say } from "./page/say.js";
+import { showState } from "./page/state.js";
+import { hasCells, kindInWords, Still } from "./page/still.js";
+import { showTakeaway } from "./page/takeaway.js";
+import { Comparison } from "./panels/comparison.js";
+import { Diagrams } from "./panels/diagrams.js";
+import { Examples } from "./panels/examples.js";
+import { Form } from "./panels/form.js";
+import { Hover } from "./panels/hover.js";
+import { showLegend } from "./panels/legend.js";
 import { Motions } from "./panels/motions.js";
 import { OverlayList } from "./panels/overlay_list.js";
-import { Picture } from "./plane/picture.js";
-import { Plane } from "./plane/plane.js";
-import { listRecent } from "./page/recent.js";
-import { attempt, inWords, say } from "./page/say.js";
-import { stateInWords, showProgress } from "./page/state.js";
-import { hasCells, Still } from "./page/still.js";
 import { Sweep } from "./panels/sweep.js";
-import { showTakeaway } from "./page/takeaway.js";
-import { colour, setUpTheme } from "./page/theme.js";
-import { reading } from "./charts/ticks.js";
+import { Turn } from "./panels/turn.js";
+import { Marks } from "./plane/marks.js";
+import { Plane } from "./plane/plane.js";
+import { decode, encode } from "./state/address.js";
+import { hasEarlier, write } from "./state/entries.js";
+import { axesOf, limitOf, same, viewOf } from "./state/window.js";
+import { setUpTheme } from "./page/theme.js";
 
-const FIRST_PRESET = "fig7bottom";
-const ZOOM_REST_MS = 350;
+const FIRST_EXAMPLE = "fig7bottom";
+const REST_MS = 350;
 
-const by = (id) => document.getElementById(id);
-const at = { job: null, panel: 0, result: null, following: null, zoom: null, mine: null, whole: null, pointed: null };
+/**
+ * `request`: what is asked for, or would be. `edited`: it has not been asked for. `whole`: the window before zooming.
+ * `opening`: what the address says, while it is opened; at first nothing is known of it.
+ */
+const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, rest: 0, sliding: false };
 
-const plane = new Plane(by("plane"), {
-  moved, hovered, picked: (place, second) => at.job && motions.pick(place, second), whole: showWhole,
-});
-const form = new Form(by("ask"), (request) => submit(request, false));
+const plane = new Plane(by("plane"), { moved, hovered: (place) => hover.at(place), picked: (place, second) => screen.oscillator && motions.pick(place, second), whole: showWhole });
+const marks = new Marks(by("marks"), plane);
+const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
+const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds) });
+const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
+const jobs = new Jobs({ changed: lifeChanged, begun, drawn });
+const motions = new Motions(by("history"), plane, marks, () => screen.wanted, () => remember(false));
+const hover = new Hover(plane, marks, () => screen.oscillator, { reading: by("reading"), sentence: by("sentence") });
+const overlays = new OverlayList(by("overlays"), plane, () => remember(false));
 const sweep = new Sweep(by("sweep"), openPanel);
-const motions = new Motions(by("history"), plane, oscillatorHere);
-const overlays = new OverlayList(by("overlays"), plane);
 const still = new Still(by("still"));
+new Comparison({ button: by("keep"), range: by("swipe") }, plane, screen);
+const diagrams = new Diagrams({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) });
+const examples = new Examples(by("preset"), by("examples"), by("preset-note"), showExample);
 
-/** Return to the requested window, before any zooming. */
+// What is asked for.
+
+/** Something in the form has changed, by hand or by a slider that moves: a preview follows. */
+function edited() {
+  const oscillator = form.oscillator();
+  const request = form.request();
+  const { time, velocity } = request.grid;
+  if (!oscillator || !(time.start < time.stop && velocity.start < velocity.stop)) return;
+  [at.request, at.edited] = [request, true];
+  by("preset-note").textContent = "";
+  if (!same(viewOf(request.grid), plane.view)) plane.lookAt((at.whole = viewOf(request.grid)));
+  screen.look(oscillator, plane.view, at.sliding);
+  caption();
+  if (at.sliding) return;
+  turn.show(oscillator);
+  remember(false);
+}
+
+function slid(name, value) {
+  at.sliding = true;
+  form.set(name, value);
+  at.sliding = false;
+}
+
+/** Ask for what the form describes. Its preview comes first. */
+function compute(request) {
+  clearTimeout(at.rest);
+  if (!same(viewOf(request.grid), plane.view)) plane.lookAt((at.whole = viewOf(request.grid)));
+  screen.look(firstOf(request), plane.view);
+  ask(request);
+}
+
+function ask(request) {
+  [at.request, at.edited, at.panel] = [request, false, 0];
+  remember(true);
+  jobs.ask(request);
+}
+
+/** Oscillator of a request's first basin. */
+function firstOf({ oscillator, vary }) {
+  return { ...oscillator, ...Object.fromEntries((vary ?? []).map(({ parameter, start, values }) => [parameter, start ?? values[0]])) };
+}
+
+function showExample(request) {
+  jobs.leave();
+  show(request);
+  at.edited = false;
+  remember(true);
+}
+
+/** Show the window of a request, or a part of it, before its cells are there. */
+function show(request, { view = null, whole = null } = {}) {
+  form.fill(request);
+  at.request = request;
+  at.whole = whole ?? viewOf(request.grid);
+  plane.lookAt(view ?? at.whole);
+  turn.show(request.oscillator);
+  screen.look(firstOf(request), plane.view);
+}
+
+/** The request for the window that is seen, with the oscillator that is seen. */
+function requestHere() {
+  const { grid, iterations } = form.request();
+  const cells = { time: grid.time.cells, velocity: grid.velocity.cells };
+  return { oscillator: screen.oscillator, grid: axesOf(plane.view, cells), iterations };
+}
+
+/** The window has moved: a preview at once, and after a rest an entry of the history and a job that refines it. */
+function moved(view) {
+  clearTimeout(at.rest);
+  if (limitOf(view)) say(limitOf(view));
+  if (!screen.oscillator) return;
+  form.showWindow(requestHere().grid);
+  const refine = by("anew").checked;
+  if (refine) screen.look(screen.oscillator, view);
+  at.rest = setTimeout(() => {
+    if (!refine) return remember(true);
+    const request = requestHere();
+    form.fill(request);
+    ask(request);
+  }, REST_MS);
+}
+
 function showWhole() {
-  if (at.whole) plane.go(at.whole);
+  plane.go(at.whole);
 }
 
 // Jobs.
 
-async function submit(request, zooming) {
-  clearTimeout(at.zoom);
-  await attempt(async () => {
-    await withdraw();
-    const answer = await send(pathOf({ kind: request.vary ? "sweep" : "basin" }), {
-      method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(request),
-    });
-    const job = await answer.json();
-    // The same request may belong to another client's job. Only a new job is ours to cancel.
-    at.mine = Date.parse(job.created) >= Date.parse(answer.headers.get("date")) - 1000 ? job.id : null;
-    await open(job, 0, zooming ? plane.view : null, zooming);
-  });
+function lifeChanged(life) {
+  showState(life, { progress: by("progress"), cancel: by("cancel") });
+  caption();
 }
 
-/** Cancel a job of this page that is no longer shown. */
-async function withdraw() {
-  const superseded = at.mine && at.job?.id === at.mine && !ended(at.job);
-  at.mine = null;
-  // If it cannot be cancelled it continues, and the next one is computed anyway.
-  if (superseded) await post(at.job.links.cancel, {}).catch(() => {});
-}
-
-/**
- * Show a job.
- * @param {object} job
- * @param {number} panel
- * @param {object|null} view null for the job's own window
- * @param {boolean} over whether older pictures stay underneath
- */
-async function open(job, panel, view, over) {
-  at.following?.abort();
-  const { signal } = (at.following = new AbortController());
-  const same = over && sameOscillator(at.job?.request, job.request);
-  if (!same) motions.forget();
-  if (!same) overlays.forget();
-  if (!over) plane.clear();
+/** Another job is shown. */
+function begun(job) {
   still.hide();
-  [at.job, at.panel, at.result] = [job, panel, null];
-  if (hasCells(job)) lookAt(job, view, over);
-  writeAddress({ job: job.id, panel, view }, true);
-  if (hasCells(job) && job.request.vary) sweep.show(job.request.vary, panel);
-  else sweep.hide();
-  showTakeaway(by("takeaway"), job, plane.look.layer);
-  showTools();
-  await watch(job, panel, signal);
-}
-
-function lookAt(job, view, over) {
-  const { time, velocity } = job.request.grid;
-  const asked = { t0: time.start, t1: time.stop, v0: velocity.start, v1: velocity.stop };
-  if (!over) at.whole = asked;
-  plane.lookAt(view ?? asked);
-}
-
-function sameOscillator(one, other) {
-  return JSON.stringify(one?.oscillator) === JSON.stringify(other.oscillator);
-}
-
-function tell(job, place) {
-  const { text, wrong } = stateInWords(job, place);
-  say(text, wrong);
-  showProgress(by("progress"), job);
-  by("cancel").hidden = ended(job) || job.state === "cancelling";
-}
-
-/** Follow a job, and draw one of its basins as it is computed. */
-async function watch(job, panel, signal) {
-  let picture = null;
-  const report = async (now, place) => {
-    at.job = now;
-    // Completion is announced below, once the picture is complete.
-    if (!ended(now)) tell(now, place);
-    // A job has a store once it has reported progress.
-    if (!hasCells(now)) {
-      if (ended(now) && now.progress) await still.show(now, signal);
-    } else if (now.progress) {
-      picture ??= await begin(now, panel, signal);
-      if (picture && !signal.aborted) await draw(picture, now, signal);
-    }
-    if (!signal.aborted) tell(now, place);
-  };
-  const lost = (error) => say(`${inWords(error)}; trying again.`, true);
-  await attempt(() => follow(job, report, lost, signal));
-}
-
-async function begin(job, panel, signal) {
-  try {
-    const picture = await Picture.open(job.id, panel);
-    if (!signal.aborted) plane.show(picture);
-    return picture;
-  } catch (error) {
-    // The store of a cancelled job may have passed to the next job of the same request.
-    if (error.kind === "not-ready") return null;
-    throw error;
+  at.edited = false;
+  const cells = hasCells(job);
+  if (cells) {
+    if (at.opening && !at.opening.request) show(job.request, at.opening);
+    at.request = job.request;
+    turn.show(screen.begin(job, at.panel));
+  } else if (job.kind === "bifurcation") {
+    at.request = { ...form.request(), oscillator: job.request.oscillator };
+    show(at.request);
+    attempt(() => diagrams.show(job));
+  } else {
+    screen.clear();
   }
+  if (cells && job.request.vary) sweep.show(job.request.vary, at.panel);
+  else sweep.hide();
+  enableTools(cells);
+  remember(false);
 }
 
-async function draw(picture, job, signal) {
-  await picture.refresh(ended(job), (tile) => {
-    if (!signal.aborted) plane.arrived(picture, tile);
-  }, signal);
-  if (signal.aborted) return;
-  plane.draw();
-  legend();
-  read();
+/** Draw a job as far as it is computed. */
+async function drawn(job, signal) {
+  if (!hasCells(job)) {
+    if (ended(job) && job.progress && job.kind !== "bifurcation") await still.show(job, signal);
+    return;
+  }
+  const picture = await screen.draw(job, signal);
+  if (!picture) return;
   overlays.of(picture.job, picture.panel, picture.outline.complete);
   await motions.again();
-  if (job.request.vary) await chartShares(picture, job);
-}
-
-async function chartShares(picture, job) {
-  const done = job.progress.basins_done;
-  if (!at.result || at.charted !== done) {
-    at.result = await get(job.links.result);
-    at.charted = done;
-  }
-  if (at.job.id === job.id && sweep.vary) sweep.draw(at.result, picture.outline, plane.look.palette);
+  if (job.request.vary && !signal.aborted) await sweep.refresh(job, picture, plane.look.palette);
 }
 
 function openPanel(panel) {
   if (panel === at.panel) return;
-  motions.forget();
-  overlays.forget();
-  at.following?.abort();
-  const { signal } = (at.following = new AbortController());
   at.panel = panel;
-  plane.clear();
   sweep.moveTo(panel);
-  writeAddress({ job: at.job.id, panel, view: null }, true);
-  watch(at.job, panel, signal);
+  const oscillator = screen.begin(jobs.job, panel);
+  turn.show(oscillator);
+  screen.look(oscillator, plane.view);
+  remember(true);
+  jobs.again();
 }
 
-// The window.
+// What is seen.
 
-/** The request for the visible window of the current oscillator. */
-function requestHere() {
-  const { request } = at.job;
-  const { time, velocity } = request.grid;
-  const digits = (value) => Number(value.toPrecision(12));
-  const { t0, t1, v0, v1 } = plane.view;
-  return {
-    oscillator: oscillatorHere(),
-    grid: {
-      time: { start: digits(t0), stop: digits(t1), cells: time.cells },
-      velocity: { start: digits(v0), stop: digits(v1), cells: velocity.cells },
-    },
-    iterations: request.iterations,
-  };
+function pictureChanged() {
+  diagrams.follow();
+  legend();
+  hover.read();
+  caption();
 }
 
-function oscillatorHere() {
-  return { ...at.job?.request.oscillator, ...plane.picture?.outline.parameters };
+/** Another oscillator is seen: the motions that are followed start where they did. */
+function turned() {
+  overlays.forget();
+  motions.renew();
 }
 
-function moved(view) {
-  clearTimeout(at.zoom);
-  if (!at.job || !hasCells(at.job)) return;
-  if (!by("anew").checked) writeAddress({ job: at.job.id, panel: at.panel, view }, true);
-  else at.zoom = setTimeout(() => submit(requestHere(), true), ZOOM_REST_MS);
+/** What is seen is not what the job computes. A request that is on its way will say by itself what it replaces. */
+function left() {
+  if (jobs.life.phase !== "asking") jobs.leave();
+  sweep.hide();
 }
 
-function hovered(place) {
-  if (place) at.pointed = place;
-  read();
-}
-
-/** Show what is known of the point last pointed at. */
-function read() {
-  const place = at.pointed;
-  if (!place) return;
-  const { t0, t1, v0, v1 } = plane.view;
-  const known = plane.at(place.t, place.v);
-  const phase = place.t - Math.floor(place.t);
-  const where = `t = ${reading(phase, t1 - t0)}   v = ${reading(place.v, v1 - v0)}`;
-  const what = known ? `   ${known.solution.name}   step ${known.step}, group ${known.group}, period ${known.period}` : "   not known yet";
-  by("reading").textContent = where + (at.job ? what : "");
+function previewFailed(error) {
+  if (error.name !== "AbortError") say(inWords(error), true);
 }
 
 function legend() {
@@ -226,58 +225,74 @@ function legend() {
   });
 }
 
-function showTools() {
-  by("empty").hidden = at.job !== null;
-  for (const id of ["back", "forward", "in", "out", "whole", "box", "layer"]) by(id).disabled = !at.job || !hasCells(at.job);
+function caption() {
+  const { job } = jobs;
+  const kind = job && !hasCells(job) ? kindInWords(job) : null;
+  showCaption({ shown: by("shown"), standing: by("standing") }, { kind, job, oscillator: screen.oscillator, picture: plane.picture, edited: at.edited });
 }
 
-// Setting up.
+function takeaway() {
+  const request = jobs.job?.request ?? at.request;
+  if (request) showTakeaway(by("takeaway"), { job: at.edited ? null : jobs.job, request, panel: at.panel, plane, motions, caption: document.title });
+}
 
 function restyle(look) {
-  plane.restyle({ ...look, ground: colour("plot") });
+  plane.restyle({ ...look, ground: getComputedStyle(document.documentElement).getPropertyValue("--plot").trim() });
   legend();
-  if (at.result && plane.picture) sweep.draw(at.result, plane.picture.outline, plane.look.palette);
+  sweep.repaint(plane.picture, plane.look.palette);
+  remember(false);
 }
 
-function setUpControls() {
-  by("cancel").addEventListener("click", () => attempt(() => post(at.job.links.cancel, {})));
-  by("back").addEventListener("click", () => history.back());
-  by("forward").addEventListener("click", () => history.forward());
-  by("in").addEventListener("click", () => plane.zoom(0.7));
-  by("out").addEventListener("click", () => plane.zoom(1 / 0.7));
-  by("whole").addEventListener("click", showWhole);
-  const toggle = (button) => {
-    const on = button.getAttribute("aria-pressed") !== "true";
-    button.setAttribute("aria-pressed", String(on));
-    return on;
-  };
-  by("box").addEventListener("click", () => (plane.boxing = toggle(by("box"))));
-  by("layer").addEventListener("change", () => {
-    restyle({ layer: by("layer").value });
-    if (at.job) showTakeaway(by("takeaway"), at.job, plane.look.layer);
-  });
-  by("palette").addEventListener("change", () => restyle({ palette: by("palette").value }));
-  setUpTheme(by("theme"), () => restyle({}));
-  by("recent").addEventListener("toggle", () => by("recent").open && attempt(() => listRecent(by("recent").querySelector("ul"))));
-  addEventListener("popstate", () => attempt(openAddress));
+// The address.
+
+/** Write what is seen to the address. */
+function remember(isNew) {
+  if (at.opening) return;
+  const { layer, palette } = plane.look;
+  const job = at.edited || jobs.life.phase === "asking" ? null : jobs.job;
+  const pictured = job && !hasCells(job) ? {} : { request: at.request, view: plane.view, whole: at.whole };
+  write(encode({ job: job?.id, panel: at.panel, layer, palette, overlays: overlays.names, motions: motions.starts, ...pictured }), isNew);
+  by("back").disabled = !hasEarlier();
 }
 
-/** Open what the address names. */
+/** Show what the address says; whether it says anything. */
 async function openAddress() {
-  const { job: id, panel, view } = readAddress();
-  if (!id) return;
-  const job = await get(`/v1/jobs/${id}`);
-  if (job.request.grid) form.fill(job.request);
-  by("preset").value = "";
-  await open(job, panel, view, sameOscillator(at.job?.request, job.request) && panel === at.panel);
+  const seen = (at.opening = decode(location.search));
+  const { job, request, panel, layer, palette } = seen;
+  at.panel = panel;
+  restyle({ layer, palette });
+  [by("layer").value, by("palette").value] = [layer, palette];
+  overlays.choose(seen.overlays);
+  try {
+    if (request) show(request, seen);
+    if (job) await jobs.open(job, request);
+    else if (request) jobs.ask(request);
+    at.edited = false;
+    motions.forget();
+    for (const [i, [t, v]] of seen.motions.entries()) await motions.pick({ t, v }, i > 0);
+  } finally {
+    if (at.opening === seen) at.opening = null;
+    by("back").disabled = !hasEarlier();
+  }
+  return Boolean(job || request);
 }
 
-async function start() {
+/** Open the address, or the first example where it says nothing. */
+async function open(offered) {
+  if (await openAddress()) return;
+  await offered;
+  at.opening = {};
+  examples.choose(FIRST_EXAMPLE);
+  at.opening = null;
+}
+
+function start() {
   whenKeyIsNeeded(askForKey);
-  setUpControls();
-  showTools();
-  const offered = get("explorer/presets.json").then((presets) => form.offer(presets, readAddress().job ? "" : FIRST_PRESET));
-  await Promise.all([offered, openAddress()]);
+  setUpControls({ plane, jobs, restyle, whole: showWhole, takeaway });
+  setUpTheme(by("theme"), () => restyle({}));
+  const offered = get("explorer/presets.json").then((presets) => examples.offer(presets));
+  addEventListener("popstate", () => attempt(() => open(offered)));
+  return open(offered);
 }
 
 attempt(start);

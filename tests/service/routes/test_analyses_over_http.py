@@ -126,7 +126,7 @@ def test_a_shell_submits_every_kind_and_prints_what_was_found(service, finished,
 def test_what_is_no_saddle_is_said_by_the_job_that_fails(service, saddle, told):
     job = service.wait(submitted(service, "manifolds", {"saddles": [saddle]})["id"])
     assert job["state"] == "failed" and job["error"]["kind"] == "nothing-found", job
-    assert "saddles.0" in job["error"]["detail"] and told in job["error"]["detail"]
+    assert "saddle 1: " in job["error"]["detail"] and told in job["error"]["detail"]
 
 
 @pytest.mark.parametrize(

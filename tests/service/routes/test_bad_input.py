@@ -40,8 +40,8 @@ REFUSED = [
         422,
         "cells times iterations",
     ),
-    ({"grid": {"velocity": {"start": 5, "stop": 2}}}, 422, "velocity_stop must be above velocity_start = 5.0"),
-    ({"grid": {"time": {"start": 0.7, "stop": 0.2}}}, 422, "time_stop must be above time_start = 0.7"),
+    ({"grid": {"velocity": {"start": 5, "stop": 2}}}, 422, "body.grid.velocity: stop must be above start = 5"),
+    ({"grid": {"time": {"start": 0.7, "stop": 0.2}}}, 422, "body.grid.time: stop must be above start = 0.7"),
     ({"grid": {"time": {"start": 0.5, "stop": 1.9}}}, 422, "at most one period"),
     ({"grid": {"velocity": {"start": -1}}}, 422, "greater than or equal to 0"),
 ]

@@ -36,3 +36,15 @@ def test_the_same_history_gives_the_same_bytes():
 def test_a_history_of_one_sample_and_a_truncated_one_are_drawn():
     assert drawn(Oscillator(), periods=0.0).startswith(b"\x89PNG")
     assert drawn(Oscillator(), periods=20.0, most_contacts=2).startswith(b"\x89PNG")
+
+
+def test_a_history_of_very_many_contacts_is_drawn():
+    """Agg's rasteriser overflows at as many points as these; the extremes of each stretch are as high."""
+    fast = Oscillator(half_backlash=0.6)
+    history = time_history(fast, 0.0, 0.6, -1e6, periods=20.0, samples_per_period=200, most_contacts=100_000)
+    assert history.time.size > 100_000
+    figure = history_figure(fast, history)
+    figure.savefig(io.BytesIO(), format="png")
+    drawn = max((line.get_ydata() for line in figure.axes[0].get_lines()), key=len)
+    assert len(drawn) < history.time.size / 2
+    assert drawn.max() == history.displacement.max() and drawn.min() == history.displacement.min()

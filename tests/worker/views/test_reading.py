@@ -69,7 +69,7 @@ def test_it_is_drawn_in_the_projects_colours(store):
     assert near(picture, colours.colours_of((RATTLE,))[0]) > 0.1
     assert (axes.get_xlim(), axes.get_ylim()) == ((0.0, 1.0), (0.0, 7.0))
     names = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert names[0].startswith("permanent contact") and len(names) == 3
+    assert names[0].startswith("permanent contact") and names[3:] == ["grazing curve"]
 
 
 def test_a_part_of_a_basin_is_drawn_on_the_axes_it_is_given(store):
@@ -125,12 +125,12 @@ def test_a_basin_of_a_sweep_is_read_like_one_computed_alone(sweep, client, tmp_p
 def test_a_panel_is_drawn_with_its_own_solutions_in_the_colours_of_the_sweep(sweep):
     quiet, rattle = (basin_of(sweep, damping=0.575, eccentricity=value) for value in (0.05, 0.1))
     listed = [text.get_text() for text in plot_basin(quiet).get_legend().get_texts()]
-    assert listed == ["permanent contact   100.00 %"]
+    assert listed == ["permanent contact   100.00 %", "grazing curve"]
     assert [motion.time.size for motion in attractors_of(quiet)] == [0] * sweep.sizes["attractor"]
     plt.figure()
     axes = plot_basin(rattle)
     listed = {text.get_text().split("  ")[0] for text in axes.get_legend().get_texts()}
-    assert listed == {"permanent contact", "P(1,1,0)", "P(1,2,0)", "P(2,2,1)"}
+    assert listed == {"permanent contact", "P(1,1,0)", "P(1,2,0)", "P(2,2,1)", "grazing curve"}
     assert near(np.asarray(axes.images[0].get_array()), PALE_BLUE) > 0.02
 
 
@@ -145,3 +145,13 @@ def test_a_panel_takes_one_value_of_each_swept_parameter(sweep, values):
 def test_a_value_that_is_not_swept_is_refused(sweep):
     with pytest.raises(InvalidJob, match=r"damping takes the values 0\.575, 0\.6"):
         basin_of(sweep, damping=0.59, eccentricity=0.1)
+
+
+def test_the_legend_names_the_curves_and_is_whole_in_a_file(store):
+    with open_basin(store.location) as basin:
+        axes = plot_basin(basin)
+    listed = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert "grazing curve" in listed and "chaos" in axes.get_legend().get_title().get_text()
+    axes.figure.canvas.draw()
+    within = axes.get_legend().get_window_extent()
+    assert within.x1 <= axes.figure.bbox.x1 and within.y0 >= axes.figure.bbox.y0

@@ -21,7 +21,8 @@ export class Chart {
   constructor(place, { height, x, y, xLabel, yLabel, label }) {
     this.width = Math.max(place.clientWidth, 240);
     this.height = height;
-    [this.range, this.reach] = [x, y];
+    this.range = x;
+    this.reach = y;
     this.svg = element("svg", { viewBox: `0 0 ${this.width} ${height}`, role: "img", "aria-label": label });
     const { left, bottom, top, right } = MARGIN;
     this.bottom = height - bottom;
@@ -51,7 +52,10 @@ export class Chart {
     return this.bottom - ((value - from) / (to - from)) * (this.bottom - MARGIN.top);
   }
 
-  /** Value on the x axis at a pointer event. */
+  /**
+   * Value on the x axis at a pointer event.
+   * @param {{clientX: number}} event
+   */
   valueAt(event) {
     const box = this.svg.getBoundingClientRect();
     const x = ((event.clientX - box.left) / box.width) * this.width;

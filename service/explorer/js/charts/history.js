@@ -15,7 +15,7 @@ function draw(place, backlash, motions) {
   const room = 0.08 * (most - least);
   const label = `Displacement over time of ${motions.size === 1 ? "one motion" : "two motions"} between the backlash boundaries`;
   const chart = new Chart(place, {
-    height: 210, x, y: [least - room, most + room], xLabel: "time t (forcing periods)", yLabel: "displacement Φ", label,
+    height: 170, x, y: [least - room, most + room], xLabel: "time t (forcing periods)", yLabel: "displacement Φ", label,
   });
   for (const [wall, name] of [[backlash, "+β"], [-backlash, "−β"]]) {
     chart.add("path", { class: "wall", d: `M${chart.x(x[0])} ${chart.y(wall)}H${chart.x(x[1])}` });
@@ -27,31 +27,44 @@ function draw(place, backlash, motions) {
       if (direction !== "out") chart.add("circle", { class: name, cx: chart.x(time), cy: chart.y(wall * backlash), r: 2 });
     }
   }
+  return chart;
 }
 
-function sentence(name, { start, told }) {
+function cursorOn(chart, seek) {
+  const line = chart.add("path", { class: "cursor", visibility: "hidden" });
+  const [top, bottom] = [chart.y(chart.reach[1]), chart.y(chart.reach[0])];
+  chart.svg.addEventListener("click", (event) => seek(chart.valueAt(event)));
+  return (at) => {
+    line.setAttribute("visibility", at === null ? "hidden" : "visible");
+    if (at !== null) line.setAttribute("d", `M${chart.x(at).toFixed(1)} ${top}V${bottom}`);
+  };
+}
+
+function sentence(name, { start, ends }) {
   const line = document.createElement("p");
-  line.className = "told";
+  line.className = "ends";
   const mark = document.createElement("b");
   mark.className = name;
   mark.textContent = NAMES[name];
-  line.append(mark, ` The motion from t = ${reading(start.t, 0.1)}, v = ${reading(start.v, 0.1)} ${told}.`);
+  line.append(mark, ` The motion from t = ${reading(start.t, 0.1)}, v = ${reading(start.v, 0.1)} ${ends}.`);
   return line;
 }
 
 /**
- * Show motions.
+ * Show motions. Returns a function that moves a cursor to a time, and calls `seek` with the time of a click.
  * @param {HTMLElement} section
  * @param {number} backlash
- * @param {Map<"first"|"second", object>} motions
+ * @param {Map<string, Motion>} motions
+ * @param {(at: number) => void} seek
+ * @returns {(at: number|null) => void}
  */
-export function showHistories(section, backlash, motions) {
+export function showHistories(section, backlash, motions, seek) {
   section.hidden = motions.size === 0;
   const place = section.querySelector("#histories");
   place.replaceChildren();
-  if (!motions.size) return;
+  if (!motions.size) return () => {};
   const chart = document.createElement("div");
   chart.className = "chart";
   place.append(...[...motions].map(([name, motion]) => sentence(name, motion)), chart);
-  draw(chart, backlash, motions);
+  return cursorOn(draw(chart, backlash, motions), seek);
 }

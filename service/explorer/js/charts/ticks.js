@@ -14,6 +14,28 @@ export function ticks(from, to, about) {
   });
 }
 
+const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+const MOST_DIGITS = 4;
+
+function power10(exponent) {
+  return `10⁻${[...String(exponent)].map((digit) => SUPERSCRIPTS[digit]).join("")}`;
+}
+
+/**
+ * Ticks of an axis. Where labels would need many digits, what they have in common goes to the title:
+ * `{ticks, title}`, where the title is "" or as " = 3.4012 + … × 10⁻⁶".
+ */
+export function axisTicks(from, to, about) {
+  const plain = ticks(from, to, about);
+  const step = plain.length > 1 ? plain[1].at - plain[0].at : to - from;
+  const digits = -Math.floor(Math.log10(step) + 1e-9);
+  if (digits <= MOST_DIGITS) return { ticks: plain, title: "" };
+  const exponent = digits - 1;
+  const common = Number((Math.floor(from * 10 ** (exponent - 2)) / 10 ** (exponent - 2)).toFixed(Math.max(exponent - 2, 0)));
+  const labelled = plain.map(({ at }) => ({ at, label: ((at - common) * 10 ** exponent).toFixed(1) }));
+  return { ticks: labelled, title: ` = ${common} + … × ${power10(exponent)}` };
+}
+
 /** A coordinate with as many digits as a window of this width needs. */
 export function reading(value, width) {
   return value.toFixed(Math.min(12, Math.max(3, 3 - Math.floor(Math.log10(width)))));

@@ -1,6 +1,7 @@
 /** The service's HTTP API: JSON in and out, readable errors, and the key, which is kept in this module's memory only. */
 
 let key = "";
+/** @type {(wrong: string) => Promise<string>} */
 let askForKey = async () => "";
 
 /** Set the function that asks for a key. It gets the error of the last key and resolves to a new key. */
@@ -10,9 +11,11 @@ export function whenKeyIsNeeded(asker) {
 
 /** An error response, with the service's own message. */
 export class Refusal extends Error {
-  constructor(status, problem) {
+  constructor(status, problem, after) {
     super(problem.detail || `the service answered ${status}`);
     this.status = status;
+    // Seconds after which it may be tried again.
+    this.after = Number(after) || 5;
     this.errors = problem.errors || [];
     this.kind = (problem.type || "").split("/").pop();
   }
@@ -40,7 +43,7 @@ async function problemOf(answer) {
  * @returns {Promise<Response>}
  */
 export async function send(path, options = {}) {
-  for (let told = ""; ; ) {
+  for (;;) {
     const used = key;
     const headers = { ...options.headers, ...(used && { authorization: `Bearer ${used}` }) };
     let answer;
@@ -52,9 +55,9 @@ export async function send(path, options = {}) {
     }
     if (answer.ok) return answer;
     const problem = await problemOf(answer);
-    if (answer.status !== 401) throw new Refusal(answer.status, problem);
+    if (answer.status !== 401) throw new Refusal(answer.status, problem, answer.headers.get("retry-after"));
     // Another request may have got a key meanwhile.
-    if (used === key) key = await askForKey(used ? problem.detail || "this key is not known" : told);
+    if (used === key) key = await askForKey(used ? problem.detail || "this key is not known" : "");
   }
 }
 

@@ -4,14 +4,16 @@ import { post } from "./api.js";
 
 export const SHOWN_PERIODS = 15;
 const SAMPLES = 120;
+const BRIEF_PERIODS = 10;
 const LONG_PERIODS = 300;
 // A motion is on an orbit once all its departures are this close to the orbit's points.
 const CLOSE_TIME = 1e-3;
 const CLOSE_SPEED = 5e-3;
 const SURE = 3;
 
-function ask(oscillator, { t, v }, periods, samples) {
-  return post("/v1/trajectories", { oscillator, start: { time: t, velocity: v }, periods, samples_per_period: samples });
+function ask(oscillator, { t, v }, periods, samples, signal) {
+  const body = { oscillator, start: { time: t, velocity: v }, periods, samples_per_period: samples };
+  return post("/v1/trajectories", body, { signal });
 }
 
 /** Departures from +beta, including the first. */
@@ -62,17 +64,24 @@ function ending(model, solution, start, history, periods) {
   return `ends in ${solution.name} ${after} (${STAYS[solution.kind === "periodic" ? "periodic" : model]})`;
 }
 
+/** Departures of the motion from a place, for some periods. */
+export async function briefMotion(oscillator, { t, v }, signal) {
+  const start = { t: t - Math.floor(t), v };
+  return departuresOf(start, await ask(oscillator, start, BRIEF_PERIODS, 1, signal));
+}
+
 /**
  * Follow the motion from the centre of a cell.
- * @param {object} oscillator as in a request
- * @param {{t: number, v: number, solution?: object}} start
+ * @param {Oscillator} oscillator as in a request
+ * @param {Departure & {solution?: Solution}} start
+ * @returns {Promise<Motion>}
  */
 export async function followMotion(oscillator, start) {
   const shown = await ask(oscillator, start, SHOWN_PERIODS, SAMPLES);
   const departures = departuresOf(start, shown);
-  if (!start.solution) return { start, shown, departures, told: "starts where the basin is not known yet" };
+  if (!start.solution) return { start, shown, departures, ends: "starts where the basin is not known yet" };
   const waits = ["periodic", "permanent_contact"].includes(start.solution.kind);
   const early = waits && settledAt(start.solution, start, shown) === null;
   const [history, periods] = early ? [await ask(oscillator, start, LONG_PERIODS, 1), LONG_PERIODS] : [shown, SHOWN_PERIODS];
-  return { start, shown, departures, told: ending(oscillator.model, start.solution, start, history, periods) };
+  return { start, shown, departures, ends: ending(oscillator.model, start.solution, start, history, periods) };
 }

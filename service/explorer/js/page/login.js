@@ -1,8 +1,10 @@
 /** The log-in: a field for a key, shown when the service requires one. */
 
-const dialog = document.getElementById("login");
-const note = document.getElementById("login-note");
-const field = document.getElementById("key");
+import { by } from "./by.js";
+
+const dialog = by("login");
+const note = by("login-note");
+const field = by("key");
 const greeting = note.textContent;
 let asking = null;
 

@@ -1,15 +1,22 @@
 /** The most recent jobs, to be opened again. */
 
 import { get } from "../net/api.js";
+import { oscillatorInWords, windowInWords } from "../look/caption.js";
+import { viewOf } from "../state/window.js";
 import { hasCells, kindInWords } from "./still.js";
 
-function told(job) {
-  const { request: { oscillator, vary }, state } = job;
-  if (!hasCells(job)) return `${kindInWords(job)}: ${state}`;
-  const what = vary
-    ? `sweep of ${vary.map(({ parameter }) => parameter).join(", ")}`
-    : `δ ${oscillator.damping}, ε ${oscillator.eccentricity}`;
-  return `${what}: ${state}`;
+function ago(moment) {
+  const minutes = Math.round((Date.now() - Date.parse(moment)) / 60000);
+  if (minutes < 1) return "just now";
+  if (minutes < 90) return `${minutes} min ago`;
+  return minutes < 2160 ? `${Math.round(minutes / 60)} h ago` : new Date(moment).toLocaleDateString();
+}
+
+function inWords(job) {
+  const { request: { oscillator, vary, grid }, state, created } = job;
+  if (!hasCells(job)) return `${kindInWords(job)}: ${state}, ${ago(created)}`;
+  const swept = vary ? `sweep of ${vary.map(({ parameter }) => parameter).join(", ")}: ` : "";
+  return `${swept}${oscillatorInWords(oscillator)}; ${windowInWords(viewOf(grid))}: ${state}, ${ago(created)}`;
 }
 
 /** Fill a list with links to the latest jobs. */
@@ -17,7 +24,7 @@ export async function listRecent(list) {
   const { jobs } = await get("/v1/jobs?size=10");
   list.replaceChildren(...jobs.map((job) => {
     const item = document.createElement("li");
-    item.append(Object.assign(document.createElement("a"), { href: `?job=${job.id}`, textContent: told(job) }));
+    item.append(Object.assign(document.createElement("a"), { href: `?job=${job.id}`, textContent: inWords(job) }));
     return item;
   }));
 }

@@ -1,6 +1,8 @@
 /** The status line. */
 
-const line = document.getElementById("state");
+import { by } from "./by.js";
+
+const line = by("state");
 
 /** Show a message. */
 export function say(text, wrong = false) {

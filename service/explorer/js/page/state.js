@@ -1,6 +1,7 @@
 /** The state of a job in words. */
 
 import { grouped } from "../charts/ticks.js";
+import { say } from "./say.js";
 
 const DOING = {
   computing: "computing basins", mapping: "mapping cells", assembling: "finding the motions", labelling: "labelling cells",
@@ -20,11 +21,15 @@ function seconds(job) {
   return ((Date.parse(job.finished) - Date.parse(job.started)) / 1000).toFixed(1);
 }
 
+function withPlace(place) {
+  return place > 1 ? `Waiting: number ${place} in the queue.` : "Waiting: next in the queue.";
+}
+
 /** What a job is doing, and whether that is an error. */
 export function stateInWords(job, place) {
   switch (job.state) {
     case "queued":
-      return { text: place > 1 ? `Waiting: number ${place} in the queue.` : "Waiting: next in the queue.", wrong: false };
+      return { text: withPlace(place), wrong: false };
     case "running":
       return { text: job.progress ? `${capital(progressInWords(job.progress))}.` : "Beginning.", wrong: false };
     case "cancelling":
@@ -32,7 +37,7 @@ export function stateInWords(job, place) {
     case "cancelled":
       return { text: "Cancelled; what had been computed is shown.", wrong: false };
     case "failed":
-      return { text: `Failed: ${job.error.detail}`, wrong: true };
+      return { text: `Failed: ${job.error?.detail ?? "see the service's log"}`, wrong: true };
     default:
       return { text: `Complete, in ${seconds(job)} s.`, wrong: false };
   }
@@ -42,10 +47,18 @@ function capital(text) {
   return text[0].toUpperCase() + text.slice(1);
 }
 
-/** Show the progress of a job's stage. */
-export function showProgress(bar, { state, progress }) {
-  bar.hidden = state !== "running" || !progress;
-  if (bar.hidden) return;
-  bar.max = progress.tiles_total;
-  bar.value = progress.tiles_done;
+/** Show the life of the job: a refusal before anything else. */
+export function showState({ phase, job, place, notice }, { progress, cancel }) {
+  if (notice) say(notice, true);
+  else if (phase === "asking") say("Asking.");
+  else if (job) {
+    const { text, wrong } = stateInWords(job, place);
+    say(text, wrong);
+  } else say("");
+  progress.hidden = !job || job.state !== "running" || !job.progress;
+  if (!progress.hidden) {
+    progress.max = job.progress.tiles_total;
+    progress.value = job.progress.tiles_done;
+  }
+  cancel.hidden = !job || ["succeeded", "failed", "cancelled", "cancelling"].includes(job.state);
 }

@@ -31,7 +31,7 @@ export class Still {
 
   /** Show the result of a job so far. It is fetched, not linked, because a link cannot carry the key. */
   async show(job, signal) {
-    const picture = URL.createObjectURL(await (await send(job.links.picture, { signal })).blob());
+    const picture = URL.createObjectURL(await (await send(job.links.picture.replace(/png$/, "svg"), { signal })).blob());
     URL.revokeObjectURL(this.image.src);
     this.image.src = picture;
     this.image.alt = `${kindInWords(job)}, as the service draws it`;

@@ -1,7 +1,9 @@
-/** Downloads: the picture, the data, the request. */
+/** What can be taken away: the picture that is seen, the tables, the request, the code that computes it. */
 
+import { pythonOf } from "../look/python.js";
 import { pathOf, send } from "../net/api.js";
 import { hasCells } from "./still.js";
+import { pictureOf } from "./photograph.js";
 
 function copyable(title, text) {
   const heading = document.createElement("h3");
@@ -21,34 +23,71 @@ function copyable(title, text) {
   return [heading, code];
 }
 
-/** Fetch a file and save it. A plain link could not carry the key. */
-async function save(path, name) {
-  const picture = URL.createObjectURL(await (await send(path)).blob());
-  Object.assign(document.createElement("a"), { href: picture, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(picture), 1000);
+function saveBlob(blob, name) {
+  const address = URL.createObjectURL(blob);
+  Object.assign(document.createElement("a"), { href: address, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 1000);
 }
 
-const FILES = [["Picture (PNG)", "png"], ["SVG", "svg"], ["PDF", "pdf"], ["Table (CSV)", "csv"]];
-
-/** Path of a file of a job: a picture, of cells in a layer, or the table of what is found. */
-function fileOf(job, ending, layer) {
-  if (ending === "csv") return job.links.result + ".csv";
-  return job.links.picture.replace(/png$/, ending) + (layer ? `?layer=${layer}` : "");
+/** A file of the service. A plain link could not carry the key. */
+async function fetched(path) {
+  return (await send(path)).blob();
 }
 
-/** Show the downloads of a job. */
-export function showTakeaway(place, job, layer) {
-  const cells = hasCells(job);
-  const name = `${job.kind}-${job.id.slice(0, 8)}`;
-  const downloads = FILES.map(([text, ending]) => {
-    const button = Object.assign(document.createElement("button"), { type: "button", textContent: text });
-    button.addEventListener("click", () => save(fileOf(job, ending, cells ? layer : null), `${name}.${ending}`));
+function asCsv(rows) {
+  return new Blob([rows.map((row) => row.join(",")).join("\n") + "\n"], { type: "text/csv" });
+}
+
+function historyCsv(motions) {
+  const rows = [["motion", "time", "displacement", "velocity"]];
+  for (const [name, { shown }] of motions.followed) {
+    shown.time.forEach((time, i) => rows.push([name, time, shown.displacement[i], shown.velocity[i]]));
+  }
+  return asCsv(rows);
+}
+
+function sharesCsv(picture) {
+  const shares = picture.shares();
+  return asCsv([["solution", "share"], ...picture.outline.solutions.map(({ name, number }) => [`"${name}"`, shares[number]])]);
+}
+
+/** Files that can be saved: a title, a name, and how to get it. */
+function filesOf({ job, panel, plane, motions, caption }) {
+  const cells = !job || hasCells(job);
+  const name = job ? `${job.kind}-${job.id.slice(0, 8)}` : "preview";
+  const files = [];
+  if (cells && plane.picture) {
+    files.push(["What is seen (PNG)", `${name}.png`, () => pictureOf(plane, caption)]);
+    files.push(["Shares (CSV)", `${name}-shares.csv`, () => sharesCsv(plane.picture)]);
+  }
+  if (motions.followed.size) files.push(["Histories (CSV)", `${name}-histories.csv`, () => historyCsv(motions)]);
+  if (!job) return files;
+  const drawn = (ending) => `${job.links.picture.replace(/png$/, ending)}?${new URLSearchParams(cells ? { layer: plane.look.layer, panel } : {})}`;
+  for (const [title, ending] of [["Picture (PNG)", "png"], ["SVG", "svg"], ["PDF", "pdf"]]) {
+    files.push([title, `${name}-whole.${ending}`, () => fetched(drawn(ending))]);
+  }
+  files.push(["Table (CSV)", `${name}.csv`, () => fetched(`${job.links.result}.csv`)]);
+  return files;
+}
+
+/** Show what can be taken away. */
+export function showTakeaway(place, seen) {
+  const { job, request } = seen;
+  const files = document.createElement("p");
+  files.className = "files";
+  files.append(...filesOf(seen).map(([title, name, get]) => {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: title });
+    button.addEventListener("click", async () => saveBlob(await get(), name));
     return button;
-  });
-  const zarr = new URL(job.links.zarr, location.href).href;
-  const python = `import rattle\nresult = rattle.open("${zarr}")\nresult.rattle.plot()`;
-  const body = JSON.stringify(job.request, null, 1);
-  const url = new URL(pathOf(job), location.href).href;
-  const curl = `curl -X POST ${url} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(job.request)}'`;
-  place.replaceChildren(...downloads, ...copyable("Zarr store", zarr), ...copyable("Python", python), ...copyable("curl", curl), ...copyable("JSON", body));
+  }));
+  const blocks = [];
+  if (job) {
+    const zarr = new URL(job.links.zarr, location.href).href;
+    blocks.push(...copyable("Zarr store", zarr), ...copyable("Python", `import rattle\nresult = rattle.open("${zarr}")\nresult.rattle.plot()`));
+  }
+  if (request.grid && !request.sample) blocks.push(...copyable("Python that computes it", pythonOf(request)));
+  const url = new URL(pathOf(job ?? { kind: request.vary ? "sweep" : "basin" }), location.href).href;
+  const curl = `curl -X POST ${url} \\\n  -H 'content-type: application/json' \\\n  -d '${JSON.stringify(request)}'`;
+  blocks.push(...copyable("curl", curl), ...copyable("JSON", JSON.stringify(request, null, 1)));
+  place.replaceChildren(files, ...blocks);
 }

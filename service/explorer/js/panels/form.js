@@ -1,12 +1,16 @@
 /** The form: the paper's examples, fields with their bounds, and errors that the service would report, shown beforehand. */
 
+import { by } from "../page/by.js";
 import { post, Unreachable } from "../net/api.js";
-import { grouped } from "../charts/ticks.js";
 
 const OSCILLATOR = ["damping", "eccentricity", "half_backlash", "stiffness"];
 const GRID = ["time.start", "time.stop", "time.cells", "velocity.start", "velocity.stop", "velocity.cells"];
 const CELLS = 500;
 const WAIT_MS = 180;
+const RETRY_MS = 2000;
+// One application of the impact map on one core; flights between springs take longer.
+const NANOSECONDS = { impacting: 4, piecewise_linear: 20 };
+const NUMBERS = [...OSCILLATOR, ...GRID, "iterations", "vary.start", "vary.stop", "vary.count"];
 
 /** Value of a field: a number if possible, otherwise the text itself, which the service then refuses. */
 function valueOf(input) {
@@ -30,47 +34,70 @@ function fieldOf(location) {
   return part ?? null;
 }
 
+function secondsInWords(seconds) {
+  if (seconds < 1) return "Less than a second of computing.";
+  if (seconds < 90) return `About ${Math.round(seconds)} s of computing on one core.`;
+  return `About ${Math.round(seconds / 60)} minutes of computing on one core.`;
+}
+
 export class Form {
-  /** @param {HTMLFormElement} form @param {(request: object) => void} submit */
-  constructor(form, submit) {
+  /**
+   * @param {HTMLFormElement} form
+   * @param {object} tell
+   * @param {(request: BasinRequest) => void} tell.submitted
+   * @param {() => void} tell.edited called after each change
+   * @param {(bounds: object[]) => void} tell.bounds called with the bounds that apply
+   */
+  constructor(form, tell) {
     this.form = form;
-    this.verdict = form.querySelector("#verdict");
-    this.button = form.querySelector("#compute");
+    this.tell = tell;
+    this.preset = by("preset");
+    this.verdict = by("verdict");
+    this.button = by("compute");
     this.asked = 0;
     form.querySelectorAll(".field").forEach((field) => {
       const hint = document.createElement("span");
       hint.className = "hint";
       field.append(hint);
+      /** @type {NodeListOf<HTMLInputElement>} */
       const inputs = field.querySelectorAll("input, select");
       hint.id = `hint-${inputs[0].name}`;
       inputs.forEach((input) => input.setAttribute("aria-describedby", hint.id));
     });
-    form.addEventListener("input", (event) => {
-      if (event.target.id !== "preset") form.querySelector("#preset").value = "";
-      this.#shape();
-      clearTimeout(this.timer);
-      this.timer = setTimeout(() => this.check(), WAIT_MS);
-    });
+    form.addEventListener("input", () => this.#edited());
     form.addEventListener("submit", async (event) => {
       event.preventDefault();
-      if (await this.check()) submit(this.request());
+      if (await this.check()) this.tell.submitted(this.request());
     });
+    // After an outage the verdict is about the outage, until the service answers again.
+    setInterval(() => this.unanswered && this.check(), RETRY_MS);
   }
 
-  /** List the examples, and fill in the one of this name. */
-  offer(presets, name) {
-    const select = this.form.querySelector("#preset");
-    for (const { name: value, label } of presets) select.append(new Option(label, value));
-    const choose = () => {
-      const preset = presets.find((each) => each.name === select.value);
-      this.form.querySelector("#preset-note").textContent = preset?.note ?? "";
-      if (preset) this.fill(preset.request);
-    };
-    select.addEventListener("change", choose);
-    select.value = name;
-    choose();
+  #edited() {
+    this.preset.value = "";
+    this.#shape();
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.check(), WAIT_MS);
+    this.tell.edited();
   }
 
+  /** Set one number of the oscillator, as a slider does. */
+  set(name, value) {
+    if (this.#field("vary").value === name) this.#field("vary").value = "";
+    this.#field(name).value = value;
+    this.#edited();
+  }
+
+  /** Show the window that is looked at. */
+  showWindow(grid) {
+    for (const axis of ["time", "velocity"]) {
+      for (const end of ["start", "stop"]) this.#field(`${axis}.${end}`).value = grid[axis][end];
+    }
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.check(), WAIT_MS);
+  }
+
+  /** @returns {any} */
   #field(name) {
     return this.form.elements.namedItem(name);
   }
@@ -103,11 +130,11 @@ export class Form {
   /** Show the fields that the selected options need. */
   #shape() {
     const model = this.#field("model").value;
-    this.form.querySelectorAll("[data-model]").forEach((part) => (part.hidden = part.dataset.model !== model));
+    this.form.querySelectorAll("[data-model]").forEach((/** @type {HTMLElement} */ part) => (part.hidden = part.dataset.model !== model));
     const vary = this.#field("vary");
     vary.querySelector("[value=stiffness]").disabled = model === "impacting";
     if (model === "impacting" && vary.value === "stiffness") vary.value = "";
-    this.form.querySelectorAll("[data-vary]").forEach((part) => (part.hidden = vary.value === ""));
+    this.form.querySelectorAll("[data-vary]").forEach((/** @type {HTMLElement} */ part) => (part.hidden = vary.value === ""));
     // The sweep sets the values of this parameter.
     for (const name of OSCILLATOR) this.#field(name).disabled = name === vary.value;
     this.button.textContent = vary.value ? "Compute the sweep" : "Compute";
@@ -136,14 +163,22 @@ export class Form {
     clearTimeout(this.timer);
     const number = ++this.asked;
     try {
-      const told = await post("/v1/checks", this.request());
+      const verdict = await post("/v1/checks", this.request());
       if (number !== this.asked) return false;
-      this.#tell(told);
-      return told.accepted;
+      this.unanswered = false;
+      this.#show(verdict);
+      return verdict.accepted;
     } catch (error) {
+      this.unanswered = error instanceof Unreachable;
       if (number === this.asked) this.#say(error instanceof Unreachable ? "The service does not answer." : error.message, true);
       return false;
     }
+  }
+
+  /** Oscillator of the form if all its values are numbers; null otherwise. */
+  oscillator() {
+    const { oscillator } = this.request();
+    return OSCILLATOR.every((name) => oscillator[name] === undefined || typeof oscillator[name] === "number") ? oscillator : null;
   }
 
   #say(text, wrong) {
@@ -152,16 +187,18 @@ export class Form {
     this.button.disabled = wrong;
   }
 
-  #tell({ accepted, errors, applications, bounds }) {
+  #show({ accepted, errors, applications, bounds }) {
+    this.tell.bounds(bounds);
     this.form.querySelectorAll(".hint").forEach((hint) => this.#hint(hint, "", "", false));
     this.form.querySelectorAll("[aria-invalid]").forEach((input) => input.removeAttribute("aria-invalid"));
     for (const bound of bounds) {
       const { text, why } = hintOf(bound);
-      this.#hint(this.form.querySelector(`#hint-${bound.field}`), text, why, false);
+      this.#hint(by(`hint-${bound.field}`), text, why, false);
     }
     const elsewhere = errors.filter((error) => !this.#blame(error)).map(({ message }) => message);
-    if (accepted) this.#say(`Up to ${grouped(applications)} applications of the impact map.`, false);
-    else this.#say(elsewhere.join("; ") || "Not yet: see the field marked above.", true);
+    const oscillatorErrors = errors.filter(({ location }) => location[1] === "oscillator").map(({ message }) => message);
+    if (accepted) this.#say(secondsInWords(1e-9 * applications * NANOSECONDS[this.#field("model").value]), false);
+    else this.#say([...elsewhere, ...oscillatorErrors].join("; ") || "Not yet: see the field marked in the request.", true);
   }
 
   #hint(hint, text, why, wrong) {
@@ -175,7 +212,8 @@ export class Form {
     const input = this.#field(fieldOf(location) ?? "");
     if (!input?.setAttribute) return false;
     input.setAttribute("aria-invalid", "true");
-    this.#hint(document.getElementById(input.getAttribute("aria-describedby")), message, "", true);
+    const text = NUMBERS.includes(input.name) && typeof valueOf(input) !== "number" ? "not a valid number: write one as 0.6" : message;
+    this.#hint(by(input.getAttribute("aria-describedby")), text, "", true);
     return true;
   }
 }

@@ -1,7 +1,8 @@
 /** The legend: solutions with colours and shares, which can be selected; or the scale of one of Hsu's numbers. */
 
 import { element } from "../charts/chart.js";
-import { scaleColour } from "../plane/palette.js";
+import { solutionInWords } from "../look/explain.js";
+import { keyOf, scaleColour } from "../plane/palette.js";
 import { grouped, percent } from "../charts/ticks.js";
 
 const MEANINGS = {
@@ -16,22 +17,26 @@ function swatch(colour) {
   return drawn;
 }
 
-function entry(solution, share, known, look, pick) {
+function chaosInWords({ lyapunov_exponent, mean_life, kind }) {
+  if (lyapunov_exponent === null || !kind.startsWith("chaotic")) return "";
+  const life = mean_life === null ? "" : `; left after some ${mean_life.toPrecision(1)} impacts`;
+  return ` Largest Lyapunov exponent ${lyapunov_exponent.toFixed(3)} per forcing period${life}.`;
+}
+
+function entry(solutions, solution, share, known, look, pick) {
+  const key = keyOf(solutions, solution.number);
   const button = document.createElement("button");
   button.type = "button";
-  button.dataset.solution = solution.number;
-  button.setAttribute("aria-pressed", String(look.highlight === solution.number));
+  button.dataset.solution = key;
+  button.setAttribute("aria-pressed", String(look.highlight === key));
+  button.title = solutionInWords(solution) + chaosInWords(solution);
   const name = document.createElement("span");
   name.textContent = solution.name;
-  if (solution.lyapunov_exponent !== null && solution.kind.startsWith("chaotic")) {
-    const life = solution.mean_life === null ? "" : `; left after some ${solution.mean_life.toPrecision(1)} impacts`;
-    button.title = `largest Lyapunov exponent ${solution.lyapunov_exponent.toFixed(3)} per forcing period${life}`;
-  }
   const part = document.createElement("span");
   part.className = "share";
   part.textContent = known ? percent(share) : `${percent(share)} so far`;
   button.append(swatch(solution.colours[look.palette]), name, part);
-  button.addEventListener("click", () => pick(look.highlight === solution.number ? null : solution.number));
+  button.addEventListener("click", () => pick(look.highlight === key ? null : key));
   const item = document.createElement("li");
   item.append(button);
   return item;
@@ -43,7 +48,7 @@ function listSolutions(picture, look, pick) {
   const there = outline.solutions.filter(({ number }) => counted[number] > 0 || outline.solutions[number].share === 0);
   there.sort((a, b) => counted[b.number] - counted[a.number]);
   const list = document.createElement("ul");
-  list.append(...there.map((each) => entry(each, counted[each.number], outline.complete, look, pick)));
+  list.append(...there.map((each) => entry(outline.solutions, each, counted[each.number], outline.complete, look, pick)));
   return list;
 }
 
@@ -66,14 +71,15 @@ function describeScale(picture, layer) {
  * Show the legend of a picture.
  * @param {HTMLElement} place
  * @param {import("../plane/picture.js").Picture|null} picture
- * @param {object} look
- * @param {(solution: number|null) => void} pick
+ * @param {Look} look
+ * @param {(solution: string|null) => void} pick
  */
 export function showLegend(place, picture, look, pick) {
-  const focused = place.contains(document.activeElement) ? document.activeElement.dataset.solution : null;
+  const active = /** @type {HTMLElement} */ (document.activeElement);
+  const focused = place.contains(active) ? active.dataset.solution : null;
   if (!picture) place.replaceChildren();
   else if (picture.empty) place.textContent = "No solutions are known yet.";
-  else if (look.layer === "solution") place.replaceChildren(listSolutions(picture, look, pick));
+  else if (look.layer === "solution" || picture.isPreview) place.replaceChildren(listSolutions(picture, look, pick));
   else place.replaceChildren(...describeScale(picture, look.layer));
-  if (focused !== null) place.querySelector(`[data-solution="${focused}"]`)?.focus();
+  if (focused) Array.from(place.querySelectorAll("button")).find((each) => each.dataset.solution === focused)?.focus();
 }

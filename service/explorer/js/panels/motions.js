@@ -3,22 +3,33 @@
 import { showHistories } from "../charts/history.js";
 import { followMotion } from "../net/motion.js";
 import { attempt } from "../page/say.js";
+import { Tooth } from "./tooth.js";
 
 export class Motions {
   /**
    * @param {HTMLElement} section
    * @param {import("../plane/plane.js").Plane} plane
-   * @param {() => object} oscillator of the visible basin, as in a request
+   * @param {import("../plane/marks.js").Marks} marks
+   * @param {() => Oscillator|null} oscillator of the visible basin, as in a request
+   * @param {() => void} changed called when other motions are followed
    */
-  constructor(section, plane, oscillator) {
+  constructor(section, plane, marks, oscillator, changed) {
     this.section = section;
     this.plane = plane;
     this.oscillator = oscillator;
+    this.changed = changed;
+    /** @type {(at: number|null) => void} */
+    this.cursor = () => {};
+    this.tooth = new Tooth(section, (at, departure, name) => {
+      this.cursor(at);
+      marks.showDot(departure, name);
+    });
+    /** @type {Map<string, Motion>} */
     this.followed = new Map();
     this.era = 0;
     this.second = section.querySelector("#second");
     this.second.addEventListener("click", () => this.#compare(!this.comparing));
-    section.querySelector("#forget").addEventListener("click", () => this.forget());
+    section.querySelector("#forget").addEventListener("click", () => (this.forget(), this.changed()));
   }
 
   get comparing() {
@@ -43,7 +54,13 @@ export class Motions {
       if (name === "first") this.followed.delete("second");
       this.followed.set(name, motion);
       this.#show();
+      this.changed();
     });
+  }
+
+  /** Departures that are followed, as [t, v]. */
+  get starts() {
+    return [...this.followed.values()].map(({ start }) => [start.t, start.v]);
   }
 
   /** Follow motions again whose cells were not computed yet, once they are. */
@@ -59,8 +76,21 @@ export class Motions {
     }
   }
 
+  /** Follow motions from the same departures, of the oscillator that is seen now. */
+  async renew() {
+    const era = ++this.era;
+    for (const [name, { start }] of this.followed) {
+      const { t, v } = start;
+      const motion = await followMotion(this.oscillator(), { t, v }).catch(() => null);
+      if (era !== this.era || !motion) return;
+      this.followed.set(name, motion);
+      this.#show();
+    }
+  }
+
   /** Remove all motions. */
   forget() {
+    if (!this.followed.size) return;
     this.era++;
     this.followed.clear();
     this.#show();
@@ -68,7 +98,10 @@ export class Motions {
 
   #show() {
     this.plane.motions = new Map([...this.followed].map(([name, { departures }]) => [name, departures]));
-    showHistories(this.section, this.oscillator()?.half_backlash, this.followed);
+    const backlash = this.oscillator()?.half_backlash;
+    this.cursor = showHistories(this.section, backlash, this.followed, (at) => this.tooth.seek(at));
+    const [name, motion] = [...this.followed].at(-1) ?? ["first", null];
+    this.tooth.show(motion, backlash, name);
     this.plane.draw();
   }
 }

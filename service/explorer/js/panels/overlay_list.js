@@ -2,6 +2,7 @@
 
 import { get } from "../net/api.js";
 import { element } from "../charts/chart.js";
+import { MARKS } from "../look/explain.js";
 import { OVERLAYS } from "../plane/overlays.js";
 
 function signOf({ d, stroke }) {
@@ -11,25 +12,58 @@ function signOf({ d, stroke }) {
   return sign;
 }
 
+function key({ label, colour, marker }) {
+  const line = document.createElement("span");
+  line.className = "key";
+  line.append(signOf({ d: marker === null ? "M1 12 C9 1 17 1 25 12" : "M13 2V14 M7 8H19", stroke: colour }), label);
+  return line;
+}
+
 export class OverlayList {
-  /** @param {HTMLElement} place @param {import("../plane/plane.js").Plane} plane */
-  constructor(place, plane) {
+  /**
+   * @param {HTMLElement} place
+   * @param {import("../plane/plane.js").Plane} plane
+   * @param {() => void} changed called when other overlays are on
+   */
+  constructor(place, plane, changed) {
     this.plane = plane;
     this.source = null;
+    this.boxes = new Map();
     for (const overlay of OVERLAYS) {
       const line = document.createElement("label");
+      line.title = MARKS[overlay.name];
       const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: overlay.on });
+      this.boxes.set(overlay.name, box);
       overlay.note = Object.assign(document.createElement("p"), { className: "note" });
       overlay.note.setAttribute("role", "status");
       box.addEventListener("change", () => {
-        overlay.on = box.checked;
-        if (!overlay.on) overlay.note.textContent = "";
-        this.#fetch(overlay);
-        this.#show();
+        this.#turn(overlay, box.checked);
+        changed();
       });
       line.append(box, signOf(overlay.sign), overlay.label);
       place.append(line, overlay.note);
     }
+    this.#show();
+  }
+
+  /** Names of the overlays that are on. */
+  get names() {
+    return OVERLAYS.filter(({ on }) => on).map(({ name }) => name);
+  }
+
+  /** Turn on the overlays of these names, and no others. */
+  choose(names) {
+    for (const overlay of OVERLAYS) {
+      const on = names.includes(overlay.name);
+      this.boxes.get(overlay.name).checked = on;
+      if (on !== overlay.on) this.#turn(overlay, on);
+    }
+  }
+
+  #turn(overlay, on) {
+    overlay.on = on;
+    overlay.note.textContent = on && overlay.fetched && !this.source ? "comes with a computed basin" : "";
+    this.#fetch(overlay);
     this.#show();
   }
 
@@ -65,18 +99,16 @@ export class OverlayList {
     if (!overlay.fetched || !overlay.on || !source || overlay.asked === source) return;
     overlay.asked = source;
     overlay.note.textContent = "computing\u2026";
-    let told = "";
     try {
       const { overlays } = await get(`/v1/jobs/${source.job}/overlays/${overlay.name}?panel=${source.panel}`);
       if (this.source !== source) return;
       overlay.fetched = overlays;
-      told = overlays.length ? overlays.map(({ label }) => label).join(", ") : "there are none";
+      overlay.note.replaceChildren(...(overlays.length ? overlays.map(key) : ["there are none"]));
     } catch (error) {
       if (this.source !== source) return;
       overlay.asked = null;
-      told = error.message;
+      overlay.note.textContent = error.message;
     }
-    overlay.note.textContent = told;
     this.#show();
   }
 }

@@ -1,5 +1,6 @@
 /** A sweep: a slider for each swept parameter, and the share of each solution over the last parameter. */
 
+import { get } from "../net/api.js";
 import { Chart } from "../charts/chart.js";
 import { reading } from "../charts/ticks.js";
 
@@ -23,11 +24,11 @@ function slider({ parameter, values }, at, moved) {
   const line = document.createElement("label");
   line.className = "slider";
   const name = Object.assign(document.createElement("span"), { textContent: SYMBOLS[parameter] });
-  const input = Object.assign(document.createElement("input"), { type: "range", min: 0, max: values.length - 1, step: 1 });
-  input.value = at;
+  const input = Object.assign(document.createElement("input"), { type: "range", min: "0", max: String(values.length - 1), step: "1" });
+  input.value = String(at);
   const value = document.createElement("output");
   const tell = () => {
-    value.textContent = Number(values[input.value].toPrecision(6));
+    value.textContent = String(Number(values[input.value].toPrecision(6)));
     input.setAttribute("aria-valuetext", value.textContent);
   };
   tell();
@@ -41,20 +42,45 @@ export class Sweep {
   constructor(section, open) {
     this.section = section;
     this.open = open;
+    /** Basins that were complete when the shares were fetched. */
+    this.charted = 0;
+    this.result = null;
   }
 
   hide() {
     this.section.hidden = true;
-    this.vary = null;
+    this.vary = this.result = null;
   }
 
   /** Show the sliders of a sweep at one of its basins. */
   show(vary, panel) {
     this.section.hidden = false;
-    [this.vary, this.panel, this.drawn] = [vary, panel, null];
+    [this.vary, this.panel, this.drawn, this.result] = [vary, panel, null, null];
     const places = placesOf(vary, panel);
     const sliders = vary.map((swept, axis) => slider(swept, places[axis], (at) => this.open(panelAt(vary, places.with(axis, at)))));
     this.section.querySelector("#sliders").replaceChildren(...sliders);
+  }
+
+  /**
+   * Fetch the shares of the basins that are complete, if there are more of them, and draw them.
+   * @param {Job} job
+   * @param {import("../plane/picture.js").Picture} picture
+   * @param {string} palette
+   */
+  async refresh(job, picture, palette) {
+    const done = job.progress.basins_done;
+    const { vary } = this;
+    if (!this.result || this.charted !== done) {
+      const result = await get(job.links.result);
+      if (vary !== this.vary) return;
+      [this.result, this.charted] = [result, done];
+    }
+    this.repaint(picture, palette);
+  }
+
+  /** Draw the shares that are known in the colours of a palette. */
+  repaint(picture, palette) {
+    if (this.vary && this.result && picture) this.draw(this.result, picture.outline, palette);
   }
 
   /** Move to a basin that was opened elsewhere. Sliders keep the focus. */
@@ -63,15 +89,15 @@ export class Sweep {
     const places = placesOf(this.vary, panel);
     this.section.querySelectorAll("input").forEach((input, axis) => {
       if (Number(input.value) === places[axis]) return;
-      input.value = places[axis];
+      input.value = String(places[axis]);
       input.dispatchEvent(new Event("input"));
     });
   }
 
   /**
    * Draw shares over the last parameter, at the current values of the others.
-   * @param {object} result as from `/result`
-   * @param {object} outline whose colours are used
+   * @param {{basins: any[]}} result as from `/result`
+   * @param {Outline} outline whose colours are used
    * @param {string} palette
    */
   draw(result, outline, palette) {
@@ -83,6 +109,7 @@ export class Sweep {
     const places = placesOf(this.vary, this.panel);
     const row = values.map((_, at) => result.basins[panelAt(this.vary, places.with(-1, at))]);
     const ends = [Math.min(...values), Math.max(...values)];
+    /** @type {HTMLElement} */
     const place = this.section.querySelector("#shares");
     const chart = new Chart(place, {
       height: 190, x: ends, y: [0, 1], xLabel: SYMBOLS[parameter], yLabel: "share",

@@ -1,6 +1,7 @@
 /** Overlays of a basin: the name of each, its symbol in the list, and its drawing. */
 
 import { colour } from "../page/theme.js";
+import { linesOf } from "./curves.js";
 
 const SHIFTS = [-1, 0, 1];
 const HALO = "rgb(0 0 0 / 55%)";
@@ -66,25 +67,18 @@ function drawAttractors(plot, picture) {
   }
 }
 
-/** Curves as a path in units of the plane, so that the browser itself moves and scales thousands of points. */
-function pathOf(pieces) {
+function drawLines(plot, lines, style) {
+  const { context } = plot;
   const path = new Path2D();
-  for (const { time, velocity } of pieces) time.forEach((t, i) => path[i ? "lineTo" : "moveTo"](t, velocity[i]));
-  return path;
-}
-
-function drawPath(plot, path, style) {
-  const { context, view } = plot;
-  const across = plot.width / (view.t1 - view.t0), up = -plot.height / (view.v1 - view.v0);
-  for (const shift of SHIFTS) {
-    const placed = new Path2D();
-    placed.addPath(path, new DOMMatrix([across, 0, 0, up, plot.x(shift), plot.y(0)]));
-    context.lineJoin = "round";
-    for (const [stroke, width] of [[style === "black" ? "rgb(255 255 255 / 45%)" : HALO, 2.6], [style, 1.3]]) {
-      context.strokeStyle = stroke;
-      context.lineWidth = width;
-      context.stroke(placed);
-    }
+  for (const line of lines) {
+    path.moveTo(line[0], line[1]);
+    for (let i = 2; i < line.length; i += 2) path.lineTo(line[i], line[i + 1]);
+  }
+  context.lineJoin = "round";
+  for (const [stroke, width] of [[style === "black" ? "rgb(255 255 255 / 60%)" : "rgb(0 0 0 / 75%)", 3.2], [style, 1.5]]) {
+    context.strokeStyle = stroke;
+    context.lineWidth = width;
+    context.stroke(path);
   }
 }
 
@@ -103,7 +97,7 @@ function drawUpright(plot, t, v) {
 
 function drawFetched(plot, overlays) {
   for (const overlay of overlays) {
-    if (overlay.marker === null) drawPath(plot, (overlay.path ??= pathOf(overlay.pieces)), overlay.colour);
+    if (overlay.marker === null) drawLines(plot, linesOf(plot, overlay.pieces), overlay.colour);
     else overlay.pieces.forEach(({ time, velocity }) => time.forEach((t, i) => drawUpright(plot, t, velocity[i])));
   }
 }

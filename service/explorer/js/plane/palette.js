@@ -1,24 +1,32 @@
 /** Colours of cells, as 32-bit pixels of an ImageData. */
 
 // Anchors of a scale of evenly increasing lightness, which colour-blind readers can read.
-const SCALE = ["#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"].map(channels);
+const SCALE = ["#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"].map((hex) => channels(hex));
 const STEPS = 256;
 
-/** Red, green and blue of "#rrggbb". */
+/**
+ * Red, green and blue of "#rrggbb".
+ * @returns {[number, number, number]}
+ */
 export function channels(hex) {
-  return [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
+  const number = parseInt(hex.slice(1), 16);
+  return [number >> 16, (number >> 8) & 255, number & 255];
 }
 
 function pixel([red, green, blue]) {
   return (255 << 24) | (blue << 16) | (green << 8) | red;
 }
 
-function brighter(rgb, factor) {
-  return rgb.map((channel) => Math.min(255, Math.round(channel * factor)));
+/** @param {[number, number, number]} rgb @returns {[number, number, number]} */
+function brighter([red, green, blue], factor) {
+  const channel = (value) => Math.min(255, Math.round(value * factor));
+  return [channel(red), channel(green), channel(blue)];
 }
 
-function paler(rgb, toward, part) {
-  return rgb.map((channel, i) => Math.round(channel + (toward[i] - channel) * part));
+/** @param {[number, number, number]} rgb @returns {[number, number, number]} */
+function paler([red, green, blue], toward, part) {
+  const channel = (value, i) => Math.round(value + (toward[i] - value) * part);
+  return [channel(red, 0), channel(green, 1), channel(blue, 2)];
 }
 
 /** Colour at a position from 0 to 1 on the scale. */
@@ -30,32 +38,45 @@ export function scaleColour(place) {
 
 const SCALE_PIXELS = Int32Array.from({ length: STEPS }, (_, i) => pixel(scaleColour(i / (STEPS - 1))));
 
+/** Name of a solution that stays the same in every window: its own name, and its number among those of that name. */
+export function keyOf(solutions, number) {
+  const { name } = solutions[number];
+  const twins = solutions.slice(0, number).filter((each) => each.name === name).length;
+  return twins ? `${name} (${twins + 1})` : name;
+}
+
+/** Brightness by speckle: 1 first, for the sink and for previews; the others are 1 on average. */
+function brightnesses({ speckle }) {
+  const mean = speckle.reduce((sum, each) => sum + each, 0) / speckle.length;
+  return [1, ...speckle.map((each) => each / mean)];
+}
+
 /**
- * Pixels of solutions: for each number, one for every brightness of the speckle.
- * @param {object} outline
- * @param {{palette: string, highlight: number|null, ground: string}} look
+ * Pixels of solutions: for each number, one for every brightness of the speckle, beginning with the plain colour.
+ * @param {Outline} outline
+ * @param {{palette: string, highlight: string|null, ground: string}} look
  */
 export function solutionPixels(outline, look) {
-  const kinds = outline.speckle.length;
-  const table = new Int32Array(outline.solutions.length * kinds);
+  const brightness = brightnesses(outline);
+  const table = new Int32Array(outline.solutions.length * brightness.length);
   const ground = channels(look.ground);
   for (const solution of outline.solutions) {
-    const faint = look.highlight !== null && look.highlight !== solution.number;
-    for (let i = 0; i < kinds; i++) {
+    const faint = look.highlight !== null && look.highlight !== keyOf(outline.solutions, solution.number);
+    brightness.forEach((factor, i) => {
       let rgb = channels(solution.colours[look.palette]);
-      if (solution.kind.startsWith("chaotic")) rgb = brighter(rgb, outline.speckle[i]);
+      if (solution.kind.startsWith("chaotic")) rgb = brighter(rgb, factor);
       if (faint) rgb = paler(rgb, ground, 0.86);
-      table[solution.number * kinds + i] = pixel(rgb);
-    }
+      table[solution.number * brightness.length + i] = pixel(rgb);
+    });
   }
   return table;
 }
 
-/** Paint solutions of cells from..to of a row; missing cells stay transparent. */
+/** Paint solutions of cells from..to of a row; missing cells stay transparent. `kinds` counts the speckle's values. */
 export function paintSolutions(pixels, solution, group, table, kinds, from, to) {
   for (let i = from; i < to; i++) {
     const number = solution[i];
-    pixels[i] = number < 0 ? 0 : table[number * kinds + (((group[i] % kinds) + kinds) % kinds)];
+    pixels[i] = number < 0 ? 0 : table[number * (kinds + 1) + (group[i] > 0 ? 1 + (group[i] % kinds) : 0)];
   }
 }
 

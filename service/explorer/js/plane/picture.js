@@ -1,11 +1,13 @@
 /** One basin as far as it is computed: its labels in typed arrays, and a canvas with one pixel per cell. */
 
 import { get, send } from "../net/api.js";
+import { viewOf } from "../state/window.js";
 import { paintNumbers, paintSolutions, solutionPixels, specialPixel } from "./palette.js";
 
 // Largest number of cells each way that are fetched and drawn. Of more cells, only every n-th is shown.
 const MOST_CELLS = 1500;
 const LABELLED = 3;
+const AT_A_TIME = 4;
 const SHIFTS = [-1, 0, 1];
 
 function share(cells, every) {
@@ -14,9 +16,9 @@ function share(cells, every) {
 
 export class Picture {
   /**
-   * @param {string} job
+   * @param {string|null} job
    * @param {number} panel
-   * @param {object} outline as from `/outline`
+   * @param {Outline} outline as from `/outline`
    */
   constructor(job, panel, outline) {
     this.job = job;
@@ -51,8 +53,12 @@ export class Picture {
   }
 
   get view() {
-    const { time, velocity } = this.outline;
-    return { t0: time.start, t1: time.stop, v0: velocity.start, v1: velocity.stop };
+    return viewOf(this.outline);
+  }
+
+  /** Whether it is a preview, and not the picture of a job. */
+  get isPreview() {
+    return false;
   }
 
   get empty() {
@@ -67,7 +73,7 @@ export class Picture {
   /**
    * Fetch what has changed.
    * @param {boolean} final whether the job has ended: earlier tiles may have new labels and are fetched again
-   * @param {(tile: object) => void} arrived
+   * @param {(tile: number) => void} arrived
    */
   async refresh(final, arrived, signal) {
     const before = this.outline.solutions.length;
@@ -77,12 +83,17 @@ export class Picture {
     const settled = final && this.outline.complete;
     const wanted = this.outline.tiles.states.flatMap((state, tile) =>
       state === LABELLED && !(settled ? this.settled : this.there).has(tile) ? [tile] : []);
-    await Promise.all(wanted.map(async (tile) => {
-      await this.#fetch(tile, signal);
-      this.there.add(tile);
-      if (settled) this.settled.add(tile);
-      arrived(tile);
-    }));
+    // From the middle outwards, a few at a time: the eye is there first.
+    wanted.sort((one, other) => this.#offCentre(one) - this.#offCentre(other));
+    const fetchNext = async () => {
+      for (let tile = wanted.shift(); tile !== undefined; tile = wanted.shift()) {
+        await this.#fetch(tile, signal);
+        this.there.add(tile);
+        if (settled) this.settled.add(tile);
+        arrived(tile);
+      }
+    };
+    await Promise.all(Array.from({ length: AT_A_TIME }, fetchNext));
   }
 
   /** Rectangle of cells of the picture that a tile covers. */
@@ -95,6 +106,12 @@ export class Picture {
       right: Math.min(share((column + 1) * columns, this.every), this.width),
       bottom: Math.min(share((row + 1) * rows, this.every), this.height),
     };
+  }
+
+  /** Distance of a tile from the middle of the picture. */
+  #offCentre(tile) {
+    const { left, top, right, bottom } = this.rectangle(tile);
+    return Math.hypot((left + right) / this.width - 1, (top + bottom) / this.height - 1);
   }
 
   async #fetch(tile, signal) {
@@ -157,7 +174,10 @@ export class Picture {
     }
   }
 
-  /** What is known of the cell at a point; null outside, or if it is missing. */
+  /**
+   * What is known of the cell at a point; null outside, or if it is missing.
+   * @returns {Known|null}
+   */
   at(t, v) {
     const { t0, v0 } = this.view;
     const column = Math.floor((t - t0 - Math.floor(t - t0 + 1e-12)) / this.cellTime);

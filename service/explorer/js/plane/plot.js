@@ -1,9 +1,14 @@
 /** The frame of the basin: maps time and velocity to the canvas, and draws the axes. */
 
 import { colour } from "../page/theme.js";
-import { ticks } from "../charts/ticks.js";
+import { axisTicks } from "../charts/ticks.js";
 
-const MARGIN = { left: 58, right: 14, top: 10, bottom: 44 };
+const RIGHT = 14;
+const TOP = 10;
+const BOTTOM = 44;
+const TITLE = 22;
+const LEAST_LEFT = 44;
+const FONT = '12px system-ui, "DejaVu Sans", sans-serif';
 
 export class Plot {
   /** @param {HTMLCanvasElement} canvas @param {{t0: number, t1: number, v0: number, v1: number}} view */
@@ -16,10 +21,15 @@ export class Plot {
     this.context = canvas.getContext("2d");
     this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.context.imageSmoothingEnabled = false;
-    this.left = MARGIN.left;
-    this.top = MARGIN.top;
-    this.width = Math.max(1, this.size.width - MARGIN.left - MARGIN.right);
-    this.height = Math.max(1, this.size.height - MARGIN.top - MARGIN.bottom);
+    this.context.font = FONT;
+    this.top = TOP;
+    this.height = Math.max(1, this.size.height - TOP - BOTTOM);
+    this.speeds = axisTicks(view.v0, view.v1, this.height / 60);
+    // As wide as its labels: deep in a zoom they have many digits.
+    const widest = Math.max(...this.speeds.ticks.map(({ label }) => this.context.measureText(label).width), 0);
+    this.left = Math.max(LEAST_LEFT, Math.ceil(widest) + 12 + TITLE);
+    this.width = Math.max(1, this.size.width - this.left - RIGHT);
+    canvas.dataset.frame = [this.left, this.top, this.width, this.height].join();
   }
 
   x(t) {
@@ -58,23 +68,25 @@ export class Plot {
 
   axes() {
     const { context } = this;
-    const { t0, t1, v0, v1 } = this.view;
+    const { t0, t1 } = this.view;
+    const phases = axisTicks(t0, t1, this.width / 90);
     context.strokeStyle = colour("quiet");
     context.fillStyle = colour("quiet");
     context.lineWidth = 1;
-    context.font = '12px system-ui, "DejaVu Sans", sans-serif';
+    context.font = FONT;
     context.strokeRect(this.left - 0.5, this.top - 0.5, this.width + 1, this.height + 1);
     context.textAlign = "center";
     context.textBaseline = "top";
     const bottom = this.top + this.height;
-    for (const { at, label } of ticks(t0, t1, this.width / 90)) {
+    for (const { at, label } of phases.ticks) {
       this.#tick(this.x(at), bottom, 0, 5);
       context.fillText(label, this.x(at), bottom + 8);
     }
-    context.fillText("time t of departure (forcing periods)", this.left + this.width / 2, bottom + 26);
+    const time = phases.title ? `time t${phases.title}` : "time t of departure (forcing periods)";
+    context.fillText(time, this.left + this.width / 2, bottom + 26);
     context.textAlign = "right";
     context.textBaseline = "middle";
-    for (const { at, label } of ticks(v0, v1, this.height / 60)) {
+    for (const { at, label } of this.speeds.ticks) {
       this.#tick(this.left, this.y(at), -5, 0);
       context.fillText(label, this.left - 8, this.y(at));
     }
@@ -82,7 +94,7 @@ export class Plot {
     context.translate(11, this.top + this.height / 2);
     context.rotate(-Math.PI / 2);
     context.textAlign = "center";
-    context.fillText("velocity v of departure", 0, 0);
+    context.fillText(this.speeds.title ? `velocity v${this.speeds.title}` : "velocity v of departure", 0, 0);
     context.restore();
   }
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[3] / "service" / "explorer" / "js"
+ROOT = Path(__file__).parents[2] / "service" / "explorer" / "js"
 MODULES = sorted(ROOT.rglob("*.js"))
 IMPORT = re.compile(r'^import \{([^}]*)\} from "([^"]+)";$', re.MULTILINE)
 

@@ -1,0 +1,98 @@
+"""Previews: small basins that are computed while the client waits, in a few threads of their own.
+
+Kernels release the GIL, so the event loop goes on answering. A preview waits for other previews alone, never for jobs.
+"""
+
+import threading
+import time
+from collections.abc import Awaitable, Callable
+
+from anyio import CapacityLimiter, create_task_group, to_thread
+
+from service.errors import LimitExceeded, TooMuch
+from worker.basins.preview import Preview, preview_basin
+from worker.basins.preview_request import PreviewRequest
+from worker.errors import JobCancelled
+
+MOST_CELLS = 65_536
+MOST_APPLICATIONS = 50_000_000
+_MOST_SECONDS = 20.0
+_THREADS = 2
+_MOST_WAITING = 16
+
+
+class Previews:
+    """Computes previews. It must be created where an event loop runs."""
+
+    def __init__(self) -> None:
+        self._threads = CapacityLimiter(_THREADS)
+
+    async def compute(self, request: PreviewRequest, gone: Callable[[], Awaitable[None]]) -> Preview:
+        """Compute a preview, until it is done or its client goes.
+
+        Parameters
+        ----------
+        request : PreviewRequest
+        gone : callable
+            Waits until the client has closed its connection.
+
+        Returns
+        -------
+        Preview
+
+        Raises
+        ------
+        OutsideDomain, InvalidJob, LimitExceeded
+            Naming what is wrong with the request, or the limit.
+        TooMuch
+            If too many previews wait.
+        JobCancelled
+            If the client is gone.
+        """
+        _demand_small(request)
+        if self._threads.statistics().tasks_waiting >= _MOST_WAITING:
+            raise TooMuch(f"{_MOST_WAITING} previews are waiting: try again in a second, or submit a job", 1)
+        stopped = threading.Event()
+        outcome: Preview | Exception = JobCancelled("the client of this preview is gone")
+
+        async def stop_when_gone() -> None:
+            await gone()
+            stopped.set()
+            group.cancel_scope.cancel()
+
+        # An exception that left the group would arrive as an ExceptionGroup, for which there is no response.
+        async with create_task_group() as group:
+            group.start_soon(stop_when_gone)
+            try:
+                outcome = await to_thread.run_sync(_compute, request, stopped, limiter=self._threads)
+            except Exception as error:
+                outcome = error
+            group.cancel_scope.cancel()
+        if isinstance(outcome, Exception):
+            raise outcome
+        return outcome
+
+
+def _compute(request: PreviewRequest, stopped: threading.Event) -> Preview:
+    deadline = time.monotonic() + _MOST_SECONDS
+
+    def pause() -> None:
+        if stopped.is_set():
+            raise JobCancelled("the client of this preview is gone")
+        if time.monotonic() > deadline:
+            raise LimitExceeded(
+                f"this preview takes longer than the limit of {_MOST_SECONDS:.0f} s: ask for fewer cells, or for a job"
+            )
+
+    return preview_basin(request, pause)
+
+
+def _demand_small(request: PreviewRequest) -> None:
+    checked = request.checked()
+    limits = (
+        ("cells", checked.grid.cells, MOST_CELLS),
+        ("cells times iterations", checked.applications, MOST_APPLICATIONS),
+    )
+    for what, size, most in limits:
+        if size > most:
+            raise LimitExceeded(f"{size} {what} are more than the limit of {most} for a preview: submit a job")

@@ -1,0 +1,58 @@
+/** What the picture shows, in words. */
+
+import { reading } from "../charts/ticks.js";
+
+const SYMBOLS = [["damping", "δ"], ["eccentricity", "ε"], ["half_backlash", "β"], ["stiffness", "κ"]];
+const MODELS = { impacting: "Impacts", piecewise_linear: "Contacts of finite stiffness" };
+
+function number(value) {
+  return typeof value === "number" ? String(Number(value.toPrecision(6))) : "?";
+}
+
+/** An oscillator in words, such as "Impacts: δ = 0.6, ε = 0.1, β = 0.6". */
+export function oscillatorInWords(oscillator) {
+  const values = SYMBOLS.filter(([name]) => oscillator[name] !== undefined).map(([name, symbol]) => `${symbol} = ${number(oscillator[name])}`);
+  return `${MODELS[oscillator.model ?? "impacting"]}: ${values.join(", ")}`;
+}
+
+/** A window in words. */
+export function windowInWords({ t0, t1, v0, v1 }) {
+  const short = (value, width) => String(Number(reading(value, width)));
+  return `t from ${short(t0, t1 - t0)} to ${short(t1, t1 - t0)}, v from ${short(v0, v1 - v0)} to ${short(v1, v1 - v0)}`;
+}
+
+/**
+ * Where the picture comes from: {words, kind}.
+ * @param {import("../plane/picture.js").Picture|null} picture the picture on top
+ * @param {boolean} edited whether the form has been changed since
+ * @param {Job|null} job the job of the picture
+ */
+function standing(picture, edited, job) {
+  if (!picture) return { words: "", kind: "none" };
+  const { time, velocity } = picture.outline;
+  const cells = `${time.cells} × ${velocity.cells} cells`;
+  const preview = picture.isPreview ? "Preview, " : "";
+  if (edited) return { words: `${preview}${cells}: edited, not computed`, kind: "edited" };
+  if (preview) return { words: `${preview}${cells}${job ? "" : "; Compute refines it"}`, kind: "preview" };
+  const k = job ? `, k = ${job.request.iterations}` : "";
+  return { words: `${cells}${k}`, kind: picture.outline.complete ? "complete" : "coming" };
+}
+
+/**
+ * Write the caption of the picture, and the title of the page.
+ * @param {{shown: HTMLElement, standing: HTMLElement}} lines
+ * @param {object} seen
+ * @param {string|null} seen.kind of an analysis, in words
+ * @param {Job|null} seen.job
+ * @param {Oscillator|null} seen.oscillator
+ * @param {import("../plane/picture.js").Picture|null} seen.picture
+ * @param {boolean} seen.edited
+ */
+export function showCaption(lines, { kind, job, oscillator, picture, edited }) {
+  const text = kind ?? (oscillator ? oscillatorInWords(oscillator) : "");
+  const origin = standing(picture, edited, job);
+  lines.shown.textContent = text;
+  lines.standing.textContent = kind ? "" : origin.words;
+  lines.standing.dataset.kind = origin.kind;
+  document.title = text ? `${text} · gear-rattle` : "gear-rattle";
+}

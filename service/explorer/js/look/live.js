@@ -1,0 +1,60 @@
+/** The live picture: previews of whatever oscillator and window are looked at, coarse while something moves, then finer. */
+
+import { Latest } from "../net/latest.js";
+import { askPreview } from "./preview.js";
+
+const CELLS = { coarsest: 64, coarse: 96, fine: 128, finest: 256 };
+const FEW_ITERATIONS = 61;
+// Above this many milliseconds a preview, a moving slider asks for fewer cells.
+const SLOW_MS = 130;
+// The finest has four times as many cells, and comes only where that takes no longer than some two seconds.
+const QUICK_MS = 500;
+
+export class Live {
+  /**
+   * @param {object} tell
+   * @param {(preview: import("./preview.js").Preview) => void} tell.show
+   * @param {(error: Error) => void} tell.failed
+   * @param {() => boolean} tell.alone whether no job is going to refine the picture
+   */
+  constructor(tell) {
+    this.milliseconds = 0;
+    this.latest = new Latest((wish, signal) => this.#ask(wish, signal), (preview, wish) => {
+      tell.show(preview);
+      const next = this.#finer(wish, tell.alone());
+      if (next && !this.latest.next) this.latest.want({ ...wish, detail: next });
+    }, tell.failed);
+  }
+
+  #finer({ detail }, alone) {
+    if (detail === "coarse") return "fine";
+    return detail === "fine" && alone && this.milliseconds < QUICK_MS ? "finest" : null;
+  }
+
+  /**
+   * Show an oscillator in a window.
+   * @param {Oscillator} oscillator
+   * @param {View} view
+   * @param {boolean} moving whether more will follow at once, as while a slider moves
+   */
+  want(oscillator, view, moving = false) {
+    // A finest preview under way is of the past.
+    if (this.latest.wish?.detail === "finest") this.latest.drop();
+    this.latest.want({ oscillator, view, detail: moving ? "coarse" : "fine" });
+  }
+
+  drop() {
+    this.latest.drop();
+  }
+
+  async #ask({ oscillator, view, detail }, signal) {
+    const begun = performance.now();
+    const coarse = detail === "coarse";
+    const cells = coarse && this.milliseconds > SLOW_MS ? CELLS.coarsest : CELLS[detail];
+    // With weak damping a few iterations show nothing that lasts.
+    const few = coarse && oscillator.damping >= 0.5 ? FEW_ITERATIONS : null;
+    const preview = await askPreview(oscillator, view, cells, few, signal);
+    this.milliseconds = performance.now() - begun;
+    return preview;
+  }
+}

@@ -1,0 +1,63 @@
+/** A small basin that the service computes at once: a picture of one tile, complete when it comes. */
+
+import { post } from "../net/api.js";
+import { Picture } from "../plane/picture.js";
+import { axesOf } from "../state/window.js";
+
+const LABELLED = 3;
+
+function outlineOf(answer) {
+  const { time, velocity, solutions, grazing, missing_colour } = answer;
+  return {
+    parameters: {}, time, velocity, solutions, grazing, missing_colour, complete: true, speckle: [1],
+    tiles: { rows: velocity.cells, columns: time.cells, down: 1, across: 1, first: 0, states: [LABELLED] },
+  };
+}
+
+export class Preview extends Picture {
+  /** @param {PreviewAnswer} answer as from `/v1/previews` @param {Oscillator} oscillator that it is of */
+  constructor(answer, oscillator) {
+    super(null, 0, outlineOf(answer));
+    this.oscillator = oscillator;
+    this.iterations = answer.iterations;
+    const bytes = Uint8Array.from(atob(answer.labels), (letter) => letter.charCodeAt(0));
+    for (let row = 0; row < this.height; row++) {
+      // Speeds increase upwards, pixel rows downwards.
+      this.solution.set(bytes.subarray(row * this.width, (row + 1) * this.width), (this.height - 1 - row) * this.width);
+    }
+    this.there.add(0);
+    this.settled.add(0);
+  }
+
+  /**
+   * What a place ends in. A preview has none of Hsu's numbers, and its cells are too coarse to start from the middle.
+   * @returns {Known|null}
+   */
+  at(t, v) {
+    const known = super.at(t, v);
+    return known && { solution: known.solution, t, v };
+  }
+
+  /** Paint what cells end in, in every layer: a preview has no numbers to paint. */
+  paint(look, tile = null) {
+    super.paint({ ...look, layer: "solution" }, tile);
+  }
+
+  get isPreview() {
+    return true;
+  }
+}
+
+/**
+ * Ask for a preview.
+ * @param {Oscillator} oscillator as in a request
+ * @param {View} view
+ * @param {number} cells each way
+ * @param {number|null} iterations null for the service's own choice
+ * @param {AbortSignal} signal
+ */
+export async function askPreview(oscillator, view, cells, iterations, signal) {
+  const grid = axesOf(view, { time: cells, velocity: cells });
+  const body = { oscillator, grid, ...(iterations ? { iterations } : {}) };
+  return new Preview(await post("/v1/previews", body, { signal }), oscillator);
+}

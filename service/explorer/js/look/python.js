@@ -1,0 +1,30 @@
+/** The Python that computes what is seen. */
+
+function literal(value) {
+  if (Array.isArray(value)) return `[${value.map(literal).join(", ")}]`;
+  if (typeof value === "boolean") return value ? "True" : "False";
+  return JSON.stringify(value);
+}
+
+function pair(one, other) {
+  return `(${literal(one)}, ${literal(other)})`;
+}
+
+/**
+ * Python for the request of a basin or a sweep.
+ * @param {BasinRequest} request
+ */
+export function pythonOf({ oscillator, grid, iterations, vary }) {
+  const { model: _, ...parameters } = oscillator;
+  const swept = Object.fromEntries((vary ?? []).map(({ parameter, values, start, stop, count }) =>
+    [parameter, values ? literal(values) : `(${start}, ${stop}, ${count})`]));
+  const fields = Object.entries({ ...parameters, ...swept }).map(([name, value]) => `${name}=${swept[name] ?? literal(value)}`);
+  const { time, velocity } = grid;
+  const lines = [
+    fields.join(", "),
+    `cells=${pair(time.cells, velocity.cells)}, time=${pair(time.start, time.stop)}, velocity=${pair(velocity.start, velocity.stop)}`,
+    `iterations=${iterations}`,
+  ];
+  const verb = vary ? "sweep" : "basin";
+  return `import rattle\n\n${verb} = rattle.${verb}(\n${lines.map((line) => `    ${line},\n`).join("")})\n${verb}.rattle.plot()`;
+}

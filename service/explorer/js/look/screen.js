@@ -1,0 +1,117 @@
+/** The pictures that are seen: previews of what is looked at, and the basins of jobs as they are computed. */
+
+import { Picture } from "../plane/picture.js";
+import { ended } from "../jobs/life.js";
+import { Live } from "./live.js";
+
+const FIELDS = ["model", "damping", "eccentricity", "half_backlash", "stiffness", "permanent_contact"];
+const DEFAULTS = { model: "impacting", permanent_contact: "envelope" };
+
+/** Whether two oscillators of requests are the same. */
+export function sameOscillator(one, other) {
+  const stiff = one?.model === "piecewise_linear";
+  const value = (oscillator, name) => oscillator[name] ?? DEFAULTS[name];
+  return Boolean(one && other) && FIELDS.every((name) => (!stiff && name === "permanent_contact") || value(one, name) === value(other, name));
+}
+
+export class Screen {
+  /**
+   * @param {import("../plane/plane.js").Plane} plane
+   * @param {object} tell
+   * @param {() => void} tell.changed another picture, or more of it, is seen
+   * @param {() => void} tell.turned another oscillator is seen
+   * @param {() => void} tell.left it is one that nobody has computed yet
+   * @param {(error: Error) => void} tell.failed a preview could not be had
+   * @param {() => boolean} tell.alone whether no job computes what is seen
+   */
+  constructor(plane, tell) {
+    this.plane = plane;
+    this.tell = tell;
+    /** Oscillator of the pictures that are seen. */
+    this.oscillator = null;
+    /** Oscillator that was last asked for, and whether a slider still changes it. */
+    this.wanted = null;
+    this.moving = false;
+    this.live = new Live({ show: (preview) => this.#arrived(preview), failed: tell.failed, alone: tell.alone });
+    this.panel = 0;
+    this.opened = null;
+  }
+
+  /** Look at an oscillator in a window: a preview of it comes at once. */
+  look(oscillator, view, moving = false) {
+    [this.wanted, this.moving] = [oscillator, moving];
+    this.live.want(oscillator, view, moving);
+  }
+
+  #arrived(preview) {
+    // While a slider moves, every picture is a little late. Afterwards only what is wanted is shown.
+    if (!this.moving && !sameOscillator(preview.oscillator, this.wanted)) return;
+    if (this.#turn(preview.oscillator)) this.tell.left();
+    this.plane.preview(preview);
+    this.tell.changed();
+  }
+
+  /** Show an oscillator from now on; pictures of another one go. Returns whether it is another. */
+  #turn(oscillator) {
+    if (sameOscillator(oscillator, this.oscillator)) return false;
+    const first = this.oscillator === null;
+    this.oscillator = oscillator;
+    this.plane.stack.clear();
+    this.opened = null;
+    this.plane.draw();
+    if (!first) this.tell.turned();
+    return true;
+  }
+
+  /** Begin with the pictures of a job, at one of its basins. */
+  begin(job, panel) {
+    this.panel = panel;
+    this.opened = null;
+    const values = (job.request.vary ?? []).toReversed();
+    const swept = {};
+    let place = panel;
+    for (const { parameter, values: all } of values) {
+      swept[parameter] = all[place % all.length];
+      place = Math.floor(place / all.length);
+    }
+    const oscillator = { ...job.request.oscillator, ...swept };
+    [this.wanted, this.moving] = [oscillator, false];
+    this.#turn(oscillator);
+    return oscillator;
+  }
+
+  /** Show no pictures: what is shown has no cells. */
+  clear() {
+    this.live.drop();
+    this.oscillator = this.wanted = this.opened = null;
+    this.plane.clear();
+  }
+
+  /** Draw a job as far as it is computed; its picture, or null while there is none. */
+  async draw(job, signal) {
+    // A job has a store once it has reported progress.
+    if (!job.progress) return null;
+    const picture = this.opened ?? (await this.#open(job, signal));
+    if (!picture || signal.aborted) return null;
+    this.opened = picture;
+    await picture.refresh(ended(job), (tile) => {
+      if (!signal.aborted) this.plane.arrived(picture, tile);
+    }, signal);
+    if (signal.aborted) return null;
+    this.plane.draw();
+    this.tell.changed();
+    return picture;
+  }
+
+  async #open(job, signal) {
+    try {
+      const picture = await Picture.open(job.id, this.panel);
+      if (!signal.aborted) this.plane.show(picture);
+      return picture;
+    } catch (error) {
+      // The store of a cancelled job may have passed to the next job of the same request.
+      if (error.kind === "not-ready") return null;
+      throw error;
+    }
+  }
+}

@@ -1,0 +1,60 @@
+/** The buttons around the plane, the menus and the drawer. */
+
+import { by } from "./by.js";
+import { hasEarlier } from "../state/entries.js";
+import { listRecent } from "./recent.js";
+import { attempt } from "./say.js";
+
+function toggle(button, attribute = "aria-pressed") {
+  const on = button.getAttribute(attribute) !== "true";
+  button.setAttribute(attribute, String(on));
+  return on;
+}
+
+/** Menus close when something else is clicked, or with Escape. */
+function setUpMenus() {
+  const menus = [by("away"), by("display")];
+  document.addEventListener("click", (event) => {
+    for (const menu of menus) if (!menu.contains(event.target)) menu.open = false;
+  });
+  document.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape") return;
+    const open = menus.find((menu) => menu.open);
+    if (!open) return;
+    open.open = false;
+    open.querySelector("summary").focus();
+  });
+}
+
+/** Let the window be moved, or not where there is none. */
+export function enableTools(on) {
+  for (const id of ["back", "forward", "in", "out", "whole", "box", "layer", "keep"]) by(id).disabled = !on;
+}
+
+/**
+ * Set up the controls.
+ * @param {object} page
+ * @param {import("../plane/plane.js").Plane} page.plane
+ * @param {import("../jobs/jobs.js").Jobs} page.jobs
+ * @param {(look: object) => void} page.restyle
+ * @param {() => void} page.whole
+ * @param {() => void} page.takeaway
+ */
+export function setUpControls({ plane, jobs, restyle, whole, takeaway }) {
+  by("cancel").addEventListener("click", () => jobs.cancel());
+  by("back").addEventListener("click", () => hasEarlier() && history.back());
+  by("forward").addEventListener("click", () => history.forward());
+  by("in").addEventListener("click", () => plane.zoom(0.7));
+  by("out").addEventListener("click", () => plane.zoom(1 / 0.7));
+  by("whole").addEventListener("click", whole);
+  by("box").addEventListener("click", () => (plane.gestures.boxing = toggle(by("box"))));
+  by("layer").addEventListener("change", () => restyle({ layer: by("layer").value }));
+  by("palette").addEventListener("change", () => restyle({ palette: by("palette").value }));
+  by("open-drawer").addEventListener("click", () => {
+    by("ask").hidden = !toggle(by("open-drawer"), "aria-expanded");
+    if (!by("ask").hidden) by("ask").querySelector("select, input").focus();
+  });
+  by("away").addEventListener("toggle", () => by("away").open && takeaway());
+  by("recent").addEventListener("toggle", () => by("recent").open && attempt(() => listRecent(by("recent").querySelector("ul"))));
+  setUpMenus();
+}

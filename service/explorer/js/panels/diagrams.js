@@ -1,0 +1,157 @@
+/** Bifurcation diagrams of the oscillator that is seen: charts whose cursor is the slider of their parameter. */
+
+import { Chart } from "../charts/chart.js";
+import { reading } from "../charts/ticks.js";
+import { ended } from "../jobs/life.js";
+import { get, post } from "../net/api.js";
+import { follow } from "../net/follow.js";
+import { by } from "../page/by.js";
+import { inWords } from "../page/say.js";
+
+const SYMBOLS = { damping: "damping δ", eccentricity: "eccentricity ε", half_backlash: "half backlash β", stiffness: "stiffness κ" };
+const VALUES = 300;
+const KEPT = 12;
+const REACH = 0.15;
+const DRAG_PIXELS = 6;
+
+/** Range of a parameter around its value. */
+function around(value) {
+  return [value * (1 - REACH), value * (1 + REACH)];
+}
+
+/** Rows of the table of departures, by the motion that they began with. */
+function byMotion(rows) {
+  const motions = new Map();
+  for (const row of rows) {
+    if (row.velocity === null) continue;
+    if (!motions.has(row.seed_name)) motions.set(row.seed_name, []);
+    motions.get(row.seed_name).push(row);
+  }
+  return motions;
+}
+
+export class Diagrams {
+  /**
+   * @param {object} page
+   * @param {() => Oscillator|null} page.oscillator that is seen
+   * @param {(name: string) => string|undefined} page.colour of a motion on the basin
+   * @param {(parameter: string, value: number) => void} page.turn look at another value
+   */
+  constructor(page) {
+    this.page = page;
+    this.section = by("diagram");
+    this.note = by("diagram-note");
+    this.following = new AbortController();
+    /** @type {{parameter: string, range: number[], motions: Map<string, any[]>}|null} */
+    this.shown = null;
+    for (const [parameter, symbol] of Object.entries(SYMBOLS)) {
+      const button = Object.assign(document.createElement("button"), { type: "button", textContent: `Over ${symbol}` });
+      button.title = `Bifurcation diagram over ${symbol}: which motions there are at each value`;
+      button.dataset.diagram = parameter;
+      button.addEventListener("click", () => this.ask(parameter, around(page.oscillator()[parameter])));
+      by("explain").append(button);
+    }
+    new ResizeObserver(() => this.shown && this.draw()).observe(by("diagram-chart"));
+  }
+
+  /**
+   * Compute a diagram over a range of a parameter.
+   * @param {string} parameter
+   * @param {number[]} range
+   */
+  async ask(parameter, [start, stop]) {
+    const oscillator = this.page.oscillator();
+    if (!oscillator) return;
+    this.#begin(parameter);
+    try {
+      const vary = { parameter, start, stop, count: VALUES };
+      await this.show(await post("/v1/bifurcations", { oscillator, vary, direction: "both", transient: 600, kept: KEPT }));
+    } catch (error) {
+      this.note.textContent = inWords(error);
+    }
+  }
+
+  #begin(parameter) {
+    this.following.abort();
+    this.section.hidden = false;
+    by("diagram-title").textContent = `Bifurcation diagram over ${SYMBOLS[parameter]}`;
+    this.note.textContent = "computing…";
+  }
+
+  /**
+   * Show the diagram of a job once it is computed.
+   * @param {any} job
+   */
+  async show(job) {
+    const { parameter, values } = job.request.vary;
+    this.#begin(parameter);
+    const { signal } = (this.following = new AbortController());
+    await follow(job, async (now) => {
+      if (!ended(now) || signal.aborted) return;
+      if (now.state !== "succeeded") {
+        this.note.textContent = now.error?.detail ?? "The diagram was cancelled.";
+        return;
+      }
+      const rows = await get(`${now.links.result}.json?table=velocity`);
+      if (signal.aborted) return;
+      this.shown = { parameter, range: [values[0], values.at(-1)], motions: byMotion(rows) };
+      this.draw();
+      this.note.textContent = "Each dot is a departure that lasts. Click to look at a value, drag over a range to compute it anew.";
+      this.section.scrollIntoView({ block: "nearest" });
+    }, (error) => (this.note.textContent = inWords(error)), signal);
+  }
+
+  /** Draw the diagram, with a line at the value that is seen. */
+  draw() {
+    const { parameter, range, motions } = this.shown;
+    const most = Math.max(...[...motions.values()].flat().map(({ velocity }) => velocity), 1);
+    const chart = new Chart(by("diagram-chart"), {
+      height: 240, x: range, y: [0, 1.05 * most], xLabel: SYMBOLS[parameter], yLabel: "velocity v of departure",
+      label: `Velocities of departures that last, over ${SYMBOLS[parameter]}`,
+    });
+    for (const [name, rows] of motions) {
+      const d = rows.map((row) => `M${chart.x(row[parameter]).toFixed(1)} ${chart.y(row.velocity).toFixed(1)}h.01`).join("");
+      const line = chart.add("path", { class: "points", d, stroke: this.page.colour(name) ?? "currentColor" });
+      line.append(Object.assign(document.createElementNS("http://www.w3.org/2000/svg", "title"), { textContent: `from ${name}` }));
+    }
+    this.chart = chart;
+    this.here = chart.add("path", { class: "here" });
+    this.value = chart.add("text", {});
+    this.follow();
+    this.#listen(chart, range);
+  }
+
+  /** Move the line to the value that is seen. */
+  follow() {
+    const value = this.shown && this.page.oscillator()?.[this.shown.parameter];
+    if (!this.chart || typeof value !== "number") return;
+    const [from, to] = this.shown.range;
+    const inside = value >= from && value <= to;
+    for (const mark of [this.here, this.value]) mark.setAttribute("visibility", inside ? "visible" : "hidden");
+    const x = this.chart.x(value);
+    this.here.setAttribute("d", `M${x} ${this.chart.y(this.chart.reach[0])}V${this.chart.y(this.chart.reach[1])}`);
+    this.value.setAttribute("x", String(x + 4));
+    this.value.setAttribute("y", String(this.chart.y(this.chart.reach[1]) + 12));
+    this.value.textContent = reading(value, to - from);
+  }
+
+  /** @param {Chart} chart @param {number[]} range */
+  #listen(chart, [from, to]) {
+    const [x, y] = [chart.x(from), chart.y(chart.reach[1])];
+    const target = chart.add("rect", { class: "target", x, y, width: chart.x(to) - x, height: chart.y(chart.reach[0]) - y });
+    let pressed = null;
+    target.addEventListener("pointerdown", (event) => {
+      pressed = event.clientX;
+      target.setPointerCapture(event.pointerId);
+    });
+    target.addEventListener("pointerup", (event) => {
+      if (pressed === null) return;
+      const dragged = Math.abs(event.clientX - pressed) > DRAG_PIXELS;
+      /** @type {number[]} */
+      const ends = [chart.valueAt(event), chart.valueAt({ clientX: pressed })].sort((a, b) => a - b);
+      pressed = null;
+      if (dragged) this.ask(this.shown.parameter, [Math.max(ends[0], from), Math.min(ends[1], to)]);
+      else this.page.turn(this.shown.parameter, Number(ends[0].toPrecision(6)));
+    });
+  }
+}

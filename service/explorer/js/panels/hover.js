@@ -1,0 +1,54 @@
+/** The motion from under the pointer, drawn at once, and in words. */
+
+import { Latest } from "../net/latest.js";
+import { briefMotion } from "../net/motion.js";
+import { solutionInWords } from "../look/explain.js";
+import { reading } from "../charts/ticks.js";
+
+const REST_MS = 30;
+
+export class Hover {
+  /**
+   * @param {import("../plane/plane.js").Plane} plane
+   * @param {import("../plane/marks.js").Marks} marks
+   * @param {() => object|null} oscillator
+   * @param {{reading: HTMLElement, sentence: HTMLElement}} lines
+   */
+  constructor(plane, marks, oscillator, lines) {
+    this.plane = plane;
+    this.marks = marks;
+    this.oscillator = oscillator;
+    this.lines = lines;
+    this.place = null;
+    const show = (departures, wish) => wish === this.place && this.marks.showHovered(departures);
+    this.latest = new Latest((wish, signal) => briefMotion(this.oscillator(), wish, signal), show, () => {});
+  }
+
+  /** The pointer is at a place of the plane; null when it has left. */
+  at(place) {
+    clearTimeout(this.timer);
+    if (!place) {
+      this.latest.drop();
+      this.marks.showHovered(null);
+      if (this.place) this.left = this.place;
+      this.place = null;
+      return;
+    }
+    this.place = place;
+    this.read();
+    if (place.v > 0 && this.oscillator()) this.timer = setTimeout(() => this.latest.want(place), REST_MS);
+  }
+
+  /** Say what is known of the place last pointed at. */
+  read() {
+    const place = this.place ?? this.left;
+    if (!place) return;
+    const { t0, t1, v0, v1 } = this.plane.view;
+    const known = this.plane.at(place.t, place.v);
+    const phase = place.t - Math.floor(place.t);
+    const where = `t = ${reading(phase, t1 - t0)}   v = ${reading(place.v, v1 - v0)}`;
+    const numbers = known?.step === undefined ? "" : `   step ${known.step}, group ${known.group}, period ${known.period}`;
+    this.lines.reading.textContent = where + (known ? `   ${known.solution.name}${numbers}` : "   not known yet");
+    this.lines.sentence.textContent = known ? solutionInWords(known.solution) : "";
+  }
+}

@@ -1,0 +1,101 @@
+/** Shapes of what the modules pass on, for the type check. The service's own are described in docs/openapi.yaml. */
+
+interface View { t0: number; t1: number; v0: number; v1: number }
+
+interface Axis { start: number; stop: number; cells: number }
+
+interface Oscillator {
+  model?: string;
+  damping?: number;
+  eccentricity?: number;
+  half_backlash?: number;
+  stiffness?: number;
+  permanent_contact?: string;
+  allow_no_quiet_solution?: boolean;
+}
+
+interface Swept { parameter: string; values?: number[]; start?: number; stop?: number; count?: number }
+
+interface BasinRequest {
+  kind?: string;
+  oscillator: Oscillator;
+  grid?: { time: Axis; velocity: Axis };
+  iterations?: number;
+  vary?: Swept[];
+  sample?: object;
+}
+
+interface Progress {
+  stage: string;
+  tiles_done: number;
+  tiles_total: number;
+  cells_per_second: number;
+  seconds_left: number;
+  basins_done: number;
+  basins_total: number;
+}
+
+interface Job {
+  id: string;
+  kind: string;
+  state: string;
+  request: BasinRequest;
+  created: string;
+  started: string | null;
+  finished: string | null;
+  progress: Progress | null;
+  error?: { detail: string } | null;
+  links: { self: string; cancel: string; events: string; result: string; zarr: string; picture: string };
+}
+
+interface Solution {
+  number: number;
+  name: string;
+  kind: string;
+  share: number | null;
+  lyapunov_exponent: number | null;
+  mean_life: number | null;
+  colours: { [palette: string]: string };
+  points: [number, number][];
+}
+
+interface Polyline { time: number[]; velocity: number[]; box?: View }
+
+interface Outline {
+  parameters: { [name: string]: number };
+  time: Axis;
+  velocity: Axis;
+  tiles: { rows: number; columns: number; down: number; across: number; first: number; states: number[] };
+  complete: boolean;
+  solutions: Solution[];
+  speckle: number[];
+  missing_colour: string;
+  grazing: Polyline;
+}
+
+interface PreviewAnswer {
+  time: Axis;
+  velocity: Axis;
+  iterations: number;
+  solutions: Solution[];
+  missing_colour: string;
+  grazing: Polyline;
+  labels: string;
+}
+
+interface Departure { t: number; v: number }
+
+/** What is known of a place: the motion it ends in, where a motion from there starts, and Hsu's numbers. */
+interface Known extends Departure { solution: Solution; step?: number; group?: number; period?: number }
+
+interface TimeHistory {
+  time: number[];
+  displacement: number[];
+  velocity: number[];
+  contacts: { time: number; wall: number; direction: string; speed: number }[];
+  permanent_from: number | null;
+}
+
+interface Motion { start: Departure & { solution?: Solution }; shown: TimeHistory; departures: Departure[]; ends: string }
+
+interface Look { layer: string; palette: string; highlight: string | null; ground: string }

@@ -1,0 +1,31 @@
+"""The pages: the explorer and the description of the API, with the files that they load.
+
+All come from this package, so both work without internet.
+"""
+
+from pathlib import Path
+
+from fastapi import APIRouter
+from fastapi.responses import FileResponse
+from starlette.staticfiles import StaticFiles
+
+_EXPLORER = Path(__file__).parents[1] / "explorer"
+_API_PAGE = Path(__file__).parents[1] / "api_page"
+# Browsers ask at each visit, so a new version is seen at once.
+_ASKED_AGAIN = {"cache-control": "no-cache"}
+
+router = APIRouter(include_in_schema=False)
+explorer_files = StaticFiles(directory=_EXPLORER)
+api_page_files = StaticFiles(directory=_API_PAGE)
+
+
+@router.get("/")
+def get_explorer() -> FileResponse:
+    """Page of the explorer."""
+    return FileResponse(_EXPLORER / "index.html", headers=_ASKED_AGAIN)
+
+
+@router.get("/docs")
+def get_api_page() -> FileResponse:
+    """Page of the API (Swagger UI). Its addresses are relative to `/docs`, as behind a proxy with a prefix."""
+    return FileResponse(_API_PAGE / "index.html", headers=_ASKED_AGAIN)

@@ -1,0 +1,47 @@
+"""Small basins, computed while the client waits."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Request
+from starlette.concurrency import run_in_threadpool
+
+from service.answers.previews import MOST_APPLICATIONS, MOST_CELLS, Previews
+from service.models.viewer import PreviewView
+from service.routes.dependencies import problems
+from service.routes.plain_json import PlainJsonRoute
+from worker.basins.preview_request import PreviewRequest
+
+router = APIRouter(prefix="/v1", tags=["previews"], route_class=PlainJsonRoute)
+
+
+async def _previews(request: Request) -> Previews:
+    previews: Previews = request.app.state.previews
+    return previews
+
+
+@router.post(
+    "/previews",
+    summary="Look at a basin at once",
+    description=(
+        "Compute a small basin of either model and return the motion that each cell ends in. Nothing is recorded. The "
+        "request is that of a basin; by default it has 128 x 128 cells and k = 127, which shows the basin of k = 1499 "
+        f"but for fine chaos. At most {MOST_CELLS} cells, and {MOST_APPLICATIONS} cells times iterations."
+    ),
+    responses=problems(
+        s400="malformed JSON",
+        s413="body too large",
+        s422="what is wrong with the request, field by field",
+        s429="too many previews are waiting; the header Retry-After says when to try again",
+    ),
+)
+async def preview(
+    body: PreviewRequest, request: Request, previews: Annotated[Previews, Depends(_previews)]
+) -> PreviewView:
+    """Compute a small basin, unless its client goes away before."""
+
+    async def gone() -> None:
+        while (await request.receive())["type"] != "http.disconnect":
+            pass
+
+    basin = await previews.compute(body, gone)
+    return await run_in_threadpool(PreviewView.from_preview, basin, body.checked().iterations)

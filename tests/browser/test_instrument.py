@@ -1,0 +1,331 @@
+"""The explorer as an instrument: a picture at once, sliders, the tooth, one state in the address."""
+
+import re
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.browser.chromium import Explorer
+
+pytestmark = pytest.mark.browser
+
+AXE = Path(__file__).parents[2] / "node_modules" / "axe-core" / "axe.min.js"
+SMALL = {"grid": {"time": {"cells": 120}, "velocity": {"cells": 120}}, "iterations": 211}
+LONG = {"grid": {"time": {"cells": 1400}, "velocity": {"cells": 1400}}, "iterations": 15013}
+
+
+def link(k=211, cells=100, **more):
+    """Address of a basin that the page has not asked for yet."""
+    more = {"damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6, "grid": "0,1,0,7"} | more
+    return "?" + "&".join(f"{name}={value}" for name, value in (more | {"cells": f"{cells},{cells}", "k": k}).items())
+
+
+@pytest.fixture(scope="module")
+def finished(service):
+    return service.wait(service.submit(SMALL)["id"])
+
+
+@pytest.fixture
+def opened(explorer, finished):
+    """The page with a finished basin."""
+    explorer.visit(f"?job={finished['id']}").state("Complete")
+    return explorer
+
+
+def wheel(explorer, notches, across=0.5, up=0.5):
+    explorer.page.mouse.move(*explorer.spot(across, up))
+    for _ in range(abs(notches)):
+        explorer.page.mouse.wheel(0, 100 if notches > 0 else -100)
+
+
+def drag(explorer, start, stop):
+    explorer.page.mouse.move(*explorer.spot(*start))
+    explorer.page.mouse.down()
+    explorer.page.mouse.move(*explorer.spot(*stop), steps=4)
+    explorer.page.mouse.up()
+
+
+def sent(explorer, part, method="POST"):
+    """Requests to addresses with this part, from now on."""
+    requests = []
+    explorer.page.on(
+        "request", lambda each: requests.append(each) if part in each.url and each.method == method else None
+    )
+    return requests
+
+
+def test_the_page_begins_with_a_picture(explorer):
+    jobs = sent(explorer, "/v1/basins")
+    explorer.visit().pictured("Preview")
+    expect(explorer.page.locator("#legend button")).to_have_count(3)
+    assert explorer.colour(0.5, 0.1) == (20, 31, 64)
+    expect(explorer.page).to_have_title(re.compile("Impacts: δ = 0.6"))
+    assert jobs == [], "looking asks for no job"
+
+
+def test_a_slider_redraws_the_picture_while_it_moves_and_asks_for_a_job_when_let_go(explorer):
+    explorer.visit().pictured("Preview")
+    previews, jobs = sent(explorer, "/v1/previews"), sent(explorer, "/v1/basins")
+    explorer.fill(time__cells=60, velocity__cells=60, iterations=61)
+    box = explorer.page.locator("[data-turn=damping]").bounding_box()
+    y = box["y"] + box["height"] / 2
+    explorer.page.mouse.move(box["x"] + 0.48 * box["width"], y)
+    explorer.page.mouse.down()
+    for step in range(4):
+        explorer.page.mouse.move(box["x"] + (0.5 + 0.02 * step) * box["width"], y)
+        with explorer.page.expect_response("**/v1/previews"):
+            pass
+    moved = [each.post_data_json["oscillator"]["damping"] for each in previews]
+    assert len(set(moved)) > 2 and jobs == []
+    explorer.page.mouse.up()
+    explorer.state("Complete")
+    assert len(jobs) == 1
+    damping = jobs[0].post_data_json["oscillator"]["damping"]
+    assert damping != 0.6
+    expect(explorer.page.locator("#shown")).to_contain_text(f"δ = {damping:g}")
+    expect(explorer.page.locator("[name=damping]")).to_have_value(f"{damping:g}")
+    explorer.pictured("60 × 60 cells")
+
+
+def test_a_click_moves_a_tooth_in_step_with_the_history_and_a_dot(opened):
+    page = opened.page
+    page.mouse.click(*opened.spot(0.95, 0.52))
+    expect(page.locator("#histories")).to_contain_text("ends in")
+    expect(page.locator("#tooth-canvas")).to_be_visible()
+    cursor = page.locator("#histories .cursor")
+    expect(cursor).to_have_attribute("visibility", "visible")
+    first = cursor.get_attribute("d")
+    expect(cursor).not_to_have_attribute("d", first)
+    page.locator("#play").click()
+    held = cursor.get_attribute("d")
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    assert cursor.get_attribute("d") == held
+    dots = "canvas => [...canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data].some(Boolean)"
+    assert page.locator("#marks").evaluate(dots), "a dot is on the basin"
+
+
+def test_the_motion_under_the_pointer_is_drawn_and_explained(opened):
+    with opened.page.expect_response("**/v1/trajectories"):
+        opened.page.mouse.move(*opened.spot(0.95, 0.52))
+    expect(opened.page.locator("#sentence")).to_contain_text("P(1,1,0) repeats every forcing period, with 1 contact")
+
+
+def test_panning_at_full_width_is_never_refused(opened):
+    opened.page.locator("#anew").check()
+    for across in (0.13, 0.29, 0.61, 0.07):
+        drag(opened, (0.9, 0.5), (0.9 - across, 0.5))
+        opened.page.wait_for_url(re.compile("window="))
+        opened.state("Complete")
+
+
+def test_after_quick_zooms_back_shows_what_was_zoomed_away_from(explorer, service):
+    explorer.visit(link(k=6007, cells=700)).state("tiles")
+    addresses = []
+    for _ in range(3):
+        before = explorer.page.url
+        wheel(explorer, -2)
+        expect(explorer.page).not_to_have_url(before)
+        addresses.append(explorer.page.url)
+    explorer.page.locator("#back").click()
+    explorer.state("Complete", seconds=150)
+    explorer.page.reload()
+    explorer.state("Complete", seconds=150)
+    explorer.pictured("700 × 700 cells")
+
+
+def test_a_zoom_in_one_tab_does_not_stop_the_picture_in_another(chromium_here, explorer, service):
+    address = link(k=10007, cells=900, damping=0.61)
+    explorer.visit(address).state("cells")
+    other = Explorer(chromium_here, service.url)
+    other.visit(address).state("cells")
+    wheel(explorer, -3)
+    explorer.page.wait_for_url(re.compile("window="))
+    explorer.pictured("Preview")
+    other.state("Complete", seconds=150)
+    other.context.close()
+
+
+def test_the_form_the_window_and_the_picture_are_one(opened):
+    opened.open_drawer()
+    wheel(opened, -4, 0.5, 0.5)
+    start = opened.page.locator("[name='velocity.start']")
+    expect(start).not_to_have_value("0")
+    assert 0 < float(start.input_value()) < 3.5
+    opened.state("Complete")
+    opened.fill(damping=0.57)
+    expect(opened.page.locator("#standing")).to_contain_text("edited, not computed")
+    expect(opened.page.locator("#shown")).to_contain_text("δ = 0.57")
+    expect(opened.page.locator("[data-turn=damping]")).to_have_value("0.57")
+
+
+def test_a_refused_zoom_leaves_the_running_job_and_is_tried_again(explorer):
+    cancelled = sent(explorer, "/withdraw")
+    refusals = []
+
+    def full(route):
+        if len(refusals) < 1:
+            refusals.append(route.request)
+            return route.fulfill(status=429, headers={"retry-after": "1"}, json={"detail": "too many jobs are queued"})
+        return route.fallback()
+
+    explorer.forgiven += ("429",)
+    explorer.visit(link(k=8009, cells=600, damping=0.62)).state("cells")
+    explorer.page.route("**/v1/basins", full)
+    wheel(explorer, -2)
+    explorer.state("Too many jobs are queued. Trying again in 1 s.")
+    assert cancelled == []
+    explorer.state("Complete", seconds=150)
+    assert len(refusals) == 1
+    expect(explorer.page).to_have_url(re.compile("window="))
+
+
+def test_a_queued_job_is_followed_by_its_events_at_once(explorer, service):
+    explorer.visit().pictured("Preview")
+    explorer.fill(time__cells=77, velocity__cells=77, iterations=331)
+    reads = sent(explorer, "/v1/jobs/", "GET")
+    explorer.compute()
+    explorer.state("Complete")
+    assert reads[0].url.endswith("/events"), "the job is not read again before its events are asked for"
+
+
+def test_a_flat_box_and_a_click_in_box_mode_zoom_nowhere(opened):
+    opened.page.locator("#box").click()
+    before = opened.page.url
+    asked = sent(opened, "/v1/basins")
+    drag(opened, (0.2, 0.5), (0.8, 0.5))
+    opened.page.wait_for_timeout(600)
+    assert opened.page.url == before and asked == []
+
+
+def test_zooming_out_ends_at_a_speed_that_is_said(opened):
+    opened.page.locator("#anew").uncheck()
+    wheel(opened, 30, 0.5, 0.0)
+    opened.state("Speeds are shown up to 100")
+    assert float(re.search(r"window=[^,]+,[^,]+,[^,]+,([^&]+)", opened.page.url)[1]) <= 100
+
+
+def test_many_notches_are_one_entry_and_back_never_leaves_the_page(opened):
+    page = opened.page
+    page.locator("#anew").uncheck()
+    expect(page.locator("#back")).to_be_disabled()
+    entries = page.evaluate("history.length")
+    wheel(opened, -12)
+    expect(page).to_have_url(re.compile("window="))
+    assert page.evaluate("history.length") == entries + 1
+    page.locator("#back").click()
+    expect(page).not_to_have_url(re.compile("window="))
+    expect(page.locator("#back")).to_be_disabled()
+
+
+def test_a_shared_link_of_a_zoom_knows_the_whole(opened, chromium_here, service):
+    wheel(opened, -5)
+    expect(opened.page).to_have_url(re.compile("whole="))
+    opened.state("Complete")
+    other = Explorer(chromium_here, service.url)
+    other.page.goto(opened.page.url)
+    other.state("Complete")
+    other.page.locator("#whole").click()
+    expect(other.page).not_to_have_url(re.compile("window="))
+    assert other.hover(0.5, 0.999).startswith("t = 0.5")
+    assert float(re.search(r"v = ([\d.]+)", other.hover(0.5, 0.999))[1]) == pytest.approx(7, abs=0.05)
+    other.context.close()
+
+
+def test_a_link_shows_the_same_on_a_service_that_never_computed_it(explorer):
+    explorer.forgiven += ("404",)
+    explorer.visit(link(k=61, cells=50, job="0" * 32, window="0.2,0.6,1,3", layer="step", motion="0.4,2.5"))
+    explorer.state("Complete")
+    explorer.pictured("50 × 50 cells")
+    expect(explorer.page.locator("#layer")).to_have_value("step")
+    expect(explorer.page.locator("#histories")).to_contain_text("The motion from t = 0.4")
+    assert "t = 0.2" in explorer.hover(0.001, 0.5)
+
+
+def test_a_highlight_stays_with_its_motion(opened):
+    opened.page.get_by_role("button", name="P(1,1,0)").click()
+    opened.open_drawer()
+    opened.fill(damping=0.575)
+    expect(opened.page.get_by_role("button", name="P(2,2,1)")).to_be_visible()
+    expect(opened.page.get_by_role("button", name="P(1,1,0)")).to_have_attribute("aria-pressed", "true")
+    expect(opened.page.get_by_role("button", name="P(1,2,0)")).to_have_attribute("aria-pressed", "false")
+
+
+def test_after_an_outage_the_form_recovers(explorer):
+    explorer.forgiven += ("ERR_FAILED",)
+    explorer.visit().pictured("Preview")
+    explorer.page.route("**/v1/checks", lambda route: route.abort())
+    explorer.fill(iterations=1511)
+    expect(explorer.page.locator("#verdict")).to_contain_text("does not answer")
+    explorer.page.unroute("**/v1/checks")
+    expect(explorer.page.locator("#verdict")).to_contain_text("of computing", timeout=10_000)
+    expect(explorer.page.locator("#compute")).to_be_enabled()
+
+
+def test_a_bifurcation_diagram_is_a_live_chart(opened):
+    page = opened.page
+    page.locator("[data-diagram=damping]").click()
+    expect(page.locator("#diagram-note")).to_contain_text("Click to look", timeout=120_000)
+    assert page.locator("#diagram .points").count() >= 2
+    expect(page.locator("#diagram .here")).to_have_attribute("visibility", "visible")
+    page.locator("#diagram .target").click(position={"x": 40, "y": 60})
+    expect(page.locator("#shown")).to_contain_text("δ = 0.5")
+
+
+def test_a_bifurcation_opened_by_its_address_is_a_chart_too(explorer, service):
+    body = {"vary": {"parameter": "damping", "start": 0.55, "stop": 0.6, "count": 20}, "transient": 200, "kept": 4}
+    job = service.request("POST", "/v1/bifurcations", json=body).json()
+    service.wait(job["id"])
+    explorer.visit(f"?job={job['id']}")
+    expect(explorer.page.locator("#diagram .points").first).to_be_attached(timeout=60_000)
+    explorer.pictured("Preview")
+
+
+def test_two_basins_are_swiped_over_each_other(opened):
+    page = opened.page
+    page.locator("#keep").click()
+    opened.fill(eccentricity=0.02)
+    expect(page.locator("#legend button")).to_have_count(1)
+    page.locator("#swipe").fill("0.5")
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    assert opened.colour(0.25, 0.5) == (20, 31, 64)
+    assert opened.colour(0.97, 0.53) == (86, 180, 233), "the basin that was kept"
+    page.locator("#keep").click()
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    assert opened.colour(0.97, 0.53) == (20, 31, 64)
+
+
+def test_a_phone_pinches_scrolls_and_is_not_wider_than_its_screen(chromium_here, service, finished):
+    phone = Explorer(chromium_here, service.url, viewport={"width": 400, "height": 800}, has_touch=True, is_mobile=True)
+    phone.visit(f"?job={finished['id']}").state("Complete")
+    assert phone.page.evaluate("document.documentElement.scrollWidth") <= 400
+    assert phone.page.locator("#plane").evaluate("canvas => getComputedStyle(canvas).touchAction") == "pan-y"
+    pinch = """async (canvas) => {
+        const box = canvas.getBoundingClientRect();
+        const at = (type, pointerId, x) => canvas.dispatchEvent(new PointerEvent(type, {
+            pointerId, pointerType: "touch", button: type === "pointerdown" ? 0 : -1, bubbles: true,
+            clientX: box.x + x * box.width, clientY: box.y + box.height / 2 }));
+        canvas.setPointerCapture = () => {};
+        at("pointerdown", 5, 0.45); at("pointerdown", 6, 0.6);
+        for (let i = 1; i <= 5; i++) { at("pointermove", 5, 0.45 - 0.03 * i); at("pointermove", 6, 0.6 + 0.03 * i); }
+        at("pointerup", 5, 0.3); at("pointerup", 6, 0.75);
+    }"""
+    phone.page.locator("#plane").evaluate(pinch)
+    expect(phone.page).to_have_url(re.compile("window="))
+    t0, t1 = map(float, re.search(r"window=([^,]+),([^,]+)", phone.page.url).groups())
+    assert t1 - t0 < 0.6
+    assert phone.unforgiven() == []
+    phone.context.close()
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing(opened, theme):
+    page = opened.page
+    page.emulate_media(color_scheme=theme, reduced_motion="reduce")
+    page.mouse.click(*opened.spot(0.4, 0.3))
+    expect(page.locator("#tooth-canvas")).to_be_visible()
+    opened.open_drawer()
+    page.locator("#away summary").click()
+    page.evaluate(AXE.read_text())
+    findings = page.evaluate("axe.run().then(({violations}) => violations)")
+    assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in findings] == []

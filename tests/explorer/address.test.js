@@ -1,0 +1,53 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { decode, encode } from "../../service/explorer/js/state/address.js";
+
+const REQUEST = {
+  oscillator: { model: "impacting", damping: 0.6, eccentricity: 0.1, half_backlash: 0.6 },
+  grid: { time: { start: 0, stop: 1, cells: 500 }, velocity: { start: 0, stop: 7, cells: 400 } },
+  iterations: 1499,
+};
+const SPRINGS = { ...REQUEST, oscillator: { ...REQUEST.oscillator, model: "piecewise_linear", stiffness: 1e4, permanent_contact: "one_rotation", allow_no_quiet_solution: true } };
+const SWEEP = { ...REQUEST, vary: [{ parameter: "damping", values: [0.5, 0.6, 0.7] }] };
+
+for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRINGS, sweep: SWEEP })) {
+  test(`an address holds the whole of what is seen: ${name}`, () => {
+    const seen = {
+      job: "abc", panel: 2, request, view: { t0: 0.25, t1: 0.5, v0: 1, v1: 2 }, whole: { t0: 0, t1: 1, v0: 0, v1: 6 },
+      layer: "step", palette: "paper", overlays: ["grazing", "saddles"], motions: [[0.5, 3], [0.125, 2]],
+    };
+    assert.deepEqual(decode(encode(seen)), seen);
+  });
+}
+
+test("a sweep is written by its values however it was asked for", () => {
+  const spaced = { ...REQUEST, vary: [{ parameter: "damping", start: 0.5, stop: 0.7, count: 3 }] };
+  assert.deepEqual(decode(encode({ request: spaced })).request.vary, [{ parameter: "damping", values: [0.5, 0.6, 0.7] }]);
+});
+
+test("links of earlier versions are read: a job, a basin of a sweep, a window", () => {
+  const seen = decode("?job=0123&panel=3&window=0.1,0.2,3,4");
+  assert.deepEqual([seen.job, seen.panel, seen.view, seen.request], ["0123", 3, { t0: 0.1, t1: 0.2, v0: 3, v1: 4 }, null]);
+});
+
+test("what is usual is not written, and no overlays are something else than the usual ones", () => {
+  const usual = decode("");
+  assert.equal(encode(usual), "");
+  assert.deepEqual(usual.overlays, ["grazing", "attractors"]);
+  assert.deepEqual(decode(encode({ request: REQUEST, overlays: [] })).overlays, []);
+});
+
+test("the window of the request itself is not written twice", () => {
+  const view = { t0: 0, t1: 1, v0: 0, v1: 7 };
+  assert.doesNotMatch(encode({ request: REQUEST, view, whole: view }), /window|whole/);
+});
+
+test("what is no window, no motion or no request is left out", () => {
+  const seen = decode("?window=1,0,3,4&motion=a,b&motion=0.5&grid=0,1,0&cells=5,5&k=7");
+  assert.deepEqual([seen.view, seen.motions, seen.request], [null, [], null]);
+});
+
+test("nothing to say is no address", () => {
+  assert.equal(encode({}), "");
+});

@@ -1,0 +1,24 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { pythonOf } from "../../service/explorer/js/look/python.js";
+
+const GRID = { time: { start: 0.2, stop: 0.6, cells: 50 }, velocity: { start: 1, stop: 3, cells: 40 } };
+
+test("the Python of a basin has its parameters, its window and k", () => {
+  const oscillator = { model: "piecewise_linear", damping: 0.6, stiffness: 1000, permanent_contact: "envelope", allow_no_quiet_solution: true };
+  assert.equal(pythonOf({ oscillator, grid: GRID, iterations: 61 }), `import rattle
+
+basin = rattle.basin(
+    damping=0.6, stiffness=1000, permanent_contact="envelope", allow_no_quiet_solution=True,
+    cells=(50, 40), time=(0.2, 0.6), velocity=(1, 3),
+    iterations=61,
+)
+basin.rattle.plot()`);
+});
+
+test("the Python of a sweep names the values that are swept once", () => {
+  const vary = [{ parameter: "damping", values: [0.5, 0.6] }];
+  const text = pythonOf({ oscillator: { model: "impacting", damping: 0.6, eccentricity: 0.1 }, grid: GRID, iterations: 61, vary });
+  assert.match(text, /rattle\.sweep\(\n {4}damping=\[0\.5, 0\.6\], eccentricity=0\.1,/);
+});

@@ -1,0 +1,83 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { axisTicks } from "../../service/explorer/js/charts/ticks.js";
+import { solutionInWords } from "../../service/explorer/js/look/explain.js";
+import { isBehind } from "../../service/explorer/js/net/follow.js";
+import { linesOf } from "../../service/explorer/js/plane/curves.js";
+import { keyOf, solutionPixels } from "../../service/explorer/js/plane/palette.js";
+
+test("deep in a zoom labels stay short, and the title says what they have in common", () => {
+  const from = 3.4012345;
+  const { ticks, title } = axisTicks(from, from + 1e-6, 6);
+  assert.ok(ticks.length >= 3);
+  for (const { label } of ticks) assert.ok(label.length <= 6, label);
+  assert.equal(new Set(ticks.map(({ label }) => label)).size, ticks.length);
+  const [, common, exponent] = /= ([\d.]+) \+ … × 10⁻(.+)$/.exec(title);
+  const power = Number([...exponent].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹".indexOf(digit)).join(""));
+  for (const { at, label } of ticks) assert.ok(Math.abs(Number(common) + Number(label) * 10 ** -power - at) < 1e-9);
+});
+
+test("a wide axis is labelled plainly", () => {
+  const { ticks, title } = axisTicks(0, 7, 7);
+  assert.deepEqual(ticks.map(({ label }) => label), ["0", "1", "2", "3", "4", "5", "6", "7"]);
+  assert.equal(title, "");
+});
+
+test("a motion is explained in a sentence", () => {
+  assert.equal(solutionInWords({ kind: "periodic", name: "P(1,1,0)" }), "P(1,1,0) repeats every forcing period, with 1 contact at +β and no contacts at −β.");
+  assert.equal(solutionInWords({ kind: "periodic", name: "P(3,3,2)" }), "P(3,3,2) repeats every 3 forcing periods, with 3 contacts at +β and 2 contacts at −β.");
+  assert.match(solutionInWords({ kind: "chaotic", name: "chaotic" }), /never repeats/);
+});
+
+test("events older than what is known of a job are behind", () => {
+  const progress = (stage, tiles_done, basins_done = 0) => ({ stage, tiles_done, tiles_total: 16, basins_done, basins_total: 1 });
+  const job = { state: "running", progress: progress("mapping", 4) };
+  assert.ok(isBehind({ state: "queued", progress: null }, job));
+  assert.ok(isBehind({ state: "running", progress: null }, job));
+  assert.ok(isBehind({ state: "running", progress: progress("mapping", 0) }, job));
+  assert.ok(!isBehind({ state: "running", progress: progress("mapping", 4) }, job));
+  assert.ok(!isBehind({ state: "succeeded", progress: null }, job));
+  assert.ok(!isBehind({ state: "queued", progress: null }, { state: "queued", progress: null }));
+});
+
+function outline(names) {
+  const solutions = names.map((name, number) => ({ number, name, kind: name, colours: { paper: "#804020" }, share: 1 }));
+  return { solutions, speckle: [0.85, 1.05, 1.25, 1.45] };
+}
+
+test("a motion is known by its name, not by its number", () => {
+  const { solutions } = outline(["permanent_contact", "P(1,1,0)", "P(1,1,0)"]);
+  assert.deepEqual(solutions.map(({ number }) => keyOf(solutions, number)), ["permanent_contact", "P(1,1,0)", "P(1,1,0) (2)"]);
+});
+
+test("chaos has its own colour wherever there are no groups, and on average everywhere", () => {
+  const look = { palette: "paper", highlight: null, ground: "#ffffff", layer: "solution" };
+  const pixels = [...solutionPixels(outline(["chaotic"]), look)].map((pixel) => pixel & 255);
+  assert.equal(pixels[0], 0x80);
+  const mean = pixels.slice(1).reduce((sum, each) => sum + each, 0) / (pixels.length - 1);
+  assert.ok(Math.abs(mean - 0x80) <= 1, `${mean}`);
+});
+
+function plot(view) {
+  const [left, top, width, height] = [50, 10, 1000, 500];
+  return {
+    view, left, top, width, height,
+    x: (t) => left + ((t - view.t0) / (view.t1 - view.t0)) * width,
+    y: (v) => top + ((view.v1 - v) / (view.v1 - view.v0)) * height,
+  };
+}
+
+test("a curve of many points has no more of them than the screen shows", () => {
+  const time = Array.from({ length: 100_000 }, (_, i) => i / 100_000), velocity = time.map(() => 3);
+  const points = linesOf(plot({ t0: 0, t1: 1, v0: 0, v1: 7 }), [{ time, velocity }]).reduce((sum, line) => sum + line.length / 2, 0);
+  // A point each 0.8 pixels, on the window and a window beside it on each side.
+  assert.ok(points <= 3 * (1000 / 0.8) + 8, `${points}`);
+});
+
+test("what lies outside the window is left out, and a curve that enters it is whole there", () => {
+  const view = { t0: 0.4, t1: 0.6, v0: 3, v1: 4 };
+  assert.deepEqual(linesOf(plot(view), [{ time: [0.1, 0.2], velocity: [0.5, 0.6] }]), []);
+  const [line] = linesOf(plot(view), [{ time: [0, 0.5, 1], velocity: [3.5, 3.5, 3.5] }]);
+  assert.equal(line.length, 6, "from the point before the window to the one after it");
+});

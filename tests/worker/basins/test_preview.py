@@ -1,0 +1,89 @@
+"""A preview shows what a job of the same cells and k would."""
+
+import threading
+
+import numpy as np
+import pytest
+import xarray as xr
+from pydantic import ValidationError
+
+from rattle_kernels import OutsideDomain
+from worker.basins.pipeline import run_basin
+from worker.basins.preview import preview_basin
+from worker.basins.preview_request import PreviewRequest
+from worker.cluster.driver import Driver
+from worker.errors import InvalidJob
+from worker.jobs.basin_job import BasinJob
+
+WEAK = {
+    "oscillator": {"damping": 0.05, "eccentricity": 0.008, "half_backlash": 0.05},
+    "grid": {"velocity": {"stop": 0.6}},
+}
+CASES = {
+    "chaos": {},
+    "four motions": {"oscillator": {"damping": 0.575}},
+    "a chaotic transient": {"oscillator": {"damping": 0.527}},
+    "springs": {"oscillator": {"model": "piecewise_linear", "stiffness": 1000}},
+    "little damped": WEAK,
+    "a window": {"grid": {"time": {"start": 0.7, "stop": 1.1}, "velocity": {"start": 3, "stop": 4}}},
+}
+
+
+def request_of(body, cells=48, k=127):
+    grid = {axis: {"cells": cells} | body.get("grid", {}).get(axis, {}) for axis in ("time", "velocity")}
+    return body | {"grid": grid, "iterations": k}
+
+
+@pytest.mark.parametrize("body", CASES.values(), ids=CASES)
+def test_the_labels_are_those_of_the_basin_of_the_same_request(body, client, tmp_path):
+    body = request_of(body)
+    preview = preview_basin(PreviewRequest(**body))
+    store = str(tmp_path / "basin.zarr")
+    job = BasinJob.from_request(body)
+    run_basin(job, store, Driver(client), report=lambda _: None, cancel=threading.Event())
+    with xr.open_zarr(store) as basin:
+        computed = basin.name.values[basin.solution.values]
+    shown = np.array([attractor.name for attractor in preview.attractors])[preview.solution]
+    assert computed.shape == shown.shape and (computed == shown).all()
+    assert preview.shares.sum() == pytest.approx(1.0) and (preview.shares > 0.0).all()
+
+
+def test_a_window_seen_before_or_not_has_the_same_solutions():
+    whole, part = request_of({}), request_of(CASES["a window"], 20)
+    first = preview_basin(PreviewRequest(**part | {"oscillator": {"damping": 0.61}}))
+    preview_basin(PreviewRequest(**whole | {"oscillator": {"damping": 0.61}}))
+    again = preview_basin(PreviewRequest(**part | {"oscillator": {"damping": 0.61}}))
+    np.testing.assert_array_equal(first.solution, again.solution)
+    assert [each.name for each in first.attractors] == [each.name for each in again.attractors]
+
+
+def test_without_a_word_it_is_128_cells_each_way_and_a_small_prime():
+    checked = PreviewRequest().checked()
+    assert checked.grid.shape == (128, 128) and checked.iterations == 127
+    assert PreviewRequest(oscillator={"damping": 0.06, "eccentricity": 0.01}).checked().iterations == 1277
+    assert PreviewRequest(grid={"time": {"stop": 0.5}}).checked().grid.time_cells == 128
+
+
+def test_it_stops_where_it_is_asked_to():
+    class Enough(Exception):
+        pass
+
+    def pause():
+        raise Enough
+
+    with pytest.raises(Enough):
+        preview_basin(PreviewRequest(oscillator={"damping": 0.59}), pause)
+
+
+@pytest.mark.parametrize(
+    ("body", "error", "words"),
+    [
+        ({"iterations": 128}, InvalidJob, "1 or a prime"),
+        ({"oscillator": {"eccentricity": 0.5}}, OutsideDomain, "eccentricity"),
+        ({"grid": {"velocity": {"start": 3, "stop": 2}}}, ValidationError, "velocity"),
+        ({"oscillator": {"model": "piecewise_linear", "stiffness": 100, "eccentricity": 0.16}}, OutsideDomain, "allow"),
+    ],
+)
+def test_what_cannot_be_computed_is_refused(body, error, words):
+    with pytest.raises(error, match=words):
+        preview_basin(PreviewRequest(**body))

@@ -1,0 +1,103 @@
+"""What to compute at once, without a job: a small basin."""
+
+from typing import Annotated, NamedTuple
+
+from pydantic import BeforeValidator, ConfigDict, Field
+
+from rattle_kernels import (
+    CellGrid,
+    Oscillator,
+    OutsideDomain,
+    check_domain,
+    check_quiet,
+    expected_applications,
+    settled_iterations,
+)
+from rattle_kernels.cell_mapping.cell_grid import check_grid
+from rattle_kernels.cell_mapping.iterations import check_iterations, is_prime, nearest_primes
+from worker.errors import InvalidJob
+from worker.jobs.grid_request import GridRequest, TimeWindow, VelocityWindow, grid_request
+from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, demand_quiet
+from worker.jobs.request import Count, Request, accepting
+
+PREVIEW_CELLS = 128
+"""Cells each way, unless a request says otherwise."""
+
+# Of a settled picture's k. At a damping of 0.6 the labels are those of k = 1499 in all cells but some of chaos.
+_SHARE_OF_SETTLED = 127 / 1499
+
+
+class CheckedPreview(NamedTuple):
+    """Oscillator, grid and k, as kernels take them."""
+
+    oscillator: Oscillator
+    grid: CellGrid
+    iterations: int
+
+    @property
+    def applications(self) -> int:
+        """Approximate number of applications of P for all cells."""
+        return round(self.grid.cells * expected_applications(self.oscillator.damping, min(self.iterations, 10**18)))
+
+
+class PreviewTimeWindow(TimeWindow):
+    """Cells along time, 128 by default."""
+
+    cells: Count = PREVIEW_CELLS
+
+
+class PreviewVelocityWindow(VelocityWindow):
+    """Cells along velocity, 128 by default."""
+
+    cells: Count = PREVIEW_CELLS
+
+
+class PreviewGrid(GridRequest):
+    """Window of the (t, v) plane, cut into equal cells."""
+
+    time: PreviewTimeWindow = Field(default_factory=PreviewTimeWindow)
+    velocity: PreviewVelocityWindow = Field(default_factory=PreviewVelocityWindow)
+
+
+class PreviewRequest(Request):
+    """A small basin: the request of a basin, with fewer cells and a smaller k by default."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={"examples": [{"oscillator": {"model": "impacting", "damping": 0.6}, "iterations": 127}]},
+    )
+
+    oscillator: OscillatorRequest = Field(default_factory=ImpactingOscillator)
+    grid: Annotated[PreviewGrid, BeforeValidator(accepting(CellGrid, grid_request))] = Field(
+        default_factory=PreviewGrid
+    )
+    iterations: Count | None = Field(
+        None, description="k: 1 or a prime. By default 127 where damping is 0.5 or more, else about 76/damping"
+    )
+
+    def checked(self) -> CheckedPreview:
+        """Oscillator, grid and k of the request, checked.
+
+        Returns
+        -------
+        CheckedPreview
+
+        Raises
+        ------
+        OutsideDomain, InvalidJob
+            Naming the field at fault.
+        """
+        oscillator = check_domain(self.oscillator.to_oscillator())
+        demand_quiet(lambda: check_quiet(oscillator), unless=self.oscillator.allow_no_quiet_solution)
+        try:
+            grid = check_grid(self.grid.to_grid())
+            return CheckedPreview(oscillator, grid, check_iterations(self.iterations or _few(oscillator.damping)))
+        except OutsideDomain:
+            raise
+        except ValueError as error:
+            raise InvalidJob(str(error)) from error
+
+
+def _few(damping: float) -> int:
+    few = round(settled_iterations(damping) * _SHARE_OF_SETTLED)
+    return few if is_prime(few) else nearest_primes(few)[-1]

@@ -1,0 +1,109 @@
+"""How long a job takes and how many bytes its store has, before it begins.
+
+The seconds come from the applications of P that a job asks for and from the speed of this machine, which is measured
+once in a process, in a tenth of a second. Cells that are captured or locked end early, so most jobs take less.
+"""
+
+import math
+import time
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels import Oscillator, next_impacts
+from worker.jobs.job import Job
+
+_STIFF = 1e4
+# Departures, and how often P is applied to each: cells fly together, 64 at a time; analyses follow one at a time.
+_TOGETHER, _ALONE = (512, 500), (1, 20_000)
+
+
+class Estimate(NamedTuple):
+    """What a job asks for.
+
+    Parameters
+    ----------
+    seconds : float
+        At most, on so many cores as were given.
+    bytes : int
+        Of its store, before compression.
+    """
+
+    seconds: float
+    bytes: int
+
+    def __str__(self) -> str:
+        return f"up to some {_in_words(self.seconds)}, and {_bytes_in_words(self.bytes)} before compression"
+
+
+# Applications in a second where none is measured yet, of many together or of one alone: a third of what machines do.
+_USUAL = {True: 1e7, False: 3e5}
+_measured: dict[tuple[bool, bool], float] = {}
+
+
+def measured_speed(stiff: bool, together: bool) -> float:
+    """Applications of P in a second on one core, measured when it is first needed.
+
+    Parameters
+    ----------
+    stiff : bool
+        Of the piecewise linear model.
+    together : bool
+        Of many trajectories together, as for cells, or of one alone, as in analyses.
+
+    Returns
+    -------
+    float
+    """
+    if (stiff, together) in _measured:
+        return _measured[stiff, together]
+    oscillator = Oscillator(stiffness=_STIFF if stiff else math.inf)
+    departures, applications = _TOGETHER if together else _ALONE
+    # About the paper's chaotic attractor, where a motion takes all applications.
+    t, v = 0.55 + np.arange(departures) / (10.0 * departures), np.full(departures, 4.67)
+    next_impacts(oscillator, t, v, 1)  # loads the kernel, and makes its tables
+    begun = time.perf_counter()
+    next_impacts(oscillator, t, v, applications)
+    _measured[stiff, together] = departures * applications / (time.perf_counter() - begun)
+    return _measured[stiff, together]
+
+
+def estimate(job: Job, cores: int = 1, *, measuring: bool = True) -> Estimate:
+    """Estimate the time and the store of a job.
+
+    Parameters
+    ----------
+    job : Job
+    cores : int
+        Cores that compute at the same time.
+    measuring : bool
+        Whether to measure the speed where that has not been done. It takes a minute where kernels must be compiled.
+
+    Returns
+    -------
+    Estimate
+
+    Examples
+    --------
+    >>> from worker.jobs.basin_job import BasinJob
+    >>> estimate(BasinJob(iterations=1)).bytes
+    38000000
+    """
+    stiff, together = not math.isinf(job.oscillator.stiffness), job.places > 0
+    known = measuring or (stiff, together) in _measured
+    speed = measured_speed(stiff, together) if known else _USUAL[together]
+    return Estimate(job.impacts / (speed * cores), job.bytes)
+
+
+def _in_words(seconds: float) -> str:
+    for size, name in ((86400.0, "days"), (3600.0, "hours"), (60.0, "minutes")):
+        if seconds >= size:
+            return f"{seconds / size:.1f} {name}"
+    return f"{max(seconds, 1.0):.0f} s"
+
+
+def _bytes_in_words(count: int) -> str:
+    for size, name in ((10**12, "TB"), (10**9, "GB"), (10**6, "MB")):
+        if count >= size:
+            return f"{count / size:.1f} {name}"
+    return f"{count / 1000:.0f} kB"
