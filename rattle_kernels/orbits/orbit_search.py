@@ -120,12 +120,13 @@ def find_orbits(
     if longest < 1 or cells < 1:
         raise ValueError(f"longest and cells must be positive, not {longest} and {cells}")
     scale = float(fall_speed(checked))
-    t, v, period = orbit_seeds(checked, (*time, *velocity), cells, rows or (0, cells), longest)
+    t, v, period, kind = orbit_seeds(checked, (*time, *velocity), cells, rows or (0, cells), longest)
     residual = np.empty(t.size)
     _newton_all(checked, t, v, period, scale, residual)
     catalogue = _Catalogue(scale)
-    # Shortest first, so that a multiple of an orbit's period leads to an orbit already known.
-    for i in np.lexsort((v, t, period)):
+    # Shortest first, so that a multiple of an orbit's period leads to an orbit already known. Those above the grazing
+    # curve last: of orbits that other seeds lead to, they give another last digit.
+    for i in np.lexsort((v, t, kind == 3, period)):
         if residual[i] <= _SEED_RESIDUAL and not catalogue.holds(t[i], v[i]):
             orbit = find_periodic_orbit(checked, t[i], v[i], int(period[i]), scale)
             if orbit is not None and not catalogue.holds(orbit.t[0], orbit.v[0]):

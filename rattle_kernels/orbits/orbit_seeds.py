@@ -10,6 +10,7 @@
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,6 +47,15 @@ def _recurrences(oscillator, t, v, longest, applications, best_t, best_v, best):
                     best_t[i, period - 1], best_v[i, period - 1] = past_t[n - period], past_v[n - period]
 
 
+class SearchSeeds(NamedTuple):
+    """Departures, arrays of shape (n,): phase, speed, the impact period p to search for, the kind of seed (1 to 3)."""
+
+    t: np.ndarray
+    v: np.ndarray
+    period: np.ndarray
+    kind: np.ndarray
+
+
 def _above_the_grazing_curve(
     oscillator: Oscillator, time: tuple[float, float], cells: int, rows: tuple[int, int]
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -62,7 +72,7 @@ def orbit_seeds(
     cells: int,
     rows: tuple[int, int],
     longest: int,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> SearchSeeds:
     """Departures from which Newton's method on P^p starts.
 
     Parameters
@@ -76,8 +86,7 @@ def orbit_seeds(
 
     Returns
     -------
-    (ndarray, ndarray, ndarray), shape (n,)
-        Phases, speeds, and the impact period p to search for.
+    SearchSeeds
     """
     middles = (np.arange(cells) + 0.5) / cells
     middle_t, middle_v = np.meshgrid(
@@ -91,8 +100,10 @@ def orbit_seeds(
     period = np.broadcast_to(np.arange(1, longest + 1), shape)
     near = best < _CLOSE
     above_t, above_v = _above_the_grazing_curve(oscillator, (region[0], region[1]), cells, rows)
-    return (
+    periods = period.ravel(), period[near], np.tile(np.arange(1, longest + 1), above_t.size)
+    return SearchSeeds(
         np.concatenate([np.repeat(t, longest), best_t[near], np.repeat(above_t, longest)]),
         np.concatenate([np.repeat(v, longest), best_v[near], np.repeat(above_v, longest)]),
-        np.concatenate([period.ravel(), period[near], np.tile(np.arange(1, longest + 1), above_t.size)]),
+        np.concatenate(periods),
+        np.repeat([1, 2, 3], [part.size for part in periods]),
     )
