@@ -6,10 +6,13 @@ through it across s:
     F(y) = 0,    s . (y - z - h s) = 0.
 
 The bordered matrix is regular where the curve merely turns (a fold), so turns are passed like any other point. The step
-h grows where Newton's method is quick. It is halved where the method fails or the tangent turns fast. When it falls
-below the least step the curve stalls. A stall is a result: the caller finds out its cause.
+h grows where Newton's method is quick. It is halved where the method fails, where the tangent turns by more than 18
+degrees, or where y is further from the prediction than such a turn allows: h tan 18. Otherwise Newton's method could
+land on another curve. The caller may refuse a step for a reason of its own. When h falls below the least step the curve
+stalls. A stall is a result: the caller finds out its cause.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
@@ -21,15 +24,22 @@ System = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray] | None]
 _NEWTON_STEPS = 8
 _QUICK = 4
 # Neighbouring tangents that differ by more than 18 degrees need a shorter step.
-_LEAST_COSINE = 0.95
+LEAST_COSINE = 0.95
+# A curve whose tangent turns by no more than that stays in a cone around it: so far from its axis at a distance of 1.
+WIDEST = math.tan(math.acos(LEAST_COSINE))
 _GROWTH = 1.5
+# Steps of up to so many least ones may turn a corner.
+CORNER = 4.0
 
 
 class Steps(NamedTuple):
-    """First, least and greatest step, in the units of the scaled unknowns."""
+    """First, least and greatest step, in the units of the scaled unknowns.
+
+    The least one is ten times the corrector's tolerance. Shorter steps would follow its errors.
+    """
 
     first: float = 1e-3
-    least: float = 1e-8
+    least: float = 1e-10
     most: float = 0.02
 
 
@@ -48,6 +58,10 @@ class CurvePoint(NamedTuple):
     z: np.ndarray
     tangent: np.ndarray
     step: float
+
+
+# Whether a step from one point to another is accepted.
+Accept = Callable[[CurvePoint, CurvePoint], bool]
 
 
 def unit_tangent(jacobian: np.ndarray, along: np.ndarray) -> np.ndarray:
@@ -108,7 +122,20 @@ def solve(
     return None
 
 
-def follow_curve(system: System, start: np.ndarray, along: np.ndarray, steps: Steps) -> Iterator[CurvePoint]:
+def _step(system: System, at: CurvePoint, step: float, corner: bool) -> tuple[CurvePoint, int] | None:
+    """Next point of a curve and the number of Newton steps; None if it is not found or lies out of the cone."""
+    predicted = at.z + step * at.tangent
+    corrected = solve(system, predicted, at.tangent)
+    if corrected is None:
+        return None
+    tangent = unit_tangent(corrected.jacobian, at.tangent)
+    inside = np.linalg.norm(corrected.z - predicted) <= WIDEST * step and tangent @ at.tangent >= LEAST_COSINE
+    return (CurvePoint(corrected.z, tangent, step), corrected.steps) if inside or corner else None
+
+
+def follow_curve(
+    system: System, start: np.ndarray, along: np.ndarray, steps: Steps, accept: Accept | None = None
+) -> Iterator[CurvePoint]:
     """Follow the curve through `start` point by point until it stalls.
 
     Parameters
@@ -120,6 +147,8 @@ def follow_curve(system: System, start: np.ndarray, along: np.ndarray, steps: St
     along : ndarray, shape (n + 1,)
         Direction: of the two ways along the curve, the one whose tangent points along this vector.
     steps : Steps
+    accept : callable, optional
+        Called with two neighbouring points. A step that it refuses is halved.
 
     Yields
     ------
@@ -129,15 +158,14 @@ def follow_curve(system: System, start: np.ndarray, along: np.ndarray, steps: St
     evaluated = system(start)
     if evaluated is None:
         return
-    point, tangent, step = start, unit_tangent(evaluated[1], along), steps.first
+    at, step = CurvePoint(start, unit_tangent(evaluated[1], along), 0.0), steps.first
     while step >= steps.least:
-        corrected = solve(system, point + step * tangent, tangent)
-        if corrected is not None:
-            next_tangent = unit_tangent(corrected.jacobian, tangent)
-            if next_tangent @ tangent >= _LEAST_COSINE or step <= 4.0 * steps.least:
-                point, tangent = corrected.z, next_tangent
-                yield CurvePoint(point, tangent, step)
-                if corrected.steps <= _QUICK:
-                    step = min(_GROWTH * step, steps.most)
-                continue
-        step *= 0.5
+        # A corner is passed by a step so short that nothing else is near.
+        found = _step(system, at, step, corner=step <= CORNER * steps.least)
+        if found is None or (accept is not None and not accept(at, found[0])):
+            step *= 0.5
+            continue
+        at = found[0]
+        yield at
+        if found[1] <= _QUICK:
+            step = min(_GROWTH * step, steps.most)

@@ -17,7 +17,7 @@ from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap
 from rattle_kernels.numerics.pseudo_arclength import Steps, System, follow_curve, solve
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint, nears_edge_of_domain
-from rattle_kernels.orbits.closure import OrbitShape, closure, orbit_from
+from rattle_kernels.orbits.closure import OrbitShape, closure, departures_from
 from rattle_kernels.orbits.orbit_equations import SpecialKind, Unknowns, special_system, unknowns
 
 
@@ -79,7 +79,8 @@ def _stall(plane: _Plane, z: np.ndarray) -> str:
         return f"the edge of the domain (Eq. 8), at {plane.where(z)}"
     if read is None or not plane.space.with_speed:
         return message
-    margin, _ = grazing_distances(read[0], *orbit_from(read[0], plane.shape, read[1], read[2])[:2])
+    orbit = departures_from(read[0], plane.space.parameters[0], plane.shape, read[1], read[2])
+    margin, _ = grazing_distances(read[0], orbit.t, orbit.v)
     others = np.abs(margin[1:] if plane.shape.over else margin)
     return f"{message}; the other flights are {others.min():.3g} from grazing" if others.size else message
 

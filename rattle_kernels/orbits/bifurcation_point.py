@@ -33,7 +33,7 @@ from rattle_kernels.model.oscillator import (
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.phase import wrap
 from rattle_kernels.numerics.pseudo_arclength import solve
-from rattle_kernels.orbits.closure import OrbitShape, closure, orbit_from
+from rattle_kernels.orbits.closure import OrbitShape, closure, departures_from
 from rattle_kernels.orbits.orbit_equations import (
     SpecialKind,
     entry_after,
@@ -178,14 +178,15 @@ def describe_point(
     if kind == SpecialKind.CONTACT_LOSS:
         here, speed, _ = from_rest(oscillator, t)
         rest = shape._replace(upper_contacts=shape.upper_contacts - 1)
-        times, speeds, lower = orbit_from(oscillator, rest, here, speed)
-        times, speeds = np.append(wrap(t), times), np.append(0.0, speeds)
+        orbit = departures_from(oscillator, parameter, rest, here, speed)
+        times, speeds = np.append(wrap(t), orbit.t), np.append(0.0, orbit.v)
     else:
-        times, speeds, lower = orbit_from(oscillator, shape, t, v)
+        orbit = departures_from(oscillator, parameter, shape, t, v)
+        times, speeds = orbit.t, orbit.v
         closed = closure(oscillator, parameter, shape, t, v)
         if closed is not None:
             multipliers = np.linalg.eigvals(closed.jacobian).astype(complex)
     return SpecialPoint(
         kind, parameter, getattr(oscillator, parameter), oscillator, shape.forcing_periods, shape.upper_contacts,
-        lower, times, speeds, multipliers, residual, error,
+        orbit.lower_contacts, times, speeds, multipliers, residual, error,
     )  # fmt: skip

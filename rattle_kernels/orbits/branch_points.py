@@ -1,92 +1,151 @@
-"""Special points on a branch: between two neighbouring stations, and near the point where it stalls."""
+"""Special points on a branch: between two neighbouring stations, and near the point where it stalls.
+
+Between neighbours a test function changes sign: the distance of the trace from a critical value, the margin of a flight
+from grazing, the difference between an orbit's halves. Newton's method on the equations of the special point starts
+from where the sign is expected to change. Its result counts only if it lies between the two stations. Otherwise, as
+next to a graze, where these equations are hardly smooth, the stretch of the branch is halved, and so on.
+"""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
-from rattle_kernels.model.oscillator import Oscillator
-from rattle_kernels.numerics.pausing import Pause
-from rattle_kernels.numerics.pseudo_arclength import Steps
+from rattle_kernels.numerics.pseudo_arclength import WIDEST, System
 from rattle_kernels.orbits.bifurcation_point import (
     SpecialPoint,
+    describe_point,
     locate,
     shallowest_in_contact,
 )
-from rattle_kernels.orbits.closure import OrbitShape, closure, orbit_from, stability_gap
-from rattle_kernels.orbits.orbit_equations import SpecialKind, Unknowns
+from rattle_kernels.orbits.closure import OrbitShape, stability_gap
+from rattle_kernels.orbits.orbit_equations import SpecialKind
+from rattle_kernels.orbits.station import BranchTask, Station, station_between
 
-# A special point located further away than this, in scaled unknowns, is a different one.
-_REACH = 0.05
+# Near a graze a step is a part of the distance to it, so that a branch stalls within a few least steps.
+_REACH = 1e-6
+# A contact that splits does so far from all departures. Its parameter lies within this part of that of the stall.
+_REACH_OF_LOSS = 0.05
 # Departures that all lie within this distance of one graze have merged there.
 _MERGED = 1e-3
+# At a saddle-node the departure is known to the root of rounding only.
+_BLUR = 1e-7
+# Accuracy of a special point in scaled unknowns, by its residual and the mean slope of the test function.
+_SHARP = 1e-13
+# A stretch of a branch of this length is a point.
+_NARROW = 1e-15
 
 
-class BranchTask(NamedTuple):
-    """Quantities that are constant along a branch."""
+class _Test(NamedTuple):
+    """A test function, and the special point that its change of sign shows, with one departure of its orbit.
 
-    space: Unknowns
+    ``smooth`` states whether the special point's equations are smooth wherever it may lie.
+    """
+
+    kind: SpecialKind
     shape: OrbitShape
-    bounds: tuple[float, float]
-    steps: Steps
-    most_points: int
-    pause: Pause
+    departure: int
+    value: Callable[[Station], float]
+    smooth: bool
+
+
+def _departure(task: BranchTask, station: Station, number: int) -> np.ndarray:
+    """Phase and speed of a departure and the parameter, in scaled unknowns."""
+    values = [station.t[number], station.v[number], getattr(station.oscillator, task.parameter)]
+    return np.array(values) / task.space.scales
+
+
+class _Place(NamedTuple):
+    """Where a special point lies: its distances along and across the chord between stations, and the chord's length."""
+
+    along: float
+    across: float
+    length: float
 
     @property
-    def parameter(self) -> str:
-        """Name of the parameter that varies."""
-        return self.space.parameters[0]
-
-    @property
-    def infinitely_stiff(self) -> bool:
-        """Whether the model is the impacting one."""
-        return math.isinf(self.space.oscillator.stiffness)
+    def between(self) -> bool:
+        """Whether it lies in the cones that contain the branch between the stations."""
+        return -_BLUR <= self.along <= self.length + _BLUR and self.across <= WIDEST * self.length + _BLUR
 
 
-class Station(NamedTuple):
-    """A point of a branch: the oscillator, the orbit's departures and their distances from grazing."""
-
-    z: np.ndarray
-    oscillator: Oscillator
-    t: np.ndarray
-    v: np.ndarray
-    margin: np.ndarray
-    lower_speed: np.ndarray
-    jacobian: np.ndarray
-
-
-def station_at(task: BranchTask, z: np.ndarray) -> Station:
-    """Station at a point that the corrector has accepted."""
-    read = task.space.read(z)
-    assert read is not None
-    oscillator, t, v = read
-    closed = closure(oscillator, task.parameter, task.shape, t, v)
-    assert closed is not None
-    times, speeds, _ = orbit_from(oscillator, task.shape, t, v)
-    margin, lower_speed = grazing_distances(oscillator, times, speeds)
-    return Station(z, oscillator, times, speeds, margin, lower_speed, closed.jacobian)
+def _place(task: BranchTask, test: _Test, before: Station, after: Station, point: SpecialPoint) -> _Place:
+    here, there = (_departure(task, at, test.departure) for at in (before, after))
+    chord = there - here
+    chord[0] -= np.rint(chord[0])
+    length = float(np.linalg.norm(chord))
+    apart = np.array([point.t[0], point.v[0], point.value]) / task.space.scales - here
+    apart[0] -= np.rint(apart[0])
+    along = float(apart @ chord) / length
+    return _Place(along, float(np.linalg.norm(apart - along * chord / length)), length)
 
 
-def critical_between(task: BranchTask, before: Station, after: Station) -> Iterator[SpecialPoint | None]:
-    """Saddle-nodes and period doublings between neighbouring points; None for one that was not located."""
+def _crossing(task: BranchTask, system: System, before: Station, after: Station, test: _Test) -> SpecialPoint | None:
+    """Special point between two stations between which a test function changes sign; None if the branch is lost."""
+    while True:
+        values = test.value(before), test.value(after)
+        part = min(max(values[0] / (values[0] - values[1]), 0.01), 0.99)
+        here, there = (_departure(task, at, test.departure) for at in (before, after))
+        there[0] -= np.rint(there[0] - here[0])
+        guess = task.space.read(here + part * (there - here))
+        point = None if guess is None else locate(test.kind, guess[0], task.parameter, test.shape, *guess[1:])
+        if point is not None:
+            place = _place(task, test, before, after, point)
+            sharp = test.smooth or point.residual * place.length <= _SHARP * abs(values[0] - values[1])
+            if place.between and sharp:
+                return point
+        middle = station_between(task, system, before, after, 0.5)
+        if middle is None:
+            return None
+        value = test.value(middle)
+        if (value < 0.0) == (values[0] < 0.0):
+            before = middle
+        else:
+            after = middle
+        width = np.abs(after.z - before.z).max()
+        if width <= _NARROW:
+            t, v = float(middle.t[test.departure]), float(middle.v[test.departure])
+            error = float(width * task.space.scales[2])
+            return describe_point(
+                test.kind, task.parameter, test.shape, middle.oscillator, t, v, residual=abs(value), error=error
+            )
+
+
+def _changes(test: _Test, before: Station, after: Station) -> bool:
+    return (test.value(before) < 0.0) != (test.value(after) < 0.0)
+
+
+def _tests(task: BranchTask) -> Iterator[_Test]:
+    """Test functions of saddle-nodes and doublings, and of grazes where they do not end a branch."""
     for kind, multiplier in ((SpecialKind.SADDLE_NODE, 1.0), (SpecialKind.PERIOD_DOUBLING, -1.0)):
-        gaps = [stability_gap(at.oscillator, task.shape, at.jacobian, multiplier) for at in (before, after)]
-        if gaps[0] * gaps[1] < 0.0:
-            part = gaps[0] / (gaps[0] - gaps[1])
-            read = task.space.read(before.z + part * (after.z - before.z))
-            point = None if read is None else locate(kind, read[0], task.parameter, task.shape, *read[1:])
-            near = 2.0 * float(np.abs(after.z - before.z).max()) + 1e-6
-            yield point if point is not None and distance_to(task, point, before, 0) < near else None
+
+        def gap(at: Station, multiplier: float = multiplier) -> float:
+            return stability_gap(at.oscillator, task.shape, at.jacobian, multiplier)
+
+        yield _Test(kind, task.shape, 0, gap, task.infinitely_stiff)
+    if not task.infinitely_stiff:
+        for i in range(task.shape.upper_contacts):
+
+            def margin(at: Station, i: int = i) -> float:
+                return float(at.margin[i])
+
+            yield _Test(SpecialKind.GRAZING, task.shape._replace(over=True), i, margin, True)
 
 
-def grazes_between(task: BranchTask, before: Station, after: Station) -> Iterator[SpecialPoint | None]:
-    """Grazes between neighbouring points: a flight begins or ceases to meet -beta. Impacting branches end there."""
-    if task.infinitely_stiff:
-        return
-    for i in np.flatnonzero((before.margin > 0) != (after.margin > 0)):
-        yield graze_near(task, before, int(i))
+def points_between(
+    task: BranchTask, system: System, before: Station, after: Station
+) -> tuple[SpecialPoint, ...] | None:
+    """Special points between neighbouring stations, in their order; None if one of them cannot be located."""
+    points = []
+    for test in _tests(task):
+        if _changes(test, before, after):
+            point = _crossing(task, system, before, after, test)
+            if point is None:
+                return None
+            place = _place(task, test, before, after, point)
+            points.append((place.along / place.length, point))
+    return tuple(point for _, point in sorted(points, key=lambda each: each[0]))
 
 
 def _half_turn(task: BranchTask, station: Station) -> np.ndarray:
@@ -96,25 +155,29 @@ def _half_turn(task: BranchTask, station: Station) -> np.ndarray:
     return np.array([apart - np.rint(apart), (station.v[half] - station.v[0]) / task.space.scales[1]])
 
 
-def halved_between(task: BranchTask, before: Station, after: Station) -> SpecialPoint | None:
-    """Period doubling at which the branch was born, if it lies between the points: there the orbit's halves swap."""
+def halved_between(
+    task: BranchTask, system: System, before: Station, after: Station
+) -> tuple[SpecialPoint, ...] | None:
+    """Period doubling at which the branch was born, if it lies between: there the orbit's halves swap.
+
+    None if it cannot be located.
+    """
     if task.shape.upper_contacts % 2 or task.shape.forcing_periods % 2:
-        return None
-    halves = _half_turn(task, before), _half_turn(task, after)
-    if halves[0] @ halves[1] >= 0.0:
-        return None
+        return ()
     shape = OrbitShape(task.shape.forcing_periods // 2, task.shape.upper_contacts // 2)
-    read = task.space.read(0.5 * (before.z + after.z))
-    point = None if read is None else locate(SpecialKind.PERIOD_DOUBLING, read[0], task.parameter, shape, *read[1:])
-    near = 2.0 * float(np.abs(after.z - before.z).max()) + 1e-6
-    return point if point is not None and distance_to(task, point, before, 0) < near else None
+    first = _half_turn(task, before)
+    test = _Test(SpecialKind.PERIOD_DOUBLING, shape, 0, lambda at: float(_half_turn(task, at) @ first), True)
+    if not _changes(test, before, after):
+        return ()
+    point = _crossing(task, system, before, after, test)
+    return None if point is None else (point,)
 
 
 def distance_to(task: BranchTask, point: SpecialPoint, station: Station, departure: int) -> float:
     """Distance between a special point's first departure and one of a station, in scaled unknowns."""
     apart = float(point.t[0]) - float(station.t[departure])
-    faster = (float(point.v[0]) - float(station.v[departure])) / task.space.scales[-2]
-    further = (point.value - getattr(station.oscillator, task.parameter)) / task.space.scales[-1]
+    faster = (float(point.v[0]) - float(station.v[departure])) / task.space.scales[1]
+    further = (point.value - getattr(station.oscillator, task.parameter)) / task.space.scales[2]
     return max(abs(apart - round(apart)), abs(faster), abs(further))
 
 
@@ -128,6 +191,14 @@ def graze_near(task: BranchTask, station: Station, departure: int) -> SpecialPoi
     others = np.roll(station.margin > 0, -departure)[1:]
     margin, _ = grazing_distances(point.oscillator, point.t, point.v)
     return point if ((margin[1:] > 0) == others).all() else None
+
+
+def coincide(task: BranchTask, one: SpecialPoint, other: SpecialPoint) -> bool:
+    """Whether two special points of a branch are one."""
+    if one.kind != other.kind or one.t.size != other.t.size:
+        return False
+    apart = np.array([one.t[0] - other.t[0], one.v[0] - other.v[0], one.value - other.value]) / task.space.scales
+    return bool(np.abs(apart - np.rint(apart) * [1.0, 0.0, 0.0]).max() <= _BLUR)
 
 
 def repeated_graze_near(task: BranchTask, station: Station) -> SpecialPoint | None:
@@ -156,5 +227,5 @@ def contact_loss_near(task: BranchTask, station: Station) -> Iterator[SpecialPoi
         if shape.upper_contacts > 1 and math.isfinite(t):
             point = locate(SpecialKind.CONTACT_LOSS, station.oscillator, task.parameter, shape, t, 0.0)
             value = getattr(station.oscillator, task.parameter)
-            if point is not None and abs(point.value - value) < _REACH * task.space.scales[-1]:
+            if point is not None and abs(point.value - value) < _REACH_OF_LOSS * task.space.scales[2]:
                 yield point

@@ -88,38 +88,63 @@ def closure(oscillator: Oscillator, parameter: str, shape: OrbitShape, t: float,
     return Closure(gap, derivative, sensitivity, int(lower))
 
 
+class Departures(NamedTuple):
+    """All departures of an orbit.
+
+    ``t``, ``v`` (shape (n,)) are phases in [0, 1) and speeds; ``jacobian`` (n, 2, 2) and ``sensitivity`` (n, 2) their
+    derivatives by the first departure and by a parameter; ``lower_contacts`` the number of flights that meet -beta.
+    """
+
+    t: np.ndarray
+    v: np.ndarray
+    jacobian: np.ndarray
+    sensitivity: np.ndarray
+    lower_contacts: int
+
+
 @kernel
-def _departures(oscillator, shape, t, v):
+def _departures(oscillator, parameter, shape, t, v, derivative, sensitivity):
     """Fill in all departures after the first. Count the flights that meet -beta, without one that passes over it."""
     lower = 0
+    jacobian = Jacobian(1.0, 0.0, 0.0, 1.0)
+    later, faster = 0.0, 0.0
     for i in range(t.size):
-        impact, _, _ = next_impact_with_sensitivity(oscillator, 0, t[i], v[i], shape.over and i == 0)
+        derivative[i, 0, 0], derivative[i, 0, 1] = jacobian.tt, jacobian.tv
+        derivative[i, 1, 0], derivative[i, 1, 1] = jacobian.vt, jacobian.vv
+        sensitivity[i, 0], sensitivity[i, 1] = later, faster
+        impact, one, own = next_impact_with_sensitivity(oscillator, parameter, t[i], v[i], shape.over and i == 0)
+        later, faster = one.tt * later + one.tv * faster + own[0], one.vt * later + one.vv * faster + own[1]
+        jacobian = multiply(one, jacobian)
         lower += impact.lower_impacts
         if i + 1 < t.size:
             t[i + 1], v[i + 1] = impact.t, impact.v
     return lower
 
 
-def orbit_from(oscillator: Oscillator, shape: OrbitShape, t: float, v: float) -> tuple[np.ndarray, np.ndarray, int]:
+def departures_from(oscillator: Oscillator, parameter: str, shape: OrbitShape, t: float, v: float) -> Departures:
     """All departures of an orbit, from one of them.
 
     Parameters
     ----------
     oscillator : Oscillator
         Checked by the caller.
+    parameter : str
+        Field of `Oscillator` to differentiate by.
     shape : OrbitShape
     t, v : float
         Phase (any value) and speed of the first departure.
 
     Returns
     -------
-    (ndarray, ndarray, int)
-        Phases in [0, 1) and speeds, shape (upper_contacts,), and the number of flights that meet -beta. A flight that
-        passes over -beta is not counted.
+    Departures
+        A flight that passes over -beta is not counted among those that meet it.
     """
-    times, speeds = np.full(shape.upper_contacts, wrap(t)), np.full(shape.upper_contacts, v)
-    lower = _departures(oscillator, shape, times, speeds)
-    return times, speeds, int(lower)
+    size = shape.upper_contacts
+    times, speeds = np.full(size, wrap(t)), np.full(size, v)
+    jacobian, sensitivity = np.empty((size, 2, 2)), np.empty((size, 2))
+    number = PARAMETERS.index(parameter)
+    lower = _departures(oscillator, number, shape, times, speeds, jacobian, sensitivity)
+    return Departures(times, speeds, jacobian, sensitivity, int(lower))
 
 
 @kernel

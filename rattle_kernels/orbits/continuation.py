@@ -18,23 +18,21 @@ import numpy as np
 
 from rattle_kernels.model.oscillator import PARAMETERS, Oscillator, check_domain
 from rattle_kernels.numerics.pausing import Pause, never_stopped
-from rattle_kernels.numerics.pseudo_arclength import Steps, System, follow_curve, solve
+from rattle_kernels.numerics.pseudo_arclength import CORNER, CurvePoint, Steps, follow_curve, solve, unit_tangent
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint, nears_edge_of_domain
 from rattle_kernels.orbits.branch_points import (
-    BranchTask,
-    Station,
+    coincide,
     contact_loss_near,
-    critical_between,
     distance_to,
     graze_near,
-    grazes_between,
     halved_between,
+    points_between,
     repeated_graze_near,
-    station_at,
 )
 from rattle_kernels.orbits.closure import OrbitShape
 from rattle_kernels.orbits.orbit_equations import closing_system, unknowns
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
+from rattle_kernels.orbits.station import BranchTask, Station, are_neighbours, station_at
 
 
 class BranchEnd(StrEnum):
@@ -99,12 +97,12 @@ _Side = tuple[list[Station], list[SpecialPoint], End]
 
 def _why_it_stalls(task: BranchTask, station: Station) -> tuple[End, list[SpecialPoint]]:
     """The nearest graze or contact loss that explains the stall, else the edge of the domain, else a plain stall."""
+    value = getattr(station.oscillator, task.parameter)
     merged = repeated_graze_near(task, station)
     if merged is not None:
         return _end(task, BranchEnd.GRAZING, merged.value), [merged]
     grazes = [(graze_near(task, station, i), i) for i in range(station.t.size)]
     near = [(distance_to(task, point, station, i), point, BranchEnd.GRAZING) for point, i in grazes if point]
-    value = getattr(station.oscillator, task.parameter)
     for point in contact_loss_near(task, station):
         near.append((abs(point.value - value) / task.space.scales[-1], point, BranchEnd.CONTACT_LOSS))
     if near:
@@ -124,42 +122,81 @@ def _end(task: BranchTask, reason: BranchEnd, value: float) -> End:
     return End(reason, value, f"{reason.value}, at {task.parameter} = {value:.12g}")
 
 
-def _land(task: BranchTask, before: np.ndarray, beyond: np.ndarray, system: System) -> np.ndarray | None:
-    """The branch's point on the bound that lies between two points, if there is one."""
-    scale = task.space.scales[-1]
-    for bound in task.bounds:
-        if (before[-1] * scale - bound) * (beyond[-1] * scale - bound) < 0.0:
-            part = (bound / scale - before[-1]) / (beyond[-1] - before[-1])
-            landed = solve(system, before + part * (beyond - before), np.array([0.0, 0.0, 1.0]))
-            return None if landed is None else landed.z
-    return None
+class _Walk:
+    """One way along a branch: the stations and special points so far, and those of the step that is tried."""
+
+    def __init__(self, task: BranchTask, start: Station) -> None:
+        lower = sum(1 << int(i) for i in np.flatnonzero(start.margin > 0)) if task.infinitely_stiff else None
+        self.task = task
+        self.system = closing_system(task.space, task.shape, lower)
+        self.stations, self.points = [start], list[SpecialPoint]()
+        self.tried = _Stretch(start, (), ())
+
+    def accepts(self, _: CurvePoint, point: CurvePoint) -> bool:
+        """Whether a point is the next one of the branch, and all that lies on the way to it is located."""
+        here = station_at(self.task, point.z, point.tangent)
+        at_a_corner = point.step <= CORNER * self.task.steps.least
+        if here is None or not (at_a_corner or are_neighbours(self.task, self.stations[-1], here)):
+            return False
+        self.tried = self.stretch_to(here)
+        return self.tried.halved is not None and self.tried.points is not None
+
+    def stretch_to(self, here: Station) -> "_Stretch":
+        """What lies between the last station and another one."""
+        ends = self.task, self.system, self.stations[-1], here
+        return _Stretch(here, halved_between(*ends), points_between(*ends))
+
+    def goes_to(self, stretch: "_Stretch") -> None:
+        """Add a stretch; one that begins on a bound and leads beyond it is empty."""
+        if stretch.end is not self.stations[-1]:
+            self.stations.append(stretch.end)
+        self.points.extend(stretch.points or ())
 
 
-def _one_way(task: BranchTask, start: np.ndarray, along: np.ndarray) -> _Side:
+class _Stretch(NamedTuple):
+    """The next station, the doubling in between where the branch began, and the special points; None if not located."""
+
+    end: Station
+    halved: tuple[SpecialPoint, ...] | None
+    points: tuple[SpecialPoint, ...] | None
+
+
+def _land(walk: _Walk, beyond: CurvePoint) -> Station | None:
+    """The branch's station on the bound that a point lies beyond, if there is one."""
+    task, last = walk.task, walk.stations[-1]
+    reached = float(beyond.z[-1] * task.space.scales[-1])
+    bound = min(max(reached, task.bounds[0]), task.bounds[1])
+    before = getattr(last.oscillator, task.parameter)
+    if bound == reached or bound == before:
+        return None if bound == reached else last
+    guess = last.z + (bound - before) / (reached - before) * (beyond.z - last.z)
+    landed = solve(walk.system, guess, np.array([0.0, 0.0, 1.0]))
+    return None if landed is None else station_at(task, landed.z, beyond.tangent)
+
+
+def _one_way(task: BranchTask, start: Station) -> _Side:
     """Follow the branch one way until it ends."""
-    stations, points = [station_at(task, start)], list[SpecialPoint]()
-    lower = sum(1 << int(i) for i in np.flatnonzero(stations[0].margin > 0)) if task.infinitely_stiff else None
-    system = closing_system(task.space, task.shape, lower)
-    for point in follow_curve(system, start, along, task.steps):
+    walk = _Walk(task, start)
+    for point in follow_curve(walk.system, start.z, start.tangent, task.steps, walk.accepts):
         task.pause()
-        before = stations[-1]
-        landed = _land(task, before.z, point.z, system)
-        here = station_at(task, point.z if landed is None else landed)
-        halved = halved_between(task, before, here)
-        if halved is not None:
-            return stations, [*points, halved], _end(task, BranchEnd.HALVED, halved.value)
-        stations.append(here)
-        passed = [*critical_between(task, before, here), *grazes_between(task, before, here)]
-        points.extend(one for one in passed if one is not None)
-        value = getattr(here.oscillator, task.parameter)
+        stretch = walk.tried
+        landed = _land(walk, point)
         if landed is not None:
-            return stations, points, _end(task, BranchEnd.BOUND, value)
-        if len(stations) > 3 and np.abs(point.z - start).max() < 0.5 * point.step:
-            return stations, points, _end(task, BranchEnd.CLOSED, value)
-        if len(stations) >= task.most_points:
-            return stations, points, _end(task, BranchEnd.POINTS, value)
-    end, last = _why_it_stalls(task, stations[-1])
-    return stations, points + last, end
+            stretch = walk.stretch_to(landed)
+        if stretch.halved:
+            (halved,) = stretch.halved
+            return walk.stations, [*walk.points, halved], _end(task, BranchEnd.HALVED, halved.value)
+        walk.goes_to(stretch)
+        value = getattr(stretch.end.oscillator, task.parameter)
+        if landed is not None:
+            return walk.stations, walk.points, _end(task, BranchEnd.BOUND, value)
+        if len(walk.stations) > 3 and np.abs(point.z - start.z).max() < 0.5 * point.step:
+            return walk.stations, walk.points, _end(task, BranchEnd.CLOSED, value)
+        if len(walk.stations) >= task.most_points:
+            return walk.stations, walk.points, _end(task, BranchEnd.POINTS, value)
+    end, last = _why_it_stalls(task, walk.stations[-1])
+    new = [point for point in last if not any(coincide(task, point, passed) for passed in walk.points)]
+    return walk.stations, walk.points + new, end
 
 
 def continue_orbit(
@@ -204,7 +241,7 @@ def continue_orbit(
     OutsideDomain
         If the oscillator's parameters lie outside the domain of the map.
     ValueError
-        If `parameter` or `direction` is not one of those named, or `bounds` exclude the orbit.
+        If `parameter` or `direction` is not one of those named, `bounds` exclude the orbit, or it grazes.
     """
     checked = check_domain(oscillator)
     if parameter not in PARAMETERS:
@@ -217,14 +254,31 @@ def continue_orbit(
     space = unknowns(checked, (parameter,))
     shape = OrbitShape(orbit.forcing_periods, orbit.upper_contacts)
     task = BranchTask(space, shape, bounds, steps, most_points, pause)
-    start = space.write(checked, float(orbit.t[0]), float(orbit.v[0]))
-    sides = []
+    sides = list[_Side]()
     for name, way in (("down", -1.0), ("up", 1.0)):
-        if direction in (name, "both"):
-            sides.append(_one_way(task, start, np.array([0.0, 0.0, way])))
+        start = _first_station(task, space.write(checked, float(orbit.t[0]), float(orbit.v[0])), way)
+        closed = bool(sides) and sides[0][2].reason == BranchEnd.CLOSED
+        if direction in (name, "both") and not closed:
+            sides.append(_one_way(task, start))
         else:
-            sides.append(([station_at(task, start)], [], _end(task, BranchEnd.START, value)))
+            sides.append(([start], [], sides[0][2] if closed else _end(task, BranchEnd.START, value)))
     return _join(task, sides[0], sides[1])
+
+
+def _first_station(task: BranchTask, z: np.ndarray, way: float) -> Station:
+    """Station of the orbit to begin with; its tangent points to higher or lower values of the parameter.
+
+    Raises
+    ------
+    ValueError
+        If P is not differentiable there.
+    """
+    evaluated = closing_system(task.space, task.shape)(z)
+    tangent = None if evaluated is None else unit_tangent(evaluated[1], np.array([0.0, 0.0, way]))
+    start = None if tangent is None else station_at(task, z, tangent)
+    if start is None:
+        raise ValueError("the orbit grazes -beta, where P has no derivative: begin a little further along its branch")
+    return start
 
 
 def _join(task: BranchTask, down: _Side, up: _Side) -> Branch:

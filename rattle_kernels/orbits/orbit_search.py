@@ -1,33 +1,25 @@
 """Systematic search for the periodic orbits of a region, stable or not.
 
-For each impact period p up to a given n+, Newton's method on P^p starts
-
-1. from a grid of departures over the region, and
-2. from recurrences: on each trajectory from this grid, the point that P^p brings back closest to itself. Trajectories
-   pass close to saddles that few grid points would lead Newton's method to.
-
+For each impact period p up to a given n+, Newton's method on P^p starts from the departures of `orbit_seeds`.
 Each orbit found is reduced to its own period and kept once. For short orbits Newton's method converges from about a
 cell around the orbit. For longer ones this distance shrinks like 1/|multiplier|, so a finer grid finds more. The
-residual proves what is found. It says nothing about what is missed.
+residual proves what is found. It says nothing about what is missed. The indices of all fixed points of P^p with the
+same number of forcing periods, the signs of det(DP^p - 1), add up to 0: if those found do not, one is missed.
 """
 
-import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
-from rattle_kernels.model.flight import fall_speed, part_turn
+from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator, check_domain
-from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
+from rattle_kernels.orbits.orbit_seeds import orbit_seeds
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit, newton_orbit
 
 _SEED_RESIDUAL = 1e-9
-_RECURRENCE_APPLICATIONS = 200
-_CLOSE = 0.1
 # Orbits closer than this are one. Near a fold, where two orbits part like a square root, Newton's error is 1e-8.
 _SAME = 1e-6
 
@@ -55,25 +47,6 @@ def _newton_all(oscillator, t, v, period, scale, residual):
         t[i], v[i], residual[i] = newton_orbit(oscillator, t[i], v[i], period[i], scale)
 
 
-@kernel
-def _recurrences(oscillator, t, v, longest, applications, best_t, best_v, best):
-    """For each trajectory and period, the departure that returns closest to itself, and its distance."""
-    past_t, past_v = np.empty(applications + 1), np.empty(applications + 1)
-    for i in range(t.size):
-        past_t[0], past_v[0] = t[i], v[i]
-        for n in range(1, applications + 1):
-            impact = next_impact(oscillator, past_t[n - 1], past_v[n - 1])
-            if impact.outcome != OUTCOME_RETURNED:
-                break
-            past_t[n], past_v[n] = impact.t, impact.v
-            for period in range(1, min(longest, n) + 1):
-                apart = part_turn(impact.t - past_t[n - period])
-                distance = math.hypot(apart, (impact.v - past_v[n - period]) / impact.v)
-                if distance < best[i, period - 1]:
-                    best[i, period - 1] = distance
-                    best_t[i, period - 1], best_v[i, period - 1] = past_t[n - period], past_v[n - period]
-
-
 def describe_orbit(oscillator: Oscillator, orbit: PeriodicOrbit) -> FoundOrbit:
     """Measure how close an orbit passes to grazing.
 
@@ -88,32 +61,6 @@ def describe_orbit(oscillator: Oscillator, orbit: PeriodicOrbit) -> FoundOrbit:
     FoundOrbit
     """
     return FoundOrbit(orbit, *grazing_distances(oscillator, orbit.t, orbit.v))
-
-
-def _seeds(
-    oscillator: Oscillator,
-    region: tuple[float, float, float, float],
-    cells: int,
-    rows: tuple[int, int],
-    longest: int,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Starting departures, each with the period to search for."""
-    middles = (np.arange(cells) + 0.5) / cells
-    middle_t, middle_v = np.meshgrid(
-        region[0] + (region[1] - region[0]) * middles,
-        region[2] + (region[3] - region[2]) * middles[slice(*rows)],
-    )
-    t, v = middle_t.ravel(), middle_v.ravel()
-    shape = t.size, longest
-    best_t, best_v, best = np.zeros(shape), np.zeros(shape), np.full(shape, _CLOSE)
-    _recurrences(oscillator, t, v, longest, _RECURRENCE_APPLICATIONS, best_t, best_v, best)
-    period = np.broadcast_to(np.arange(1, longest + 1), shape)
-    near = best < _CLOSE
-    return (
-        np.concatenate([np.repeat(t, longest), best_t[near]]),
-        np.concatenate([np.repeat(v, longest), best_v[near]]),
-        np.concatenate([period.ravel(), period[near]]),
-    )
 
 
 class _Catalogue:
@@ -173,12 +120,13 @@ def find_orbits(
     if longest < 1 or cells < 1:
         raise ValueError(f"longest and cells must be positive, not {longest} and {cells}")
     scale = float(fall_speed(checked))
-    t, v, period = _seeds(checked, (*time, *velocity), cells, rows or (0, cells), longest)
+    t, v, period, kind = orbit_seeds(checked, (*time, *velocity), cells, rows or (0, cells), longest)
     residual = np.empty(t.size)
     _newton_all(checked, t, v, period, scale, residual)
     catalogue = _Catalogue(scale)
-    # Shortest first, so that a multiple of an orbit's period leads to an orbit already known.
-    for i in np.lexsort((v, t, period)):
+    # Shortest first, so that a multiple of an orbit's period leads to an orbit already known. Those above the grazing
+    # curve last: of orbits that other seeds lead to, they give another last digit.
+    for i in np.lexsort((v, t, kind == 3, period)):
         if residual[i] <= _SEED_RESIDUAL and not catalogue.holds(t[i], v[i]):
             orbit = find_periodic_orbit(checked, t[i], v[i], int(period[i]), scale)
             if orbit is not None and not catalogue.holds(orbit.t[0], orbit.v[0]):

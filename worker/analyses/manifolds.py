@@ -73,15 +73,15 @@ def saddle_of_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, paus
     return ORBITS.of([found])
 
 
-def saddles_named(
+def saddle_named(
     oscillator: Oscillator, number: int, itinerary: Itinerary, region: Region, cells: int, *, pause: Pause
 ) -> Columns:
-    """All saddles of an itinerary that a search of a region finds.
+    """The saddle of an itinerary that a search of a region finds.
 
     Raises
     ------
     NotFound
-        If it finds none.
+        If it finds none, or several: an itinerary does not select one of them.
     """
     found: list[FoundOrbit] = []
     edges = np.linspace(0, cells, min(_BANDS, cells) + 1).round().astype(int).tolist()
@@ -95,6 +95,13 @@ def saddles_named(
         raise NotFound(
             f"saddle {number + 1}: the search found no saddle {itinerary.name}; it found {others or 'no orbit'}: ask "
             "for one of these, search more cells or another region, or give a seed"
+        )
+    if len(saddles) > 1:
+        departures = (f"{each.orbit.t[0]:.12g},{each.orbit.v[0]:.12g}" for each in saddles)
+        raise NotFound(
+            f"saddles.{number}: the search found {len(saddles)} saddles {itinerary.name}, at time,velocity "
+            f"{' and '.join(departures)}: give one of these as a seed, with the impact period "
+            f"{itinerary.upper_contacts}, or search a region that only one of them enters"
         )
     return ORBITS.of(saddles)
 
@@ -118,7 +125,7 @@ def _saddle_pieces(job: ManifoldJob) -> list[Piece]:
     return [
         Piece(f"saddle-{n:05d}", saddle_of_seed, (job.oscillator, n, saddle))
         if isinstance(saddle, OrbitSeed)
-        else Piece(f"saddle-{n:05d}", saddles_named, (job.oscillator, n, saddle, job.region, job.cells))
+        else Piece(f"saddle-{n:05d}", saddle_named, (job.oscillator, n, saddle, job.region, job.cells))
         for n, saddle in enumerate(job.saddles)
     ]
 

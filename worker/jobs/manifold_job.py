@@ -44,7 +44,7 @@ class Side(StrEnum):
 
 
 class Itinerary(NamedTuple):
-    """P(m, n+, n-) of all the saddles that a search of the region finds."""
+    """P(m, n+, n-) of the only saddle of that name that a search of the region finds."""
 
     forcing_periods: int
     upper_contacts: int
@@ -82,7 +82,7 @@ class Itinerary(NamedTuple):
 class SaddleRequest(Request):
     """A saddle: a departure close to it with its impact period, or its itinerary."""
 
-    itinerary: str | None = Field(None, description="All saddles of that name", examples=["P(1,1,0)"])
+    itinerary: str | None = Field(None, description="The only saddle of that name in the region", examples=["P(1,1,0)"])
     time: Real | None = None
     velocity: Real | None = None
     period: Annotated[int, Field(strict=True)] = Field(1, description="Impact period: n+ of P(m, n+, n-)")

@@ -127,6 +127,12 @@ def test_far_down_a_cascade_of_period_doublings_the_orbit_that_attracts_is_found
     assert 1e-8 < abs(half.v - v) < 1e-5 and abs(whole.v - v) < 1e-11
 
 
+def test_a_little_before_that_doubling_the_orbit_of_half_its_length_attracts():
+    """The values that docs/decisions/0023 prints: the doubling lies between .527027 and .527027027027027."""
+    catalogue = find_attractors(Oscillator(damping=0.527027), [0.6554355652996406], [4.670922390326611])
+    assert [attractor.name for attractor in catalogue] == ["permanent contact", "P(384,384,128)"]
+
+
 @pytest.mark.parametrize("damping", [0.6, 0.625, 0.675])
 def test_a_chaotic_attractor_holds_what_is_on_it(damping):
     catalogue, _ = catalogue_of(Oscillator(damping=damping))

@@ -1,6 +1,7 @@
 """Diagrams, orbits, manifolds and grazing curves: resumable, the same to the byte, cancelled soon."""
 
 import json
+import re
 import threading
 import time
 from itertools import pairwise
@@ -223,6 +224,17 @@ def test_saddles_of_an_itinerary_are_found_and_other_orbits_are_named(client, tm
     missing = ManifoldJob(saddles=(Itinerary(1, 1, 3),), cells=12)
     with pytest.raises(NotFound, match=r"no saddle P\(1,1,3\); it found P\(1,1,0\)"):
         run(missing, tmp_path / "missing", client)
+
+
+def test_an_itinerary_of_two_saddles_selects_none_and_both_are_listed(client, tmp_path):
+    """The refused request names what the next one needs: a departure of each."""
+    with pytest.raises(NotFound, match=r"saddles\.0: the search found 2 saddles P\(1,1,1\)") as refused:
+        run(ManifoldJob(saddles=(Itinerary(1, 1, 1),), cells=12, arclength=0.5), tmp_path / "two", client)
+    departures = re.findall(r"(0\.\d+),(\d\.\d+)", str(refused.value))
+    assert [float(v) for _, v in departures] == [pytest.approx(3.98824019585), pytest.approx(4.57125641142)]
+    seed = OrbitSeed(*map(float, departures[0]))
+    told = run(ManifoldJob(saddles=(seed,), arclength=0.5), tmp_path / "one", client).result
+    assert told["saddles"][0]["departures"][0]["velocity"] == pytest.approx(3.98824019585)
 
 
 def test_another_kinds_store_is_not_touched(client, stores, tmp_path):
