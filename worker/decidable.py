@@ -1,11 +1,11 @@
 """What double precision, and the impacts that are followed, can decide. Requests beyond are refused with the bound.
 
-Decision 32 derives the bounds. Each one is generous: what it refuses could only end as undecided.
+Decision 33 derives the bounds. Each one is generous: what it refuses could only end as undecided.
 """
 
 import math
 
-from rattle_kernels import Oscillator, OutsideDomain
+from rattle_kernels import CellGrid, Oscillator, OutsideDomain
 from worker.errors import InvalidJob, Place
 
 SHORTEST_FLIGHT = 2.0**-40
@@ -86,6 +86,36 @@ def fastest_decided(oscillator: Oscillator, impacts: int) -> float:
     float
     """
     return min(4.0 * oscillator.half_backlash * oscillator.damping * impacts, fastest_resolved(oscillator))
+
+
+def check_window(oscillator: Oscillator, grid: CellGrid, iterations: int) -> Oscillator:
+    """Return an oscillator, or raise if motions that begin in a window can only end undecided.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Inside the domain of the map.
+    grid : CellGrid
+        The window.
+    iterations : int
+        k: applications of P to each cell.
+
+    Returns
+    -------
+    Oscillator
+
+    Raises
+    ------
+    OutsideDomain, InvalidJob
+        Naming the bound and its value.
+    """
+    limit = fastest_decided(check_decidable(oscillator), iterations + FOLLOWED)
+    why = (
+        f"at damping {oscillator.damping:g} and half backlash {oscillator.half_backlash:g} a faster motion is not "
+        f"decided within k = {iterations} and {FOLLOWED} more impacts"
+    )
+    check_fastest(grid.velocity_stop, limit, why, ("grid", "velocity", "stop"))
+    return oscillator
 
 
 def check_fastest(speed: float, limit: float, why: str, place: Place = ()) -> None:

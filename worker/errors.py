@@ -106,7 +106,7 @@ class NotFound(WorkerError):
     ...     rattle.manifolds(saddles=["P(1,4,0)"], progress=False)
     ... except rattle.NotFound as error:
     ...     print(str(error).partition(";")[0])
-    saddles.0: the search found no saddle P(1,4,0)
+    saddle 1: the search found no saddle P(1,4,0)
     """
 
 

@@ -54,9 +54,19 @@ def compute_command(name: str) -> Callable[..., None]:
         except (OutsideDomain, InvalidJob) as error:
             give_up(str(error), 2)
         out.quiet |= as_json
-        if not is_complete(out_, job.digest):
-            _announce(job, workers, ask=not yes)
-        _compute(job, out_, workers, as_json)
+        try:
+            if not is_complete(out_, job.digest):  # else nothing is started for a table that is there
+                _announce(job, workers, ask=not yes)
+                _compute(job, out_, workers)
+            print_result(job.kind, _result(job, out_), as_json=as_json)
+        except JobCancelled:
+            give_up(f"stopped; the same command goes on from what is in {out_}")
+        except WorkerError as error:
+            give_up(str(error))
+        out.print(
+            f"{out_} is complete; draw it with: rattle plot {out_} --out picture.png",
+            highlight=False, soft_wrap=True,
+        )  # fmt: skip
 
     command.__doc__ = kind.command
     return command
@@ -72,21 +82,10 @@ def _announce(job: Job, workers: int, ask: bool) -> None:
         typer.confirm("go on?", abort=True, err=True)
 
 
-def _compute(job: Job, location: str, workers: int, as_json: bool) -> None:
-    """Compute a job into a store, and print what it has found."""
-    try:
-        with progress_line("tiles" if KINDS[job.kind].analysis is None else "pieces") as line:
-            if not is_complete(location, job.digest):  # else nothing is started for a table that is there
-                run_here(job, location, line.report, compiling=line.compiling, workers=workers)
-        print_result(job.kind, _result(job, location), as_json=as_json)
-    except JobCancelled:
-        give_up(f"stopped; the same command goes on from what is in {location}")
-    except WorkerError as error:
-        give_up(str(error))
-    out.print(
-        f"{location} is complete; draw it with: rattle plot {location} --out picture.png",
-        highlight=False, soft_wrap=True,
-    )  # fmt: skip
+def _compute(job: Job, location: str, workers: int) -> None:
+    """Compute a job into a store, with its progress."""
+    with progress_line("tiles" if KINDS[job.kind].analysis is None else "pieces") as line:
+        run_here(job, location, line.report, compiling=line.compiling, workers=workers)
 
 
 def _result(job: Job, location: str) -> dict[str, Any]:

@@ -52,15 +52,14 @@ _MARGIN = 0.05
 
 @kernel
 def _bounce_all(oscillator, sizes, phases, next_size, next_phase, elapsed):
-    """Apply P to a bounce of each size at each phase. The next size is NaN where there is no bounce or no next one.
+    """Apply P to a bounce of each size at each phase. Nothing is written where there is no bounce or no next one.
 
-    Returns whether every bounce is low: P is found, and -beta is not met.
+    Returns whether every bounce is low: P is found, and -beta is not met. The first that is not ends the work.
     """
     gravity = FOUR_PI * oscillator.damping
     radian = ringing_radian(oscillator)
     for i in range(sizes.size):
         for j in range(phases.size):
-            next_size[i, j] = next_phase[i, j] = elapsed[i, j] = math.nan
             speed = fastest_below(oscillator, gravity * gravity * sizes[i] ** 3, phases[j])
             if not speed > 0.0:
                 continue
@@ -87,7 +86,7 @@ class _Bounces:
 
     def __init__(self, oscillator: Oscillator, sizes: np.ndarray, phases: np.ndarray) -> None:
         shape = sizes.size, phases.size
-        later, when, elapsed = np.empty(shape), np.empty(shape), np.empty(shape)
+        later, when, elapsed = np.full((3, *shape), math.nan)
         self.low = bool(_bounce_all(oscillator, sizes, phases, later, when, elapsed))
         with np.errstate(divide="ignore"):
             self.growth = 3.0 * np.log(later / sizes[:, None])

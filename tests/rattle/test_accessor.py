@@ -39,6 +39,7 @@ def test_a_basin_is_drawn_with_its_motions_named(basin):
         "permanent",
         "chaotic",
         "P(1,1,0)",
+        "grazing",
     ]
     assert len(axes.images) == 1 and len(axes.lines) == 1
     assert basin.rattle.overlay("attractors", ax=axes) is axes and len(axes.lines) == 3

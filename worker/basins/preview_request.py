@@ -7,7 +7,6 @@ from pydantic import BeforeValidator, ConfigDict, Field
 from rattle_kernels import (
     CellGrid,
     Oscillator,
-    OutsideDomain,
     check_domain,
     check_quiet,
     expected_applications,
@@ -15,6 +14,7 @@ from rattle_kernels import (
 )
 from rattle_kernels.cell_mapping.cell_grid import check_grid
 from rattle_kernels.cell_mapping.iterations import check_iterations, is_prime, nearest_primes
+from worker.decidable import check_window
 from worker.errors import InvalidJob
 from worker.jobs.grid_request import GridRequest, TimeWindow, VelocityWindow, grid_request
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, demand_quiet
@@ -91,11 +91,10 @@ class PreviewRequest(Request):
         demand_quiet(lambda: check_quiet(oscillator), unless=self.oscillator.allow_no_quiet_solution)
         try:
             grid = check_grid(self.grid.to_grid())
-            return CheckedPreview(oscillator, grid, check_iterations(self.iterations or _few(oscillator.damping)))
-        except OutsideDomain:
-            raise
+            k = check_iterations(self.iterations or _few(oscillator.damping))
         except ValueError as error:
             raise InvalidJob(str(error)) from error
+        return CheckedPreview(check_window(oscillator, grid, k), grid, k)
 
 
 def _few(damping: float) -> int:

@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field
 from rattle_kernels import CellGrid, Oscillator, OutsideDomain, check_domain, expected_applications, settled_iterations
 from rattle_kernels.cell_mapping.cell_grid import check_grid
 from rattle_kernels.cell_mapping.iterations import check_iterations
-from worker.decidable import FOLLOWED, check_decidable, check_fastest, fastest_decided
+from worker.decidable import check_window
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.grid_request import Grid, GridRequest, grid_request
 from worker.jobs.job import Job, Sizes
@@ -117,18 +117,9 @@ class BasinJob(Job):
         except ValueError as error:
             raise InvalidJob(str(error)) from error
         self.check_oscillators(check_domain)
-        self.check_oscillators(self._check_decided)
+        self.check_oscillators(lambda oscillator: check_window(oscillator, grid, self.iterations))
         settled = {"grid_": grid_request(grid, names_cells=self.sample is None), "iterations_": self.iterations}
         return settled if self.sample is None else settled | {"sample": self.sample}
-
-    def _check_decided(self, oscillator: Oscillator) -> Oscillator:
-        limit = fastest_decided(check_decidable(oscillator), self.iterations + FOLLOWED)
-        why = (
-            f"at damping {oscillator.damping:g} and half backlash {oscillator.half_backlash:g} a faster motion is not "
-        )
-        why += f"decided within k = {self.iterations} and {FOLLOWED} more impacts"
-        check_fastest(self.grid.velocity_stop, limit, why, ("grid", "velocity", "stop"))
-        return oscillator
 
     def check_oscillators(self, check: Callable[[Oscillator], Oscillator]) -> None:
         """Check the oscillator of every basin.

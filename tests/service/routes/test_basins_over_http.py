@@ -73,7 +73,7 @@ def test_the_result_names_solutions_with_shares_and_points(service, finished):
 
 def test_the_store_opens_over_http_as_from_its_path(service, finished):
     url = service.url + finished["links"]["zarr"]
-    with xr.open_zarr(url) as remote, open_basin(service.store_of(finished)) as local:
+    with open_basin(url) as remote, open_basin(service.store_of(finished)) as local:
         assert remote.solution.dims == ("velocity", "time")
         xr.testing.assert_identical(remote.load(), local.load())
 

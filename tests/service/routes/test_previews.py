@@ -46,6 +46,8 @@ def test_the_answer_is_the_preview_of_the_worker(service, oscillator):
         ({"iterations": 10007}, "cells times iterations are more than the limit of 50000000"),
         ({"iterations": 100}, "nearest: 97 or 101"),
         ({"oscillator": {"eccentricity": 0.3}}, "below epsilon_crit2"),
+        ({"oscillator": {"half_backlash": 1e-300}}, "half_backlash must be at least 4 pi damping 2^-80"),
+        ({"grid": {"velocity": {"stop": 1e6}}}, "speeds must be at most"),
         ({"sample": {"points": 10}}, "body.sample: Extra inputs"),
         ({"oscillator": {"model": "piecewise_linear"}}, "stiffness: Field required"),
     ],

@@ -66,7 +66,7 @@ def test_the_chart_of_shares_is_served_of_sweeps_alone(service, finished):
     basin = service.wait(service.submit(body)["id"])
     assert basin["links"]["shares"] is None
     refused = service.request("GET", f"/v1/jobs/{basin['id']}/shares.png")
-    assert_problem(refused, 422, "is of kind basin: only a sweep")
+    assert_problem(refused, 409, "is of kind basin: only jobs of kind sweep have shares over a parameter")
     assert_problem(service.request("GET", "/v1/jobs/0/shares.png"), 404, "there is no job 0")
 
 

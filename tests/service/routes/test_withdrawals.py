@@ -19,7 +19,8 @@ def test_a_job_that_nobody_follows_is_stopped(service):
 def test_a_job_that_somebody_follows_goes_on_until_they_leave(service):
     job = service.submit(LONG | {"iterations": 15107})
     with httpx.stream("GET", service.url + job["links"]["events"], timeout=30.0) as events:
-        next(events.iter_lines())
+        lines = events.iter_lines()  # kept, since an iterator that is thrown away closes the stream
+        next(lines)
         assert withdraw(service, job).status_code == 204
         assert service.request("GET", job["links"]["self"]).json()["state"] in ("queued", "running")
     assert withdraw(service, job).status_code == 204
