@@ -20,6 +20,7 @@ from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_f
 from worker.pictures.picture import legend_patches
 from worker.pictures.share_chart import draw_lines, draw_shares
 from worker.views import reading
+from worker.views.basin_plot import plot_basin
 
 _BASINS_ACROSS = 3
 _SIZE = 10.0, 6.5
@@ -30,7 +31,7 @@ def draw_basin(dataset: xr.Dataset, ax: Axes | None, overlays: Collection[str] |
     """Draw one basin, on a new figure if there are no axes."""
     axes = plt.figure(figsize=_SIZE, layout="constrained").add_subplot() if ax is None else ax
     chosen: Any = USUAL_OVERLAYS if overlays is None else overlays
-    return reading.plot_basin(dataset, axes, legend=legend, overlays=chosen)
+    return plot_basin(dataset, axes, legend=legend, overlays=chosen)
 
 
 def draw_on_figure(dataset: xr.Dataset, kind: str, job: Any, overlays: Collection[str] | None, legend: bool) -> Figure:

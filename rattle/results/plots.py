@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_CURVES = ("manifold", "grazing_curve")
+
 
 class Plots(Described):
     """The part of the accessor that draws."""
@@ -42,7 +44,7 @@ class Plots(Described):
         >>> [line.get_label() for line in curves.rattle.overlay(ax=axes).lines]
         ['grazing curve', 'pre-image 1']
         """
-        self._demand("overlay", "basin", "manifold", "grazing_curve")
+        self._demand("overlay", "basin", *_CURVES)
         from rattle.results.drawing import draw_over
 
         return draw_over(self._dataset, self.kind, self.job, kinds, ax)
@@ -81,7 +83,10 @@ class Plots(Described):
         if self.kind == "basin":
             return draw_basin(self._dataset, ax, overlays, legend)
         if ax is not None:
-            raise InvalidJob(f"a result of kind {self.kind} is drawn on a figure of its own: leave out ax")
+            over = "or lay it over a basin with .rattle.overlay(ax=ax)" if self.kind in _CURVES else ""
+            raise InvalidJob(
+                f"a result of kind {self.kind} is drawn on a figure of its own: leave out ax {over}".rstrip()
+            )
         job = None if self.kind == TRAJECTORY else self.job
         return draw_on_figure(self._dataset, self.kind, job, overlays, legend)
 

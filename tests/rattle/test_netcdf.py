@@ -5,7 +5,7 @@ import xarray as xr
 
 import rattle
 from worker.errors import InvalidJob
-from worker.views.reading import plot_basin
+from worker.views.basin_plot import plot_basin
 
 QUICK = {"progress": False, "workers": 1}
 CELLS = {"cells": 8, "iterations": 101}

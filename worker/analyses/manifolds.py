@@ -97,11 +97,11 @@ def saddle_named(
             "for one of these, search more cells or another region, or give a seed"
         )
     if len(saddles) > 1:
-        departures = (f"{each.orbit.t[0]:.12g},{each.orbit.v[0]:.12g}" for each in saddles)
+        impacts = itinerary.upper_contacts
+        seeds = (f"{each.orbit.t[0]:.12g},{each.orbit.v[0]:.12g},{impacts}" for each in saddles)
         raise NotFound(
-            f"saddles.{number}: the search found {len(saddles)} saddles {itinerary.name}, at time,velocity "
-            f"{' and '.join(departures)}: give one of these as a seed, with the impact period "
-            f"{itinerary.upper_contacts}, or search a region that only one of them enters"
+            f"saddle {number + 1}: the search found {len(saddles)} saddles {itinerary.name}: give the time, velocity "
+            f"and impact period of the one you mean, {' or '.join(seeds)}, or a region that only one of them enters"
         )
     return ORBITS.of(saddles)
 

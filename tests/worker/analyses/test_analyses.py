@@ -228,9 +228,9 @@ def test_saddles_of_an_itinerary_are_found_and_other_orbits_are_named(client, tm
 
 def test_an_itinerary_of_two_saddles_selects_none_and_both_are_listed(client, tmp_path):
     """The refused request names what the next one needs: a departure of each."""
-    with pytest.raises(NotFound, match=r"saddles\.0: the search found 2 saddles P\(1,1,1\)") as refused:
+    with pytest.raises(NotFound, match=r"saddle 1: the search found 2 saddles P\(1,1,1\)") as refused:
         run(ManifoldJob(saddles=(Itinerary(1, 1, 1),), cells=12, arclength=0.5), tmp_path / "two", client)
-    departures = re.findall(r"(0\.\d+),(\d\.\d+)", str(refused.value))
+    departures = re.findall(r"(0\.\d+),(\d\.\d+),1", str(refused.value))
     assert [float(v) for _, v in departures] == [pytest.approx(3.98824019585), pytest.approx(4.57125641142)]
     seed = OrbitSeed(*map(float, departures[0]))
     told = run(ManifoldJob(saddles=(seed,), arclength=0.5), tmp_path / "one", client).result

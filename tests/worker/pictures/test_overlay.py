@@ -12,7 +12,8 @@ from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay import Lines, Marks, attractor_marks, grazing_line
 from worker.pictures.overlay_kind import OverlayKind, overlays_for, parse_overlays
 from worker.pictures.picture import basin_figure
-from worker.views.reading import open_basin, plot_basin
+from worker.views.basin_plot import plot_basin
+from worker.views.reading import open_basin
 
 OSCILLATOR = Oscillator(damping=0.6, eccentricity=0.1, half_backlash=0.6)
 

@@ -16,7 +16,8 @@ from worker.errors import InvalidJob, StoreConflict
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
-from worker.views.reading import attractors_of, basin_of, job_of, open_basin, plot_basin
+from worker.views.basin_plot import plot_basin
+from worker.views.reading import attractors_of, basin_of, job_of, open_basin
 
 
 @pytest.fixture(autouse=True)
