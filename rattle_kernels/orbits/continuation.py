@@ -171,7 +171,9 @@ def _land(walk: _Walk, beyond: CurvePoint) -> Station | None:
         return None if bound == reached else last
     guess = last.z + (bound - before) / (reached - before) * (beyond.z - last.z)
     landed = solve(walk.system, guess, np.array([0.0, 0.0, 1.0]))
-    return None if landed is None else station_at(task, landed.z, beyond.tangent)
+    there = None if landed is None else station_at(task, landed.z, beyond.tangent)
+    # Scaled and back, the bound may be rounded.
+    return None if there is None else there._replace(oscillator=there.oscillator._replace(**{task.parameter: bound}))
 
 
 def _one_way(task: BranchTask, start: Station) -> _Side:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.optimize import minimize_scalar
 
 from rattle.paper.figure import PaperFigure, Report, Results, Sheet
 from rattle.paper.numbers.solutions import oscillator_summary
@@ -140,12 +141,22 @@ def _graze_summary(oscillator: Oscillator, t0: float) -> dict[str, float]:
     return {"t": t0, "v": speed, "t_hat": t_hat, "newton_steps": steps, "newton_differs": by_newton - speed}
 
 
-def _curve_summary(oscillator: Oscillator) -> dict[str, Any]:
+def _extreme(oscillator: Oscillator, way: float) -> list[float]:
+    """Phase and speed where v* is highest (way 1) or lowest (way -1). Beside the mesh's best point it has no other."""
     t = np.linspace(0.0, 1.0, _CURVE_POINTS)
-    curve = grazing_velocity(oscillator, t)
+    best, mesh = t[(way * grazing_velocity(oscillator, t)).argmax()], t[1]
+    found = minimize_scalar(
+        lambda phase: -way * float(grazing_velocity(oscillator, phase)), bounds=(best - mesh, best + mesh),
+        method="bounded", options={"xatol": 1e-9},
+    )  # fmt: skip
+    # Where a curve is level, its phase is known to half as many digits as its height.
+    return [round(float(found.x), 6), -way * float(found.fun)]
+
+
+def _curve_summary(oscillator: Oscillator) -> dict[str, Any]:
     return {
-        "highest": [float(t[curve.argmax()]), float(curve.max())],
-        "lowest": [float(t[curve.argmin()]), float(curve.min())],
+        "highest": _extreme(oscillator, 1.0),
+        "lowest": _extreme(oscillator, -1.0),
         "points": [_graze_summary(oscillator, i / _SUMMARY_PHASES) for i in range(_SUMMARY_PHASES)],
     }
 
