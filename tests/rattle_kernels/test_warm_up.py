@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 
+import pytest
 from numba.core.dispatcher import Dispatcher
 
 import rattle_kernels
@@ -34,6 +35,7 @@ def kernels():
     return found
 
 
+@pytest.mark.timeout(600)  # kernels of analyses are compiled here if nothing else has needed them
 def test_every_kernel_of_the_service_is_compiled_by_them():
     warm_up()
     warm_up_analyses()
