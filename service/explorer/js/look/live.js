@@ -1,4 +1,4 @@
-/** The live picture: previews of whatever oscillator and window are looked at, coarse while something moves, then finer. */
+/** The live picture: previews of whatever oscillator and window are looked at, coarse with quick names first, then finer. */
 
 import { Latest } from "../net/latest.js";
 import { askPreview } from "./preview.js";
@@ -32,15 +32,14 @@ export class Live {
   }
 
   /**
-   * Show an oscillator in a window.
+   * Show an oscillator in a window: coarse at once, then finer unless something newer is wanted.
    * @param {Oscillator} oscillator
    * @param {View} view
-   * @param {boolean} moving whether more will follow at once, as while a slider moves
    */
-  want(oscillator, view, moving = false) {
-    // A finest preview under way is of the past.
-    if (this.latest.wish?.detail === "finest") this.latest.drop();
-    this.latest.want({ oscillator, view, detail: moving ? "coarse" : "fine" });
+  want(oscillator, view) {
+    // A finer preview under way is of the past, and can take seconds where motions are slow to settle.
+    if (this.latest.wish && this.latest.wish.detail !== "coarse") this.latest.drop();
+    this.latest.want({ oscillator, view, detail: "coarse" });
   }
 
   drop() {
@@ -53,7 +52,7 @@ export class Live {
     const cells = coarse && this.milliseconds > SLOW_MS ? CELLS.coarsest : CELLS[detail];
     // With weak damping a few iterations show nothing that lasts.
     const few = coarse && oscillator.damping >= 0.5 ? FEW_ITERATIONS : null;
-    const preview = await askPreview(oscillator, view, cells, few, signal);
+    const preview = await askPreview(oscillator, view, { cells, iterations: few, quick: coarse }, signal);
     this.milliseconds = performance.now() - begun;
     return preview;
   }
