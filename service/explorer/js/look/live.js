@@ -1,5 +1,6 @@
 /** The live picture: previews of whatever oscillator and window are looked at, coarse with quick names first, then finer. */
 
+import { Refusal } from "../net/api.js";
 import { Latest } from "../net/latest.js";
 import { askPreview } from "./preview.js";
 
@@ -23,7 +24,10 @@ export class Live {
       tell.show(preview);
       const next = this.#finer(wish, tell.alone());
       if (next && !this.latest.next) this.latest.want({ ...wish, detail: next });
-    }, tell.failed);
+    }, (error, wish) => {
+      // Its first look is there. One that takes too long is left to a job.
+      if (wish.detail === "coarse" || !(error instanceof Refusal)) tell.failed(error);
+    });
   }
 
   #finer({ detail }, alone) {
