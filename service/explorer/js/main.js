@@ -235,7 +235,7 @@ function caption() {
 
 function takeaway() {
   const request = jobs.job?.request ?? at.request;
-  if (request) showTakeaway(by("takeaway"), { job: at.edited ? null : jobs.job, request, panel: at.panel, plane, motions, caption: document.title });
+  if (request) showTakeaway(by("takeaway"), { job: at.edited ? null : jobs.job, request, plane, motions, caption: document.title });
 }
 
 function restyle(look) {

@@ -53,8 +53,7 @@ function sharesCsv(picture) {
 }
 
 /** Files that can be saved: a title, a name, and how to get it. */
-function filesOf({ job, panel, plane, motions, caption }) {
-  const swept = job?.kind === "sweep";
+function filesOf({ job, plane, motions, caption }) {
   const cells = !job || hasCells(job);
   const name = job ? `${job.kind}-${job.id.slice(0, 8)}` : "preview";
   const files = [];
@@ -64,8 +63,7 @@ function filesOf({ job, panel, plane, motions, caption }) {
   }
   if (motions.followed.size) files.push(["Histories (CSV)", `${name}-histories.csv`, () => historyCsv(motions)]);
   if (!job) return files;
-  const wish = new URLSearchParams({ ...(cells && { layer: plane.look.layer }), ...(swept && { panel: String(panel) }) });
-  const drawn = (ending) => `${job.links.picture.replace(/png$/, ending)}?${wish}`;
+  const drawn = (ending) => `${job.links.picture.replace(/png$/, ending)}${cells ? `?layer=${plane.look.layer}` : ""}`;
   for (const [title, ending] of [["Picture (PNG)", "png"], ["SVG", "svg"], ["PDF", "pdf"]]) {
     files.push([title, `${name}-whole.${ending}`, () => fetched(drawn(ending))]);
   }
