@@ -204,7 +204,7 @@ def test_a_waiting_job_knows_its_place_in_the_queue(explorer, service):
 def test_what_would_be_refused_is_explained_before_it_is_sent(explorer, fields, where, words):
     explorer.visit()
     explorer.fill(**fields)
-    expect(explorer.page.locator("#ask")).to_contain_text(words)
+    expect(explorer.page.locator("main")).to_contain_text(words)
     expect(explorer.page.locator("#compute")).to_be_disabled()
     if where:
         expect(explorer.page.locator(f"[name='{where}']")).to_have_attribute("aria-invalid", "true")

@@ -64,6 +64,45 @@ def test_the_page_begins_with_a_picture(explorer):
     assert jobs == [], "looking asks for no job"
 
 
+def test_a_first_look_comes_before_slow_motions_have_names(explorer):
+    held = []
+
+    def hold(route):
+        if route.request.post_data_json["quick"]:
+            return route.fallback()
+        return held.append(route)
+
+    explorer.page.route("**/v1/previews", hold)
+    explorer.visit().pictured("First look")
+    assert explorer.colour(0.5, 0.1) == (20, 31, 64)
+    explorer.page.wait_for_function("() => document.querySelectorAll('#legend button').length === 3")
+    for route in held:
+        route.fallback()
+    explorer.pictured("Preview")
+
+
+def test_what_would_be_refused_is_not_asked_for(explorer):
+    explorer.visit().pictured("Preview")
+    previews = sent(explorer, "/v1/previews")
+    explorer.fill(eccentricity=0.3)
+    expect(explorer.page.locator("#verdict")).to_contain_text("eccentricity must be below")
+    assert [each.post_data_json["oscillator"]["eccentricity"] for each in previews if each.post_data] in ([], [0.1])
+    explorer.fill(eccentricity=0.11)
+    expect(explorer.page.locator("#shown")).to_contain_text("ε = 0.11")
+
+
+def test_an_outage_of_the_service_is_said_and_ends_with_a_picture(explorer):
+    explorer.forgiven += ("ERR_FAILED",)
+    explorer.visit().pictured("Preview")
+    explorer.page.route("**/v1/**", lambda route: route.abort())
+    explorer.page.locator("#anew").uncheck()
+    explorer.page.locator("#preset").select_option("fig13a")
+    explorer.state("The service does not answer")
+    explorer.page.unroute("**/v1/**")
+    expect(explorer.page.locator("#shown")).to_contain_text("δ = 0.575")
+    expect(explorer.page.locator("#state")).not_to_contain_text("does not answer")
+
+
 def test_a_slider_redraws_the_picture_while_it_moves_and_asks_for_a_job_when_let_go(explorer):
     explorer.visit().pictured("Preview")
     previews, jobs = sent(explorer, "/v1/previews"), sent(explorer, "/v1/basins")

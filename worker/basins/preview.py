@@ -8,17 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels import Attractor, CellGrid, CellImages, Oscillator, find_attractors, map_cells
-from rattle_kernels.attractors.classify import coarser_boxes
 from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
-from rattle_kernels.attractors.seeds import Seeds, choose_seeds
+from rattle_kernels.attractors.seeds import choose_seeds
 from rattle_kernels.numerics.phase import wrap_all
+from worker.basins.first_names import few_seeds, first_names
 from worker.basins.landings import name_landings, with_undecided
 from worker.basins.preview_request import PreviewRequest
 
-# A job follows thousands of seeds for thousands of impacts each, which takes longer than all cells of a preview.
-# Attractors that these seeds miss show up as unassigned landing points.
-_MOST_SEEDS = 24
 _CATALOGUES_KEPT = 8
 _ROUNDS = 2
 # A job carries points on long transients through 32 legs of some 4000 impacts; what is left here is undecided.
@@ -67,7 +64,9 @@ _known = _Catalogues()
 
 
 def preview_basin(request: PreviewRequest, pause: Callable[[], None] = lambda: None) -> Preview:
-    """Compute the basin of a request at once. The solutions of its cells are those of a job with the same k.
+    """Compute the basin of a request at once.
+
+    The solutions of its cells are those of a job with the same k, unless the request asks for quick names.
 
     Parameters
     ----------
@@ -89,8 +88,11 @@ def preview_basin(request: PreviewRequest, pause: Callable[[], None] = lambda: N
     traps = traps_of_seeds(oscillator, grid, k, grid.cells, pause)
     rows, columns = (0, grid.velocity_cells), (0, grid.time_cells)
     images = map_cells(oscillator, grid, k, rows, columns, traps=traps, pause=pause)
-    solution, attractors = _named(oscillator, images, pause)
-    _known.keep(oscillator, attractors)
+    if request.quick:
+        solution, attractors = first_names(oscillator, images, _known.of(oscillator), pause)
+    else:
+        solution, attractors = _named(oscillator, images, pause)
+        _known.keep(oscillator, attractors)
     there, solution = np.unique(solution, return_inverse=True)
     shape = grid.velocity_cells, grid.time_cells
     return Preview(grid, oscillator, solution.reshape(shape), tuple(attractors[number] for number in there))
@@ -105,7 +107,7 @@ def _named(oscillator: Oscillator, images: CellImages, pause: Callable[[], None]
     for _ in range(_ROUNDS):
         if attractors and not unassigned.box.size:
             break
-        seeds, known = _few(unassigned), attractors
+        seeds, known = few_seeds(unassigned), attractors
         attractors = find_attractors(oscillator, seeds.time, seeds.velocity, known=known, pause=pause)
         solution, unassigned = name_landings(oscillator, attractors, images, pause, _name_at_once)
     if (solution < 0).any():
@@ -119,13 +121,3 @@ def _name_at_once(
 ) -> np.ndarray:
     """Solution of each landing point, as `rattle_kernels.name_solutions` with fewer legs."""
     return locate(oscillator, neighbourhoods(oscillator, attractors), wrap_all(t), v, _LEGS, pause).astype(np.int16)
-
-
-def _few(seeds: Seeds) -> Seeds:
-    """The first seed of each box, of boxes so coarse that few remain."""
-    boxes = seeds.box
-    numbers, first = np.unique(boxes, return_index=True)
-    while first.size > _MOST_SEEDS:
-        boxes = coarser_boxes(boxes)
-        numbers, first = np.unique(boxes, return_index=True)
-    return Seeds(numbers, seeds.time[first], seeds.velocity[first])

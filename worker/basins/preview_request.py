@@ -74,6 +74,11 @@ class PreviewRequest(Request):
     iterations: Count | None = Field(
         None, description="k: 1 or a prime. By default 127 where damping is 0.5 or more, else about 76/damping"
     )
+    quick: bool = Field(
+        False,
+        description="Name motions by what a few thousand impacts show: what settles later may be called chaotic, or "
+        "undecided. Otherwise names are those of a job, which can take seconds",
+    )
 
     def checked(self) -> CheckedPreview:
         """Oscillator, grid and k of the request, checked.

@@ -1,10 +1,10 @@
 /** The page: connects its parts. What is seen is one state: the request, the window, the look, the motions. */
 
-import { get, whenKeyIsNeeded } from "./net/api.js";
+import { get, Unreachable, whenKeyIsNeeded } from "./net/api.js";
 import { Jobs } from "./jobs/jobs.js";
 import { ended } from "./jobs/life.js";
 import { showCaption } from "./look/caption.js";
-import { Screen } from "./look/screen.js";
+import { firstOf, Screen } from "./look/screen.js";
 import { by } from "./page/by.js";
 import { enableTools, setUpControls } from "./page/controls.js";
 import { askForKey } from "./page/login.js";
@@ -41,7 +41,7 @@ const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0
 const plane = new Plane(by("plane"), { moved, hovered: (place) => hover.at(place), picked: (place, second) => screen.oscillator && motions.pick(place, second), whole: showWhole });
 const marks = new Marks(by("marks"), plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
-const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds) });
+const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), sound });
 const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
 const jobs = new Jobs({ changed: lifeChanged, begun, drawn });
 const motions = new Motions(by("history"), plane, marks, () => screen.wanted, () => remember(false));
@@ -64,11 +64,16 @@ function edited() {
   [at.request, at.edited] = [request, true];
   by("preset-note").textContent = "";
   if (!same(viewOf(request.grid), plane.view)) plane.lookAt((at.whole = viewOf(request.grid)));
-  screen.look(oscillator, plane.view, at.sliding);
   caption();
-  if (at.sliding) return;
+  if (at.sliding) return screen.look(oscillator, plane.view, true);
+  screen.propose(oscillator);
   turn.show(oscillator);
   remember(false);
+}
+
+/** The service takes what is in the form: show what has not been seen of it yet. */
+function sound() {
+  if (screen.confirm()) lifeChanged(jobs.life);
 }
 
 function slid(name, value) {
@@ -89,11 +94,6 @@ function ask(request) {
   [at.request, at.edited, at.panel] = [request, false, 0];
   remember(true);
   jobs.ask(request);
-}
-
-/** Oscillator of a request's first basin. */
-function firstOf({ oscillator, vary }) {
-  return { ...oscillator, ...Object.fromEntries((vary ?? []).map(({ parameter, start, values }) => [parameter, start ?? values[0]])) };
 }
 
 function showExample(request) {
@@ -215,7 +215,9 @@ function left() {
 }
 
 function previewFailed(error) {
-  if (error.name !== "AbortError") say(inWords(error), true);
+  if (error.name === "AbortError") return;
+  say(inWords(error), true);
+  if (error instanceof Unreachable) form.doubt();
 }
 
 function legend() {
@@ -233,7 +235,7 @@ function caption() {
 
 function takeaway() {
   const request = jobs.job?.request ?? at.request;
-  if (request) showTakeaway(by("takeaway"), { job: at.edited ? null : jobs.job, request, panel: at.panel, plane, motions, caption: document.title });
+  if (request) showTakeaway(by("takeaway"), { job: at.edited ? null : jobs.job, request, plane, motions, caption: document.title });
 }
 
 function restyle(look) {

@@ -8,6 +8,8 @@ import xarray as xr
 from pydantic import ValidationError
 
 from rattle_kernels import OutsideDomain
+from rattle_kernels.attractors import attractor_search
+from worker.basins import preview
 from worker.basins.pipeline import run_basin
 from worker.basins.preview import preview_basin
 from worker.basins.preview_request import PreviewRequest
@@ -34,18 +36,21 @@ def request_of(body, cells=48, k=127):
     return body | {"grid": grid, "iterations": k}
 
 
+def names_of(seen):
+    return np.array([attractor.name for attractor in seen.attractors])[seen.solution]
+
+
 @pytest.mark.parametrize("body", CASES.values(), ids=CASES)
 def test_the_labels_are_those_of_the_basin_of_the_same_request(body, client, tmp_path):
     body = request_of(body)
-    preview = preview_basin(PreviewRequest(**body))
+    shown = preview_basin(PreviewRequest(**body))
     store = str(tmp_path / "basin.zarr")
     job = BasinJob.from_request(body)
     run_basin(job, store, Driver(client), report=lambda _: None, cancel=threading.Event())
     with xr.open_zarr(store) as basin:
         computed = basin.name.values[basin.solution.values]
-    shown = np.array([attractor.name for attractor in preview.attractors])[preview.solution]
-    assert computed.shape == shown.shape and (computed == shown).all()
-    assert preview.shares.sum() == pytest.approx(1.0) and (preview.shares > 0.0).all()
+    np.testing.assert_array_equal(names_of(shown), computed)
+    assert shown.shares.sum() == pytest.approx(1.0) and (shown.shares > 0.0).all()
 
 
 def test_a_window_seen_before_or_not_has_the_same_solutions():
@@ -55,6 +60,35 @@ def test_a_window_seen_before_or_not_has_the_same_solutions():
     again = preview_basin(PreviewRequest(**part | {"oscillator": {"damping": 0.61}}))
     np.testing.assert_array_equal(first.solution, again.solution)
     assert [each.name for each in first.attractors] == [each.name for each in again.attractors]
+
+
+@pytest.mark.parametrize("body", CASES.values(), ids=CASES)
+def test_quick_names_are_those_of_the_basin_where_a_motion_has_settled(body, monkeypatch):
+    body = request_of(body)
+    # Nothing is known of the oscillator, as when it is seen for the first time.
+    monkeypatch.setattr(preview, "_known", preview._Catalogues())
+    quick = names_of(preview_basin(PreviewRequest(**body, quick=True)))
+    full = names_of(preview_basin(PreviewRequest(**body)))
+    settled = ~np.isin(quick, ["chaotic", "undecided"])
+    assert settled.any() and (quick[settled] == full[settled]).all()
+    assert ("chaotic" in quick) == any(name.startswith("chaotic") for name in full.ravel())
+
+
+def test_quick_names_wait_for_no_ensemble(monkeypatch):
+    def ensemble(*_):
+        raise AssertionError("an ensemble takes a hundred times as long as a preview may")
+
+    monkeypatch.setattr(attractor_search, "follow_ensemble", ensemble)
+    oscillator = {"damping": 0.5999}
+    assert "chaotic" in names_of(preview_basin(PreviewRequest(oscillator=oscillator, quick=True)))
+    with pytest.raises(AssertionError):
+        preview_basin(PreviewRequest(oscillator=oscillator))
+
+
+def test_quick_names_know_what_was_found_before():
+    body = {"oscillator": {"damping": 0.5998}}
+    full = preview_basin(PreviewRequest(**body))
+    np.testing.assert_array_equal(names_of(preview_basin(PreviewRequest(**body, quick=True))), names_of(full))
 
 
 def test_without_a_word_it_is_128_cells_each_way_and_a_small_prime():

@@ -31,7 +31,7 @@ function standing(picture, edited, job) {
   if (!picture) return { words: "", kind: "none" };
   const { time, velocity } = picture.outline;
   const cells = `${time.cells} × ${velocity.cells} cells`;
-  const preview = picture.isPreview ? "Preview, " : "";
+  const preview = picture.isPreview ? `${picture.quick ? "First look (what is slow to settle may change)" : "Preview"}, ` : "";
   if (edited) return { words: `${preview}${cells}: edited, not computed`, kind: "edited" };
   if (preview) return { words: `${preview}${cells}${job ? "" : "; Compute refines it"}`, kind: "preview" };
   const k = job ? `, k = ${job.request.iterations}` : "";

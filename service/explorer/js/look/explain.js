@@ -11,8 +11,12 @@ const KINDS = {
   undecided: "Where this ends could not be decided.",
 };
 
+/** Name of what has not settled in a first picture. */
+export const UNSETTLED = "not settled yet";
+
 /** What a solution is, in a sentence. */
 export function solutionInWords({ kind, name }) {
+  if (name === UNSETTLED) return "It has not settled within some hundred impacts. A finer picture says where it ends.";
   const parts = /^P\((\d+),(\d+),(\d+)\)/.exec(name);
   if (!parts) return KINDS[kind] ?? "";
   const [periods, upper, lower] = parts.slice(1).map(Number);

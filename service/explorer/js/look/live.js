@@ -1,5 +1,6 @@
-/** The live picture: previews of whatever oscillator and window are looked at, coarse while something moves, then finer. */
+/** The live picture: previews of whatever oscillator and window are looked at, coarse with quick names first, then finer. */
 
+import { Refusal } from "../net/api.js";
 import { Latest } from "../net/latest.js";
 import { askPreview } from "./preview.js";
 
@@ -23,7 +24,10 @@ export class Live {
       tell.show(preview);
       const next = this.#finer(wish, tell.alone());
       if (next && !this.latest.next) this.latest.want({ ...wish, detail: next });
-    }, tell.failed);
+    }, (error, wish) => {
+      // Its first look is there. One that takes too long is left to a job.
+      if (wish.detail === "coarse" || !(error instanceof Refusal)) tell.failed(error);
+    });
   }
 
   #finer({ detail }, alone) {
@@ -32,15 +36,14 @@ export class Live {
   }
 
   /**
-   * Show an oscillator in a window.
+   * Show an oscillator in a window: coarse at once, then finer unless something newer is wanted.
    * @param {Oscillator} oscillator
    * @param {View} view
-   * @param {boolean} moving whether more will follow at once, as while a slider moves
    */
-  want(oscillator, view, moving = false) {
-    // A finest preview under way is of the past.
-    if (this.latest.wish?.detail === "finest") this.latest.drop();
-    this.latest.want({ oscillator, view, detail: moving ? "coarse" : "fine" });
+  want(oscillator, view) {
+    // A finer preview under way is of the past, and can take seconds where motions are slow to settle.
+    if (this.latest.wish && this.latest.wish.detail !== "coarse") this.latest.drop();
+    this.latest.want({ oscillator, view, detail: "coarse" });
   }
 
   drop() {
@@ -53,7 +56,7 @@ export class Live {
     const cells = coarse && this.milliseconds > SLOW_MS ? CELLS.coarsest : CELLS[detail];
     // With weak damping a few iterations show nothing that lasts.
     const few = coarse && oscillator.damping >= 0.5 ? FEW_ITERATIONS : null;
-    const preview = await askPreview(oscillator, view, cells, few, signal);
+    const preview = await askPreview(oscillator, view, { cells, iterations: few, quick: coarse }, signal);
     this.milliseconds = performance.now() - begun;
     return preview;
   }

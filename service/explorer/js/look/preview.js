@@ -2,12 +2,19 @@
 
 import { post } from "../net/api.js";
 import { Picture } from "../plane/picture.js";
+import { UNSETTLED } from "./explain.js";
 import { axesOf } from "../state/window.js";
 
 const LABELLED = 3;
 
-function outlineOf(answer) {
-  const { time, velocity, solutions, grazing, missing_colour } = answer;
+/** Quick names leave open what a finer picture decides. */
+function notYet(solution) {
+  return solution.kind === "undecided" ? { ...solution, name: UNSETTLED } : solution;
+}
+
+function outlineOf(answer, quick) {
+  const { time, velocity, grazing, missing_colour } = answer;
+  const solutions = quick ? answer.solutions.map(notYet) : answer.solutions;
   return {
     parameters: {}, time, velocity, solutions, grazing, missing_colour, complete: true, speckle: [1],
     tiles: { rows: velocity.cells, columns: time.cells, down: 1, across: 1, first: 0, states: [LABELLED] },
@@ -15,10 +22,15 @@ function outlineOf(answer) {
 }
 
 export class Preview extends Picture {
-  /** @param {PreviewAnswer} answer as from `/v1/previews` @param {Oscillator} oscillator that it is of */
-  constructor(answer, oscillator) {
-    super(null, 0, outlineOf(answer));
+  /**
+   * @param {PreviewAnswer} answer as from `/v1/previews`
+   * @param {Oscillator} oscillator that it is of
+   * @param {boolean} quick whether slow motions are named by what a few thousand impacts show
+   */
+  constructor(answer, oscillator, quick) {
+    super(null, 0, outlineOf(answer, quick));
     this.oscillator = oscillator;
+    this.quick = quick;
     this.iterations = answer.iterations;
     const bytes = Uint8Array.from(atob(answer.labels), (letter) => letter.charCodeAt(0));
     for (let row = 0; row < this.height; row++) {
@@ -52,12 +64,14 @@ export class Preview extends Picture {
  * Ask for a preview.
  * @param {Oscillator} oscillator as in a request
  * @param {View} view
- * @param {number} cells each way
- * @param {number|null} iterations null for the service's own choice
+ * @param {object} how
+ * @param {number} how.cells each way
+ * @param {number|null} how.iterations null for the service's own choice
+ * @param {boolean} how.quick
  * @param {AbortSignal} signal
  */
-export async function askPreview(oscillator, view, cells, iterations, signal) {
+export async function askPreview(oscillator, view, { cells, iterations, quick }, signal) {
   const grid = axesOf(view, { time: cells, velocity: cells });
-  const body = { oscillator, grid, ...(iterations ? { iterations } : {}) };
-  return new Preview(await post("/v1/previews", body, { signal }), oscillator);
+  const body = { oscillator, grid, quick, ...(iterations ? { iterations } : {}) };
+  return new Preview(await post("/v1/previews", body, { signal }), oscillator, quick);
 }

@@ -2,6 +2,7 @@
 
 import { Picture } from "../plane/picture.js";
 import { ended } from "../jobs/life.js";
+import { Unreachable } from "../net/api.js";
 import { Live } from "./live.js";
 
 const FIELDS = ["model", "damping", "eccentricity", "half_backlash", "stiffness", "permanent_contact"];
@@ -12,6 +13,11 @@ export function sameOscillator(one, other) {
   const stiff = one?.model === "piecewise_linear";
   const value = (oscillator, name) => oscillator[name] ?? DEFAULTS[name];
   return Boolean(one && other) && FIELDS.every((name) => (!stiff && name === "permanent_contact") || value(one, name) === value(other, name));
+}
+
+/** Oscillator of a request's first basin. */
+export function firstOf({ oscillator, vary }) {
+  return { ...oscillator, ...Object.fromEntries((vary ?? []).map(({ parameter, start, values }) => [parameter, start ?? values[0]])) };
 }
 
 export class Screen {
@@ -32,15 +38,34 @@ export class Screen {
     /** Oscillator that was last asked for, and whether a slider still changes it. */
     this.wanted = null;
     this.moving = false;
-    this.live = new Live({ show: (preview) => this.#arrived(preview), failed: tell.failed, alone: tell.alone });
+    this.live = new Live({ show: (preview) => this.#arrived(preview), failed: (error) => this.#failed(error), alone: tell.alone });
+    /** What has not been asked for, or was not answered. */
+    this.unseen = null;
     this.panel = 0;
     this.opened = null;
   }
 
   /** Look at an oscillator in a window: a preview of it comes at once. */
   look(oscillator, view, moving = false) {
-    [this.wanted, this.moving] = [oscillator, moving];
-    this.live.want(oscillator, view, moving);
+    [this.wanted, this.moving, this.unseen] = [oscillator, moving, null];
+    this.live.want(oscillator, view);
+  }
+
+  /** Look at an oscillator once the service is known to take it. */
+  propose(oscillator) {
+    this.unseen = oscillator;
+  }
+
+  /** The service takes what was proposed; whether there was anything. */
+  confirm() {
+    const { unseen } = this;
+    if (unseen) this.look(unseen, this.plane.view);
+    return unseen !== null;
+  }
+
+  #failed(error) {
+    if (error instanceof Unreachable) this.unseen = this.wanted;
+    this.tell.failed(error);
   }
 
   #arrived(preview) {

@@ -4,6 +4,7 @@ import { pythonOf } from "../look/python.js";
 import { pathOf, send } from "../net/api.js";
 import { hasCells } from "./still.js";
 import { pictureOf } from "./photograph.js";
+import { attempt } from "./say.js";
 
 function copyable(title, text) {
   const heading = document.createElement("h3");
@@ -52,7 +53,7 @@ function sharesCsv(picture) {
 }
 
 /** Files that can be saved: a title, a name, and how to get it. */
-function filesOf({ job, panel, plane, motions, caption }) {
+function filesOf({ job, plane, motions, caption }) {
   const cells = !job || hasCells(job);
   const name = job ? `${job.kind}-${job.id.slice(0, 8)}` : "preview";
   const files = [];
@@ -62,7 +63,7 @@ function filesOf({ job, panel, plane, motions, caption }) {
   }
   if (motions.followed.size) files.push(["Histories (CSV)", `${name}-histories.csv`, () => historyCsv(motions)]);
   if (!job) return files;
-  const drawn = (ending) => `${job.links.picture.replace(/png$/, ending)}?${new URLSearchParams(cells ? { layer: plane.look.layer, panel } : {})}`;
+  const drawn = (ending) => `${job.links.picture.replace(/png$/, ending)}${cells ? `?layer=${plane.look.layer}` : ""}`;
   for (const [title, ending] of [["Picture (PNG)", "png"], ["SVG", "svg"], ["PDF", "pdf"]]) {
     files.push([title, `${name}-whole.${ending}`, () => fetched(drawn(ending))]);
   }
@@ -77,7 +78,7 @@ export function showTakeaway(place, seen) {
   files.className = "files";
   files.append(...filesOf(seen).map(([title, name, get]) => {
     const button = Object.assign(document.createElement("button"), { type: "button", textContent: title });
-    button.addEventListener("click", async () => saveBlob(await get(), name));
+    button.addEventListener("click", () => attempt(async () => saveBlob(await get(), name)));
     return button;
   }));
   const blocks = [];

@@ -8,8 +8,6 @@ const GRID = ["time.start", "time.stop", "time.cells", "velocity.start", "veloci
 const CELLS = 500;
 const WAIT_MS = 180;
 const RETRY_MS = 2000;
-// One application of the impact map on one core; flights between springs take longer.
-const NANOSECONDS = { impacting: 4, piecewise_linear: 20 };
 const NUMBERS = [...OSCILLATOR, ...GRID, "iterations", "vary.start", "vary.stop", "vary.count"];
 
 /** Value of a field: a number if possible, otherwise the text itself, which the service then refuses. */
@@ -36,8 +34,8 @@ function fieldOf(location) {
 
 function secondsInWords(seconds) {
   if (seconds < 1) return "Less than a second of computing.";
-  if (seconds < 90) return `About ${Math.round(seconds)} s of computing on one core.`;
-  return `About ${Math.round(seconds / 60)} minutes of computing on one core.`;
+  if (seconds < 90) return `Up to ${Math.round(seconds)} s of computing.`;
+  return `Up to ${Math.round(seconds / 60)} minutes of computing.`;
 }
 
 export class Form {
@@ -47,6 +45,7 @@ export class Form {
    * @param {(request: BasinRequest) => void} tell.submitted
    * @param {() => void} tell.edited called after each change
    * @param {(bounds: object[]) => void} tell.bounds called with the bounds that apply
+   * @param {() => void} tell.sound called when the service would take the oscillator and the window
    */
   constructor(form, tell) {
     this.form = form;
@@ -71,6 +70,11 @@ export class Form {
     });
     // After an outage the verdict is about the outage, until the service answers again.
     setInterval(() => this.unanswered && this.check(), RETRY_MS);
+  }
+
+  /** The service does not answer others: check until it does. */
+  doubt() {
+    this.unanswered = true;
   }
 
   #edited() {
@@ -187,8 +191,9 @@ export class Form {
     this.button.disabled = wrong;
   }
 
-  #show({ accepted, errors, applications, bounds }) {
+  #show({ accepted, errors, seconds, bounds }) {
     this.tell.bounds(bounds);
+    if (!errors.some(({ location }) => ["oscillator", "grid"].includes(location[1]))) this.tell.sound();
     this.form.querySelectorAll(".hint").forEach((hint) => this.#hint(hint, "", "", false));
     this.form.querySelectorAll("[aria-invalid]").forEach((input) => input.removeAttribute("aria-invalid"));
     for (const bound of bounds) {
@@ -197,7 +202,7 @@ export class Form {
     }
     const elsewhere = errors.filter((error) => !this.#blame(error)).map(({ message }) => message);
     const oscillatorErrors = errors.filter(({ location }) => location[1] === "oscillator").map(({ message }) => message);
-    if (accepted) this.#say(secondsInWords(1e-9 * applications * NANOSECONDS[this.#field("model").value]), false);
+    if (accepted) this.#say(secondsInWords(seconds), false);
     else this.#say([...elsewhere, ...oscillatorErrors].join("; ") || "Not yet: see the field marked in the request.", true);
   }
 

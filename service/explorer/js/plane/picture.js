@@ -39,6 +39,8 @@ export class Picture {
     this.there = new Set();
     this.settled = new Set();
     this.fresh = true;
+    // Whether slow motions are named by their first impacts only, as in a first look.
+    this.quick = false;
     this.canvas = document.createElement("canvas");
     this.canvas.width = this.width;
     this.canvas.height = this.height;

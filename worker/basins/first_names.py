@@ -1,0 +1,125 @@
+"""First names of the cells of a preview: what some thousand impacts show, for a picture at once.
+
+The names of a job are the result of following a whole ensemble beside each motion that does not settle, and of carrying
+slow motions through their transients. That can take a hundred times as long as all cells of a preview. Here a motion that
+has not settled is called chaotic if tangent vectors grow along it, and undecided if they do not. It may settle later.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from rattle_kernels import Attractor, AttractorKind, CellImages, Oscillator, next_impacts, tangent_growth
+from rattle_kernels.attractors.attractor import PERMANENT_CONTACT_ATTRACTOR, UNDECIDED_ATTRACTOR
+from rattle_kernels.attractors.classify import UNASSIGNED, coarser_boxes
+from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
+from rattle_kernels.attractors.seeds import Seeds, choose_seeds
+from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
+from rattle_kernels.lanes.arrival import follow
+from rattle_kernels.lanes.tables import lane_tables
+from rattle_kernels.model.outcome import Outcome
+from rattle_kernels.numerics.phase import wrap_all
+from worker.basins.landings import name_landings
+
+# A job follows thousands of seeds for thousands of impacts each, which takes longer than all cells of a preview.
+# Attractors that these seeds miss show up as unassigned landing points.
+_MOST_SEEDS = 24
+_SETTLING = 4096
+# Motions settle in a time like 1/damping.
+_NAMING, _MOST_NAMING = 60.0, 600
+_GROWING = 512
+# Regular motions separate too: by at most this factor times the impacts.
+_REGULAR_GROWTH = 6.0
+
+_CHAOS = UNDECIDED_ATTRACTOR._replace(kind=AttractorKind.CHAOTIC)
+
+
+def first_names(
+    oscillator: Oscillator, images: CellImages, known: tuple[Attractor, ...], pause: Callable[[], None]
+) -> tuple[np.ndarray, tuple[Attractor, ...]]:
+    """Name each cell by the orbit that it settles on within some thousand impacts, if there is one.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+    images : CellImages
+    known : tuple of Attractor
+        A catalogue of this oscillator; empty if there is none yet.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
+
+    Returns
+    -------
+    solution : ndarray of int16, shape of the images
+        Index into the catalogue.
+    attractors : tuple of Attractor
+        Chaos is without points if it was not in the catalogue before.
+    """
+    seeds = few_seeds(choose_seeds(oscillator, images.landing_time, images.landing_velocity))
+    attractors = known or _settled(oscillator, seeds, pause)
+    solution, unnamed = name_landings(oscillator, attractors, images, pause, _name_soon)
+    if (solution < 0).any():
+        rest = _growing(oscillator, few_seeds(unnamed)) if unnamed.box.size else UNDECIDED_ATTRACTOR
+        alike = [number for number, each in enumerate(attractors) if each.is_chaotic and rest.is_chaotic]
+        attractors = attractors if alike else (*attractors, rest)
+        solution[solution < 0] = alike[0] if alike else len(attractors) - 1
+    return solution, attractors
+
+
+def _settled(oscillator: Oscillator, seeds: Seeds, pause: Callable[[], None]) -> tuple[Attractor, ...]:
+    """Permanent contact, and the orbits on which some of the seeds have settled."""
+    ends = next_impacts(oscillator, seeds.time, seeds.velocity, _SETTLING, shortcuts=True)
+    going = ends.outcome == Outcome.RETURNED
+    orbits: list[Attractor] = []
+    t, v = wrap_all(ends.t[going]), ends.v[going]
+    while t.size:
+        pause()
+        orbit = settled_orbit(oscillator, float(t[0]), float(v[0]))
+        t, v = t[1:], v[1:]
+        if orbit is None:
+            continue
+        orbits.append(attractor_of(orbit))
+        elsewhere = locate(oscillator, neighbourhoods(oscillator, orbits), t, v) < 0
+        t, v = t[elsewhere], v[elsewhere]
+    by_length = sorted(orbits, key=lambda each: (each.upper_contacts, each.forcing_periods, each.lower_contacts))
+    return (PERMANENT_CONTACT_ATTRACTOR, *by_length)
+
+
+def _name_soon(
+    oscillator: Oscillator, attractors: tuple[Attractor, ...], t: np.ndarray, v: np.ndarray, pause: Callable[[], None]
+) -> np.ndarray:
+    """Solution of each landing point, as `rattle_kernels.name_solutions` after fewer impacts."""
+    pause()
+    arrived = np.full(t.size, UNASSIGNED, np.int64)
+    impacts = min(round(_NAMING / oscillator.damping), _MOST_NAMING)
+    around = neighbourhoods(oscillator, attractors)
+    follow(oscillator, lane_tables(oscillator), around, impacts, wrap_all(t), v.copy(), arrived)
+    return arrived.astype(np.int16)
+
+
+def _growing(oscillator: Oscillator, seeds: Seeds) -> Attractor:
+    """Chaos if tangent vectors grow along most of the seeds that do not settle."""
+    growth = tangent_growth(oscillator, seeds.time, seeds.velocity, _GROWING).growth
+    kept = growth[np.isfinite(growth)]
+    chaotic = kept.size > 0 and np.median(kept) > math.log(_REGULAR_GROWTH * _GROWING)
+    return _CHAOS if chaotic else UNDECIDED_ATTRACTOR
+
+
+def few_seeds(seeds: Seeds) -> Seeds:
+    """The first seed of each box, of boxes so coarse that few remain.
+
+    Parameters
+    ----------
+    seeds : Seeds
+
+    Returns
+    -------
+    Seeds
+    """
+    boxes = seeds.box
+    numbers, first = np.unique(boxes, return_index=True)
+    while first.size > _MOST_SEEDS:
+        boxes = coarser_boxes(boxes)
+        numbers, first = np.unique(boxes, return_index=True)
+    return Seeds(numbers, seeds.time[first], seeds.velocity[first])
