@@ -320,6 +320,19 @@ def test_a_bifurcation_opened_by_its_address_is_a_chart_too(explorer, service):
     explorer.pictured("Preview")
 
 
+def test_orbits_are_a_chart_whose_marks_are_followed(explorer, service):
+    job = service.request("POST", "/v1/orbits", json={"longest": 1}).json()
+    found = service.wait(job["id"])
+    orbits = service.request("GET", found["links"]["result"]).json()["orbits"]
+    explorer.visit(f"?job={job['id']}")
+    marks = explorer.page.locator("#orbits-chart .orbit")
+    expect(marks).to_have_count(sum(len(orbit["departures"]) for orbit in orbits), timeout=60_000)
+    explorer.pictured("First look")
+    expect(explorer.page.locator("#shown")).to_contain_text("δ = 0.6")
+    marks.last.click()
+    expect(explorer.page.locator("#histories")).to_contain_text("The motion from t = 0.898")
+
+
 def test_two_basins_are_swiped_over_each_other(opened):
     page = opened.page
     page.locator("#keep").click()
