@@ -198,6 +198,17 @@ def test_the_form_the_window_and_the_picture_are_one(opened):
     expect(opened.page.locator("[data-turn=damping]")).to_have_value("0.57")
 
 
+def test_an_edit_right_after_a_zoom_stays(opened):
+    opened.open_drawer()
+    wheel(opened, -4, 0.5, 0.5)
+    opened.fill(damping=0.57)
+    expect(opened.page.locator("#shown")).to_contain_text("δ = 0.57")
+    # Longer than a zoom rests before it asks.
+    opened.page.wait_for_timeout(600)
+    expect(opened.page.locator("[name=damping]")).to_have_value("0.57")
+    expect(opened.page.locator("[data-turn=damping]")).to_have_value("0.57")
+
+
 def test_a_refused_zoom_leaves_the_running_job_and_is_tried_again(explorer):
     cancelled = sent(explorer, "/withdraw")
     refusals = []

@@ -66,6 +66,9 @@ function edited() {
   const { time, velocity } = request.grid;
   if (!oscillator || !(time.start < time.stop && velocity.start < velocity.stop)) return;
   [at.request, at.edited] = [request, true];
+  // A zoom that has just ended would ask for what was in the form before, and put it back there.
+  clearTimeout(at.rest);
+  if (jobs.life.phase === "asking") jobs.leave();
   by("preset-note").textContent = "";
   if (!same(viewOf(request.grid), plane.view)) plane.lookAt((at.whole = viewOf(request.grid)));
   caption();
