@@ -1,7 +1,7 @@
 """How fast the explorer answers its user: ``python -m benchmarks.explorer [ADDRESS]``, on a quiet machine.
 
-Measured in Chromium, from the user's action to the frame that shows its effect. The targets are those of
-docs/performance.md.
+Measured in Chromium, from the user's action to the frame that shows its effect. The targets are for two cores with
+browser and service on them, and nothing else.
 """
 
 import contextlib

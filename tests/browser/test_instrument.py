@@ -198,6 +198,17 @@ def test_the_form_the_window_and_the_picture_are_one(opened):
     expect(opened.page.locator("[data-turn=damping]")).to_have_value("0.57")
 
 
+def test_an_edit_right_after_a_zoom_stays(opened):
+    opened.open_drawer()
+    wheel(opened, -4, 0.5, 0.5)
+    opened.fill(damping=0.57)
+    expect(opened.page.locator("#shown")).to_contain_text("δ = 0.57")
+    # Longer than a zoom rests before it asks.
+    opened.page.wait_for_timeout(600)
+    expect(opened.page.locator("[name=damping]")).to_have_value("0.57")
+    expect(opened.page.locator("[data-turn=damping]")).to_have_value("0.57")
+
+
 def test_a_refused_zoom_leaves_the_running_job_and_is_tried_again(explorer):
     cancelled = sent(explorer, "/withdraw")
     refusals = []
@@ -318,6 +329,19 @@ def test_a_bifurcation_opened_by_its_address_is_a_chart_too(explorer, service):
     explorer.visit(f"?job={job['id']}")
     expect(explorer.page.locator("#diagram .points").first).to_be_attached(timeout=60_000)
     explorer.pictured("Preview")
+
+
+def test_orbits_are_a_chart_whose_marks_are_followed(explorer, service):
+    job = service.request("POST", "/v1/orbits", json={"longest": 1}).json()
+    found = service.wait(job["id"])
+    orbits = service.request("GET", found["links"]["result"]).json()["orbits"]
+    explorer.visit(f"?job={job['id']}")
+    marks = explorer.page.locator("#orbits-chart .orbit")
+    expect(marks).to_have_count(sum(len(orbit["departures"]) for orbit in orbits), timeout=60_000)
+    explorer.pictured("First look")
+    expect(explorer.page.locator("#shown")).to_contain_text("δ = 0.6")
+    marks.last.click()
+    expect(explorer.page.locator("#histories")).to_contain_text("The motion from t = 0.898")
 
 
 def test_two_basins_are_swiped_over_each_other(opened):

@@ -1,8 +1,8 @@
 """First names of the cells of a preview: what some thousand impacts show, for a picture at once.
 
-The names of a job are the result of following a whole ensemble beside each motion that does not settle, and of carrying
-slow motions through their transients. That can take a hundred times as long as all cells of a preview. Here a motion that
-has not settled is called chaotic if tangent vectors grow along it, and undecided if they do not. It may settle later.
+A job follows a whole ensemble beside each motion that does not settle, and carries slow motions through their
+transients. That can take a hundred times as long as all cells of a preview. Here a motion that has not settled is
+called chaotic if tangent vectors grow along it, and undecided if they do not. It may settle later.
 """
 
 import math

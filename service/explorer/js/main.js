@@ -19,6 +19,7 @@ import { Form } from "./panels/form.js";
 import { Hover } from "./panels/hover.js";
 import { showLegend } from "./panels/legend.js";
 import { Motions } from "./panels/motions.js";
+import { Orbits } from "./panels/orbits.js";
 import { OverlayList } from "./panels/overlay_list.js";
 import { Sweep } from "./panels/sweep.js";
 import { Turn } from "./panels/turn.js";
@@ -41,7 +42,7 @@ const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0
 const plane = new Plane(by("plane"), { moved, hovered: (place) => hover.at(place), picked: (place, second) => screen.oscillator && motions.pick(place, second), whole: showWhole });
 const marks = new Marks(by("marks"), plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
-const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), sound });
+const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), sound: () => screen.confirm() && lifeChanged(jobs.life) });
 const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
 const jobs = new Jobs({ changed: lifeChanged, begun, drawn });
 const motions = new Motions(by("history"), plane, marks, () => screen.wanted, () => remember(false));
@@ -50,7 +51,10 @@ const overlays = new OverlayList(by("overlays"), plane, () => remember(false));
 const sweep = new Sweep(by("sweep"), openPanel);
 const still = new Still(by("still"));
 new Comparison({ button: by("keep"), range: by("swipe") }, plane, screen);
-const diagrams = new Diagrams({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) });
+const charts = {
+  orbits: new Orbits({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), pick: (departure) => motions.pick(departure, false, true) }),
+  bifurcation: new Diagrams({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) }),
+};
 const examples = new Examples(by("preset"), by("examples"), by("preset-note"), showExample);
 
 // What is asked for.
@@ -62,6 +66,9 @@ function edited() {
   const { time, velocity } = request.grid;
   if (!oscillator || !(time.start < time.stop && velocity.start < velocity.stop)) return;
   [at.request, at.edited] = [request, true];
+  // A zoom that has just ended would ask for what was in the form before, and put it back there.
+  clearTimeout(at.rest);
+  if (jobs.life.phase === "asking") jobs.leave();
   by("preset-note").textContent = "";
   if (!same(viewOf(request.grid), plane.view)) plane.lookAt((at.whole = viewOf(request.grid)));
   caption();
@@ -69,11 +76,6 @@ function edited() {
   screen.propose(oscillator);
   turn.show(oscillator);
   remember(false);
-}
-
-/** The service takes what is in the form: show what has not been seen of it yet. */
-function sound() {
-  if (screen.confirm()) lifeChanged(jobs.life);
 }
 
 function slid(name, value) {
@@ -156,23 +158,22 @@ function begun(job) {
     if (at.opening && !at.opening.request) show(job.request, at.opening);
     at.request = job.request;
     turn.show(screen.begin(job, at.panel));
-  } else if (job.kind === "bifurcation") {
-    at.request = { ...form.request(), oscillator: job.request.oscillator };
-    show(at.request);
-    attempt(() => diagrams.show(job));
+  } else if (charts[job.kind]) {
+    show(form.requestFor(job.request.oscillator));
+    attempt(() => charts[job.kind].show(job));
   } else {
     screen.clear();
   }
   if (cells && job.request.vary) sweep.show(job.request.vary, at.panel);
   else sweep.hide();
-  enableTools(cells);
+  enableTools(cells || job.kind in charts);
   remember(false);
 }
 
 /** Draw a job as far as it is computed. */
 async function drawn(job, signal) {
   if (!hasCells(job)) {
-    if (ended(job) && job.progress && job.kind !== "bifurcation") await still.show(job, signal);
+    if (ended(job) && job.progress && !charts[job.kind]) await still.show(job, signal);
     return;
   }
   const picture = await screen.draw(job, signal);
@@ -196,7 +197,7 @@ function openPanel(panel) {
 // What is seen.
 
 function pictureChanged() {
-  diagrams.follow();
+  charts.bifurcation.follow();
   legend();
   hover.read();
   caption();
@@ -205,6 +206,7 @@ function pictureChanged() {
 /** Another oscillator is seen: the motions that are followed start where they did. */
 function turned() {
   overlays.forget();
+  charts.orbits.forget();
   motions.renew();
 }
 

@@ -6,6 +6,7 @@ import { post, Unreachable } from "../net/api.js";
 const OSCILLATOR = ["damping", "eccentricity", "half_backlash", "stiffness"];
 const GRID = ["time.start", "time.stop", "time.cells", "velocity.start", "velocity.stop", "velocity.cells"];
 const CELLS = 500;
+const USUAL = { grid: { time: { start: 0, stop: 1, cells: CELLS }, velocity: { start: 0, stop: 7, cells: CELLS } }, iterations: 1499 };
 const WAIT_MS = 180;
 const RETRY_MS = 2000;
 const NUMBERS = [...OSCILLATOR, ...GRID, "iterations", "vary.start", "vary.stop", "vary.count"];
@@ -160,6 +161,12 @@ export class Form {
     const parameter = this.#field("vary").value;
     if (parameter) request.vary = [{ parameter, start: value("vary.start"), stop: value("vary.stop"), count: value("vary.count") }];
     return request;
+  }
+
+  /** Request for another oscillator in the window of the form, or in the usual one while the form is empty. */
+  requestFor(oscillator) {
+    const { grid, iterations } = this.request();
+    return typeof iterations === "number" ? { oscillator, grid, iterations } : { ...USUAL, oscillator };
   }
 
   /** Let the service check the request, show the outcome, and return whether it would be accepted. */

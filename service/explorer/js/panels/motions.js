@@ -40,12 +40,13 @@ export class Motions {
     this.second.setAttribute("aria-pressed", String(on));
   }
 
-  /** Follow the motion from the centre of the cell at a point. */
-  async pick(place, second) {
+  /** Follow the motion from the centre of the cell at a point, or from the point itself. */
+  async pick(place, second, exactly = false) {
     if (place.v <= 0) return;
     const name = this.followed.size && (second || this.comparing) ? "second" : "first";
     this.#compare(false);
-    const start = this.plane.at(place.t, place.v) ?? { ...place };
+    const known = this.plane.at(place.t, place.v);
+    const start = exactly || !known ? { ...known, ...place } : known;
     start.t -= Math.floor(start.t);
     const { era } = this;
     await attempt(async () => {
