@@ -68,9 +68,10 @@ class RunningService:
         """Answer to a request."""
         return httpx.request(method, self.url + path, timeout=30.0, **options)
 
-    def submit(self, body):
-        """Job of a request for a basin, or a sweep."""
-        answer = self.request("POST", "/v1/sweeps" if "vary" in body else "/v1/basins", json=body)
+    def submit(self, body, path=None):
+        """Job of a request; without a path, for a basin or a sweep."""
+        path = path or ("sweeps" if "vary" in body else "basins")
+        answer = self.request("POST", f"/v1/{path}", json=body)
         assert answer.status_code == 202, answer.text
         return answer.json()
 

@@ -41,9 +41,12 @@ _PATIENCE = 4
 _FRUITLESS_SEEDS = 8
 
 
-def _orbits_of(oscillator: Oscillator, ends: np.ndarray) -> list[Attractor]:
+def _orbits_of(oscillator: Oscillator, ends: np.ndarray, pause: Pause) -> list[Attractor]:
     """The attracting periodic orbit that each settled trajectory approaches, if it approaches one."""
-    orbits = [settled_orbit(oscillator, t, v) for t, v in ends.tolist()]
+    orbits = []
+    for t, v in ends.tolist():
+        pause()
+        orbits.append(settled_orbit(oscillator, t, v))
     return [attractor_of(orbit) for orbit in orbits if orbit is not None]
 
 
@@ -54,7 +57,7 @@ def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Pause) -> lis
         if orbit is not None:
             return [attractor_of(orbit)]
         ensemble = follow_ensemble(oscillator, t, v, pause)
-        ends = _orbits_of(oscillator, ensemble.settled if ensemble.chaotic else ensemble.ends)
+        ends = _orbits_of(oscillator, ensemble.settled if ensemble.chaotic else ensemble.ends, pause)
         left = ensemble.captured + len(ends)
         if 2 * left > ENSEMBLE:
             return ends or [PERMANENT_CONTACT_ATTRACTOR]
@@ -118,9 +121,8 @@ def _settle(
     times, speeds = [t[:0]], [v[:0]]
     at_a_time = max(64, _APPLICATIONS_AT_A_TIME // applications)
     for start in range(0, t.size, at_a_time):
-        pause()
         part = slice(start, start + at_a_time)
-        settled, _ = run_lanes(oscillator, t[part], v[part], applications, shortcuts=True)
+        settled, _ = run_lanes(oscillator, t[part], v[part], applications, shortcuts=True, pause=pause)
         left = settled.outcome == Outcome.RETURNED
         times.append(settled.t[left])
         speeds.append(settled.v[left])

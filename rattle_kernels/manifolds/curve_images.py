@@ -15,7 +15,7 @@ The image of an arc is refined by mapping new points, never by interpolating the
    smooth. The other side of the bracket may still be the square root of rounding (1e-8) away, along the grazing curve.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ from rattle_kernels.impact_map.apply import next_impact, previous_impact
 from rattle_kernels.manifolds.polyline import CurveResolution, chord_lengths, turning_angles
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import kernel
+from rattle_kernels.numerics.pausing import Pause, never_stopped
 
 FORWARDS = 1.0
 BACKWARDS = -1.0
@@ -33,6 +34,8 @@ _STRAIGHT = 1e-7
 # Halvings to reach neighbouring numbers: from 1 to 1e-16, once among ancestors and once before the last map.
 _HALVINGS = 120
 _ROUNDS = 64
+# Impacts between two pauses, some hundredths of a second.
+_IMPACTS_A_LEG = 1 << 14
 LARGEST_POWER = 62
 """An int64 has a bit for each application, set if it met -beta."""
 
@@ -41,7 +44,8 @@ class CurveMap(NamedTuple):
     """The map to draw images of: P (FORWARDS) or its inverse (BACKWARDS), applied `power` times at once.
 
     ``turns`` forcing periods are subtracted from the phase each time, so that it does not run away. ``onto`` gives the
-    speed of the first curve at a phase, if known. It is None if the first curve is straight.
+    speed of the first curve at a phase, if known. It is None if the first curve is straight. ``pause`` is called
+    several times a second while images are drawn; an exception raised there ends the work.
     """
 
     oscillator: Oscillator
@@ -50,6 +54,7 @@ class CurveMap(NamedTuple):
     turns: float
     velocity_scale: float
     onto: Callable[[np.ndarray], np.ndarray] | None = None
+    pause: Pause = never_stopped
 
 
 class CurvePoints(NamedTuple):
@@ -77,8 +82,8 @@ class UndecidedFlight(ArithmeticError):
 
 
 @kernel
-def _follow(oscillator, direction, power, turns, base, t, v, case):
-    for i in range(t.shape[1]):
+def _follow(oscillator, direction, power, turns, base, t, v, case, first, last):
+    for i in range(first, last):
         for row in range(base[i] + 1, t.shape[0]):
             phase, speed, met = t[row - 1, i], v[row - 1, i], 0
             for _ in range(power):
@@ -92,11 +97,20 @@ def _follow(oscillator, direction, power, turns, base, t, v, case):
             t[row, i], v[row, i], case[i] = phase - turns, speed, met
 
 
+def _legs(curve_map: CurveMap, size: int, impacts: int) -> Iterator[slice]:
+    """Parts of `size` points, each of which takes so many impacts, with a pause before each part."""
+    points = max(1, _IMPACTS_A_LEG // impacts)
+    for first in range(0, size, points):
+        curve_map.pause()
+        yield slice(first, min(first + points, size))
+
+
 def _map_from(curve_map: CurveMap, base: np.ndarray, t: np.ndarray, v: np.ndarray) -> CurvePoints:
     """Fill the rows above each point's base, in place."""
     oscillator, direction, power, turns = curve_map[:4]
     case = np.zeros(t.shape[1], np.int64)
-    _follow(oscillator, direction, power, turns, base, t, v, case)
+    for leg in _legs(curve_map, case.size, power * t.shape[0]):
+        _follow(oscillator, direction, power, turns, base, t, v, case, leg.start, leg.stop)
     if not np.isfinite(v[-1]).all():
         raise UndecidedFlight(f"an image of (t, v) = ({t[0, 0]}, {v[0, 0]}) or near it was not found")
     return CurvePoints(t, v, np.zeros(case.size, np.bool_), np.ones(case.size, np.bool_), case, case.copy())
@@ -125,7 +139,9 @@ def _midpoints(curve_map: CurveMap, low: CurvePoints, high: CurvePoints) -> Curv
     rows = np.arange(chords.shape[0])[:, None]
     base = np.where(chords < _STRAIGHT, rows, 0).max(axis=0, initial=0)
     if curve_map.onto is not None:
-        v[0, base == 0] = curve_map.onto(t[0, base == 0])
+        first = np.flatnonzero(base == 0)
+        for leg in _legs(curve_map, first.size, 1):
+            v[0, first[leg]] = curve_map.onto(t[0, first[leg]])
     return _map_from(curve_map, base, t, v)
 
 
@@ -159,6 +175,7 @@ def _with_corners(curve_map: CurveMap, points: CurvePoints) -> CurvePoints:
         flips = np.flatnonzero(points.joined[:-1] & (points.after[:-1] != points.before[1:]))
         if not flips.size:
             return points
+        curve_map.pause()
         points = _insert(points, flips, _bisect(curve_map, points.at(flips), points.at(flips + 1)))
 
 
@@ -196,9 +213,11 @@ def refine(
     for _ in range(_ROUNDS):
         if points.corner.size > most_points:
             return None
+        curve_map.pause()
         coarse = _too_coarse(points, resolution, curve_map.velocity_scale)
         if not coarse.size:
             break
+        curve_map.pause()
         middle = _midpoints(curve_map, points.at(coarse), points.at(coarse + 1))
         points = _with_corners(curve_map, _insert(points, coarse, middle))
     return points

@@ -104,7 +104,7 @@ def grazing_preimages(
     most_points : int
         Largest number of points per order.
     pause : callable
-        Called between orders. To stop the work, raise an exception there.
+        Called several times a second; an exception raised there ends the work.
 
     Returns
     -------
@@ -146,7 +146,6 @@ class _Task(NamedTuple):
     resolution: CurveResolution
     velocity_limits: tuple[float, float]
     most_points: int
-    pause: Pause
 
 
 def _task(
@@ -164,8 +163,8 @@ def _task(
     if not 0.0 <= lowest < highest:
         raise ValueError(f"velocity_limits must be 0 <= lowest < highest, not {velocity_limits}")
     scale = largest_grazing_speed(checked)
-    backwards = CurveMap(checked, BACKWARDS, 1, 0.0, scale, lambda phase: grazing_velocity(checked, phase))
-    return _Task(backwards, order, resolution, (lowest, highest), most_points, pause)
+    backwards = CurveMap(checked, BACKWARDS, 1, 0.0, scale, lambda phase: grazing_velocity(checked, phase), pause)
+    return _Task(backwards, order, resolution, (lowest, highest), most_points)
 
 
 def _images(task: _Task, phase: np.ndarray) -> Iterator[CurvePoints]:
@@ -178,7 +177,6 @@ def _images(task: _Task, phase: np.ndarray) -> Iterator[CurvePoints]:
         if curve is None:
             return
         yield curve
-        task.pause()
         if order < task.order:
             slow = drop_fast(curve, beyond)
             curve = next_image(task.backwards, slow, task.resolution, task.most_points) if slow.corner.size else slow

@@ -136,12 +136,10 @@ def _branch(
     first_step: np.ndarray,
     limits: ManifoldLimits,
     resolution: CurveResolution,
-    pause: Pause,
 ) -> tuple[tuple[Piece, ...], ManifoldEnd]:
     """Pieces of the branch that begins with a step away from a point of a saddle, and why it ends."""
     growth = _begin(curve_map, saddle, first_step)
     for _ in range(_MOST_IMAGES):
-        pause()
         growth = _grow(curve_map, growth, limits, resolution)
         if growth.end is not None:
             break
@@ -170,7 +168,7 @@ def _manifold(
             f"P^{power} maps {orbit_name(orbit)} along its manifold: at most P^{LARGEST_POWER} is computed"
         )
     turns = sense * orbit.forcing_periods * (2 if flips else 1)
-    curve_map = CurveMap(checked, sense, power, turns, scale)
+    curve_map = CurveMap(checked, sense, power, turns, scale, pause=pause)
     branches = []
     for point in range(orbit.upper_contacts):
         local = directions(orbit, point, scale)
@@ -181,7 +179,7 @@ def _manifold(
             if only not in (None, (point, side)):
                 continue
             saddle = np.array([orbit.t[point], orbit.v[point]])
-            pieces, end = _branch(curve_map, saddle, side * first_step, limits, resolution, pause)
+            pieces, end = _branch(curve_map, saddle, side * first_step, limits, resolution)
             branches.append(ManifoldBranch(point, side, pieces, arclength(pieces, scale), end))
     return tuple(branches)
 

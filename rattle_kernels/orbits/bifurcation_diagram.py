@@ -19,12 +19,15 @@ from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import PARAMETERS, Oscillator, check_domain, eccentricity_bound_quiet
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
-from rattle_kernels.numerics.jit import inlined, kernel
+from rattle_kernels.numerics.jit import kernel
+from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import part_turn
 
 # The paper keeps the last twenty impacts.
 _KEPT = 20
 _TRANSIENT = 1000
+# Impacts between two pauses: some hundredths of a second, in soft contact a few tenths.
+_IMPACTS_A_LEG = 1 << 14
 # Only low bounces are tested for capture: the bound costs milliseconds, at weak damping half a second.
 _LOW_BOUNCE = 0.1
 # Speed given to a motion at rest on the wall, relative to the fall through the backlash. Anything slower is rest.
@@ -58,33 +61,43 @@ class BifurcationDiagram(NamedTuple):
     period: np.ndarray
 
 
-@inlined
-def _settle(oscillator, t, v, transient):
-    """Apply P `transient` times. Returns the outcome, phase and speed.
+class _Search(NamedTuple):
+    """Brent's search for the turns of one motion: phase and speed now and at the mark; impacts now and at the mark."""
+
+    points: np.ndarray
+    counts: np.ndarray
+
+
+@kernel
+def _settle_leg(oscillator, search, transient):
+    """Apply P for a leg, but not beyond `transient` impacts. Returns the outcome.
 
     A motion that returns to exactly the same numbers repeats itself, so whole turns of it are skipped: attracting
     orbits get there after some hundred impacts. The search is Brent's: the reference state moves on at powers of two.
     """
-    marked_t, marked_v, marked_at, n = t, v, 0, 0
-    while n < transient:
+    t, v, marked_t, marked_v = search.points
+    n, marked_at = search.counts
+    outcome, left = OUTCOME_RETURNED, _IMPACTS_A_LEG
+    while n < transient and left > 0:
         impact = next_impact(oscillator, t, v)
         if impact.outcome != OUTCOME_RETURNED:
-            return impact.outcome, t, v
+            outcome = impact.outcome
+            break
         t, v = impact.t, impact.v
         n += 1
+        left -= 1
         if t == marked_t and v == marked_v:
             n = transient - (transient - n) % (n - marked_at)
         elif n >= 2 * marked_at:
             marked_t, marked_v, marked_at = t, v, n
-    return OUTCOME_RETURNED, t, v
+    search.points[:] = t, v, marked_t, marked_v
+    search.counts[:] = n, marked_at
+    return outcome
 
 
-@inlined
-def _follow(oscillator, t, v, transient, times, speeds):
-    """Apply P `transient` times, then keep every departure. Returns the outcome."""
-    outcome, t, v = _settle(oscillator, t, v, transient)
-    if outcome != OUTCOME_RETURNED:
-        return outcome
+@kernel
+def _keep_leg(oscillator, t, v, times, speeds):
+    """Keep every departure that follows one. Returns the outcome."""
     for n in range(times.size):
         impact = next_impact(oscillator, t, v)
         if impact.outcome != OUTCOME_RETURNED:
@@ -94,7 +107,28 @@ def _follow(oscillator, t, v, transient, times, speeds):
     return OUTCOME_RETURNED
 
 
-@inlined
+def _follow(
+    oscillator: Oscillator, t: float, v: float, transient: int, times: np.ndarray, speeds: np.ndarray, pause: Pause
+) -> int:
+    """Apply P `transient` times, then keep every departure. Returns the outcome."""
+    search = _Search(np.array([t, v, t, v]), np.zeros(2, np.int64))
+    while search.counts[0] < transient:
+        pause()
+        outcome = _settle_leg(oscillator, search, transient)
+        if outcome != OUTCOME_RETURNED:
+            return int(outcome)
+    t, v = search.points[:2]
+    for first in range(0, times.size, _IMPACTS_A_LEG):
+        pause()
+        leg = slice(first, first + _IMPACTS_A_LEG)
+        outcome = _keep_leg(oscillator, t, v, times[leg], speeds[leg])
+        if outcome != OUTCOME_RETURNED:
+            return int(outcome)
+        t, v = times[leg][-1], speeds[leg][-1]
+    return OUTCOME_RETURNED
+
+
+@kernel
 def _impact_period(times, speeds, scale):
     """Shortest period after which the last departure repeats an earlier one; 0 if there is none."""
     last = times.size - 1
@@ -103,22 +137,6 @@ def _impact_period(times, speeds, scale):
         if math.hypot(apart, (speeds[last] - speeds[last - period]) / scale) < _CLOSED:
             return period
     return 0
-
-
-@kernel
-def _settle_at(oscillator, quiet, seed_t, seed_v, captured, transient, t, v, outcome, period):
-    """Fill the rows of one value. The seeds move on to where the motions end."""
-    scale = fall_speed(oscillator)
-    for j in range(seed_t.size):
-        if captured[j] and quiet:
-            outcome[j] = OUTCOME_PERMANENT_CONTACT
-            continue
-        if captured[j]:
-            seed_t[j], seed_v[j] = 0.0, _AT_REST * scale
-        outcome[j] = _follow(oscillator, seed_t[j], seed_v[j], transient, t[j], v[j])
-        if outcome[j] == OUTCOME_RETURNED:
-            seed_t[j], seed_v[j] = t[j, -1], v[j, -1]
-            period[j] = _impact_period(t[j], v[j], scale)
 
 
 def _find_captured(
@@ -145,8 +163,38 @@ class Motions(NamedTuple):
         return cls(phase, speed, np.zeros(phase.size, np.bool_))
 
 
+def _settle_at(
+    oscillator: Oscillator, motions: Motions, transient: int, run: BifurcationDiagram, i: int, pause: Pause
+) -> None:
+    """Fill the rows of value number i. The motions move on to where they end."""
+    scale = fall_speed(oscillator)
+    quiet = oscillator.eccentricity < eccentricity_bound_quiet(oscillator)
+    t, v, outcome, period = run.t[i], run.v[i], run.outcome[i], run.period[i]
+    for j in range(motions.t.size):
+        if motions.captured[j] and quiet:
+            outcome[j] = OUTCOME_PERMANENT_CONTACT
+            continue
+        if motions.captured[j]:
+            motions.t[j], motions.v[j] = 0.0, _AT_REST * scale
+        outcome[j] = _follow(oscillator, motions.t[j], motions.v[j], transient, t[j], v[j], pause)
+        if outcome[j] == OUTCOME_RETURNED:
+            motions.t[j], motions.v[j] = t[j, -1], v[j, -1]
+            period[j] = _impact_period(t[j], v[j], scale)
+    _find_captured(oscillator, t, v, outcome, period)
+    lost = outcome != OUTCOME_RETURNED
+    t[lost], v[lost], period[lost] = np.nan, np.nan, 0
+    motions.captured[:] = outcome == OUTCOME_PERMANENT_CONTACT
+
+
 def follow_values(
-    oscillator: Oscillator, parameter: str, values: np.ndarray, motions: Motions, transient: int, kept: int
+    oscillator: Oscillator,
+    parameter: str,
+    values: np.ndarray,
+    motions: Motions,
+    transient: int,
+    kept: int,
+    *,
+    pause: Pause = never_stopped,
 ) -> tuple[BifurcationDiagram, Motions]:
     """Follow motions from value to value, in the order given. The result is a stretch of a diagram.
 
@@ -158,6 +206,8 @@ def follow_values(
         Values in the order of the visit.
     motions : Motions
         States to start from.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
 
     Returns
     -------
@@ -169,19 +219,16 @@ def follow_values(
     OutsideDomain
         If a value lies outside the domain of the map.
     """
-    oscillators = [check_domain(oscillator._replace(**{parameter: float(value)})) for value in values]
     after = Motions(*(field.copy() for field in motions))
-    shape = len(oscillators), after.t.size
-    t, v = np.full((*shape, kept), np.nan), np.full((*shape, kept), np.nan)
-    outcome, period = np.zeros(shape, np.int8), np.zeros(shape, np.int16)
-    for i, at in enumerate(oscillators):
-        quiet = at.eccentricity < eccentricity_bound_quiet(at)
-        _settle_at(at, quiet, *after, transient, t[i], v[i], outcome[i], period[i])
-        _find_captured(at, t[i], v[i], outcome[i], period[i])
-        lost = outcome[i] != OUTCOME_RETURNED
-        t[i, lost], v[i, lost], period[i, lost] = np.nan, np.nan, 0
-        after.captured[:] = outcome[i] == OUTCOME_PERMANENT_CONTACT
-    return BifurcationDiagram(parameter, np.array(values, np.float64), t, v, outcome, period), after
+    shape = len(values), after.t.size
+    run = BifurcationDiagram(
+        parameter, np.array(values, np.float64), np.full((*shape, kept), np.nan), np.full((*shape, kept), np.nan),
+        np.zeros(shape, np.int8), np.zeros(shape, np.int16),
+    )  # fmt: skip
+    for i, value in enumerate(run.values.tolist()):
+        pause()
+        _settle_at(check_domain(oscillator._replace(**{parameter: value})), after, transient, run, i, pause)
+    return run, after
 
 
 def _check_numbers(parameter: str, values: np.ndarray, direction: str, transient: int, kept: int) -> None:

@@ -15,11 +15,14 @@ import numpy as np
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator, check_domain
-from rattle_kernels.numerics.jit import kernel
-from rattle_kernels.orbits.orbit_seeds import orbit_seeds
-from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit, newton_orbit
+from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_kernels.orbits.orbit_seeds import SearchSeeds, orbit_seeds
+from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit, newton_all, newton_orbit
 
 _SEED_RESIDUAL = 1e-9
+# Impacts of a round of Newton's method from some seeds between two pauses: some hundredths of a second in all rounds,
+# in soft contact a few tenths.
+_IMPACTS_A_ROUND = 256
 # Orbits closer than this are one. Near a fold, where two orbits part like a square root, Newton's error is 1e-8.
 _SAME = 1e-6
 
@@ -41,10 +44,21 @@ class FoundOrbit(NamedTuple):
         return float(np.abs(self.grazing_margin).min())
 
 
-@kernel
-def _newton_all(oscillator, t, v, period, scale, residual):
-    for i in range(t.size):
-        t[i], v[i], residual[i] = newton_orbit(oscillator, t[i], v[i], period[i], scale)
+def _newton_from(
+    oscillator: Oscillator, seeds: SearchSeeds, scale: float, pause: Pause
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where Newton's method leads from each seed: phase, speed and residual."""
+    t, v, residual = seeds.t.copy(), seeds.v.copy(), np.empty(seeds.t.size)
+    legs = np.cumsum(seeds.period) // _IMPACTS_A_ROUND
+    for leg in np.split(np.arange(t.size), np.flatnonzero(np.diff(legs)) + 1):
+        pause()
+        part = slice(leg[0], leg[-1] + 1)
+        if seeds.period[part].max() <= _IMPACTS_A_ROUND:
+            newton_all(oscillator, t[part], v[part], seeds.period[part], scale, residual[part])
+            continue
+        for i in leg.tolist():
+            t[i], v[i], residual[i] = newton_orbit(oscillator, t[i], v[i], int(seeds.period[i]), scale, pause)
+    return t, v, residual
 
 
 def describe_orbit(oscillator: Oscillator, orbit: PeriodicOrbit) -> FoundOrbit:
@@ -87,6 +101,8 @@ def find_orbits(
     velocity: tuple[float, float] = (0.0, 7.0),
     cells: int = 40,
     rows: tuple[int, int] | None = None,
+    *,
+    pause: Pause = never_stopped,
 ) -> tuple[FoundOrbit, ...]:
     """Periodic orbits of impact period up to `longest` with a departure in a region of the (t, v) plane.
 
@@ -103,6 +119,8 @@ def find_orbits(
     rows : (int, int), optional
         Range of rows of cells to start from, the last excluded: a part of the search. `merge_orbits` combines the
         parts. All rows by default.
+    pause : callable
+        Called several times a second; an exception raised there ends the search.
 
     Returns
     -------
@@ -120,15 +138,15 @@ def find_orbits(
     if longest < 1 or cells < 1:
         raise ValueError(f"longest and cells must be positive, not {longest} and {cells}")
     scale = float(fall_speed(checked))
-    t, v, period, kind = orbit_seeds(checked, (*time, *velocity), cells, rows or (0, cells), longest)
-    residual = np.empty(t.size)
-    _newton_all(checked, t, v, period, scale, residual)
+    seeds = orbit_seeds(checked, (*time, *velocity), cells, rows or (0, cells), longest, pause)
+    t, v, residual = _newton_from(checked, seeds, scale, pause)
     catalogue = _Catalogue(scale)
     # Shortest first, so that a multiple of an orbit's period leads to an orbit already known. Those above the grazing
     # curve last: of orbits that other seeds lead to, they give another last digit.
-    for i in np.lexsort((v, t, kind == 3, period)):
+    for i in np.lexsort((v, t, seeds.kind == 3, seeds.period)):
         if residual[i] <= _SEED_RESIDUAL and not catalogue.holds(t[i], v[i]):
-            orbit = find_periodic_orbit(checked, t[i], v[i], int(period[i]), scale)
+            pause()
+            orbit = find_periodic_orbit(checked, t[i], v[i], int(seeds.period[i]), scale, pause=pause)
             if orbit is not None and not catalogue.holds(orbit.t[0], orbit.v[0]):
                 catalogue.add(orbit)
     found = [describe_orbit(checked, orbit) for orbit in catalogue.orbits if _enters(orbit, time, velocity)]
@@ -158,7 +176,9 @@ def merge_orbits(oscillator: Oscillator, found: Iterable[FoundOrbit]) -> tuple[F
     return tuple(sorted(kept, key=_order))
 
 
-def find_orbit(oscillator: Oscillator, t: float, v: float, period: int = 1) -> FoundOrbit | None:
+def find_orbit(
+    oscillator: Oscillator, t: float, v: float, period: int = 1, *, pause: Pause = never_stopped
+) -> FoundOrbit | None:
     """Periodic orbit near a departure, stable or not, by Newton's method on P^p.
 
     Parameters
@@ -169,6 +189,8 @@ def find_orbit(oscillator: Oscillator, t: float, v: float, period: int = 1) -> F
         Phase and speed of the departure.
     period : int
         Impact period p, at least 1. The orbit's own period may be a divisor of it.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
 
     Returns
     -------
@@ -181,7 +203,7 @@ def find_orbit(oscillator: Oscillator, t: float, v: float, period: int = 1) -> F
         If the oscillator's parameters lie outside the domain of the map.
     """
     checked = check_domain(oscillator)
-    orbit = find_periodic_orbit(checked, float(t), float(v), period, float(fall_speed(checked)))
+    orbit = find_periodic_orbit(checked, float(t), float(v), period, float(fall_speed(checked)), pause=pause)
     return None if orbit is None else describe_orbit(checked, orbit)
 
 

@@ -19,9 +19,12 @@ from rattle_kernels.model.grazing_curve import grazing_velocity
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
+from rattle_kernels.numerics.pausing import Pause
 from rattle_kernels.numerics.phase import part_turn
 
 _RECURRENCE_APPLICATIONS = 200
+# Trajectories between two pauses: some hundredths of a second, in soft contact a few tenths.
+_TRAJECTORIES_A_LEG = 64
 _CLOSE = 0.1
 # Heights above the grazing curve, relative to it, and phases for each column of cells.
 _ABOVE = 1e-2, 1e-4, 1e-6
@@ -72,6 +75,7 @@ def orbit_seeds(
     cells: int,
     rows: tuple[int, int],
     longest: int,
+    pause: Pause,
 ) -> SearchSeeds:
     """Departures from which Newton's method on P^p starts.
 
@@ -81,7 +85,7 @@ def orbit_seeds(
         Checked by the caller.
     region : (float, float, float, float)
         First and last phase, lowest and highest speed.
-    cells, rows, longest
+    cells, rows, longest, pause
         As for `find_orbits`.
 
     Returns
@@ -96,7 +100,10 @@ def orbit_seeds(
     t, v = middle_t.ravel(), middle_v.ravel()
     shape = t.size, longest
     best_t, best_v, best = np.zeros(shape), np.zeros(shape), np.full(shape, _CLOSE)
-    _recurrences(oscillator, t, v, longest, _RECURRENCE_APPLICATIONS, best_t, best_v, best)
+    for first in range(0, t.size, _TRAJECTORIES_A_LEG):
+        pause()
+        leg = slice(first, first + _TRAJECTORIES_A_LEG)
+        _recurrences(oscillator, t[leg], v[leg], longest, _RECURRENCE_APPLICATIONS, best_t[leg], best_v[leg], best[leg])
     period = np.broadcast_to(np.arange(1, longest + 1), shape)
     near = best < _CLOSE
     above_t, above_v = _above_the_grazing_curve(oscillator, (region[0], region[1]), cells, rows)

@@ -17,10 +17,13 @@ import numpy as np
 from rattle_kernels.impact_map.jacobian import Jacobian, multiply, next_impact_with_jacobian
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import inlined, kernel
-from rattle_kernels.numerics.phase import part_turn, wrap
+from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_kernels.numerics.phase import part_turn, wrap, wrap_all
 
-_NEWTON_STEPS = 40
+_NEWTON_ROUNDS = 40
 _RESIDUAL = 1e-11
+# Impacts between two pauses: some hundredths of a second, in soft contact a few tenths.
+_IMPACTS_A_LEG = 1 << 14
 
 
 class PeriodicOrbit(NamedTuple):
@@ -74,27 +77,51 @@ def _iterate(oscillator, t, v, period):
 
 
 @kernel
-def newton_orbit(oscillator, t, v, period, scale):
-    """Newton's method on P^p(x) - x. Steps that would make v <= 0 are halved. The residual shows if it converged."""
+def newton_rounds(oscillator, t, v, period, scale, rounds):
+    """Some rounds of Newton's method on P^p(x) - x: phase and speed, the residual before the last step, if it ended.
+
+    Steps that would make v <= 0 are halved. The phase is not reduced.
+    """
     residual = math.inf
-    for _ in range(_NEWTON_STEPS):
+    for _ in range(rounds):
         t1, v1, jacobian, _, _ = _iterate(oscillator, t, v, period)
         f = part_turn(t1 - t)
         g = v1 - v
         residual = math.hypot(f, g / scale)
         if not residual > 1e-15:
-            break
+            return t, v, residual, True
         a, b, c, d = jacobian.tt - 1.0, jacobian.tv, jacobian.vt, jacobian.vv - 1.0
         determinant = a * d - b * c
         dt, dv = (b * g - d * f) / determinant, (c * f - a * g) / determinant
         if not (math.isfinite(dt) and math.isfinite(dv)):
-            return t, v, math.inf
+            return t, v, math.inf, True
         while v + dv <= 0.0:
             dt, dv = 0.5 * dt, 0.5 * dv
         t, v = t + dt, v + dv
         if math.hypot(dt, dv / scale) < 1e-15:
-            break
-    return wrap(t), v, residual
+            return t, v, residual, True
+    return t, v, residual, False
+
+
+@kernel
+def newton_all(oscillator, t, v, period, scale, residual):
+    """Newton's method from all seeds, which become where it leads. The residuals show if it converged."""
+    for i in range(t.size):
+        end, v[i], residual[i], _ = newton_rounds(oscillator, t[i], v[i], period[i], scale, _NEWTON_ROUNDS)
+        t[i] = wrap(end)
+
+
+def newton_orbit(
+    oscillator: Oscillator, t: float, v: float, period: int, scale: float, pause: Pause
+) -> tuple[float, float, float]:
+    """Newton's method from one seed, whatever its period: phase, speed and residual."""
+    ended, rounds = False, _NEWTON_ROUNDS
+    while rounds > 0 and not ended:
+        pause()
+        now = min(rounds, max(1, _IMPACTS_A_LEG // period))
+        t, v, residual, ended = newton_rounds(oscillator, t, v, period, scale, now)
+        rounds -= now
+    return float(wrap_all(np.array([t]))[0]), v, residual
 
 
 @inlined
@@ -130,7 +157,9 @@ def _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians):
     return elapsed, lower
 
 
-def find_periodic_orbit(oscillator: Oscillator, t: float, v: float, period: int, scale: float) -> PeriodicOrbit | None:
+def find_periodic_orbit(
+    oscillator: Oscillator, t: float, v: float, period: int, scale: float, *, pause: Pause = never_stopped
+) -> PeriodicOrbit | None:
     """Periodic orbit near a seed, if there is one.
 
     Parameters
@@ -143,13 +172,15 @@ def find_periodic_orbit(oscillator: Oscillator, t: float, v: float, period: int,
         Impact period p. If the orbit's own period is a divisor of p, that one is used.
     scale : float
         Speed that counts as much as one forcing period.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
 
     Returns
     -------
     PeriodicOrbit or None
         None if Newton's method does not reach a residual of at most 1e-11, or ends at rest on the wall.
     """
-    t, v, residual = newton_orbit(oscillator, t, v, period, scale)
+    t, v, residual = newton_orbit(oscillator, t, v, period, scale, pause)
     if not residual <= _RESIDUAL:
         return None
     period = _own_period(oscillator, t, v, period, scale)

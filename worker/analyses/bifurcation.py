@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from rattle_kernels import AttractorKind, Oscillator, Outcome, find_attractors, next_impacts
+from rattle_kernels import AttractorKind, Oscillator, Outcome, find_attractors
 from rattle_kernels.attractors.seeds import choose_seeds
+from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.numerics.pausing import Pause
 from rattle_kernels.orbits.bifurcation_diagram import Motions, follow_values
 from worker.analyses.analysis import Analysis, Parts, Piece, Plan
@@ -21,9 +22,8 @@ from worker.jobs.region import Region
 from worker.progress import Stage
 from worker.stores.layout import MISSING, PERIODS, SPEED, Columns, Variable, flags
 
-# Applications of P in a stretch, about two seconds. A cancelled stretch stops at the end of a band.
+# Applications of P in a stretch, about two seconds.
 _APPLICATIONS = 1_000_000
-_BANDS = 8
 # Departures along each axis in the search for attractors, and impacts until their motions have settled.
 _STARTS = 48
 _SETTLING = 1499
@@ -43,10 +43,9 @@ def find_seeds(oscillator: Oscillator, region: Region, *, pause: Pause) -> Colum
     t, v = np.meshgrid(
         *(axis.start + (axis.stop - axis.start) * middles for axis in (region.time, region.velocity)),
     )
-    landed = next_impacts(oscillator, t.ravel(), v.ravel(), _SETTLING)
-    pause()
+    landed, _ = run_lanes(oscillator, t.ravel(), v.ravel(), _SETTLING, shortcuts=False, pause=pause)
     seeds = choose_seeds(oscillator, landed.t, landed.v)
-    found = find_attractors(oscillator, seeds.time, seeds.velocity)
+    found = find_attractors(oscillator, seeds.time, seeds.velocity, pause=pause)
     moving = [each for each in found if each.kind == AttractorKind.PERIODIC or each.is_chaotic]
     if not moving:
         raise NotFound(
@@ -71,13 +70,9 @@ def follow_stretch(
     *, pause: Pause,
 ) -> Columns:  # fmt: skip
     """One stretch of one chain, and the state of the motion at its end."""
-    rows = []
-    for band in np.array_split(values, min(_BANDS, values.size)):
-        pause()
-        run, motions = follow_values(oscillator, parameter, band, motions, transient, kept)
-        rows.append(run)
+    run, motions = follow_values(oscillator, parameter, values, motions, transient, kept, pause=pause)
     columns = {
-        name: np.concatenate([getattr(run, field) for run in rows])[:, 0]
+        name: getattr(run, field)[:, 0]
         for name, field in (("time", "t"), ("velocity", "v"), ("outcome", "outcome"), ("impact_period", "period"))
     }
     return columns | {f"left_{name}": values for name, values in motions._asdict().items()}

@@ -86,8 +86,9 @@ def saddle_named(
     found: list[FoundOrbit] = []
     edges = np.linspace(0, cells, min(_BANDS, cells) + 1).round().astype(int).tolist()
     for rows in zip(edges[:-1], edges[1:], strict=True):
-        pause()
-        found += find_orbits(oscillator, itinerary.upper_contacts, region.time.ends, region.velocity.ends, cells, rows)
+        found += find_orbits(
+            oscillator, itinerary.upper_contacts, region.time.ends, region.velocity.ends, cells, rows, pause=pause
+        )  # fmt: skip
     orbits = merge_orbits(oscillator, found)
     saddles = [each for each in orbits if each.orbit.name == itinerary.name and is_saddle(each.orbit)]
     if not saddles:

@@ -48,9 +48,10 @@ _SAME = 1e-6
 
 def search_band(oscillator: Oscillator, job: OrbitsJob, rows: tuple[int, int], *, pause: Pause) -> Columns:
     """Orbits that the search finds from some rows of cells."""
-    pause()
     region = job.region
-    found = find_orbits(oscillator, job.longest, region.time.ends, region.velocity.ends, job.cells, rows)
+    found = find_orbits(
+        oscillator, job.longest, region.time.ends, region.velocity.ends, job.cells, rows, pause=pause
+    )  # fmt: skip
     return ORBITS.of(found)
 
 
@@ -62,8 +63,7 @@ def search_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: 
     NotFound
         If there is none.
     """
-    pause()
-    found = find_orbit(oscillator, *astuple(seed))
+    found = find_orbit(oscillator, *astuple(seed), pause=pause)
     if found is None:
         raise NotFound(
             f"Newton's method on P^{seed.period} found no periodic orbit from seed {number}, t = {seed.time:g}, "

@@ -13,6 +13,7 @@ from distributed import Client, LocalCluster, Security, WorkerPlugin
 from rattle_kernels import warm_up
 from rattle_kernels.warm_up import Report
 from worker.cluster.certificates import Certificates
+from worker.cluster.tireless_nanny import TirelessNanny
 from worker.errors import ClusterFailed
 from worker.rounding import warn_if_unfused
 
@@ -76,7 +77,7 @@ def local_cluster(workers: int = 2, compiling: Report | None = None) -> Iterator
     warm_up(compiling)
     with dask.config.set({"distributed.comm.timeouts.connect": f"{_CONNECT_SECONDS}s", **_EMBEDDED}):
         cluster = LocalCluster(
-            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0",
+            n_workers=workers, threads_per_worker=1, worker_class=TirelessNanny, dashboard_address="127.0.0.1:0",
             silence_logs=logging.CRITICAL, host="127.0.0.1", protocol="tls://", security=Security.temporary(),
             scheduler_kwargs={"dashboard": False},
         )  # fmt: skip

@@ -21,6 +21,8 @@ _EXAMPLE: dict[str, Any] = {
 }
 # Of the impact equations, until a start has converged or is given up; a step takes the map and its derivative.
 _NEWTON_STEPS = 40
+_LONGEST_PERIOD = 9999
+"""Longest impact period of a saddle that an itinerary can name, too. A turn takes a hundredth of a second."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,8 @@ class OrbitSeed(Departure):
                 f"period must be 1 or more, the number of impacts with +beta in one turn, not {self.period}",
                 ("period",),
             )
+        if self.period > _LONGEST_PERIOD:
+            raise InvalidJob(f"period must be at most {_LONGEST_PERIOD}, not {self.period}", ("period",))
 
 
 @dataclass(frozen=True)
@@ -140,6 +144,8 @@ class OrbitsJob(AnalysisJob):
         for name in search:
             if self.seeds and name in self.model_fields_set:
                 raise InvalidJob(f"give seeds, or a region to search, not both: leave out {name}", (name,))
+        if self.longest > _LONGEST_PERIOD:
+            raise InvalidJob(f"longest must be at most {_LONGEST_PERIOD}, not {self.longest}", ("longest",))
         if self.continuation:
             self.continuation.check(self.oscillator, "continuation")
         if self.curves:
