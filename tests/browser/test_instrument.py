@@ -30,6 +30,7 @@ def finished(service):
 def opened(explorer, finished):
     """The page with a finished basin."""
     explorer.visit(f"?job={finished['id']}").state("Complete")
+    expect(explorer.page.locator("#legend button")).to_have_count(3)
     return explorer
 
 
@@ -338,7 +339,7 @@ def test_orbits_are_a_chart_whose_marks_are_followed(explorer, service):
     explorer.visit(f"?job={job['id']}")
     marks = explorer.page.locator("#orbits-chart .orbit")
     expect(marks).to_have_count(sum(len(orbit["departures"]) for orbit in orbits), timeout=60_000)
-    explorer.pictured("First look")
+    explorer.pictured("Preview")
     expect(explorer.page.locator("#shown")).to_contain_text("δ = 0.6")
     marks.last.click()
     expect(explorer.page.locator("#histories")).to_contain_text("The motion from t = 0.898")

@@ -39,7 +39,7 @@ const REST_MS = 350;
  */
 const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, rest: 0, sliding: false };
 
-const plane = new Plane(by("plane"), { moved, hovered: (place) => hover.at(place), picked: (place, second) => screen.oscillator && motions.pick(place, second), whole: showWhole });
+const plane = new Plane(by("plane"), { moved, hovered: (place) => hover.at(place), picked: (place, second) => screen.oscillator && motions.pick(place, second), whole: () => plane.go(at.whole) });
 const marks = new Marks(by("marks"), plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
 const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), sound: () => screen.confirm() && lifeChanged(jobs.life) });
@@ -62,8 +62,7 @@ const examples = new Examples(by("preset"), by("examples"), by("preset-note"), s
 /** Something in the form has changed, by hand or by a slider that moves: a preview follows. */
 function edited() {
   const oscillator = form.oscillator();
-  const request = form.request();
-  const { time, velocity } = request.grid;
+  const request = form.request(), { time, velocity } = request.grid;
   if (!oscillator || !(time.start < time.stop && velocity.start < velocity.stop)) return;
   [at.request, at.edited] = [request, true];
   // A zoom that has just ended would ask for what was in the form before, and put it back there.
@@ -136,10 +135,6 @@ function moved(view) {
     form.fill(request);
     ask(request);
   }, REST_MS);
-}
-
-function showWhole() {
-  plane.go(at.whole);
 }
 
 // Jobs.
@@ -292,7 +287,7 @@ async function open(offered) {
 
 function start() {
   whenKeyIsNeeded(askForKey);
-  setUpControls({ plane, jobs, restyle, whole: showWhole, takeaway });
+  setUpControls({ plane, jobs, restyle, whole: () => plane.go(at.whole), takeaway });
   setUpTheme(by("theme"), () => restyle({}));
   const offered = get("explorer/presets.json").then((presets) => examples.offer(presets));
   addEventListener("popstate", () => attempt(() => open(offered)));

@@ -7,7 +7,7 @@ import { pictureOf } from "./photograph.js";
 import { attempt } from "./say.js";
 
 function copyable(title, text) {
-  const heading = document.createElement("h3");
+  const heading = document.createElement("h2");
   heading.textContent = title;
   const button = Object.assign(document.createElement("button"), { type: "button", textContent: "Copy" });
   button.setAttribute("aria-label", `Copy ${title}`);
