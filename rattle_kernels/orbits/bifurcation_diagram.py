@@ -26,8 +26,8 @@ from rattle_kernels.numerics.phase import part_turn
 # The paper keeps the last twenty impacts.
 _KEPT = 20
 _TRANSIENT = 1000
-# Impacts between two pauses: some hundredths of a second, in soft contact a few tenths.
-_IMPACTS_A_LEG = 1 << 14
+# Impacts between two pauses: milliseconds, but in the softest contacts most of a second.
+_IMPACTS_A_LEG = 512
 # Only low bounces are tested for capture: the bound costs milliseconds, at weak damping half a second.
 _LOW_BOUNCE = 0.1
 # Speed given to a motion at rest on the wall, relative to the fall through the backlash. Anything slower is rest.

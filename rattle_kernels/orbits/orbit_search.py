@@ -20,9 +20,9 @@ from rattle_kernels.orbits.orbit_seeds import SearchSeeds, orbit_seeds
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit, newton_all, newton_orbit
 
 _SEED_RESIDUAL = 1e-9
-# Impacts of a round of Newton's method from some seeds between two pauses: some hundredths of a second in all rounds,
-# in soft contact a few tenths.
-_IMPACTS_A_ROUND = 256
+# Impacts of a round of Newton's method from some seeds between two pauses: milliseconds in all rounds. In the softest
+# contacts, where an impact may take one, it is most of a second.
+_IMPACTS_A_ROUND = 16
 # Orbits closer than this are one. Near a fold, where two orbits part like a square root, Newton's error is 1e-8.
 _SAME = 1e-6
 

@@ -23,8 +23,8 @@ from rattle_kernels.numerics.pausing import Pause
 from rattle_kernels.numerics.phase import part_turn
 
 _RECURRENCE_APPLICATIONS = 200
-# Trajectories between two pauses: some hundredths of a second, in soft contact a few tenths.
-_TRAJECTORIES_A_LEG = 64
+# Trajectories between two pauses: milliseconds, but in the softest contacts most of a second.
+_TRAJECTORIES_A_LEG = 4
 _CLOSE = 0.1
 # Heights above the grazing curve, relative to it, and phases for each column of cells.
 _ABOVE = 1e-2, 1e-4, 1e-6

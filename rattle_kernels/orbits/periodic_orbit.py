@@ -22,8 +22,8 @@ from rattle_kernels.numerics.phase import part_turn, wrap, wrap_all
 
 _NEWTON_ROUNDS = 40
 _RESIDUAL = 1e-11
-# Impacts between two pauses: some hundredths of a second, in soft contact a few tenths.
-_IMPACTS_A_LEG = 1 << 14
+# Impacts between two pauses, if a round takes no more: milliseconds, but in the softest contacts most of a second.
+_IMPACTS_A_LEG = 512
 
 
 class PeriodicOrbit(NamedTuple):

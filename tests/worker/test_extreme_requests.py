@@ -64,7 +64,7 @@ REQUESTS = {
         optional={"direction": st.sampled_from(["up", "down", "both"])},
     ).flatmap(lambda request: BEGINNINGS.map(lambda beginning: request | beginning)),
     "orbits": st.fixed_dictionaries(
-        {"oscillator": EITHER_MODEL, "longest": counts(10**4), "cells": counts(100), "region": REGIONS},
+        {"oscillator": EITHER_MODEL, "longest": counts(1000), "cells": counts(100), "region": REGIONS},
         optional={"continuation": FOLLOWED},
     ),
     "manifold": st.fixed_dictionaries(
