@@ -15,9 +15,17 @@ import numpy as np
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_kernels.numerics.phase import wrap
 from rattle_kernels.orbits.orbit_seeds import SearchSeeds, orbit_seeds
-from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit, newton_all, newton_orbit
+from rattle_kernels.orbits.periodic_orbit import (
+    NEWTON_ROUNDS,
+    PeriodicOrbit,
+    find_periodic_orbit,
+    newton_orbit,
+    newton_rounds,
+)
 
 _SEED_RESIDUAL = 1e-9
 # Impacts of a round of Newton's method from some seeds between two pauses: milliseconds in all rounds. In the softest
@@ -44,6 +52,14 @@ class FoundOrbit(NamedTuple):
         return float(np.abs(self.grazing_margin).min())
 
 
+@kernel
+def _newton_all(oscillator, t, v, period, scale, residual):
+    """Newton's method from all seeds, which become where it leads. The residuals show if it converged."""
+    for i in range(t.size):
+        end, v[i], residual[i], _ = newton_rounds(oscillator, t[i], v[i], period[i], scale, NEWTON_ROUNDS)
+        t[i] = wrap(end)
+
+
 def _newton_from(
     oscillator: Oscillator, seeds: SearchSeeds, scale: float, pause: Pause
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -54,7 +70,7 @@ def _newton_from(
         pause()
         part = slice(leg[0], leg[-1] + 1)
         if seeds.period[part].max() <= _IMPACTS_A_ROUND:
-            newton_all(oscillator, t[part], v[part], seeds.period[part], scale, residual[part])
+            _newton_all(oscillator, t[part], v[part], seeds.period[part], scale, residual[part])
             continue
         for i in leg.tolist():
             t[i], v[i], residual[i] = newton_orbit(oscillator, t[i], v[i], int(seeds.period[i]), scale, pause)

@@ -18,9 +18,9 @@ from rattle_kernels.impact_map.jacobian import Jacobian, multiply, next_impact_w
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import inlined, kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
-from rattle_kernels.numerics.phase import part_turn, wrap, wrap_all
+from rattle_kernels.numerics.phase import part_turn, wrap_all
 
-_NEWTON_ROUNDS = 40
+NEWTON_ROUNDS = 40
 _RESIDUAL = 1e-11
 # Impacts between two pauses, if a round takes no more: milliseconds, but in the softest contacts most of a second.
 _IMPACTS_A_LEG = 512
@@ -103,19 +103,11 @@ def newton_rounds(oscillator, t, v, period, scale, rounds):
     return t, v, residual, False
 
 
-@kernel
-def newton_all(oscillator, t, v, period, scale, residual):
-    """Newton's method from all seeds, which become where it leads. The residuals show if it converged."""
-    for i in range(t.size):
-        end, v[i], residual[i], _ = newton_rounds(oscillator, t[i], v[i], period[i], scale, _NEWTON_ROUNDS)
-        t[i] = wrap(end)
-
-
 def newton_orbit(
     oscillator: Oscillator, t: float, v: float, period: int, scale: float, pause: Pause
 ) -> tuple[float, float, float]:
     """Newton's method from one seed, whatever its period: phase, speed and residual."""
-    ended, rounds = False, _NEWTON_ROUNDS
+    ended, rounds = False, NEWTON_ROUNDS
     while rounds > 0 and not ended:
         pause()
         now = min(rounds, max(1, _IMPACTS_A_LEG // period))

@@ -74,7 +74,7 @@ class PreviewRequest(Request):
     iterations: Count | None = Field(
         None, description="k: 1 or a prime. By default 127 where damping is 0.5 or more, else about 76/damping"
     )
-    quick: bool = Field(
+    quick: Annotated[bool, Field(strict=True)] = Field(
         False,
         description="Name motions by what a few thousand impacts show: what settles later may be called chaotic, or "
         "undecided. Otherwise names are those of a job, which can take seconds",

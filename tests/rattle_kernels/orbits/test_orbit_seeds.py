@@ -7,6 +7,7 @@ import pytest
 
 from rattle_kernels import Oscillator, find_orbits, grazing_velocity, next_impacts
 from rattle_kernels.manifolds.grazing_preimages import speed_of_no_return
+from rattle_kernels.numerics.pausing import never_stopped
 from rattle_kernels.orbits.orbit_seeds import orbit_seeds
 
 
@@ -24,8 +25,8 @@ def test_a_saddle_of_multiplier_72_next_to_a_graze_is_found_from_any_grid(cells)
 
 def test_bands_of_a_search_share_the_phases_above_the_grazing_curve():
     oscillator, region = Oscillator(), (0.2, 0.8, 0.0, 1e-6)
-    parts = [orbit_seeds(oscillator, region, 6, rows, 1) for rows in ((0, 2), (2, 6))]
-    whole = orbit_seeds(oscillator, region, 6, (0, 6), 1)
+    parts = [orbit_seeds(oscillator, region, 6, rows, 1, never_stopped) for rows in ((0, 2), (2, 6))]
+    whole = orbit_seeds(oscillator, region, 6, (0, 6), 1, never_stopped)
     fast = [np.sort(seeds[0][seeds[1] > 1.0]) for seeds in (*parts, whole)]
     np.testing.assert_array_equal(np.sort(np.concatenate(fast[:2])), fast[2])
     t, v = whole[0][whole[1] > 1.0], whole[1][whole[1] > 1.0]
