@@ -30,6 +30,9 @@ WIDEST = math.tan(math.acos(LEAST_COSINE))
 _GROWTH = 1.5
 # Steps of up to so many least ones may turn a corner.
 CORNER = 4.0
+# Beyond a corner steps grow again, by a half each. So many in a row below a hundred least ones, twice as many as that
+# takes, follow the corrector's errors and not the curve.
+_SHORT, _MOST_SHORT = 100.0, 24
 
 
 class Steps(NamedTuple):
@@ -153,19 +156,20 @@ def follow_curve(
     Yields
     ------
     CurvePoint
-        The iterator ends where no step longer than the least one succeeds.
+        The iterator ends where no step longer than the least one succeeds, or only short ones do.
     """
     evaluated = system(start)
     if evaluated is None:
         return
-    at, step = CurvePoint(start, unit_tangent(evaluated[1], along), 0.0), steps.first
-    while step >= steps.least:
+    at, step, short = CurvePoint(start, unit_tangent(evaluated[1], along), 0.0), steps.first, 0
+    while step >= steps.least and short < _MOST_SHORT:
         # A corner is passed by a step so short that nothing else is near.
         found = _step(system, at, step, corner=step <= CORNER * steps.least)
         if found is None or (accept is not None and not accept(at, found[0])):
             step *= 0.5
             continue
         at = found[0]
+        short = short + 1 if step < _SHORT * steps.least else 0
         yield at
         if found[1] <= _QUICK:
             step = min(_GROWTH * step, steps.most)

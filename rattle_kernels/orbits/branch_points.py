@@ -24,8 +24,9 @@ from rattle_kernels.orbits.closure import OrbitShape, stability_gap
 from rattle_kernels.orbits.orbit_equations import SpecialKind
 from rattle_kernels.orbits.station import BranchTask, Station, station_between
 
-# Near a graze a step is a part of the distance to it, so that a branch stalls within a few least steps.
-_REACH = 1e-6
+# Near a graze the trace is like the inverse of the distance to it. It multiplies the errors of a corrected point, some
+# 1e-13. So a branch comes as close as their root, 1e-6 or less, and stalls.
+_REACH = 1e-5
 # A contact that splits does so far from all departures. Its parameter lies within this part of that of the stall.
 _REACH_OF_LOSS = 0.05
 # Departures that all lie within this distance of one graze have merged there.
