@@ -160,7 +160,7 @@ def test_panning_at_full_width_is_never_refused(opened):
 
 
 def test_after_quick_zooms_back_shows_what_was_zoomed_away_from(explorer, service):
-    explorer.visit(link(k=6007, cells=700)).state("tiles")
+    explorer.visit(link(k=3001, cells=700)).state("tiles")
     addresses = []
     for _ in range(3):
         before = explorer.page.url
@@ -168,21 +168,21 @@ def test_after_quick_zooms_back_shows_what_was_zoomed_away_from(explorer, servic
         expect(explorer.page).not_to_have_url(before)
         addresses.append(explorer.page.url)
     explorer.page.locator("#back").click()
-    explorer.state("Complete", seconds=150)
+    explorer.state("Complete", seconds=100)
     explorer.page.reload()
-    explorer.state("Complete", seconds=150)
+    explorer.state("Complete", seconds=100)
     explorer.pictured("700 × 700 cells")
 
 
 def test_a_zoom_in_one_tab_does_not_stop_the_picture_in_another(chromium_here, explorer, service):
-    address = link(k=10007, cells=900, damping=0.61)
+    address = link(k=3011, cells=700, damping=0.61)
     explorer.visit(address).state("cells")
     other = Explorer(chromium_here, service.url)
     other.visit(address).state("cells")
     wheel(explorer, -3)
     explorer.page.wait_for_url(re.compile("window="))
     explorer.pictured("Preview")
-    other.state("Complete", seconds=150)
+    other.state("Complete", seconds=100)
     other.context.close()
 
 
@@ -221,12 +221,12 @@ def test_a_refused_zoom_leaves_the_running_job_and_is_tried_again(explorer):
         return route.fallback()
 
     explorer.forgiven += ("429",)
-    explorer.visit(link(k=8009, cells=600, damping=0.62)).state("cells")
+    explorer.visit(link(k=3019, cells=600, damping=0.62)).state("cells")
     explorer.page.route("**/v1/basins", full)
     wheel(explorer, -2)
     explorer.state("Too many jobs are queued. Trying again in 1 s.")
     assert cancelled == []
-    explorer.state("Complete", seconds=150)
+    explorer.state("Complete", seconds=100)
     assert len(refusals) == 1
     expect(explorer.page).to_have_url(re.compile("window="))
 
