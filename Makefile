@@ -74,9 +74,10 @@ test-hosts: $(READY)  ## the compose file's commands as hosts of a network, and 
 	@command -v nginx >/dev/null || ls /usr/sbin/nginx >/dev/null 2>&1 || $(call install,nginx-light)
 	$(BIN)/python -m pytest tests/hosts -m hosts --timeout 1200
 
+# A process of their own, so that kernels are compiled before the first service starts.
 test-browser: $(READY) node_modules  ## the explorer in the system's Chromium
 	@command -v chromium >/dev/null || $(call install,chromium fonts-dejavu-core)
-	$(BIN)/python -m pytest tests/browser -m browser
+	$(BIN)/python -m pytest tests/browser -m browser --numprocesses 1 --timeout 240
 
 screenshots: $(READY)  ## pictures of every state of the explorer: screenshots, and the README's in docs/pictures
 	@command -v chromium >/dev/null || $(call install,chromium fonts-dejavu-core)

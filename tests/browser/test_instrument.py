@@ -175,7 +175,7 @@ def test_after_quick_zooms_back_shows_what_was_zoomed_away_from(explorer, servic
 
 
 def test_a_zoom_in_one_tab_does_not_stop_the_picture_in_another(chromium_here, explorer, service):
-    address = link(k=3011, cells=700, damping=0.61)
+    address = link(k=3011, cells=700, damping=0.63)
     explorer.visit(address).state("cells")
     other = Explorer(chromium_here, service.url)
     other.visit(address).state("cells")

@@ -84,6 +84,20 @@ test("a job that was cancelled is asked for again where its request is known", (
   assert.deepEqual(live([{ type: "open", job: job("a", "cancelled"), request: null }]).did, ["follow a"]);
 });
 
+test("a job that is being cancelled is asked for again, too", () => {
+  assert.deepEqual(live([{ type: "open", job: job("a", "cancelling"), request: REQUEST }]).did, ["submit"]);
+});
+
+test("a job that this page has withdrawn, and opens again before it stops, is asked for anew as it does", () => {
+  const left = [...FIRST, { type: "ask", request: OTHER }, { type: "accepted", turn: 2, job: job("b"), mine: true }];
+  const back = live([...left, { type: "open", job: job("a", "running"), request: REQUEST }]);
+  const stopping = { type: "report", job: job("a", "cancelling"), place: null };
+  const again = live([stopping, { type: "report", job: job("a", "cancelled"), place: null }], back.life);
+  assert.deepEqual(again.effects, [{ do: "submit", request: REQUEST, turn: 4 }]);
+  const cancelled = live([{ type: "cancel" }, stopping], back.life);
+  assert.deepEqual(cancelled.did, ["cancel a"], "somebody's own cancellation stays");
+});
+
 test("a job of somebody else is never withdrawn", () => {
   const shared = [{ type: "open", job: job("a", "running"), request: REQUEST }];
   const { did } = live([...shared, { type: "ask", request: OTHER }, { type: "accepted", turn: 2, job: job("b"), mine: true }]);

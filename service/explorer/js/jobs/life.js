@@ -8,10 +8,12 @@
  *
  * Rules. A new request is submitted first; only once it is accepted does the older job lose its follower here. A job is
  * withdrawn only if this page has submitted it, and the service stops it only if nobody else follows it. Answers to
- * older requests are dropped. A refusal stays until something newer is accepted.
+ * older requests are dropped. A refusal stays until something newer is accepted. A job that this page has withdrawn may
+ * be opened again before it stops, or as it does: then its request is asked for anew.
  */
 
 const FINAL = ["succeeded", "failed", "cancelled"];
+const STOPPED = ["cancelling", "cancelled"];
 
 /**
  * @typedef {object} Life
@@ -20,6 +22,7 @@ const FINAL = ["succeeded", "failed", "cancelled"];
  * @property {BasinRequest|null} request the newest request
  * @property {Job|null} job the job that is shown
  * @property {boolean} mine whether this page has submitted it
+ * @property {string[]} withdrawn ids of the jobs that this page has withdrawn
  * @property {number|null} place of the job in the queue
  * @property {boolean} [lost] whether the notice is about an outage
  * @property {string} notice a refusal, or that the service does not answer
@@ -27,7 +30,7 @@ const FINAL = ["succeeded", "failed", "cancelled"];
  */
 
 /** @type {Life} */
-export const BEGINNING = { phase: "idle", turn: 0, request: null, job: null, mine: false, place: null, notice: "" };
+export const BEGINNING = { phase: "idle", turn: 0, request: null, job: null, mine: false, withdrawn: [], place: null, notice: "" };
 
 /** Whether a job can no longer change. */
 export function ended(job) {
@@ -74,13 +77,15 @@ const STEPS = {
 
   /** An address or a list names a job. One that was cancelled is asked for again, if its request is known. */
   open(life, { job, request }) {
-    const next = { ...life, turn: life.turn + 1 };
-    if (job.state === "cancelled" && request) return STEPS.ask(next, { request });
+    const next = { ...life, request, turn: life.turn + 1 };
+    if (STOPPED.includes(job.state) && request) return STEPS.ask(next, { request });
     return changeTo(next, job, false);
   },
 
   report(life, { job, place }) {
     if (life.job?.id !== job.id) return [life, []];
+    const late = STOPPED.includes(job.state) && life.withdrawn.includes(job.id);
+    if (late && life.request && life.phase !== "asking") return STEPS.ask({ ...life, job }, life);
     const phase = life.phase === "asking" ? "asking" : phaseOf(job);
     const notice = life.lost ? "" : life.notice;
     return [{ ...life, job, place, phase, notice, lost: false }, []];
@@ -92,13 +97,14 @@ const STEPS = {
   },
 
   cancel(life) {
-    return [life, life.job && !ended(life.job) ? [{ do: "cancel", job: life.job }] : []];
+    const next = { ...life, withdrawn: life.withdrawn.filter((id) => id !== life.job?.id) };
+    return [next, life.job && !ended(life.job) ? [{ do: "cancel", job: life.job }] : []];
   },
 
   /** Another oscillator is looked at, for which nothing has been asked yet. */
   leave(life) {
     const older = life.job && life.mine && !ended(life.job) ? [{ do: "withdraw", job: life.job }] : [];
-    return [{ ...BEGINNING, turn: life.turn + 1 }, [{ do: "unfollow" }, ...older]];
+    return [{ ...BEGINNING, withdrawn: life.withdrawn, turn: life.turn + 1 }, [{ do: "unfollow" }, ...older]];
   },
 };
 
@@ -109,5 +115,7 @@ const STEPS = {
  * @returns {[Life, Effect[]]}
  */
 export function step(life, event) {
-  return STEPS[event.type](life, event);
+  const [next, effects] = STEPS[event.type](life, event);
+  const withdrawn = effects.filter((effect) => effect.do === "withdraw").map(({ job }) => job.id);
+  return [{ ...next, withdrawn: [...next.withdrawn, ...withdrawn] }, effects];
 }
