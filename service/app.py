@@ -44,7 +44,7 @@ from service.runner.process import RunnerProcess
 from service.settings import Settings
 from worker.estimate import measured_speed
 
-# Compiled kernels load in a third of a second. Compiling them takes ten, and a stopping service does not wait for that.
+# Compiled kernels load in a second. Compiling them takes a minute, and a stopping service does not wait for that.
 _LOADED_SECONDS = 2.0
 # The state of a job is smaller, and is read a hundred times as often as anything else.
 _LEAST_COMPRESSED = 4096
@@ -65,6 +65,8 @@ def _load_kernels() -> None:
     for stiff in (False, True):
         for together in (True, False):
             measured_speed(stiff, together)
+    # Objects loaded so far stay. The garbage collector would scan them otherwise and delay responses by 150 ms.
+    gc.freeze()
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -95,12 +97,11 @@ def create_app(settings: Settings) -> FastAPI:
         # Otherwise the first request for an outline would wait for the kernels.
         loading = threading.Thread(target=_load_kernels, name="rattle-kernels", daemon=True)
         loading.start()
-        # Objects loaded so far stay. The garbage collector would scan them otherwise and delay responses by 150 ms.
-        gc.freeze()
         try:
             yield
         finally:
             app.state.feed.close()
+            app.state.previews.close()
             await to_thread.run_sync(app.state.runner.stop)
             await to_thread.run_sync(loading.join, _LOADED_SECONDS)
             engine.dispose()

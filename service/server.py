@@ -7,10 +7,10 @@ from collections.abc import Callable
 import uvicorn
 from fastapi import FastAPI
 
+from service.bounded_connection import BoundedConnection
 from service.settings import Settings
 
 _STOP_SECONDS = 2
-_HEAD_BYTES = 65_536
 
 
 def address(host: str, port: int) -> str:
@@ -55,8 +55,7 @@ class Server(uvicorn.Server):
         super().__init__(
             uvicorn.Config(
                 app, host=settings.host, port=settings.port, ws="none", lifespan="on",
-                # This parser limits heads, chunk headers and trailers; httptools buffers them without limit.
-                http="h11", h11_max_incomplete_event_size=_HEAD_BYTES, limit_concurrency=settings.max_connections,
+                http=BoundedConnection, limit_concurrency=settings.max_connections,
                 log_config=None, access_log=False, server_header=False, proxy_headers=False,
                 timeout_graceful_shutdown=_STOP_SECONDS,
             )

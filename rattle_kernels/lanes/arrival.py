@@ -147,11 +147,9 @@ def boxes_passed(oscillator, tables, t, v, box):
     for first in range(0, t.size, LANES):
         batch = min(LANES, t.size - first)
         passed[:] = 0
-        for i in range(LANES):
-            idle(lanes, i, tables.largest_grazing_speed)
+        for i in range(batch):
+            depart(lanes, i, t[first + i], v[first + i])
             lanes[DROPS + i] = 0.0
-            if i < batch:
-                depart(lanes, i, t[first + i], v[first + i])
         flying = batch
         while flying > 0:
             flying = 0
@@ -162,5 +160,7 @@ def boxes_passed(oscillator, tables, t, v, box):
                     box[first + i, passed[i]] = int(row) * BOXES + column
                     passed[i] += 1
                 flying += 1 if passed[i] < box.shape[1] and goes_on else 0
+            for i in range(batch, LANES):
+                idle(lanes, i, tables.largest_grazing_speed)
             if flying > 0:
                 _advance(lanes, corners, oscillator, tables, stiff, slow)

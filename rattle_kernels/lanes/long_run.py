@@ -53,16 +53,23 @@ class _Flights(NamedTuple):
 
 
 @inlined
-def _refill(lanes, i, tables, rules, first_look, batch, point):
+def _refill(lanes, i, rules, first_look, batch, point):
     """Give lane i the next point, or let it idle; return the point after it."""
     if point < batch.t.size:
         depart(lanes, i, batch.t[point], batch.v[point])
         begin_run(lanes, i, point, rules.applications, _FIRST_CHECKPOINT, first_look)
         lanes[DONE + i], lanes[LOWER_IMPACTS + i] = _DONE_BEFORE, batch.lower_impacts[point]
         return point + 1
-    idle(lanes, i, tables.largest_grazing_speed)
     begin_run(lanes, i, _NO_POINT, math.inf, math.inf, math.inf)
     return point
+
+
+@inlined
+def _keep_idle(lanes, largest_grazing_speed):
+    """Let lanes without a point depart anew."""
+    for i in range(LANES):
+        if lanes[POINT + i] == _NO_POINT:
+            idle(lanes, i, largest_grazing_speed)
 
 
 @inlined
@@ -99,7 +106,7 @@ def _fly_leg(oscillator, tables, traps, rules, batch, flights):
     if flying == _NOT_BEGUN:
         flying = 0
         for i in range(LANES):
-            next_point = _refill(lanes, i, tables, rules, first_look, batch, next_point)
+            next_point = _refill(lanes, i, rules, first_look, batch, next_point)
             flying += 1 if lanes[POINT + i] != _NO_POINT else 0
     stiff, radian, slow = math.isfinite(oscillator.stiffness), ringing_radian(oscillator), slow_part(oscillator)
     nearest, top = traps.nearest, traps.top
@@ -107,6 +114,8 @@ def _fly_leg(oscillator, tables, traps, rules, batch, flights):
     left = _FLIGHTS_A_LEG
     while flying > 0 and left > 0:
         left -= 1
+        if next_point == batch.t.size:
+            _keep_idle(lanes, tables.largest_grazing_speed)
         careful += fly(lanes, corners, oscillator, tables)
         if stiff:
             careful += stay(lanes, corners, oscillator, tables, slow)
@@ -119,7 +128,7 @@ def _fly_leg(oscillator, tables, traps, rules, batch, flights):
             far = lanes[EVENT + i] == NOTHING or is_far(lanes, i, nearest, top)
             if not far and settles(lanes, i, traps):
                 done += _land(lanes, i, batch)
-                next_point = _refill(lanes, i, tables, rules, first_look, batch, next_point)
+                next_point = _refill(lanes, i, rules, first_look, batch, next_point)
             flying += 1 if lanes[POINT + i] != _NO_POINT else 0
     flights.lanes[:], flights.corners[:] = lanes, corners
     flights.counts[0], flights.counts[1], flights.counts[2] = next_point, flying, careful

@@ -92,13 +92,14 @@ def _grow(oscillator, tables, impacts, t, v, growth, elapsed):
     lanes, corners = np.zeros(FLIGHT_FIELDS * LANES), np.zeros(LANES, np.int64)
     tangents, left = np.zeros((2, t.size)), np.full(t.size, impacts + _ALIGNING)
     stiff, slow = math.isfinite(oscillator.stiffness), slow_part(oscillator)
-    for i in range(LANES):
-        idle(lanes, i, tables.largest_grazing_speed)
     for i in range(t.size):
         depart(lanes, i, t[i], v[i])
         tangents[0, i] = 1.0
     flying = t.size
     while flying > 0:
+        for i in range(LANES):
+            if i >= t.size or left[i] == 0:
+                idle(lanes, i, tables.largest_grazing_speed)
         fly(lanes, corners, oscillator, tables)
         _turn_by_flights(lanes, oscillator, tangents, elapsed, left)
         begin_at_the_end(lanes)
@@ -121,7 +122,6 @@ def _grow(oscillator, tables, impacts, t, v, growth, elapsed):
                 left[i] = 0
                 t[i] = v[i] = growth[i] = elapsed[i] = math.nan
             if left[i] == 0:
-                idle(lanes, i, tables.largest_grazing_speed)
                 flying -= 1
 
 

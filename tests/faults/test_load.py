@@ -12,18 +12,19 @@ pytestmark = pytest.mark.skipif(SECONDS == 0, reason="needs a quiet machine of s
 LONG = {"grid": {"time": {"cells": 3000}, "velocity": {"cells": 3000}}, "iterations": 10007}
 
 
-def visited(service, job):
-    """What the second process says of its visit."""
+def visited(service, job, previews):
+    """What the second process says of its visit, with so many previews a second beside it."""
     port = service.url.rpartition(":")[2]
-    command = [sys.executable, "-m", "tests.faults.visitors", port, job["id"], str(RATE), str(SECONDS)]
+    command = [sys.executable, "-m", "tests.faults.visitors", port, job["id"], str(RATE), str(SECONDS), str(previews)]
     return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
 
 
-def test_reads_stay_fast_and_nothing_fails_under_load(a_service):
+@pytest.mark.parametrize("previews", [0, 10])
+def test_reads_stay_fast_and_nothing_fails_under_load(a_service, previews):
     with a_service() as service:
         job = service.submit(LONG)
         before = service.wait(job["id"], lambda job: job["progress"] and job["progress"]["tiles_done"] >= 2)
-        report = visited(service, job)
+        report = visited(service, job, previews)
         after = service.request("GET", f"/v1/jobs/{job['id']}").json()
         tiles = after["progress"]["tiles_done"] - before["progress"]["tiles_done"]
         print(json.dumps(report | {"tiles": tiles}, indent=1))

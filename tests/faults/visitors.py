@@ -1,6 +1,8 @@
 """Requests at their moments, however long the others take: the second process of the load test.
 
-    python -m tests.faults.visitors PORT JOB RATE SECONDS
+    python -m tests.faults.visitors PORT JOB RATE SECONDS PREVIEWS
+
+RATE and PREVIEWS are requests a second; a preview is what a page asks for while a slider moves.
 
 Prints JSON: the pace, and of each kind of request how often each status came and how long answers took, counted from
 the moment at which a request was due, not from when it could be sent. It speaks HTTP/1.1 by itself: a client library
@@ -26,6 +28,11 @@ def small(number):
     """A request like no other."""
     grid = {"time": {"cells": 8}, "velocity": {"cells": 8, "stop": 5.0 + number * 1e-3}}
     return {"grid": grid, "iterations": 101}
+
+
+def glance(number):
+    """What a page asks for at the next step of a slider."""
+    return {"oscillator": {"damping": 0.55 + number % 1000 * 1e-4}, "quick": True}
 
 
 class Connection(asyncio.Protocol):
@@ -64,7 +71,7 @@ class Visitors:
 
     def __init__(self, port, job, rate):
         self.port, self.job, self.rate = port, job, rate
-        self.known = [job]
+        self.known, self.glances = [job], 0
         self.answers = collections.defaultdict(list)
         self.chance = random.Random(7)
 
@@ -76,6 +83,9 @@ class Visitors:
             path = f"/v1/jobs/{self.job}/result"
         elif what == "ready":
             path = "/readyz"
+        elif what == "preview":
+            self.glances += 1
+            method, path, body = "POST", "/v1/previews", json.dumps(glance(self.glances))
         elif what != "status":
             again = self.chance.randrange(20) if what == "same again" else self.chance.randrange(10**6)
             method, path, body = "POST", "/v1/basins", json.dumps(small(again))
@@ -92,7 +102,14 @@ class Visitors:
         if status == 202:
             self.known.append(job)
 
-    async def visit(self, seconds):
+    async def _begin(self, group, kinds, rate):
+        begin = time.perf_counter()
+        for number, what in enumerate(kinds):
+            due = begin + number / rate
+            await asyncio.sleep(max(0.0, due - time.perf_counter()))
+            group.create_task(self._ask(what, due))
+
+    async def visit(self, seconds, previews):
         """Ask for so long; the pace that was kept, in requests a second."""
         loop, self.idle = asyncio.get_running_loop(), asyncio.Queue()
         for _ in range(_CONNECTIONS):
@@ -100,10 +117,8 @@ class Visitors:
         kinds = self.chance.choices(list(MIX), list(MIX.values()), k=self.rate * seconds)
         begin = time.perf_counter()
         async with asyncio.TaskGroup() as group:
-            for number, what in enumerate(kinds):
-                due = begin + number / self.rate
-                await asyncio.sleep(max(0.0, due - time.perf_counter()))
-                group.create_task(self._ask(what, due))
+            group.create_task(self._begin(group, kinds, self.rate))
+            group.create_task(self._begin(group, previews * seconds * ["preview"], previews))
         return len(kinds) / (time.perf_counter() - begin)
 
 
@@ -114,9 +129,9 @@ def percentile(seconds, share):
 
 def main():
     """Visit, and say how it was."""
-    port, job, rate, seconds = sys.argv[1:]
+    port, job, rate, seconds, previews = sys.argv[1:]
     visitors = Visitors(int(port), job, int(rate))
-    pace = uvloop.run(visitors.visit(int(seconds)))
+    pace = uvloop.run(visitors.visit(int(seconds), int(previews)))
     kinds = {
         what: {
             "answers": collections.Counter(status for status, _ in answers),

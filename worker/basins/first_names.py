@@ -7,6 +7,7 @@ called chaotic if tangent vectors grow along it, and undecided if they do not. I
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -26,8 +27,8 @@ from worker.basins.landings import name_landings
 # Attractors that these seeds miss show up as unassigned landing points.
 _MOST_SEEDS = 24
 _SETTLING = 4096
-# Motions settle in a time like 1/damping.
-_NAMING, _MOST_NAMING = 60.0, 600
+# Motions settle in a time like 1/damping. Chaos never does, and most cells lie in its basin where there is any.
+_NAMING, _NAMING_BESIDE_CHAOS, _MOST_NAMING = 60.0, 20.0, 600
 _GROWING = 512
 # Regular motions separate too: by at most this factor times the impacts.
 _REGULAR_GROWTH = 6.0
@@ -57,22 +58,26 @@ def first_names(
         Chaos is without points if it was not in the catalogue before.
     """
     seeds = few_seeds(choose_seeds(oscillator, images.landing_time, images.landing_velocity))
-    attractors = known or _settled(oscillator, seeds, pause)
-    solution, unnamed = name_landings(oscillator, attractors, images, pause, _name_soon)
+    attractors, chaotic = (known, False) if known else _settled(oscillator, seeds, pause)
+    name = partial(_name_soon, within=_NAMING_BESIDE_CHAOS if chaotic else _NAMING)
+    solution, unnamed = name_landings(oscillator, attractors, images, pause, name)
     if (solution < 0).any():
-        rest = _growing(oscillator, few_seeds(unnamed)) if unnamed.box.size else UNDECIDED_ATTRACTOR
+        rest = _CHAOS if _mostly_grow(oscillator, few_seeds(unnamed)) else UNDECIDED_ATTRACTOR
         alike = [number for number, each in enumerate(attractors) if each.is_chaotic and rest.is_chaotic]
         attractors = attractors if alike else (*attractors, rest)
         solution[solution < 0] = alike[0] if alike else len(attractors) - 1
     return solution, attractors
 
 
-def _settled(oscillator: Oscillator, seeds: Seeds, pause: Callable[[], None]) -> tuple[Attractor, ...]:
-    """Permanent contact, and the orbits on which some of the seeds have settled."""
+def _settled(oscillator: Oscillator, seeds: Seeds, pause: Callable[[], None]) -> tuple[tuple[Attractor, ...], bool]:
+    """Permanent contact and the orbits on which some of the seeds have settled; and whether others are chaotic."""
     ends = next_impacts(oscillator, seeds.time, seeds.velocity, _SETTLING, shortcuts=True)
     going = ends.outcome == Outcome.RETURNED
     orbits: list[Attractor] = []
     t, v = wrap_all(ends.t[going]), ends.v[going]
+    # A search for orbits along chaos takes ten times as long as this.
+    chaotic = _growths(oscillator, t, v) > 0.0
+    t, v = t[~chaotic], v[~chaotic]
     while t.size:
         pause()
         orbit = settled_orbit(oscillator, float(t[0]), float(v[0]))
@@ -83,27 +88,35 @@ def _settled(oscillator: Oscillator, seeds: Seeds, pause: Callable[[], None]) ->
         elsewhere = locate(oscillator, neighbourhoods(oscillator, orbits), t, v) < 0
         t, v = t[elsewhere], v[elsewhere]
     by_length = sorted(orbits, key=lambda each: (each.upper_contacts, each.forcing_periods, each.lower_contacts))
-    return (PERMANENT_CONTACT_ATTRACTOR, *by_length)
+    return (PERMANENT_CONTACT_ATTRACTOR, *by_length), bool(chaotic.any())
 
 
 def _name_soon(
-    oscillator: Oscillator, attractors: tuple[Attractor, ...], t: np.ndarray, v: np.ndarray, pause: Callable[[], None]
+    oscillator: Oscillator,
+    attractors: tuple[Attractor, ...],
+    t: np.ndarray,
+    v: np.ndarray,
+    pause: Callable[[], None],
+    *,
+    within: float,
 ) -> np.ndarray:
     """Solution of each landing point, as `rattle_kernels.name_solutions` after fewer impacts."""
     pause()
     arrived = np.full(t.size, UNASSIGNED, np.int64)
-    impacts = min(round(_NAMING / oscillator.damping), _MOST_NAMING)
+    impacts = min(round(within / oscillator.damping), _MOST_NAMING)
     around = neighbourhoods(oscillator, attractors)
     follow(oscillator, lane_tables(oscillator), around, impacts, wrap_all(t), v.copy(), arrived)
     return arrived.astype(np.int16)
 
 
-def _growing(oscillator: Oscillator, seeds: Seeds) -> Attractor:
-    """Chaos if tangent vectors grow along most of the seeds that do not settle."""
-    growth = tangent_growth(oscillator, seeds.time, seeds.velocity, _GROWING).growth
-    kept = growth[np.isfinite(growth)]
-    chaotic = kept.size > 0 and np.median(kept) > math.log(_REGULAR_GROWTH * _GROWING)
-    return _CHAOS if chaotic else UNDECIDED_ATTRACTOR
+def _growths(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Logarithm of the growth of tangent vectors beyond that along regular motions; NaN of captured motions."""
+    return tangent_growth(oscillator, t, v, _GROWING).growth - math.log(_REGULAR_GROWTH * _GROWING)
+
+
+def _mostly_grow(oscillator: Oscillator, seeds: Seeds) -> bool:
+    growths = _growths(oscillator, seeds.time, seeds.velocity)
+    return (growths > 0.0).sum() > (growths <= 0.0).sum()
 
 
 def few_seeds(seeds: Seeds) -> Seeds:

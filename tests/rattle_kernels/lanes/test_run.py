@@ -46,6 +46,13 @@ def test_a_batch_of_any_size_gives_each_point_its_own_end(oscillator, monkeypatc
             assert field.tobytes() == expected[-size:].tobytes()
 
 
+@pytest.mark.parametrize("oscillator", [*MODELS, Oscillator(stiffness=100.0)], ids=[*IDS, "soft"])
+def test_lanes_without_a_point_never_take_the_careful_path(oscillator):
+    alone = run_lanes(oscillator, np.array([0.55]), np.array([4.67]), 5000, shortcuts=False)[1]
+    full = run_lanes(oscillator, np.full(64, 0.55), np.full(64, 4.67), 5000, shortcuts=False)[1]
+    assert full == tuple(64 * count for count in alone)
+
+
 def test_points_that_do_not_depart_are_outside_the_section_and_hold_nobody_up():
     t, v = np.array([0.2, np.nan, 0.2, np.inf, 0.2, 0.2]), np.array([1.0, 1.0, 0.0, 1.0, -1.0, np.inf])
     landed = next_impacts(Oscillator(), t, v, 2)

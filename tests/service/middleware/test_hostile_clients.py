@@ -51,13 +51,22 @@ def test_connections_beyond_a_number_are_refused(service):
             b"POST /v1/basins HTTP/1.1\r\nhost: localhost\r\ntransfer-encoding: chunked\r\n\r\n0\r\n",
             b"x: a\r\n" * 10000,
         ),
+        (b"", b"GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n" * 10000),
     ],
-    ids=["address", "header", "headers", "chunks", "trailers"],
+    ids=["address", "header", "headers", "chunks", "trailers", "requests"],
 )
 def test_what_has_no_end_is_cut_off(service, beginning, part):
     with connection(service.port) as line:
         assert sent_endlessly(line, beginning, part) < 29_000_000
     assert answers(service)
+
+
+def test_heads_of_many_requests_on_one_connection_are_not_added_up(service):
+    asked = b"GET /healthz HTTP/1.1\r\nhost: localhost\r\nx: " + b"a" * 30_000 + b"\r\n\r\n"
+    with connection(service.port) as line:
+        for _ in range(9):
+            line.sendall(asked)
+            assert line.recv(65536).startswith(b"HTTP/1.1 200")
 
 
 def test_endless_headers_cost_no_memory(service):
