@@ -150,6 +150,10 @@ class JobCancelled(WorkerError):
     """
 
 
+# Where S3's clients look for keys that are given nowhere else: the metadata of a virtual machine.
+_INSTANCE_KEYS = "http://169.254.169.254/"
+
+
 @contextlib.contextmanager
 def as_store_failure(location: str) -> Iterator[None]:
     """Say of any failure of the system which store it befell."""
@@ -168,5 +172,7 @@ def _failures() -> tuple[type[Exception], ...]:
 def _reason(error: Exception) -> str:
     """The system's reason in a line; that of S3 is in the XML of its answer, where it has answered."""
     told = getattr(error, "strerror", None) or str(error)
+    if _INSTANCE_KEYS in told:
+        return "S3 needs keys: set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY"
     answer = re.search(r"<Code>(.*?)</Code>\s*<Message>(.*?)</Message>", told)
     return f"{answer.group(1)}: {answer.group(2)}" if answer else told.partition("\n")[0].strip()

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import typer
 from rich.console import Console
@@ -15,6 +15,11 @@ from rattle.progress import ProgressLine
 out = Console()
 err = Console(stderr=True)
 _MOST_CHANGES = 20
+
+Key = Annotated[
+    str | None, typer.Option(envvar="RATTLE_KEY", show_envvar=True, help="Key, if the service requires one")
+]
+"""Option of commands that read from a service."""
 
 
 def give_up(message: str, code: int = 1) -> NoReturn:

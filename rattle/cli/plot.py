@@ -4,30 +4,37 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from matplotlib.figure import Figure
 
-from rattle.cli.console import give_up
+from rattle.cli.console import Key, give_up
+from rattle.results import opening
 from worker.analyses.picture import figure_of_store
 from worker.errors import InvalidJob, WorkerError
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
 from worker.pictures.panel_picture import Layer
 from worker.pictures.share_chart import shares_figure
+from worker.views.reading import is_address
 
 
 def plot(
-    store: Annotated[str, typer.Argument(help="Zarr store of any kind, complete or not")],
+    store: Annotated[str, typer.Argument(help="Zarr store of any kind, or a service's address of one")],
     out_: Annotated[Path, typer.Option("--out", help="Picture to write: .png, .svg or .pdf")],
     layer: Annotated[Layer, typer.Option(help="Solutions, or Hsu's group, period or step")] = Layer.SOLUTION,
     shares: Annotated[bool, typer.Option("--shares", help="Shares over the swept parameter instead")] = False,
     overlay: Annotated[str, typer.Option(help=f"What lies over basins, of {','.join(OverlayKind)}")] = ",".join(
         USUAL_OVERLAYS
     ),
+    key: Key = None,
 ) -> None:
     """Draw a basin in the paper's colours, a sweep side by side, or what an analysis has found."""
     try:
         overlays = parse_overlays(overlay)
         picture_format = PictureFormat.of_file(out_)
-        figure = shares_figure(store) if shares else figure_of_store(store, layer=layer, overlays=overlays)
+        if is_address(store):
+            figure = _figure_at_address(store, key, layer, shares, overlays)
+        else:
+            figure = shares_figure(store) if shares else figure_of_store(store, layer=layer, overlays=overlays)
         save_figure(figure, out_, picture_format)
     except InvalidJob as error:
         give_up(str(error), 2)
@@ -35,3 +42,16 @@ def plot(
         give_up(str(error))
     except OSError as error:
         give_up(f"{out_} cannot be written: {error.strerror}")
+
+
+def _figure_at_address(
+    address: str, key: str | None, layer: Layer, shares: bool, overlays: tuple[OverlayKind, ...]
+) -> Figure:
+    if layer is not Layer.SOLUTION:
+        raise InvalidJob(f"at an address only solutions are drawn here: its job has /picture.png?layer={layer}")
+    try:
+        result = opening.open(address, key=key).rattle
+        drawn = result.plot_shares() if shares else result.plot(overlays=overlays)
+    except OSError as error:
+        give_up(str(error))
+    return drawn if isinstance(drawn, Figure) else drawn.figure

@@ -7,16 +7,13 @@ from typing import Annotated, Any, NoReturn
 import typer
 from rich.table import Column, Table
 
-from rattle.cli.console import give_up, out, progress_line
+from rattle.cli.console import Key, give_up, out, progress_line
 from rattle.cli.result_tables import print_result
 from rattle.remote.client import ServiceClient
 from rattle.remote.failure import ServiceFailed
 from rattle.remote.job import RemoteJob
 
 Url = Annotated[str, typer.Option(envvar="RATTLE_URL", help="Address of the service")]
-Key = Annotated[
-    str | None, typer.Option(envvar="RATTLE_KEY", show_envvar=True, help="Key, if the service requires one")
-]
 _HERE = "http://127.0.0.1:8000"
 _ID_DIGITS, _NEWEST = 32, 200
 _WIDE = 140

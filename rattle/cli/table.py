@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
-from rattle.cli.console import give_up, out
+from rattle.cli.console import Key, give_up, out
+from rattle.results import opening
 from worker.errors import InvalidJob, StoreConflict, WorkerError
-from worker.views.reading import open_store
 from worker.views.tables import TableFormat, table_of, write_table
 
 
@@ -21,12 +21,13 @@ def table(
         str | None, typer.Option(help="Which table: a dimension or an array of the store; a wrong name lists them")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="As JSON on standard output")] = False,
+    key: Key = None,
 ) -> None:
     """Write what a result lists as CSV or JSON: motions and shares, orbits, branches, curves, departures."""
     try:
         table_format = TableFormat.JSON if as_json else TableFormat.CSV
         table_format = table_format if out_ is None else TableFormat.of_file(out_)
-        text = write_table(table_of(open_store(store), name), table_format)
+        text = write_table(table_of(opening.open(store, key=key), name), table_format)
         if out_ is None:
             sys.stdout.write(text)
             return

@@ -28,8 +28,10 @@ def open(location: str | Path, *, key: str | None = None) -> xr.Dataset:  # noqa
     ------
     StoreConflict
         If there is no result.
+    StoreFailed
+        If a folder or S3 cannot be read.
     OSError
-        If an address does not answer.
+        If an address does not answer, or refuses; it then says whether a key is needed.
 
     Examples
     --------

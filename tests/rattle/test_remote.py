@@ -5,9 +5,21 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from typer.testing import CliRunner
 
 import rattle
+from rattle.cli import app
 from rattle.verb import VERBS
+from service.records.key_record import KeyScope
+from service.records.keys import Keys
+from tests.service.idle_service import idle_service
+from worker.jobs.basin_job import basin_job
+from worker.stores.new_store import create_store
+
+SWEEP = {
+    "grid": {"time": {"cells": 12}, "velocity": {"cells": 12}}, "iterations": 61,
+    "vary": [{"parameter": "damping", "values": [0.58, 0.6]}],
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +60,32 @@ def test_a_job_is_submitted_followed_listed_and_deleted(there, service):
     job.delete()
     with pytest.raises(rattle.ServiceFailed, match="there is no job"):
         there.job(job.id)
+
+
+def test_the_shell_draws_and_lists_what_lies_at_an_address(there, tmp_path):
+    job = there.submit(rattle.SweepJob.from_request(SWEEP)).wait(progress=False)
+    shell, picture = CliRunner(), tmp_path / "sweep.png"
+    for more in ([], ["--shares"], ["--overlay", "attractors"]):
+        assert shell.invoke(app, ["plot", job.url, "--out", str(picture), *more]).exit_code == 0
+        assert picture.read_bytes().startswith(b"\x89PNG")
+    listed = shell.invoke(app, ["table", job.url])
+    assert listed.exit_code == 0 and "permanent contact" in listed.output
+    refused = shell.invoke(app, ["plot", job.url, "--layer", "group", "--out", str(picture)])
+    assert refused.exit_code == 2 and "/picture.png?layer=group" in refused.output
+    nowhere = shell.invoke(app, ["plot", "http://127.0.0.1:9/result.zarr", "--out", str(picture)])
+    assert nowhere.exit_code == 1 and "127.0.0.1:9" in nowhere.output
+
+
+def test_an_address_that_wants_a_key_says_so(monkeypatch, tmp_path):
+    with idle_service(monkeypatch, tmp_path, require_keys=True) as service:
+        job = service.add_job()
+        create_store(f"{service.results}/{job.id}.zarr", basin_job(job.request))
+        key = Keys(service.jobs._sessions).add("me", [KeyScope.READ])
+        address = f"{service.url}/v1/jobs/{job.id}/result.zarr"
+        for wrong in (None, "wrong"):
+            with pytest.raises(PermissionError, match="answered 401 Unauthorized: give a key of the service"):
+                rattle.open(address, key=wrong)
+        assert rattle.open(address, key=key).rattle.kind == "basin"
 
 
 def test_what_a_service_refuses_is_said_in_its_words(there, service):

@@ -9,7 +9,9 @@
 `worker.views.basin_plot` draws it.
 """
 
+import contextlib
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +19,7 @@ import numpy as np
 import xarray as xr
 
 from rattle_kernels import Attractor, AttractorKind
-from worker.errors import InvalidJob, StoreConflict
+from worker.errors import InvalidJob, StoreConflict, as_store_failure
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.jobs.swept_parameter import SweptParameter
 from worker.stores.layout import LAYOUT_VERSION, MEASURED, MOTIONS
@@ -72,15 +74,19 @@ def open_store(location: str | Path, storage_options: dict[str, Any] | None = No
     ------
     StoreConflict
         If there is no store.
+    StoreFailed
+        If a folder or S3 cannot be read.
     OSError
-        If an address does not answer.
+        If an address does not answer, or refuses.
     """
-    try:
-        dataset = _open(str(location), storage_options)
-    except (FileNotFoundError, KeyError, ValueError) as error:
-        raise StoreConflict(
-            f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open"
-        ) from error
+    where = str(location)
+    with _as_refusal(where) if is_address(where) else as_store_failure(where):
+        try:
+            dataset = _open(where, storage_options)
+        except (FileNotFoundError, KeyError, ValueError) as error:
+            raise StoreConflict(
+                f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open"
+            ) from error
     if "layout_version" not in dataset.attrs:
         raise StoreConflict(f"{location} is no store of this project")
     return _labelled(dataset)
@@ -109,10 +115,26 @@ def _plain(value: Any) -> Any:
     return value
 
 
+def is_address(location: str) -> bool:
+    """Whether a location is the address of a service's store."""
+    return location.startswith(("http://", "https://"))
+
+
+@contextlib.contextmanager
+def _as_refusal(address: str) -> Iterator[None]:
+    """Name the address that refuses, as an error of the system like that of one that does not answer."""
+    from aiohttp import ClientResponseError  # takes a fifth of a second to load
+
+    try:
+        yield
+    except ClientResponseError as error:
+        hint = ": give a key of the service" if error.status in (401, 403) else ""
+        raise PermissionError(f"{address} answered {error.status} {error.message}{hint}") from error
+
+
 def _open(location: str, storage_options: dict[str, Any] | None) -> xr.Dataset:
-    at_address = location.startswith(("http://", "https://"))
-    store = location if at_address else place_at(location).zarr
-    options = {"storage_options": storage_options} if at_address and storage_options else {}
+    store = location if is_address(location) else place_at(location).zarr
+    options = {"storage_options": storage_options} if is_address(location) and storage_options else {}
     try:
         return xr.open_zarr(store, consolidated=True, **options)
     except ValueError:  # plain metadata: slower, one request an array

@@ -12,7 +12,7 @@ import pytest
 from rattle_kernels import CellGrid
 from tests.object_store import BUCKET, ObjectStore
 from tests.worker.basins.test_pipeline import JOB, run
-from worker.errors import JobCancelled, LeaseLost, StoreConflict, StoreFailed
+from worker.errors import JobCancelled, LeaseLost, StoreConflict, StoreFailed, as_store_failure
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.stores import layout
@@ -59,6 +59,22 @@ def test_objects_are_the_files_of_a_folder_to_the_byte(client, object_store, fol
         assert remote.drop_attrs(deep=False).identical(local.drop_attrs(deep=False))
     file = read_file_of_store(in_s3(name), "zarr.json")
     assert file.content == object_store.objects(f"worker/{name}")["zarr.json"] and file.tag
+
+
+def test_a_bucket_that_does_not_answer_is_named(object_store, monkeypatch):
+    monkeypatch.setenv("AWS_ENDPOINT_URL", "http://127.0.0.1:9")
+    with pytest.raises(StoreFailed, match="s3://results/worker/lost.zarr cannot be read"):
+        open_basin(in_s3("lost.zarr"))
+
+
+def test_keys_that_are_missing_are_asked_for():
+    # What obstore says on a machine that is none of Amazon's.
+    told = "Generic S3 error: Error performing PUT http://169.254.169.254/latest/api/token in 5 ms - 403"
+    with (
+        pytest.raises(StoreFailed, match="set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY"),
+        as_store_failure("s3://b/c"),
+    ):
+        raise OSError(told)
 
 
 def test_a_killed_worker_and_a_stop_leave_no_trace_in_the_objects(client, object_store, folders):
