@@ -4,9 +4,12 @@ from collections.abc import Collection
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from rattle_kernels import Attractor
 from worker.errors import InvalidJob
@@ -24,6 +27,7 @@ _MOST_CELLS = 2000
 # Most panels each way. Of more, an evenly spaced selection is shown.
 _MOST_PANELS = 6
 _LEGEND_ROWS = 18
+_COLOURS = 256
 _SPECKLED = "chaos is speckled by Hsu's groups"
 
 
@@ -43,10 +47,20 @@ def legend_patches(solutions: tuple[Attractor, ...], shares: np.ndarray, labels:
     palette = colours.colours_of(solutions)
     there = np.isfinite(shares) if np.isfinite(shares).any() else np.full(len(solutions), True)
     order = sorted(np.flatnonzero(there).tolist(), key=lambda i: (i > 0, -np.nan_to_num(shares[i])))
-    patches = [Patch(facecolor=palette[i], edgecolor="black", label=labels[i]) for i in order[:_LEGEND_ROWS]]
+    patches = [_patch(solutions[i], palette[i], labels[i]) for i in order[:_LEGEND_ROWS]]
     if len(order) > _LEGEND_ROWS:
         patches.append(Patch(alpha=0.0, label=f"and {len(order) - _LEGEND_ROWS} more"))
     return patches
+
+
+def _patch(solution: Attractor, colour: colours.Colour, label: str) -> Patch:
+    """The colour of a motion; of chaos its darkest and its brightest shade."""
+    if not solution.is_chaotic:
+        return Patch(facecolor=colour, edgecolor="black", label=label)
+    darkest, brightest = (
+        tuple(min(shade * part, 1.0) for part in colour) for shade in colours.SPECKLE[:: len(colours.SPECKLE) - 1]
+    )
+    return Patch(facecolor=darkest, edgecolor="black", hatchcolor=brightest, hatch="xxxxx", label=label)
 
 
 def draw_legend(axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray) -> None:
@@ -170,9 +184,19 @@ def _draw_panels(
         values = store.job.values_of(panel.panel).items()
         place.set_title(", ".join(f"{SYMBOLS[name]} = {value:g}" for name, value in values), fontsize="small")
     if images:
-        lowest, highest = min(image.get_clim()[0] for image in images), max(image.get_clim()[1] for image in images)
-        for image in images:
-            image.set_clim(lowest, highest)
-        figure.colorbar(images[0], ax=axes, label=f"Hsu's {layer}")
+        _draw_scale(figure, axes, images, f"Hsu's {layer}")
     elif solutions:
         _legend(figure, axes[0, -1], store, table, solutions)
+
+
+def _draw_scale(figure: Figure, axes: np.ndarray, images: list[AxesImage], label: str) -> None:
+    """Give each whole number one colour, the same in all panels, and draw the scale."""
+    shown = [image.get_array() for image in images]
+    lowest = min((int(each.min()) for each in shown if each.count()), default=0)
+    highest = max((int(each.max()) for each in shown if each.count()), default=1)
+    # A colour map has so many colours; of more numbers, neighbours share one.
+    step = 1 + (highest - lowest) // _COLOURS
+    norm = BoundaryNorm(np.arange(lowest, highest + 2 * step, step) - 0.5, _COLOURS)
+    for image in images:
+        image.set_norm(norm)
+    figure.colorbar(images[0], ax=axes, label=label, ticks=MaxNLocator(10, integer=True), spacing="proportional")

@@ -44,6 +44,24 @@ def test_chaos_is_speckled_by_group(store):
     assert len(np.unique(picture[reddish][:, 0].round(2))) >= 3
 
 
+def test_the_legend_shows_the_shades_of_chaos(store):
+    legend = basin_figure(store.location).axes[0].get_legend()
+    names = [text.get_text().split("   ")[0] for text in legend.texts]
+    entries = dict(zip(names, legend.legend_handles, strict=True))
+    hatched = {name: patch.get_hatch() for name, patch in entries.items() if hasattr(patch, "get_hatch")}
+    assert hatched.pop(CHAOS.name) and not any(hatched.values()) and len(hatched) >= 2
+
+
+@pytest.mark.parametrize("layer", [Layer.GROUP, Layer.PERIOD, Layer.STEP])
+def test_hsus_numbers_have_a_scale_of_whole_numbers(store, layer):
+    figure = basin_figure(store.location, layer=layer)
+    shown, scale = figure.axes[0].images[0], figure.axes[-1]
+    ticks = scale.get_yticks()
+    assert ticks.tolist() == ticks.round().tolist() and ticks.size > 1
+    numbers = np.unique(shown.get_array().compressed())
+    assert len(np.unique(shown.norm(numbers))) == numbers.size, "each number has a colour of its own"
+
+
 def test_missing_tiles_are_hatched_and_said(store):
     whole = near(drawn(store), colours.MISSING)
     states = np.full(store.tiling.tiles, TileState.ASSEMBLED)
