@@ -24,7 +24,7 @@ _HOMES = {
     "rattle.results.kept": ("cache",),
     "rattle_kernels": ("Oscillator", "OutsideDomain"),
     "worker.estimate": ("estimate",),
-    "worker.errors": ("WorkerError", "InvalidJob", "NotFound", "JobCancelled"),
+    "worker.errors": ("WorkerError", "InvalidJob", "NotFound", "StoreConflict", "StoreFailed", "JobCancelled"),
     "worker.progress": ("Progress",),
     "worker.jobs.basin_job": ("BasinJob", "SweepJob"),
     "worker.jobs.swept_parameter": ("SweptParameter", "Spacing"),

@@ -111,11 +111,31 @@ class NotFound(WorkerError):
 
 
 class StoreConflict(WorkerError):
-    """The location holds something that is not this job's store."""
+    """The location holds something that is not this job's store, or no store.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> try:
+    ...     rattle.open("nowhere.zarr")
+    ... except rattle.StoreConflict as error:
+    ...     print(error)
+    nowhere.zarr is no basin store, and none of an analysis: nothing there that Zarr can open
+    """
 
 
 class StoreFailed(WorkerError):
-    """The store could not be read or written."""
+    """The store could not be read or written.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> try:
+    ...     rattle.open("s3://")
+    ... except rattle.StoreFailed as error:
+    ...     print(error)
+    s3:// is no place for stores: write s3://bucket/prefix
+    """
 
 
 class TileFailed(WorkerError):

@@ -31,6 +31,7 @@ _OTHER_COMMANDS = {
     "submit": ("remote", "Submit a request to a service; the same request again is the same job."),
     "jobs": ("remote", "List the service's jobs, newest first."),
     "status": ("remote", "Show one job: its state, how far it is, and how long it will take."),
+    "fetch": ("remote", "Copy the result of a job that has ended into a folder here, to the byte."),
     "cancel": ("remote", "Stop a job; what it has computed stays readable."),
     "delete": ("remote", "Stop a job, and delete it with its result."),
     "keys": ("keys", "Make, list and revoke the API keys of a service."),

@@ -155,6 +155,26 @@ def status(
     out.print(job.url, highlight=False, soft_wrap=True)
 
 
+def fetch(
+    job_id: JobId,
+    out_: Annotated[Path, typer.Option("--out", help="Folder to make")],
+    url: Url = _HERE,
+    key: Key = None,
+) -> None:
+    """Copy the result of a job that has ended into a folder here, to the byte."""
+    from worker.errors import WorkerError  # loads Numba, which the other commands here do not need
+
+    try:
+        _job(job_id, url, key).fetch(out_, progress=not out.quiet)
+    except ServiceFailed as error:
+        _refuse(error)
+    except WorkerError as error:
+        give_up(str(error))
+    except OSError as error:
+        give_up(f"{out_} cannot be written: {error.strerror}")
+    out.print(f"{out_} is written", highlight=False, soft_wrap=True)
+
+
 def cancel(job_id: JobId, url: Url = _HERE, key: Key = None) -> None:
     """Stop a job; what it has computed stays readable."""
     try:

@@ -3,6 +3,7 @@
 import json
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import httpx2 as httpx
@@ -23,6 +24,12 @@ _PAUSE_SECONDS = 0.5
 _ENDS = ("succeeded", "failed", "cancelled")
 
 
+def _console(progress: bool) -> Console:
+    """Where progress is shown, if it is."""
+    console = Console(stderr=True)
+    return console if progress and shows_bars(console) else Console(quiet=True)
+
+
 class RemoteJob:
     """A job of a service.
 
@@ -41,6 +48,8 @@ class RemoteJob:
     ('succeeded', 'done')
     >>> job.open().sizes["order"], rattle.open(job.url).rattle.kind
     (2, 'grazing_curve')
+    >>> job.fetch("curve.zarr", progress=False).sizes["order"]
+    2
     """
 
     def __init__(self, service: "ServiceClient", described: dict[str, Any]) -> None:
@@ -98,9 +107,7 @@ class RemoteJob:
         ServiceFailed
             If the service is gone for a minute.
         """
-        console = Console(stderr=True)
-        console = console if progress and shows_bars(console) else Console(quiet=True)
-        with progress_line(console) as line:
+        with progress_line(_console(progress)) as line:
             self.follow(line)
         return self
 
@@ -162,6 +169,37 @@ class RemoteJob:
         from rattle.results.opening import open
 
         return open(self.url, key=self.service.key)
+
+    def fetch(self, store: str | Path, *, progress: bool = True) -> "xr.Dataset":
+        """The result, copied into a folder here. It is the store of the service, to the byte.
+
+        Parameters
+        ----------
+        store : str or path
+            Folder to make.
+        progress : bool
+            Whether progress is shown on a terminal and in a notebook.
+
+        Returns
+        -------
+        xarray.Dataset
+
+        Raises
+        ------
+        StoreConflict
+            If the folder is there already.
+        ServiceFailed
+            If the job has not ended, has no result, or the service does not answer.
+        OSError
+            If the folder cannot be written.
+        """
+        from rattle.remote.fetching import fetch_store
+        from rattle.results.opening import open
+
+        if self.state not in _ENDS:
+            raise ServiceFailed(f"job {self.id} is {self.described['state']}: fetch its result once it has ended")
+        fetch_store(self.url, self.service.headers, Path(store), _console(progress))
+        return open(store)
 
     def cancel(self) -> "RemoteJob":
         """Stop it; what it has computed stays readable.

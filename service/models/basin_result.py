@@ -31,7 +31,7 @@ class ShareView(BaseModel):
 
     solution: int = Field(description="Which: index into `solutions`")
     share: float
-    standard_error: float | None = Field(description="Binomial, for samples; otherwise null")
+    standard_error: float | None = Field(description="Of samples, as of independent points; otherwise null")
 
 
 class BasinView(BaseModel):

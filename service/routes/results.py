@@ -61,7 +61,8 @@ def _store_path(path: str) -> str:
 def get_result(job_id: JobId, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None) -> Response:
     """Solutions, shares and attractors, or what an analysis has found.
 
-    Also while the job runs; `complete` is then false.
+    Also while the job runs; `complete` is then false. The same request sent again after a cancellation is a new job
+    that goes on in the store of the cancelled one, so that one's result may become complete, too.
     """
     return json_or_not_modified(summary_of_result(jobs.get(job_id), settings.results), if_none_match)
 

@@ -14,6 +14,7 @@ from service.records.key_record import KeyScope
 from service.records.keys import Keys
 from tests.service.idle_service import idle_service
 from worker.jobs.basin_job import basin_job
+from worker.pictures.picture import basin_figure
 from worker.stores.new_store import create_store
 
 SWEEP = {
@@ -74,6 +75,33 @@ def test_the_shell_draws_and_lists_what_lies_at_an_address(there, tmp_path):
     assert refused.exit_code == 2 and "/picture.png?layer=group" in refused.output
     nowhere = shell.invoke(app, ["plot", "http://127.0.0.1:9/result.zarr", "--out", str(picture)])
     assert nowhere.exit_code == 1 and "127.0.0.1:9" in nowhere.output
+
+
+def test_a_result_is_fetched_to_the_byte(there, service, tmp_path):
+    job = there.submit(rattle.SweepJob.from_request(SWEEP)).wait(progress=False)
+    own = tmp_path / "sweep.zarr"
+    fetched = job.fetch(own, progress=False)
+    assert fetched.rattle.complete and basin_figure(str(own)) is not None
+    theirs = service.data / "results" / f"{job.id}.zarr"
+    assert {str(path.relative_to(own)): path.read_bytes() for path in own.rglob("*") if path.is_file()} == {
+        str(path.relative_to(theirs)): path.read_bytes() for path in theirs.rglob("*") if path.is_file()
+    }
+    with pytest.raises(rattle.StoreConflict, match="is there already"):
+        job.fetch(own)
+    arguments = ["fetch", job.id[:8], "--url", service.url, "--out"]
+    assert CliRunner().invoke(app, [*arguments, str(tmp_path / "again.zarr")]).exit_code == 0
+    assert CliRunner().invoke(app, [*arguments, str(own)]).exit_code == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["again.zarr", "sweep.zarr"], "no part is left"
+
+
+def test_a_job_that_has_not_ended_cannot_be_fetched(monkeypatch, tmp_path):
+    with idle_service(monkeypatch, tmp_path / "data") as service:
+        job = rattle.connect(service.url).job(service.add_job().id)
+        with pytest.raises(rattle.ServiceFailed, match="is queued: fetch its result once it has ended"):
+            job.fetch(tmp_path / "early.zarr")
+        with pytest.raises(rattle.ServiceFailed, match="there is no store"):
+            job.cancel().fetch(tmp_path / "early.zarr")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["data"]
 
 
 def test_an_address_that_wants_a_key_says_so(monkeypatch, tmp_path):

@@ -156,7 +156,7 @@ MEASURED = (
 """Properties of each solution in each basin."""
 
 SHARE_ERROR = Variable(
-    "share_error", _ATTRACTOR, np.float64, np.inf, "standard error of share: binomial, of as many independent points"
+    "share_error", _ATTRACTOR, np.float64, np.inf, "standard error of share, of as many independent points"
 )
 """For samples only."""
 

@@ -29,8 +29,13 @@ def motion_of(attractor: Attractor) -> Motion:
 
 
 def share_error(share: Any, points: int) -> Any:
-    """Standard error of a share, or of an array of shares: binomial, of independent points."""
-    return (share * (1.0 - share) / points) ** 0.5
+    """Standard error of a share, or of an array of shares, of independent points.
+
+    It is the standard deviation of Laplace's rule of succession: of what the share may be once so many points are
+    known. The binomial law, which it follows elsewhere, would give no error to the shares 0 and 1.
+    """
+    likely = (share * points + 1.0) / (points + 2.0)
+    return (likely * (1.0 - likely) / (points + 3.0)) ** 0.5
 
 
 @dataclass

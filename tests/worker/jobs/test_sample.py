@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from scipy.stats import beta
 
 from rattle_kernels import CellGrid
 from tests.worker.basins.test_pipeline import content, run
@@ -13,9 +14,15 @@ from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures.panel_picture import PanelPicture
 from worker.stores.basin_store import BasinStore
+from worker.stores.solution_table import share_error
 from worker.stores.summary import representatives
 
 WINDOW = CellGrid(0.2, 1.2, 1, 0.0, 6.0, 1)
+
+
+def test_the_shares_0_and_1_have_errors_too():
+    assert share_error(np.array([0.0, 1.0]), 1000) == pytest.approx(1e-3, rel=3e-3)
+    assert np.isnan(share_error(np.nan, 1000))
 
 
 def test_points_lie_in_the_window_and_follow_from_the_seed():
@@ -50,7 +57,9 @@ def test_a_sample_of_a_basin_has_its_shares_within_their_error(client, tmp_path)
         assert sample.solution.dims == sample.landing_time.dims == ("sample",) and sample.sizes["sample"] == 6000
         counted = [float((sample.solution == number).mean()) for number in range(3)]
         np.testing.assert_allclose(sample.share, counted)
-        np.testing.assert_allclose(sample.share_error, np.sqrt(np.array(counted) * (1.0 - np.array(counted)) / 6000))
+        # Laplace's rule of succession, by its distribution.
+        there = 6000 * np.array(counted)
+        np.testing.assert_allclose(sample.share_error, beta(there + 1.0, 6000 - there + 1.0).std())
         t, v = Sample(6000, 1).departures(CellGrid(), 0, 6000)
         np.testing.assert_array_equal(sample.time, t)
         np.testing.assert_array_equal(sample.velocity, v)
