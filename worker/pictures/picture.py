@@ -191,9 +191,8 @@ def _draw_panels(
 
 def _draw_scale(figure: Figure, axes: np.ndarray, images: list[AxesImage], label: str) -> None:
     """Give each whole number one colour, the same in all panels, and draw the scale."""
-    shown = [image.get_array() for image in images]
-    lowest = min((int(each.min()) for each in shown if each.count()), default=0)
-    highest = max((int(each.max()) for each in shown if each.count()), default=1)
+    shown = np.concatenate([np.ma.asarray(image.get_array()).compressed() for image in images])
+    lowest, highest = int(shown.min(initial=0)), int(shown.max(initial=1))
     # A colour map has so many colours; of more numbers, neighbours share one.
     step = 1 + (highest - lowest) // _COLOURS
     norm = BoundaryNorm(np.arange(lowest, highest + 2 * step, step) - 0.5, _COLOURS)
