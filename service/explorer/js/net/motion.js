@@ -74,14 +74,19 @@ export async function briefMotion(oscillator, { t, v }, signal) {
  * Follow the motion from the centre of a cell.
  * @param {Oscillator} oscillator as in a request
  * @param {Departure & {solution?: Solution}} start
+ * @param {(motion: Motion) => void} begun called with its first periods, where its end takes another request
  * @returns {Promise<Motion>}
  */
-export async function followMotion(oscillator, start) {
+export async function followMotion(oscillator, start, begun = () => {}) {
   const shown = await ask(oscillator, start, SHOWN_PERIODS, SAMPLES);
-  const departures = departuresOf(start, shown);
-  if (!start.solution) return { start, shown, departures, ends: "starts where the basin is not known yet" };
-  const waits = ["periodic", "permanent_contact"].includes(start.solution.kind);
-  const early = waits && settledAt(start.solution, start, shown) === null;
-  const [history, periods] = early ? [await ask(oscillator, start, LONG_PERIODS, 1), LONG_PERIODS] : [shown, SHOWN_PERIODS];
-  return { start, shown, departures, ends: ending(oscillator.model, start.solution, start, history, periods) };
+  const motion = { start, shown, departures: departuresOf(start, shown) };
+  const { solution } = start;
+  if (!solution) return { ...motion, ends: "starts where the basin is not known yet" };
+  const waits = ["periodic", "permanent_contact"].includes(solution.kind);
+  if (!waits || settledAt(solution, start, shown) !== null) {
+    return { ...motion, ends: ending(oscillator.model, solution, start, shown, SHOWN_PERIODS) };
+  }
+  begun({ ...motion, ends: `is followed for ${LONG_PERIODS} forcing periods` });
+  const history = await ask(oscillator, start, LONG_PERIODS, 1);
+  return { ...motion, ends: ending(oscillator.model, solution, start, history, LONG_PERIODS) };
 }

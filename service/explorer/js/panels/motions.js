@@ -49,14 +49,17 @@ export class Motions {
     const start = exactly || !known ? { ...known, ...place } : known;
     start.t -= Math.floor(start.t);
     const { era } = this;
-    await attempt(async () => {
-      const motion = await followMotion(this.oscillator(), start);
-      if (era !== this.era) return;
-      if (name === "first") this.followed.delete("second");
+    let begun = false;
+    const show = (motion) => {
+      // Its end comes later, perhaps when another motion has been clicked.
+      if (era !== this.era || (begun && this.followed.get(name)?.start !== start)) return;
+      if (name === "first" && !begun) this.followed.delete("second");
+      begun = true;
       this.followed.set(name, motion);
       this.#show();
       this.changed();
-    });
+    };
+    await attempt(async () => show(await followMotion(this.oscillator(), start, show)));
   }
 
   /** Departures that are followed, as [t, v]. */
