@@ -140,7 +140,8 @@ def test_the_older_picture_stays_until_the_new_one_comes(opened, service):
 
 def test_a_click_follows_the_motion_and_says_where_it_ends(opened):
     page = opened.page
-    page.mouse.click(*opened.spot(0.4, 0.3))
+    # Inside a cell: the motion starts at the cell's centre, and 0.4 lies where two cells meet.
+    page.mouse.click(*opened.spot(0.41, 0.31))
     told = page.locator("#histories")
     ending = r"A The motion from t = 0\.4\d+, v = 2\.\d+ ends in permanent contact after \d+ impacts"
     expect(told).to_contain_text(re.compile(ending))
