@@ -1,35 +1,65 @@
-"""A worker runs a task only if it computes as the driver does: both with fused multiply-add (FMA), or both without.
+"""A worker runs tasks only if it computes as the driver does: both with fused multiply-add (FMA), or both without.
 
-The driver also computes: it continues attractors from basin to basin. So every task carries the driver's setting, and
+The driver also computes: it continues attractors from basin to basin. So every call carries the driver's setting, and
 the worker checks it. A check of the list of workers would miss those that join after the job has begun.
 """
 
-from typing import Any
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 from distributed import get_worker
 
 from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
+from worker.cluster.task import stop_if_cancelled
 from worker.errors import UnlikeWorkers
 from worker.rounding import with_or_without
 
 
-def compute_alike(call: tuple[Any, ...]) -> Any:
-    """Run a task on a worker, if the worker computes as the driver does.
+class Call(NamedTuple):
+    """Tasks of one function that travel to a worker together.
+
+    ``fused`` is whether the driver computes with FMA. Each of ``tasks`` holds a number and further arguments.
+    """
+
+    fused: bool
+    function: Callable[..., Any]
+    location: str
+    digest: str
+    tasks: Sequence[tuple[Any, ...]]
+
+
+class Receipts(NamedTuple):
+    """What the tasks of a call returned, and the seconds that they took together."""
+
+    values: list[Any]
+    seconds: float
+
+
+def compute_alike(call: Call) -> Receipts:
+    """Run the tasks of a call on a worker, one after another, if the worker computes as the driver does.
 
     Parameters
     ----------
-    call : tuple
-        Whether the driver computes with FMA, the function, and its arguments.
+    call : Call
+
+    Returns
+    -------
+    Receipts
 
     Raises
     ------
     UnlikeWorkers
     """
-    fused, function, *arguments = call
-    if fuses_multiply_add() != fused:
+    if fuses_multiply_add() != call.fused:
         raise UnlikeWorkers(
-            f"worker {get_worker().address} computes {with_or_without(not fused)} fused multiply-add (FMA), and the "
-            f"driver {with_or_without(fused)} it, so their results differ: the cluster needs processors of one kind, "
-            "or one NUMBA_CPU_NAME for all"
+            f"worker {get_worker().address} computes {with_or_without(not call.fused)} fused multiply-add (FMA), and "
+            f"the driver {with_or_without(call.fused)} it, so their results differ: the cluster needs processors of "
+            "one kind, or one NUMBA_CPU_NAME for all"
         )
-    return function(*arguments)
+    begin = time.perf_counter()
+    values = []
+    for task in call.tasks:
+        stop_if_cancelled()
+        values.append(call.function(call.location, call.digest, *task))
+    return Receipts(values, time.perf_counter() - begin)

@@ -1,11 +1,14 @@
-"""Runs many small tasks on a cluster, a few at a time.
+"""Runs many small tasks on a cluster, a few calls at a time.
 
 A single ``client.map`` over all tasks does not work. It holds every future, so each killed worker made the scheduler
-recompute results that were on disk already, and blame innocent tiles for killing workers. Instead, about two tasks per
+recompute results that were on disk already, and blame innocent tiles for killing workers. Instead, about two calls per
 thread are in flight. A future is released as soon as its receipt has arrived. On large clusters tasks that end together
 are gathered in one message, and submitted in one: one by one they took five times as long. A lost task is submitted
 again under a new key, because Dask would return the old, cancelled future for a known key. A task that fails a few
 times by itself fails the job.
+
+Driver and scheduler together handle some hundreds of futures a second. So a future is a call of several tasks where
+tasks are short for the number of threads: `_Window._next_call`. Stores do not change, as a tile stays a tile.
 
 Jobs that run at the same time share one driver, and so its window. The scheduler takes tasks in the order in which they
 were submitted. So each job gets its turn, and a job that has just begun waits for at most a few tasks of the others.
@@ -16,13 +19,14 @@ import queue
 import threading
 import time
 import uuid
+from collections import deque
 from collections.abc import Callable, Generator, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from distributed import Client, Future
 
 from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
-from worker.cluster.computed_alike import compute_alike
+from worker.cluster.computed_alike import Call, Receipts, compute_alike
 from worker.cluster.task import Task
 from worker.errors import ClusterFailed, JobCancelled, StoreFailed, TileFailed, WorkerError
 
@@ -36,7 +40,11 @@ _TOGETHER_SECONDS = 0.02
 _FEW = 16
 # On a busy machine a killed worker is back after a minute.
 _NO_WORKER_SECONDS = 180.0
-_TASKS_A_THREAD = 2
+_CALLS_A_THREAD = 2
+# A third of a core, measured with tasks that only wait (`benchmarks.waiting_workers`).
+_CALLS_A_SECOND = 100
+# A killed worker loses no more than this, and the other jobs wait no longer.
+_LONGEST_CALL_SECONDS = 10.0
 _LOST = "the connection to the scheduler is lost; submit again when it is back"
 
 
@@ -61,11 +69,25 @@ class Driver:
         self.client, self.retried = client, retried
         self._lock = threading.Lock()
         self._jobs = 0
+        self._seconds: dict[Callable[..., Any], float] = {}
 
     @property
     def window_size(self) -> int:
-        """Largest number of tasks in flight, of all jobs together."""
-        return _TASKS_A_THREAD * max(1, _threads(self.client))
+        """Largest number of calls in flight, of all jobs together."""
+        return _CALLS_A_THREAD * max(1, _threads(self.client))
+
+    def timed(self, function: Callable[..., Any], seconds: float) -> None:
+        """Take note of what a task of a function took."""
+        with self._lock:
+            self._seconds[function] = 0.8 * self._seconds.get(function, seconds) + 0.2 * seconds
+
+    def tasks_a_call(self, function: Callable[..., Any], window_size: int) -> int:
+        """Tasks of a function that make a call, so that all threads together end some hundred calls a second."""
+        seconds = self._seconds.get(function)
+        if seconds is None:
+            return 1
+        call = min(window_size / _CALLS_A_THREAD / _CALLS_A_SECOND, _LONGEST_CALL_SECONDS)
+        return max(1, round(call / max(seconds, 1e-4)))
 
     def share(self, size: int) -> int:
         """Each job's part of a window of this size."""
@@ -107,7 +129,7 @@ class Driver:
                 if cancel.is_set():
                     raise JobCancelled("cancelled on request")
                 window.fill(next_task)
-                if not window.task_of:
+                if not window.calls:
                     return
                 done = window.wait()
                 last_seen = time.monotonic() if done else _check_workers(self.client, last_seen)
@@ -116,53 +138,74 @@ class Driver:
             window.close()
 
 
-def _receipt(future: Future) -> Any:
-    """Receipt of an ended task, or the error it ended with; None if its worker was lost."""
+def _receipts_of(future: Future) -> Receipts | Exception | None:
+    """Receipts of an ended call, or the error it ended with; None if its worker was lost."""
     if future.status == "finished":
         try:
-            return _Receipt(future.result())
-        except Exception as error:  # its worker was killed before it could hand the receipt over
+            return cast(Receipts, future.result())
+        except Exception as error:  # its worker was killed before it could hand the receipts over
             return error
-    return future.exception() if future.status == "error" else None
+    return cast(Exception, future.exception()) if future.status == "error" else None
 
 
-class _Receipt(NamedTuple):
-    """What a task returned."""
+class _Sent(NamedTuple):
+    """Tasks of one function that travel together, and how often they were tried."""
 
-    value: Any
+    tasks: Sequence[Task]
+    attempt: int
 
 
 class _Window:
-    """A job's tasks in flight: the task of each future, and how often it was tried."""
+    """A job's calls in flight: the tasks of each future; and tasks that wait to join a call."""
 
     def __init__(self, driver: Driver, address: tuple[str, str]) -> None:
         self.driver, self.client, self.address = driver, driver.client, address
         self.size = driver.window_size
         self.run = uuid.uuid4().hex[:12]
         self.submitted = 0
-        self.task_of: dict[Future, tuple[Task, int]] = {}
+        self.calls: dict[Future, _Sent] = {}
+        self.waiting: deque[Task] = deque()
         self.ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
         driver.add_jobs(1)
 
     def fill(self, next_task: Callable[[], Task | None]) -> None:
-        """Submit tasks until the job's share of the window is in flight, or there is no task."""
-        tasks: list[tuple[Task, int]] = []
+        """Submit calls until the job's share of the window is in flight, or there is no task."""
         share = self.driver.share(self.size)
-        while len(self.task_of) + len(tasks) < share and (task := next_task()) is not None:
-            tasks.append((task, 1))
-        self.submit(tasks)
+        calls: list[_Sent] = []
+        while len(self.calls) + len(calls) < share and (tasks := self._next_call(next_task, share)):
+            calls.append(_Sent(tasks, 1))
+        self.submit(calls)
 
-    def submit(self, tasks: Sequence[tuple[Task, int]]) -> None:
-        """Submit tasks, each with the number of the attempt."""
-        if not tasks:
+    def _next_call(self, next_task: Callable[[], Task | None], share: int) -> list[Task]:
+        """Tasks of the next call. Calls become shorter as tasks run out, so that all threads end together."""
+        ahead = 1
+        while len(self.waiting) < ahead and (task := next_task()) is not None:
+            self.waiting.append(task)
+            most = self.driver.tasks_a_call(task.function, self.size)
+            ahead = most * share if most > 1 else 1
+        if not self.waiting:
+            return []
+        function = self.waiting[0].function
+        most = min(self.driver.tasks_a_call(function, self.size), max(1, len(self.waiting) // share))
+        tasks = [self.waiting.popleft()]
+        while self.waiting and len(tasks) < most and self.waiting[0].function is function:
+            tasks.append(self.waiting.popleft())
+        return tasks
+
+    def submit(self, calls: Sequence[_Sent]) -> None:
+        """Submit calls, in one message."""
+        if not calls:
             return
-        keys, calls = [], []
-        for task, attempt in tasks:
+        keys, arguments = [], []
+        for tasks, attempt in calls:
             self.submitted += 1
-            keys.append(f"{task.function.__name__}-{self.run}-{task.number}-{self.submitted}-a{attempt}")
-            calls.append((fuses_multiply_add(), task.function, *self.address, task.number, *task.arguments))
-        for future, each in zip(self.client.map(compute_alike, calls, key=keys, pure=False), tasks, strict=True):
-            self.task_of[future] = each
+            first = tasks[0]
+            keys.append(f"{first.function.__name__}-{self.run}-{first.number}-{self.submitted}-a{attempt}")
+            own = [(task.number, *task.arguments) for task in tasks]
+            arguments.append(Call(fuses_multiply_add(), first.function, *self.address, own))
+        futures = self.client.map(compute_alike, arguments, key=keys, pure=False)
+        for future, each in zip(futures, calls, strict=True):
+            self.calls[future] = each
             future.add_done_callback(self.ended.put)
 
     def wait(self) -> list[Future]:
@@ -171,7 +214,7 @@ class _Window:
             ended = [self.ended.get(timeout=_POLL_SECONDS)]
         except queue.Empty:
             return []
-        if len(self.task_of) > _FEW:
+        if len(self.calls) > _FEW:
             time.sleep(_TOGETHER_SECONDS)
         while not self.ended.empty():
             ended.append(self.ended.get())
@@ -183,32 +226,35 @@ class _Window:
         """Finished tasks and their receipts; lost ones are submitted again. Their futures are released at once."""
         receipts, again, taken = self._receipts(ended), [], []
         for future, receipt in zip(ended, receipts, strict=True):
-            task, attempt = self.task_of.pop(future)
+            tasks, attempt = self.calls.pop(future)
             future.release()
-            if isinstance(receipt, _Receipt):
-                taken.append((task, receipt.value))
-            else:
+            if isinstance(receipt, Receipts):
+                self.driver.timed(tasks[0].function, receipt.seconds / len(tasks))
+                taken += zip(tasks, receipt.values, strict=True)
+                continue
+            # Alone, so that only the guilty one fails again.
+            for task in tasks:
                 _demand_another_try(task, attempt, receipt)
                 self.driver.retried()
-                again.append((task, attempt + 1))
+                again.append(_Sent([task], attempt + 1))
         self.submit(again)
         return taken
 
-    def _receipts(self, ended: Sequence[Future]) -> list[Any]:
-        """What each ended task left (`_receipt`); of those that finished in one message."""
+    def _receipts(self, ended: Sequence[Future]) -> list[Receipts | Exception | None]:
+        """What each ended call left (`_receipts_of`); of those that finished in one message."""
         if all(future.status == "finished" for future in ended):
             try:
-                return [_Receipt(value) for value in self.client.gather(list(ended))]
+                return list(self.client.gather(list(ended)))
             except Exception:  # a worker was killed before it could hand its receipts over: one by one
                 pass
-        return [_receipt(future) for future in ended]
+        return [_receipts_of(future) for future in ended]
 
     def close(self) -> None:
         """Cancel what is in flight."""
         self.driver.add_jobs(-1)
         if self.client.status == "running":
-            self.client.cancel(list(self.task_of), force=True)
-        self.task_of.clear()
+            self.client.cancel(list(self.calls), force=True)
+        self.calls.clear()
 
 
 def _demand_another_try(task: Task, attempt: int, error: Exception | None) -> None:
