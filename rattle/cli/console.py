@@ -54,15 +54,15 @@ def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
         yield line
 
 
-def print_solutions(
-    rows: Sequence[tuple[str, float | None, float | None, float | None, Sequence[tuple[float, float]]]],
-) -> None:
+def print_solutions(solutions: Sequence[Mapping[str, Any]]) -> None:
     """Print a table of solutions: name, share, Lyapunov exponent, mean life of a chaotic transient, first point."""
     table = Table("", "solution", "share", "Lyapunov exponent", "a departure (t, v)")
-    for number, (name, share, exponent, life, points) in enumerate(rows):
+    for number, solution in enumerate(solutions):
+        share, exponent, points = solution["share"], solution["lyapunov_exponent"], solution["points"]
+        life, error = solution["mean_life"], solution["mean_life_error"]
         table.add_row(
             str(number),
-            name if life is None else f"{name} for some {life:.1g} impacts",
+            solution["name"] if life is None else f"{solution['name']} for some {life:.1g} ± {error:.1g} impacts",
             "not known yet" if share is None else f"{100 * share:.3f} %",
             "" if exponent is None else f"{exponent:.4f}",
             f"({points[0][0]:.6f}, {points[0][1]:.6f})" if points else "",

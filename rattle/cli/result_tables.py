@@ -36,12 +36,7 @@ def _print_other(result: dict[str, Any]) -> None:
 
 
 def _print_basins(result: dict[str, Any]) -> None:
-    print_solutions(
-        [
-            (each["name"], each["share"], each["lyapunov_exponent"], each["mean_life"], each["points"][:1])
-            for each in result["solutions"]
-        ]
-    )
+    print_solutions(result["solutions"])
     names = [solution["name"] for solution in result["solutions"]]
     print_changes(
         [

@@ -5,6 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+ENSEMBLE, SHORTEST_RUN = 64, 16_384
+"""Trajectories from which a mean life is counted, and the least impacts of each."""
+
 
 class AttractorKind(IntEnum):
     """Kind of a motion. Codes are append-only."""
@@ -44,9 +47,23 @@ class Attractor(NamedTuple):
         return self.kind.name.lower().replace("_", " ")
 
     @property
+    def mean_life_error(self) -> float:
+        """Standard error of the mean life at most, in impacts; NaN if there is none.
+
+        The mean life is T = -n / ln(1 - p), where the part p of an ensemble of N trajectories has left after n impacts.
+        p has the variance p (1 - p) / N, so that T has the relative error sqrt((e^x - 1) / N) / x with x = n / T. It
+        falls with x up to 1.6, and no transient is listed that half of the ensemble has left (x = ln 2). So the
+        shortest n gives the largest error.
+        """
+        x = SHORTEST_RUN / self.mean_life
+        return float(self.mean_life * np.sqrt(np.expm1(x) / ENSEMBLE) / x)
+
+    @property
     def label(self) -> str:
-        """The name and, for a chaotic transient, its mean life."""
-        return self.name if np.isnan(self.mean_life) else f"{self.name} of some {self.mean_life:.1g} impacts"
+        """The name and, for a chaotic transient, its mean life with its error."""
+        if np.isnan(self.mean_life):
+            return self.name
+        return f"{self.name} of some {self.mean_life:.1g} ± {self.mean_life_error:.1g} impacts"
 
     @property
     def is_chaotic(self) -> bool:

@@ -19,12 +19,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from rattle_kernels.attractors.attractor import (
+    ENSEMBLE,
     PERMANENT_CONTACT_ATTRACTOR,
     UNDECIDED_ATTRACTOR,
     Attractor,
     AttractorKind,
 )
-from rattle_kernels.attractors.chaotic_transient import ENSEMBLE, follow_ensemble
+from rattle_kernels.attractors.chaotic_transient import follow_ensemble
 from rattle_kernels.attractors.neighbourhoods import hit_the_same_boxes, locate, neighbourhoods
 from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
 from rattle_kernels.lanes.run import run_lanes

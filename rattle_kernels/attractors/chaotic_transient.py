@@ -15,19 +15,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.attractors.attractor import ENSEMBLE, SHORTEST_RUN
 from rattle_kernels.cell_mapping.iterations import settled_iterations
-from rattle_kernels.lanes.flight import LANES
 from rattle_kernels.lanes.lyapunov import TangentGrowth, tangent_growth
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import Outcome
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
-ENSEMBLE = LANES
 # Initial separation of neighbouring trajectories: 1e-9 v, which is e^-21 v.
 _APART = 1e-9
 _LEGS = 64
-_SHORTEST_LEG = 256
+_SHORTEST_LEG = SHORTEST_RUN // _LEGS
 # Impacts of a test for chaos. Beyond a cascade of period doublings chaos is so weak that it needs the second.
 _GROWING = 512, 8192
 _STANDARD_ERRORS = 5.0

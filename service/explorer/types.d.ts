@@ -55,6 +55,7 @@ interface Solution {
   share: number | null;
   lyapunov_exponent: number | null;
   mean_life: number | null;
+  mean_life_error: number | null;
   colours: { [palette: string]: string };
   points: [number, number][];
 }

@@ -21,6 +21,7 @@ class SolutionView(BaseModel):
     mean_life: FiniteOrNone = Field(
         description="Mean number of impacts until a motion leaves a chaotic transient; null if none was seen to leave"
     )
+    mean_life_error: FiniteOrNone = Field(description="Standard error of `mean_life`, at most")
     points: list[tuple[float, float]] = Field(
         description="(t, v) of its departures; the first hundred of a chaotic one"
     )

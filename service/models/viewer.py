@@ -56,6 +56,7 @@ class DrawnSolution(BaseModel):
     share: FiniteOrNone = Field(description="In this basin; null until it is complete, or if it has no such solution")
     lyapunov_exponent: FiniteOrNone
     mean_life: FiniteOrNone = Field(description="Mean number of impacts until a motion leaves chaos; null if it lasts")
+    mean_life_error: FiniteOrNone = Field(description="Standard error of `mean_life`, at most")
     colours: dict[Palette, str]
     points: list[tuple[float, float]] = Field(description="(t, v) of its departures in this basin")
 
@@ -68,7 +69,7 @@ class DrawnSolution(BaseModel):
         return cls(
             number=number, name=attractor.name, kind=attractor.kind.name.lower(),
             share=share, lyapunov_exponent=attractor.lyapunov_exponent, mean_life=attractor.mean_life,
-            colours=colours, points=list(points),
+            mean_life_error=attractor.mean_life_error, colours=colours, points=list(points),
         )  # fmt: skip
 
 

@@ -43,8 +43,9 @@ _NO_WORKER_SECONDS = 180.0
 _CALLS_A_THREAD = 2
 # A third of a core, measured with tasks that only wait (`benchmarks.waiting_workers`).
 _CALLS_A_SECOND = 100
-# A killed worker loses no more than this, and the other jobs wait no longer.
-_LONGEST_CALL_SECONDS = 10.0
+# A first picture waits no longer than the shortest call. A killed worker loses no more than the longest, and the other
+# jobs wait no longer.
+_SHORTEST_CALL_SECONDS, _LONGEST_CALL_SECONDS = 0.1, 10.0
 _LOST = "the connection to the scheduler is lost; submit again when it is back"
 
 
@@ -86,7 +87,8 @@ class Driver:
         seconds = self._seconds.get(function)
         if seconds is None:
             return 1
-        call = min(window_size / _CALLS_A_THREAD / _CALLS_A_SECOND, _LONGEST_CALL_SECONDS)
+        call = window_size / _CALLS_A_THREAD / _CALLS_A_SECOND
+        call = min(max(call, _SHORTEST_CALL_SECONDS), _LONGEST_CALL_SECONDS)
         return max(1, round(call / max(seconds, 1e-4)))
 
     def share(self, size: int) -> int:
@@ -224,8 +226,9 @@ class _Window:
 
     def take(self, ended: Sequence[Future]) -> list[tuple[Task, Any]]:
         """Finished tasks and their receipts; lost ones are submitted again. Their futures are released at once."""
-        receipts, again, taken = self._receipts(ended), [], []
-        for future, receipt in zip(ended, receipts, strict=True):
+        taken: list[tuple[Task, Any]] = []
+        again = []
+        for future, receipt in zip(ended, self._receipts(ended), strict=True):
             tasks, attempt = self.calls.pop(future)
             future.release()
             if isinstance(receipt, Receipts):

@@ -78,7 +78,10 @@ class BasinSummary:
 
 
 def _solution(attractor: Attractor, share: float) -> dict[str, Any]:
-    names = ("name", "forcing_periods", "upper_contacts", "lower_contacts", "lyapunov_exponent", "mean_life")
+    names = (
+        "name", "forcing_periods", "upper_contacts", "lower_contacts", "lyapunov_exponent", "mean_life",
+        "mean_life_error",
+    )  # fmt: skip
     points = zip(attractor.time[:100].tolist(), attractor.velocity[:100].tolist(), strict=True)
     own = {name: getattr(attractor, name) for name in names}
     return own | {"kind": attractor.kind.name.lower(), "share": share, "points": list(points)}

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from rattle_kernels import CellGrid, Oscillator, find_attractors, map_points, name_solutions, next_impacts
-from rattle_kernels.attractors.chaotic_transient import ENSEMBLE, follow_ensemble
+from rattle_kernels.attractors.attractor import ENSEMBLE, Attractor, AttractorKind
+from rattle_kernels.attractors.chaotic_transient import follow_ensemble
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
 from rattle_kernels.lanes.lyapunov import tangent_growth
@@ -96,7 +97,7 @@ def test_a_transient_of_1e5_impacts_is_one_and_its_end_is_in_the_catalogue(dampi
     attractors = {attractor.name: attractor for attractor in catalogue}
     assert end in attractors and "chaotic" not in attractors and (places >= 0).all()
     life = attractors["chaotic transient"].mean_life
-    assert attractors["chaotic transient"].label == f"chaotic transient of some {life:.1g} impacts"
+    assert attractors["chaotic transient"].label.startswith(f"chaotic transient of some {life:.1g} ± ")
     # Against a plain loop from other starts, each until it comes back close to itself or has made 300,000 impacts.
     lives = [impacts_until_settled(oscillator, 0.55 + 0.001 * n, 4.7, 300_000) for n in range(24)]
     gone = [impacts for impacts in lives if impacts < 300_000]
@@ -165,3 +166,27 @@ def test_the_mean_life_is_that_of_the_exponential_law():
     assert ensemble.impacts == 64 * 256 and np.isnan(ensemble.mean_life(0))
     assert ensemble.mean_life(ENSEMBLE // 2) == pytest.approx(ensemble.impacts / np.log(2.0))
     assert ensemble.mean_life(1) == pytest.approx(ENSEMBLE * ensemble.impacts, rel=0.01)
+
+
+def transient_of(mean_life):
+    """A chaotic transient without points."""
+    kind, nothing = AttractorKind.CHAOTIC_TRANSIENT, np.empty(0)
+    return Attractor(kind, 0, 0, 0, np.nan, np.nan, nothing, nothing, mean_life)
+
+
+@pytest.mark.parametrize("life", [25_000.0, 40_000.0])
+def test_mean_lives_that_are_counted_again_differ_by_their_error(life):
+    ensemble, rng = follow_ensemble(IMPACTING, *CHAOTIC), np.random.default_rng(5)
+    gone = (rng.exponential(life, (4000, ENSEMBLE)) < ensemble.impacts).sum(axis=1)
+    counted = [ensemble.mean_life(left) for left in gone.tolist()]
+    transient = transient_of(life)
+    # The law is to first order; the next order is the square of an error of a fifth.
+    assert np.std(counted) == pytest.approx(transient.mean_life_error, rel=0.15)
+
+
+def test_a_mean_life_that_one_of_the_ensemble_has_told_is_known_to_itself():
+    ensemble = follow_ensemble(IMPACTING, *CHAOTIC)
+    transient = transient_of(ensemble.mean_life(1))
+    assert transient.mean_life_error == pytest.approx(transient.mean_life, rel=0.02)
+    assert transient.label == "chaotic transient of some 1e+06 ± 1e+06 impacts"
+    assert np.isnan(transient_of(np.nan).mean_life_error)

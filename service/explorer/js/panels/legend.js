@@ -17,9 +17,9 @@ function swatch(colour) {
   return drawn;
 }
 
-function chaosInWords({ lyapunov_exponent, mean_life, kind }) {
+function chaosInWords({ lyapunov_exponent, mean_life, mean_life_error, kind }) {
   if (lyapunov_exponent === null || !kind.startsWith("chaotic")) return "";
-  const life = mean_life === null ? "" : `; left after some ${mean_life.toPrecision(1)} impacts`;
+  const life = mean_life === null ? "" : `; left after some ${mean_life.toPrecision(1)} ± ${mean_life_error.toPrecision(1)} impacts`;
   return ` Largest Lyapunov exponent ${lyapunov_exponent.toFixed(3)} per forcing period${life}.`;
 }
 
