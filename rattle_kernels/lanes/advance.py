@@ -37,7 +37,7 @@ def fly(lanes, corners, oscillator, tables):
 def stay(lanes, corners, oscillator, tables, slow):
     """Follow the contact of every lane after its flight (finite stiffness); return how many took the careful path."""
     guess_contacts(lanes, corners, tables)
-    unsure = refine_contacts(lanes, oscillator.damping, slow)
+    unsure = refine_contacts(lanes, oscillator.damping, oscillator.permanent_after, slow)
     if unsure > 0:
         follow_contacts_carefully(lanes, oscillator)
     return unsure

@@ -2,8 +2,8 @@
 
 Every flight ends on a wall, and one contact follows: so a pass of the lanes is a flight and a contact. The contact
 starts from the flight's end and replaces it with its own end. The passes are those of `flight`: a first guess from a
-table, one evaluation, one step of fifth order, and the careful path for lanes that are not sure. A contact that may
-last for longer than one swing is never sure: its guess in the table is NaN.
+table, one evaluation, one step of fifth order, and the careful path for lanes that are not sure. A contact whose
+number of swings is not certain is never sure: its guess in the table is NaN.
 
 The formulas are those of `model.contact`. The sign of the velocity after an elastic impact gives the wall.
 """
@@ -64,7 +64,7 @@ def guess_contacts(lanes, corners, tables):
 
 
 @inlined
-def refine_contacts(lanes, damping, slow_part):
+def refine_contacts(lanes, damping, permanent_after, slow_part):
     """Second pass: one evaluation of every contact, one step of fifth order, and the state at its end.
 
     Returns
@@ -119,6 +119,8 @@ def refine_contacts(lanes, damping, slow_part):
         unsure = unsure if x1 < 0.0 else 1.0
         unsure = unsure if leaving > 0.0 else 1.0
         unsure = unsure if fading <= 1.0 else 1.0
+        lasting = (side > 0.0) & (tau + step_ > permanent_after)
+        unsure = 1.0 if lasting else unsure
         lanes[UNSURE + i] = unsure
         sure = unsure == 0.0
         phase = lanes[END_PHASE + i] + tau + step_

@@ -55,8 +55,10 @@ def run_lanes(
     tables = lane_tables(oscillator)
     capture_bound, lock_tolerance = (tables.capture_bound, _LOCK_TOLERANCE) if shortcuts else (0.0, -1.0)
     begins = Rules(float(min(applications, LONGEST_SHORT_RUN)), capture_bound, lock_tolerance)
-    batch = Batch(t.copy(), v.copy(), np.empty(t.size, np.int8), np.empty(t.size, np.int64))
-    run = run_short(oscillator, tables, begins, batch, pause)
+    batch = Batch(np.empty(t.size), np.empty(t.size), np.empty(t.size, np.int8), np.empty(t.size, np.int64))
+    # Kernels are compiled for arrays that are contiguous and may be written. Others are copied.
+    departures = np.require(t, requirements="CW"), np.require(v, requirements="CW")
+    run = run_short(oscillator, tables, begins, departures, batch, pause)
     if applications > LONGEST_SHORT_RUN:
         going = np.flatnonzero(batch.outcome == OUTCOME_RETURNED)
         rest = Batch(*(field[going] for field in batch))

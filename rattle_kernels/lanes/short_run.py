@@ -70,14 +70,14 @@ def _depart(lanes, t, v, applications, largest_grazing_speed):
 
 
 @inlined
-def _land(lanes, t, v, outcome, lower_impacts, left):
+def _land(lanes, t, v, outcome, lower_impacts):
     """Write down where the neighbouring points of `_depart` are."""
     for i in range(t.size):
         t[i], v[i] = lanes[PHASE + i], lanes[VELOCITY + i]
     for i in range(t.size):
         outcome[i] = np.int8(lanes[_OUTCOME + i])
     for i in range(t.size):
-        lower_impacts[i], left[i] = np.int64(lanes[DROPS + i]), lanes[_LEFT + i]
+        lower_impacts[i] = np.int64(lanes[DROPS + i])
 
 
 @inlined
@@ -85,17 +85,17 @@ def _load(lanes, t, v, left, points, largest_grazing_speed):
     """Give the lanes points that wait; lanes without one idle."""
     for i in range(points.size):
         point = points[i]
-        lanes[PHASE + i], lanes[VELOCITY + i], lanes[_LEFT + i] = t[point], v[point], left[point]
+        lanes[PHASE + i], lanes[VELOCITY + i], lanes[_LEFT + i] = t[point], v[point], left[i]
     for i in range(points.size, LANES):
         idle(lanes, i, largest_grazing_speed)
 
 
 @inlined
-def _store(lanes, t, v, outcome, lower_impacts, left, points):
+def _store(lanes, t, v, outcome, lower_impacts, points):
     """Write down where the points of `_load` are."""
     for i in range(points.size):
         point = points[i]
-        t[point], v[point], left[point] = lanes[PHASE + i], lanes[VELOCITY + i], lanes[_LEFT + i]
+        t[point], v[point] = lanes[PHASE + i], lanes[VELOCITY + i]
         outcome[point] = np.int8(lanes[_OUTCOME + i])
         lower_impacts[point] += np.int64(lanes[DROPS + i])
 
@@ -128,16 +128,16 @@ def _decide(lanes, capture_bound, radian):
 
 
 @inlined
-def _list_those_on_the_way(lanes, points, waiting, tail):
+def _list_those_on_the_way(lanes, points, waiting, left, tail):
     """Add the points of the lanes that have not landed to those that wait; return how many wait."""
     for i in range(points.size):
-        waiting[tail] = points[i]
+        waiting[tail], left[tail] = points[i], lanes[_LEFT + i]
         tail += 1 if lanes[_OUTCOME + i] == _ON_THE_WAY else 0
     return tail
 
 
 @lane_kernel
-def _fly_leg(oscillator, tables, rules, batch, first, last):
+def _fly_leg(oscillator, tables, rules, departures, batch, first, last):
     """Fly the points from `first` to the one before `last`; return applications and careful flights and contacts."""
     lanes, corners = lane_buffer(_FIELDS), np.zeros(LANES, np.int64)
     size = min(_CHUNK, last - first)
@@ -146,6 +146,7 @@ def _fly_leg(oscillator, tables, rules, batch, first, last):
     flights, careful, top = 0, 0, tables.largest_grazing_speed
     for begin in range(first, last, _CHUNK):
         end = min(begin + _CHUNK, last)
+        t0, v0 = departures[0][begin:end], departures[1][begin:end]
         t, v = batch.t[begin:end], batch.v[begin:end]
         outcome, lower_impacts = batch.outcome[begin:end], batch.lower_impacts[begin:end]
         flying, departed = t.size, False
@@ -155,19 +156,19 @@ def _fly_leg(oscillator, tables, rules, batch, first, last):
                 stop = min(head + LANES, flying)
                 points = waiting[head:stop] if departed else numbers[head:stop]
                 if departed:
-                    _load(lanes, t, v, left, points, top)
+                    _load(lanes, t, v, left[head:stop], points, top)
                 else:
-                    _depart(lanes, t[head:stop], v[head:stop], rules.applications, top)
+                    _depart(lanes, t0[head:stop], v0[head:stop], rules.applications, top)
                 careful += fly(lanes, corners, oscillator, tables)
                 if stiff:
                     careful += stay(lanes, corners, oscillator, tables, slow)
                 _decide(lanes, rules.capture_bound, radian)
                 if departed:
-                    _store(lanes, t, v, outcome, lower_impacts, left, points)
+                    _store(lanes, t, v, outcome, lower_impacts, points)
                 else:
                     own = slice(head, stop)
-                    _land(lanes, t[own], v[own], outcome[own], lower_impacts[own], left[own])
-                tail = _list_those_on_the_way(lanes, points, waiting, tail)
+                    _land(lanes, t[own], v[own], outcome[own], lower_impacts[own])
+                tail = _list_those_on_the_way(lanes, points, waiting, left, tail)
             flights += flying
             flying, departed = tail, True
     # Each application ends with a flight to +beta. The other flights are those to -beta, and of lanes that idled.
@@ -175,7 +176,14 @@ def _fly_leg(oscillator, tables, rules, batch, first, last):
     return flights - batch.lower_impacts[first:last].sum() - idled, careful
 
 
-def run_short(oscillator: Oscillator, tables: LaneTables, rules: Rules, batch: Batch, pause: Pause) -> LaneRun:
+def run_short(
+    oscillator: Oscillator,
+    tables: LaneTables,
+    rules: Rules,
+    departures: tuple[np.ndarray, np.ndarray],
+    batch: Batch,
+    pause: Pause,
+) -> LaneRun:
     """Apply P to points, at most LONGEST_SHORT_RUN times.
 
     Parameters
@@ -184,8 +192,10 @@ def run_short(oscillator: Oscillator, tables: LaneTables, rules: Rules, batch: B
         Checked by the caller.
     tables : LaneTables
     rules : Rules
+    departures : tuple of ndarray, each of shape (n,)
+        Phases and speeds.
     batch : Batch
-        Its points become where they land.
+        Of the same size; where the departures land.
     pause : callable
         Called several times a second.
 
@@ -197,6 +207,6 @@ def run_short(oscillator: Oscillator, tables: LaneTables, rules: Rules, batch: B
     points = _APPLICATIONS_A_LEG // int(rules.applications)
     for first in range(0, batch.t.size, points):
         pause()
-        run = _fly_leg(oscillator, tables, rules, batch, first, min(first + points, batch.t.size))
+        run = _fly_leg(oscillator, tables, rules, departures, batch, first, min(first + points, batch.t.size))
         applications, careful = applications + run[0], careful + run[1]
     return LaneRun(applications, careful)

@@ -40,13 +40,12 @@ WANTED = (FLIGHT_FIELDS + 1) * LANES
 LOWER_IMPACTS = (FLIGHT_FIELDS + 2) * LANES
 _CHECK_PHASE = (FLIGHT_FIELDS + 3) * LANES
 _CHECK_SPEED = (FLIGHT_FIELDS + 4) * LANES
-_CHECK_DONE = (FLIGHT_FIELDS + 5) * LANES
-_CHECK_NEXT = (FLIGHT_FIELDS + 6) * LANES
-EVENT = (FLIGHT_FIELDS + 7) * LANES
-POINT = (FLIGHT_FIELDS + 8) * LANES
-_LOOK_NEXT = (FLIGHT_FIELDS + 9) * LANES
-_AWAITED = (FLIGHT_FIELDS + 10) * LANES
-RUN_FIELDS = FLIGHT_FIELDS + 11
+_CHECK_NEXT = (FLIGHT_FIELDS + 5) * LANES  # the checkpoint that is set was set after half as many applications
+EVENT = (FLIGHT_FIELDS + 6) * LANES
+POINT = (FLIGHT_FIELDS + 7) * LANES
+_LOOK_NEXT = (FLIGHT_FIELDS + 8) * LANES
+_AWAITED = (FLIGHT_FIELDS + 9) * LANES
+RUN_FIELDS = FLIGHT_FIELDS + 10
 
 # What has happened to a lane at the end of a flight.
 NOTHING, FINISHED, CAPTURED, LOCKED, LOST, LOOKS = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
@@ -72,7 +71,6 @@ def note_events(lanes, capture_bound, radian, lock_tolerance, largest_grazing_sp
         sets = (done >= lanes[_CHECK_NEXT + i]) & returns & (event == NOTHING)
         lanes[_CHECK_PHASE + i] = phase if sets else lanes[_CHECK_PHASE + i]
         lanes[_CHECK_SPEED + i] = -velocity if sets else lanes[_CHECK_SPEED + i]
-        lanes[_CHECK_DONE + i] = done if sets else lanes[_CHECK_DONE + i]
         lanes[_CHECK_NEXT + i] = 2.0 * done if sets else lanes[_CHECK_NEXT + i]
         event = event if returns else NOTHING
         lanes[EVENT + i] = event if phase == phase else LOST  # NaN: a root-finder gave up
@@ -87,7 +85,6 @@ def note_events(lanes, capture_bound, radian, lock_tolerance, largest_grazing_sp
 def _forget_checkpoint(lanes, i, next_checkpoint):
     lanes[_CHECK_PHASE + i] = math.nan
     lanes[_CHECK_SPEED + i] = math.nan
-    lanes[_CHECK_DONE + i] = 0.0
     lanes[_CHECK_NEXT + i] = next_checkpoint
 
 
@@ -158,7 +155,7 @@ def settles(lanes, i, traps):
         return True
     lanes[_LOOK_NEXT + i] = math.inf
     done = lanes[DONE + i]
-    left = (lanes[WANTED + i] - done) % (done - lanes[_CHECK_DONE + i])
+    left = (lanes[WANTED + i] - done) % (done - 0.5 * lanes[_CHECK_NEXT + i])
     lanes[WANTED + i] = done + left
     _forget_checkpoint(lanes, i, math.inf)
     return left == 0.0

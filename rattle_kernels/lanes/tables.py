@@ -12,8 +12,7 @@ root removes the singularity at grazing):
     CONTACT_BELOW  tau (u + u_con)/u     u / (u + u_con)         from rest  ...  half a swing
 
 Here u_ref is the largest v*, and u_con = 4 pi delta/sqrt(2 kappa). Only the piecewise linear model has contacts. One
-above may last for longer than one swing, or for ever, and its duration jumps. There, and one node around, the table
-holds NaN.
+above may last for several swings (`contact_swings`), or for ever, and its duration jumps. There the table holds NaN.
 """
 
 import math
@@ -24,8 +23,9 @@ import numpy as np
 
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
 from rattle_kernels.impact_map.flights import LOWER, UPPER, next_contact
-from rattle_kernels.model.contact import follow_contact
-from rattle_kernels.model.flight import TWO_PI, rest_acceleration
+from rattle_kernels.lanes.contact_swings import ends_late_around
+from rattle_kernels.model.contact import enter_contact, follow_contact
+from rattle_kernels.model.flight import TWO_PI, acceleration_range, rest_acceleration
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight, grazing_velocity
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
@@ -164,33 +164,50 @@ _ALONG_ROW = _stencils(ABSCISSAE, wraps=False)
 _ALONG_COLUMN = _stencils(PHASES, wraps=True)
 
 
+@inlined
+def _speed_of(contact_speed, j):
+    """Speed of a contact at an abscissa, counted in intervals."""
+    abscissa = j / ABSCISSAE
+    # The upper end stands for infinite speed: half a swing, whose correction falls as 1/speed.
+    return contact_speed * abscissa / max(1.0 - abscissa, _FASTEST)
+
+
+@inlined
+def _duration_above(oscillator, contact_speed, phase, j):
+    """Duration of a contact above; NaN where one nearby may end a swing or more before it, and where none ends."""
+    speed = _speed_of(contact_speed, j)
+    ended = follow_contact(oscillator, UPPER, phase, speed)
+    # A contact of one swing lasts at most a turn of the ringing, nearly so if it grazes the wall from inside.
+    if ended.outcome != OUTCOME_RETURNED or ended.duration < 0.95 * TWO_PI / math.sqrt(2.0 * oscillator.stiffness):
+        return ended.duration
+    contact = enter_contact(oscillator, UPPER, phase, 0.0, speed)
+    least_press, _ = acceleration_range(oscillator)
+    speed_step = _speed_of(contact_speed, j + 0.5) - speed
+    late = ends_late_around(contact, ended.duration, least_press, 0.5 / PHASES, speed_step)
+    return ended.duration if late else math.nan
+
+
 @kernel
 def _fill_contact(oscillator, contact_speed, contact):
-    # A contact of one swing lasts at most a turn of the ringing, nearly so if it grazes the wall from inside.
-    longest = 0.95 * TWO_PI / math.sqrt(2.0 * oscillator.stiffness)
     for i in range(PHASES + 1):
         phase = (i % PHASES) / PHASES
         at = i * ROW
         contact[CONTACT_BELOW * BLOCK + at] = 2.0 * contact_speed / rest_acceleration(oscillator, phase)
         contact[CONTACT_ABOVE * BLOCK + at] = math.nan
         for j in range(1, ABSCISSAE + 1):
-            abscissa = j / ABSCISSAE
-            # The upper end stands for infinite speed: half a swing, whose correction falls as 1/speed.
-            speed = contact_speed * abscissa / max(1.0 - abscissa, _FASTEST)
-            above = follow_contact(oscillator, UPPER, phase, speed)
-            single = above.outcome == OUTCOME_RETURNED and above.duration < longest
-            contact[CONTACT_ABOVE * BLOCK + at + j] = above.duration if single else math.nan
-            below = follow_contact(oscillator, LOWER, phase, speed)
-            contact[CONTACT_BELOW * BLOCK + at + j] = below.duration / abscissa
+            contact[CONTACT_ABOVE * BLOCK + at + j] = _duration_above(oscillator, contact_speed, phase, j)
+            below = follow_contact(oscillator, LOWER, phase, _speed_of(contact_speed, j))
+            contact[CONTACT_BELOW * BLOCK + at + j] = below.duration / (j / ABSCISSAE)
 
 
-def _widen_gaps(table: np.ndarray) -> np.ndarray:
-    """The table with every node beside a NaN set to NaN; its last row is its first."""
-    gaps = np.isnan(table[:-1])
-    unknown = gaps | np.roll(gaps, 1, axis=0) | np.roll(gaps, -1, axis=0)
-    unknown[:, 1:] |= gaps[:, :-1]
-    unknown[:, :-1] |= gaps[:, 1:]
-    return np.where(np.vstack([unknown, unknown[:1]]), np.nan, table)
+def _without_jumps(table: np.ndarray, jump: float) -> np.ndarray:
+    """The table with NaN on both sides of every jump between neighbouring nodes; its last row is its first."""
+    between_rows = np.abs(np.diff(table, axis=0)) > jump
+    along_row = np.abs(np.diff(table[:-1], axis=1)) > jump
+    jumps = between_rows | np.roll(between_rows, 1, axis=0)
+    jumps[:, 1:] |= along_row
+    jumps[:, :-1] |= along_row
+    return np.where(np.vstack([jumps, jumps[:1]]), np.nan, table)
 
 
 def _contact_table(oscillator: Oscillator) -> tuple[np.ndarray, float]:
@@ -199,7 +216,8 @@ def _contact_table(oscillator: Oscillator) -> tuple[np.ndarray, float]:
     if contact_speed > 0.0:
         _fill_contact(oscillator, contact_speed, contact)
         above = contact[CONTACT_ABOVE * BLOCK :][:BLOCK].reshape(-1, ROW)
-        above[:] = _widen_gaps(above)
+        # A jump is by a swing: half a turn of the ringing is less, and more than neighbours differ by.
+        above[:] = _without_jumps(above, math.pi / math.sqrt(2.0 * oscillator.stiffness))
     return contact, contact_speed
 
 

@@ -150,19 +150,21 @@ def state_in_contact(contact, tau):
 
 
 @inlined
-def _bend_bound(contact, ringing):
+def bend_bound(contact, ringing):
+    """Bound on the second derivative of x over the rest of a contact with this ringing left."""
     return TWO_PI * TWO_PI * contact.swing + contact.square * ringing
 
 
 @inlined
-def _jerk_bound(contact, ringing):
+def jerk_bound(contact, ringing):
+    """Bound on the third derivative of x over the rest of a contact with this ringing left."""
     return TWO_PI * TWO_PI * TWO_PI * contact.swing + contact.square * math.sqrt(contact.square) * ringing
 
 
 @inlined
 def _step_from_wall(contact, rate, acceleration, ringing):
     """Step from x = 0, x' >= 0: x/h is at least x' + x'' h/2 - M h^2/6, positive up to its one positive root."""
-    third = _jerk_bound(contact, ringing) / 6.0
+    third = jerk_bound(contact, ringing) / 6.0
     half = 0.5 * acceleration
     root = math.sqrt(half * half + 4.0 * third * rate)
     if half > 0.0:
@@ -171,7 +173,7 @@ def _step_from_wall(contact, rate, acceleration, ringing):
 
 
 @inlined
-def _first_zero(depth, rate, acceleration):
+def first_zero(depth, rate, acceleration):
     """First zero ahead of the parabola with these values at 0, for depth > 0; infinite where there is none."""
     square = rate * rate - 2.0 * depth * acceleration
     if square < 0.0 or (rate >= 0.0 and acceleration >= 0.0):
@@ -188,10 +190,10 @@ def _sure_step(contact, state):
 
     While h <= H, x''/2 - M h/6 is at least x''/2 - M H/6: a parabola, that of second order or a better one.
     """
-    second = _first_zero(state.depth, state.rate, -_bend_bound(contact, state.ringing))
+    second = first_zero(state.depth, state.rate, -bend_bound(contact, state.ringing))
     horizon = _LOOK_AHEAD * second
-    bend = state.acceleration - _jerk_bound(contact, state.ringing) * horizon / 3.0
-    return max(second, min(horizon, _first_zero(state.depth, state.rate, bend)))
+    bend = state.acceleration - jerk_bound(contact, state.ringing) * horizon / 3.0
+    return max(second, min(horizon, first_zero(state.depth, state.rate, bend)))
 
 
 @inlined
@@ -209,7 +211,7 @@ def _is_within_reach(contact, state, ahead):
     """Whether the slope stays negative down to a zero (Kantorovich), a step as short as Taylor's cubic allows."""
     if state.depth <= 0.0:
         return True
-    steep = state.rate < 0.0 and 2.0 * _bend_bound(contact, state.ringing) * state.depth <= state.rate * state.rate
+    steep = state.rate < 0.0 and 2.0 * bend_bound(contact, state.ringing) * state.depth <= state.rate * state.rate
     return steep and ahead * contact.frequency <= _SHORT
 
 

@@ -12,7 +12,7 @@ from rattle import processor
 
 @pytest.fixture
 def fresh(monkeypatch, tmp_path):
-    """A process that has not loaded Numba, on a processor with AVX-512, with a cache folder of its own."""
+    """A process without Numba, on a processor of the first with AVX-512, with a cache folder of its own."""
     monkeypatch.delitem(sys.modules, "numba")
     for name in ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"):
         # Set first, so that what the test sets is taken back.
@@ -43,7 +43,22 @@ def test_whole_registers_are_used_where_they_are_faster_and_timed_once(fresh, mo
     monkeypatch.delenv("NUMBA_CPU_FEATURES")
     processor.use_whole_registers()
     assert os.environ["NUMBA_CPU_FEATURES"].endswith("-prefer-256-bit")
-    assert len(asked) == 2
+    assert len(asked) == 6
+
+
+def test_a_slow_moment_does_not_decide(fresh, monkeypatch):
+    seconds = iter([1.0, 3.0, 2.0, 0.5, 1.0, 3.0])
+    monkeypatch.setattr(processor, "_seconds", lambda target: next(seconds))
+    processor.use_whole_registers()
+    assert list(json.loads(fresh.read_text()).values()) == [True]
+
+
+def test_later_processors_are_not_timed(fresh, monkeypatch):
+    later = binding.FeatureMap({"avx512f": True, "avx512vbmi2": True})
+    monkeypatch.setattr(binding, "get_host_cpu_features", lambda: later)
+    asked = _timed(monkeypatch, halves=1.0, whole=2.0)
+    processor.use_whole_registers()
+    assert os.environ["NUMBA_CPU_FEATURES"].endswith("-prefer-256-bit") and not asked and not fresh.exists()
 
 
 def test_halves_stay_where_whole_registers_gain_nothing(fresh, monkeypatch):

@@ -76,3 +76,18 @@ def test_applications_are_counted(applications):
     t, v = _departures(300)
     _, run = run_lanes(Oscillator(), t, v, applications, shortcuts=False)
     assert run.applications == 300 * applications
+
+
+def test_arrays_of_any_kind_are_flown_by_the_kernel_that_is_there():
+    t, v = _departures(200)
+    whole = next_impacts(Oscillator(), t, v, 3)
+    compiled = len(short_run._fly_leg.signatures)
+    kept = t.copy(), v.copy()
+    for each in kept:
+        each.flags.writeable = False
+    apart = np.column_stack([t, v])
+    for time, speed in (kept, apart.T, (t.tolist(), v.tolist())):
+        again = next_impacts(Oscillator(), time, speed, 3)
+        assert all(field.tobytes() == expected.tobytes() for field, expected in zip(again, whole, strict=True))
+    assert len(short_run._fly_leg.signatures) == compiled
+    assert (t == kept[0]).all() and (v == kept[1]).all()
