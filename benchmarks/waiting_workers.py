@@ -4,7 +4,6 @@ Tasks only sleep, so that two cores stand for a large cluster: what is left is t
 workers' connections. Every count of threads is tried with tasks as short as a tile, and with tasks of a second.
 """
 
-import os
 import sys
 import threading
 import time
@@ -19,7 +18,8 @@ from worker.cluster.task import Task
 THREADS = (10, 100, 512, 1_000, 10_000)
 TASK_SECONDS = (0.25, 1.0)
 RUN_SECONDS = 60.0
-_THREADS_A_PROCESS = 640
+# A process is one worker with many threads. Real workers are more processes, which need no processor here either.
+_THREADS_A_PROCESS, _MOST_PROCESSES = 64, 16
 
 
 def wait_a_while(location, digest, number, seconds):
@@ -47,8 +47,8 @@ def main(counts):
     """Print a line for every count of threads."""
     dask.config.set({**_MESSAGES_KEPT, **_EMBEDDED})
     for threads in counts:
-        processes = max(1, min(os.cpu_count() or 1, threads) if threads < 100 else -(-threads // _THREADS_A_PROCESS))
-        options = {"n_workers": processes, "threads_per_worker": threads // processes, "dashboard_address": ":0"}
+        processes = min(-(-threads // _THREADS_A_PROCESS), _MOST_PROCESSES)
+        options = {"n_workers": processes, "threads_per_worker": -(-threads // processes), "dashboard_address": ":0"}
         with LocalCluster(processes=True, memory_limit=0, **options) as cluster, Client(cluster) as client:
             for seconds in TASK_SECONDS:
                 figures = keep_busy(client, sum(client.nthreads().values()), seconds)
@@ -57,4 +57,4 @@ def main(counts):
 
 
 if __name__ == "__main__":
-    main([int(count) for count in sys.argv[1:]] or THREADS)
+    main([int(count) for count in sys.argv[1:]] or list(THREADS))
