@@ -57,7 +57,7 @@ def run_lanes(
     begins = Rules(float(min(applications, LONGEST_SHORT_RUN)), capture_bound, lock_tolerance)
     batch = Batch(np.empty(t.size), np.empty(t.size), np.empty(t.size, np.int8), np.empty(t.size, np.int64))
     # Kernels are compiled for arrays that are contiguous and may be written. Others are copied.
-    departures = np.require(t, requirements="CW"), np.require(v, requirements="CW")
+    departures = np.require(t, requirements=["C", "W"]), np.require(v, requirements=["C", "W"])
     run = run_short(oscillator, tables, begins, departures, batch, pause)
     if applications > LONGEST_SHORT_RUN:
         going = np.flatnonzero(batch.outcome == OUTCOME_RETURNED)

@@ -13,16 +13,16 @@ from rattle_kernels import CellGroups, find_groups
 from rattle_kernels.cell_mapping.image_set import ImageSet, has_members, place_images
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MAPPED
+from worker.stores.tiles import Tile
 
 _IMAGE_CELL = MAPPED[:1]
 
 
-def places_of_images(store: BasinStore, members: ImageSet, tiles: Iterable[int]) -> np.ndarray:
-    """Index of each member's image, read tile by tile. Only tiles that hold members are opened."""
+def places_of_images(store: BasinStore, members: ImageSet, tiles: Iterable[Tile]) -> np.ndarray:
+    """Index of each member's image, read row by row of tiles. Only rows that hold members are opened."""
     place = np.empty(members.size, np.int32)
     time_cells = store.job.grid.time_cells
-    for number in tiles:
-        tile = store.tiling.tile(number)
+    for tile in tiles:
         if has_members(members, tile.rows, tile.columns, time_cells):
             (tile_images,) = store.read_tile(_IMAGE_CELL, tile)
             place_images(members, (tile.rows[0], tile.columns[0]), time_cells, tile_images, place)
@@ -30,12 +30,12 @@ def places_of_images(store: BasinStore, members: ImageSet, tiles: Iterable[int])
 
 
 def assemble_groups(store: BasinStore, basin: int, pause: Callable[[], None] = lambda: None) -> CellGroups:
-    """Hsu's group, period and step on a basin's image set. `pause` is called between tiles and may raise to stop."""
+    """Hsu's group, period and step on a basin's image set. `pause` is called between reads and may raise to stop."""
     members = store.read_image_words(basin)
 
-    def tiles() -> Iterable[int]:
-        for number in store.tiling.numbers_of(basin):
+    def rows() -> Iterable[Tile]:
+        for row in store.tiling.rows_of(basin):
             pause()
-            yield number
+            yield row
 
-    return find_groups(members, places_of_images(store, members, tiles()))
+    return find_groups(members, places_of_images(store, members, rows()))

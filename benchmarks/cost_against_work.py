@@ -1,0 +1,89 @@
+"""Cost against work, as a picture: ``python -m benchmarks.cost_against_work``.
+
+One basin or sweep after another is computed by two workers of an embedded cluster, from request to complete store. One
+quantity grows at a time: cells, applications k, basins. The seconds go to ``docs/cost-against-work.json``, the picture
+to ``docs/pictures``.
+"""
+
+import json
+import platform
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from rattle_kernels import CellGrid
+from worker.basins.pipeline import run_basin
+from worker.cluster.connection import local_cluster
+from worker.cluster.driver import Driver
+from worker.jobs.basin_job import BasinJob, SweepJob
+from worker.jobs.sample import Sample
+from worker.jobs.swept_parameter import SweptParameter
+
+SIDES = (32, 100, 316, 1000)
+ITERATIONS = (1, 11, 101, 1499)
+BASINS = (2, 10, 100, 1000)
+ROUNDS = 2
+
+
+def square(side, iterations=1499):
+    """A basin of the paper's plane."""
+    return BasinJob(grid=CellGrid(time_cells=side, velocity_cells=side), iterations=iterations)
+
+
+def sampled(basins):
+    """Basins of 1,000 points each, over the damping."""
+    damping = SweptParameter("damping", tuple(np.linspace(0.5, 0.7, basins).tolist()))
+    return SweepJob(vary=[damping], sample=Sample(1000), iterations=1499)
+
+
+SERIES = {
+    "cells, k = 1499": [(side * side, square(side)) for side in SIDES],
+    "applications k, 562 x 562 cells": [(k, square(562, k)) for k in ITERATIONS],
+    "basins of 1,000 points, k = 1499": [(basins, sampled(basins)) for basins in BASINS],
+}
+
+
+def seconds_of(job, client):
+    """Seconds from job to complete store, the least of some rounds."""
+    taken = []
+    for _ in range(ROUNDS):
+        with tempfile.TemporaryDirectory() as folder:
+            begin = time.perf_counter()
+            run_basin(job, f"{folder}/store", Driver(client), report=lambda _: None, cancel=threading.Event())
+            taken.append(time.perf_counter() - begin)
+    return min(taken)
+
+
+def draw(measured, path):
+    """One panel for each quantity, both axes logarithmic; the line is what cost in proportion would be."""
+    _, panels = plt.subplots(1, len(measured), figsize=(4 * len(measured), 3.4), sharey=True, layout="constrained")
+    for panel, (name, series) in zip(panels, measured.items(), strict=True):
+        work, seconds = np.array(series).T
+        panel.loglog(work, seconds, "o-", label="measured")
+        panel.loglog(work, seconds[-1] * work / work[-1], "--", color="grey", label="in proportion")
+        panel.set(xlabel=name, title="")
+    panels[0].set_ylabel("seconds, two workers")
+    panels[0].legend()
+    plt.savefig(path, dpi=120)
+
+
+def main():
+    """Measure, write down, draw."""
+    docs = Path(__file__).parents[1] / "docs"
+    measured = {}
+    with local_cluster(2) as client:
+        seconds_of(square(60), client)
+        for name, series in SERIES.items():
+            measured[name] = [(work, seconds_of(job, client)) for work, job in series]
+            print(name, [f"{work:g}: {seconds:.3g} s" for work, seconds in measured[name]], flush=True)
+    told = {"machine": platform.processor() or platform.machine(), "seconds": measured}
+    (docs / "cost-against-work.json").write_text(json.dumps(told, indent=1) + "\n")
+    draw(measured, docs / "pictures" / "cost-against-work.png")
+
+
+if __name__ == "__main__":
+    main()
