@@ -112,6 +112,9 @@ def next_impacts(
     checked = check_domain(oscillator)
     if applications < 1:
         raise ValueError(f"applications must be at least 1, not {applications}")
-    phase, speed = np.broadcast_arrays(np.asarray(t, dtype=np.float64), np.asarray(v, dtype=np.float64))
+    points = np.asarray(t, dtype=np.float64), np.asarray(v, dtype=np.float64)
+    shape = np.broadcast_shapes(points[0].shape, points[1].shape)
+    # An array of this shape stays what it is: one that was broadcast cannot be written, and would be copied.
+    phase, speed = (each if each.shape == shape else np.broadcast_to(each, shape) for each in points)
     impacts, _ = run_lanes(checked, phase.ravel(), speed.ravel(), applications, shortcuts=shortcuts)
-    return Impacts(*(field.reshape(phase.shape) for field in impacts))
+    return Impacts(*(field.reshape(shape) for field in impacts))
