@@ -149,6 +149,14 @@ def read_some(line, size):
     return part
 
 
+def read_until(line, text):
+    answer = b""
+    while text not in answer:
+        more = line.recv(65536)
+        assert more, f"the connection ended after {answer!r}"
+        answer += more
+
+
 def test_an_answer_that_is_not_read_leaves_the_service_at_once(service, proxy):
     """The proxy takes all of it, and gives it up after a while."""
     size = 30_000_000
@@ -173,9 +181,6 @@ def test_events_are_passed_on_as_they_happen(service, proxy):
     job = service.add_job()
     with connection(proxy, tls=True) as line:
         line.sendall(b"GET /v1/jobs/%s/events HTTP/1.1\r\nhost: localhost\r\n\r\n" % job.id.encode())
-        answer = b""
-        while b"event: state" not in answer:
-            answer += line.recv(65536)
+        read_until(line, b"event: state")
         service.jobs.request_cancel(job.id)
-        while b"cancelled" not in answer:
-            answer += line.recv(65536)
+        read_until(line, b"cancelled")

@@ -5,7 +5,9 @@ contains every cycle. So tiles report their images, the map is read on R alone, 
 Then every tile labels its own cells by look-up. No process ever holds an array of all cells.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 
@@ -16,26 +18,36 @@ from worker.stores.layout import MAPPED
 from worker.stores.tiles import Tile
 
 _IMAGE_CELL = MAPPED[:1]
+# Chunks are decoded without the GIL, and other workers may wait for this one. At most 128 MB of images are held.
+_READERS = 2
+_READ_AHEAD = 16
 
 
-def places_of_images(store: BasinStore, members: ImageSet, tiles: Iterable[Tile]) -> np.ndarray:
-    """Index of each member's image, read row by row of tiles. Only rows that hold members are opened."""
+def _tiles_with_members(store: BasinStore, basin: int, members: ImageSet) -> list[Tile]:
+    tiles = map(store.tiling.tile, store.tiling.numbers_of(basin))
+    return [tile for tile in tiles if has_members(members, tile.rows, tile.columns, store.job.grid.time_cells)]
+
+
+def _read_images(store: BasinStore, tiles: list[Tile]) -> Iterator[tuple[Tile, np.ndarray]]:
+    with ThreadPoolExecutor(_READERS) as readers:
+        for first in range(0, len(tiles), _READ_AHEAD):
+            ahead = tiles[first : first + _READ_AHEAD]
+            for tile, (images,) in zip(ahead, readers.map(partial(store.read_tile, _IMAGE_CELL), ahead), strict=True):
+                yield tile, images
+
+
+def places_of_images(
+    store: BasinStore, basin: int, members: ImageSet, pause: Callable[[], None] = lambda: None
+) -> np.ndarray:
+    """Index of each member's image. Only tiles that hold members are read; `pause` is called after each."""
     place = np.empty(members.size, np.int32)
-    time_cells = store.job.grid.time_cells
-    for tile in tiles:
-        if has_members(members, tile.rows, tile.columns, time_cells):
-            (tile_images,) = store.read_tile(_IMAGE_CELL, tile)
-            place_images(members, (tile.rows[0], tile.columns[0]), time_cells, tile_images, place)
+    for tile, images in _read_images(store, _tiles_with_members(store, basin, members)):
+        place_images(members, (tile.rows[0], tile.columns[0]), store.job.grid.time_cells, images, place)
+        pause()
     return place
 
 
 def assemble_groups(store: BasinStore, basin: int, pause: Callable[[], None] = lambda: None) -> CellGroups:
     """Hsu's group, period and step on a basin's image set. `pause` is called between reads and may raise to stop."""
     members = store.read_image_words(basin)
-
-    def rows() -> Iterable[Tile]:
-        for row in store.tiling.rows_of(basin):
-            pause()
-            yield row
-
-    return find_groups(members, places_of_images(store, members, rows()))
+    return find_groups(members, places_of_images(store, basin, members, pause))

@@ -21,6 +21,8 @@ _log = logging.getLogger("rattle.cluster")
 _CONNECT_SECONDS = 10
 _CLOSE_SECONDS = 10
 _FORGET_SECONDS = 3
+# Tasks look several times a second whether they are cancelled.
+_LEAVE_SECONDS = 1
 # Workers yield to the driver, and even more to a service, which must answer while both cores compute.
 _NICENESS = 8
 # Each connection keeps its last messages for debugging. The default of a thousand takes 100 MB with catalogues in them.
@@ -38,7 +40,13 @@ _UNMEASURED = {
     "distributed.admin.system-monitor.interval": "5s",
     "distributed.worker.memory.monitor-interval": "1s",
 }
-_EMBEDDED = {**_UNMEASURED, **_ONE_TASK_A_WORKER, **_NO_PAGES}
+# Arrays of a tile are used again, not given back to the system after each: new pages took a third of a worker's time
+# where tiles are short. glibc takes no more than 32 MiB for the second.
+_MEMORY_KEPT = {
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 64 * 2**20,
+    "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": 32 * 2**20,
+}
+_EMBEDDED = {**_UNMEASURED, **_ONE_TASK_A_WORKER, **_NO_PAGES, **_MEMORY_KEPT}
 
 
 class WarmKernels(WorkerPlugin):
@@ -114,7 +122,20 @@ def thread_cluster(threads: int) -> Iterator[Client]:
         with _closing(Client(cluster, set_as_default=False)) as client:
             yield client
     finally:
-        cluster.close(timeout=_CLOSE_SECONDS)
+        _end_threads(cluster)
+
+
+def _end_threads(cluster: LocalCluster) -> None:
+    """Close an embedded cluster of threads once its tasks have left, or soon: one that compiles a kernel cannot.
+
+    Such a thread leaves its task by itself when the kernel is there. `close` alone would wait for it, then fail.
+    """
+    (worker,) = cluster.workers.values()
+    patience = time.monotonic() + _LEAVE_SECONDS
+    while worker.state.executing and time.monotonic() < patience:
+        time.sleep(0.01)
+    cluster.sync(worker.close, executor_wait=False)
+    cluster.close(timeout=_CLOSE_SECONDS)
 
 
 def _end(cluster: LocalCluster) -> None:

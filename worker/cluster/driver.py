@@ -41,7 +41,7 @@ _FEW = 16
 # On a busy machine a killed worker is back after a minute.
 _NO_WORKER_SECONDS = 180.0
 _CALLS_A_THREAD = 2
-# A third of a core, measured with tasks that only wait (`benchmarks.waiting_workers`).
+# Some 0.4 cores, measured with tasks that only wait (`benchmarks.waiting_workers`).
 _CALLS_A_SECOND = 100
 # A first picture waits no longer than the shortest call. A killed worker loses no more than the longest, and the other
 # jobs wait no longer.

@@ -25,7 +25,6 @@ _LONG_APPLICATIONS = 10_000
 _LANES = 64
 # A tile of 1024 x 1024 is 24 MB in memory while it is computed.
 _MOST_CELLS = 1024 * 1024
-_TILES_A_READ = 16
 
 
 class Tile(NamedTuple):
@@ -72,16 +71,6 @@ class Tiling(NamedTuple):
     def numbers_of(self, basin: int) -> range:
         """Numbers of a basin's tiles."""
         return range(basin * self.tiles_of_basin, (basin + 1) * self.tiles_of_basin)
-
-    def rows_of(self, basin: int) -> Iterator[Tile]:
-        """A basin's tiles, up to 16 of a row as one rectangle, whose chunks Zarr reads side by side."""
-        down, across = self.shape
-        for row in range(down):
-            for first in range(0, across, _TILES_A_READ):
-                number = self.numbers_of(basin)[row * across + first]
-                last = self.tile(number + min(_TILES_A_READ, across - first) - 1)
-                tile = self.tile(number)
-                yield tile._replace(columns=(tile.columns[0], last.columns[1]))
 
     def tile(self, number: int) -> Tile:
         """Tile by number, counted along time first, then along velocity, then basin by basin."""
