@@ -91,3 +91,17 @@ def test_exponents_of_the_tables(motions):
     transient = found.loc["chaotic transient"]
     slack = ERRORS * (transient.lyapunov_error**2 + float(error) ** 2) ** 0.5
     assert abs(transient.lyapunov_exponent - float(of_chaos)) < slack
+
+
+def test_the_window_at_a_stiffness_of_a_million(tmp_path):
+    node, doubling = printed(r"P\(8,8,5\) is born in a saddle-node at (\S+) .*? and doubles its period at (\S+) ")
+    oscillator = PAPER | {"stiffness": 1e6}
+    seed = (0.7192846538523887, 4.371361270666657, 8)
+    store = tmp_path / "orbits.zarr"
+    orbits = rattle.orbits(
+        **oscillator, seeds=[seed], continuation={"stiffness": (9.9e5, 1.01e6)}, store=store, progress=False
+    )
+    assert list(orbits.rattle.to_table("orbit")["name"]) == ["P(8,8,5)"]
+    special = orbits.rattle.to_table("special").set_index("special_kind").special_value
+    assert f"{special['saddle-node'] / 1e5:.3f}e5" == node
+    assert f"{special['period_doubling'] / 1e6:.5f}e6" == doubling
