@@ -44,7 +44,8 @@ def name_solutions(
     Returns
     -------
     ndarray of int16, shape (n,)
-        UNASSIGNED (-1) for a point that reaches no attractor of the catalogue within about 130,000 impacts.
+        UNASSIGNED (-1) for a point that reaches no attractor of the catalogue within about 130,000 impacts, or
+        half a million of low bounces.
 
     Raises
     ------

@@ -34,6 +34,10 @@ _MARKING_ROUNDS = 256
 _ROUNDS = 200
 # After a carry this is enough for a streak. Settled points are recognised at once, others are carried on.
 _ROUNDS_AFTER_A_CARRY = 40
+# Low bounces near the bound of Eq. (8) are captured after up to 400,000 impacts. Slower than this part of the largest
+# grazing speed a point is taken for one of them, and is carried for as many times the legs.
+_LOW = 0.01
+_LEGS_OF_LOW_BOUNCES = 4
 _SHARED_BOX = -2
 _SAME_PART = 0.1
 
@@ -236,7 +240,7 @@ def locate(
         Departures from +beta.
     legs : int
         How often a point that has not arrived within 200 impacts, as on a transient, is carried another 4093 and
-        checked for 40 more.
+        checked for 40 more. A point in low bounces is carried four times as often.
     pause : callable
         Called between legs; an exception raised there ends the search.
 
@@ -248,7 +252,7 @@ def locate(
     tables = lane_tables(oscillator)
     place = np.full(t.size, -1, np.int64)
     left, t, v = np.arange(t.size), t.copy(), v.copy()
-    for leg in range(legs + 1):
+    for leg in range(_LEGS_OF_LOW_BOUNCES * legs + 1):
         pause()
         if leg > 0:
             carried, _ = run_lanes(oscillator, t, v, 4093, shortcuts=True)
@@ -258,7 +262,8 @@ def locate(
         arrived = np.full(left.size, -1, np.int64)
         follow(oscillator, tables, around, _ROUNDS_AFTER_A_CARRY if leg > 0 else _ROUNDS, t, v, arrived)
         place[left] = arrived
-        left, t, v = (field[arrived < 0] for field in (left, t, v))
+        goes_on = (arrived < 0) & ((leg < legs) | (v < _LOW * tables.largest_grazing_speed))
+        left, t, v = (field[goes_on] for field in (left, t, v))
         if not left.size:
             break
     return place

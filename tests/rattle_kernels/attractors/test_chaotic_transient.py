@@ -10,6 +10,7 @@ from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
 from rattle_kernels.lanes.lyapunov import tangent_growth
 from rattle_kernels.lanes.tables import lane_tables
+from rattle_kernels.model.outcome import Outcome
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 from tests.rattle_kernels.machine import MACHINE
 
@@ -76,6 +77,32 @@ def test_points_of_chaos_are_departures_far_apart_in_time():
 def test_low_bounces_are_not_taken_for_chaos(oscillator, start):
     # Close to the bound of Eq. (8) low bounces are captured late; their tangent vectors grow, but not exponentially.
     assert not follow_ensemble(oscillator, *start).chaotic
+
+
+def test_chaos_that_falls_into_low_bounces_is_a_transient_also_where_they_are_captured_late():
+    # By independent code, 356 of 379 motions had left chaos for good after 131,072 impacts.
+    life = -131_072 / np.log1p(-356 / 379)
+    (chaos,) = find_attractors(Oscillator(0.3, 0.093954, 0.3), [0.1, 0.4], [1.0, 2.0])[1:]
+    assert chaos.kind == AttractorKind.CHAOTIC_TRANSIENT
+    assert abs(chaos.mean_life - life) < 4.0 * chaos.mean_life_error
+
+
+def test_low_bounces_are_followed_to_their_capture():
+    oscillator = Oscillator(eccentricity=0.1895)
+    rng = np.random.default_rng(9)
+    landed = next_impacts(oscillator, rng.random(64), 7.0 * rng.random(64), 1499)
+    left = np.isfinite(landed.t)
+    t, v = landed.t[left], landed.v[left]
+    later = next_impacts(oscillator, t, v, 130_000, shortcuts=True)
+    late = np.isfinite(later.t)
+    assert late.any()
+    (quiet,) = find_attractors(oscillator, t, v)
+    assert quiet.kind == AttractorKind.PERMANENT_CONTACT
+    assert (name_solutions(oscillator, [quiet], t, v) == 0).all()
+    assert (
+        next_impacts(oscillator, later.t[late], later.v[late], 400_000, shortcuts=True).outcome
+        == Outcome.PERMANENT_CONTACT
+    ).all()
 
 
 def catalogue_of(oscillator, speed=7.0, count=200):
