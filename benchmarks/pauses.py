@@ -55,7 +55,7 @@ REQUESTS = {
     "sweep": ("sweep", {"grid": CELLS, "vary": [damping(1e-3, 1e-2, 0.6)], "oscillator": {"eccentricity": 1e-4}}),
     "orbits, many cells": ("orbits", {"cells": 1000, "longest": 1}),
     "orbits, long": ("orbits", {"cells": 10, "longest": 2500}),
-    "orbits, longest": ("orbits", {"cells": 1, "longest": 1_000_000}),
+    "orbits, longest": ("orbits", {"cells": 1, "longest": 9_999}),
     "orbits, soft": ("orbits", {"oscillator": SOFT}),
     "orbits, softish": ("orbits", {"oscillator": SOFTISH}),
     "orbits, weak damping": ("orbits", {"oscillator": WEAK}),

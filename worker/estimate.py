@@ -61,7 +61,7 @@ def measured_speed(stiff: bool, together: bool) -> float:
     departures, applications = _TOGETHER if together else _ALONE
     # About the paper's chaotic attractor, where a motion takes all applications.
     t, v = 0.55 + np.arange(departures) / (10.0 * departures), np.full(departures, 4.67)
-    next_impacts(oscillator, t, v, 1)  # loads the kernel, and makes its tables
+    next_impacts(oscillator, t[:1], v[:1], applications)  # loads the kernels of short and long runs, and makes tables
     begun = time.perf_counter()
     next_impacts(oscillator, t, v, applications)
     _measured[stiff, together] = departures * applications / (time.perf_counter() - begun)

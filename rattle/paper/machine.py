@@ -1,5 +1,6 @@
 """Basins as damping falls to the machine's own: delta = 0.06, 6e-3 and 6e-4 with beta = delta and eps = delta/6."""
 
+import json
 import math
 from collections.abc import Callable
 from typing import Any
@@ -63,7 +64,7 @@ def _summary(basin: xr.Dataset) -> dict[str, Any]:
             _motion_summary(motion, share, math.sqrt(share * (1.0 - share) / grid.cells)) for share, motion in by_share
         ],
         "least_rattle": _least_rattle(basin),
-        "seconds": {name: round(value, 1) for name, value in basin.attrs["seconds"].items()},
+        "seconds": {name: round(value, 1) for name, value in json.loads(basin.attrs["seconds"]).items()},
     }
 
 

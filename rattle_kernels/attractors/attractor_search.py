@@ -70,13 +70,12 @@ def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Pause) -> lis
     return [UNDECIDED_ATTRACTOR]
 
 
-def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> bool:
+def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor], pause: Pause) -> bool:
     """Whether a motion is in the catalogue: by its kind if it has no points, else by where its last point arrives."""
     if not motion.time.size:
         return any(listed.kind == motion.kind for listed in catalogue)
-    return bool(
-        locate(oscillator, neighbourhoods(oscillator, catalogue), motion.time[-1:], motion.velocity[-1:])[0] >= 0
-    )
+    around = neighbourhoods(oscillator, catalogue, pause)
+    return bool(locate(oscillator, around, motion.time[-1:], motion.velocity[-1:])[0] >= 0)
 
 
 def _overlapping(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> int | None:
@@ -103,13 +102,13 @@ def _united(known: Attractor, motion: Attractor) -> Attractor:
     )  # fmt: skip
 
 
-def _list(oscillator: Oscillator, motion: Attractor, catalogue: list[Attractor]) -> bool:
+def _list(oscillator: Oscillator, motion: Attractor, catalogue: list[Attractor], pause: Pause) -> bool:
     """Add a motion to the catalogue; return whether it is new."""
     same = _overlapping(oscillator, motion, catalogue)
     if same is not None:
         catalogue[same] = _united(catalogue[same], motion)
         return False
-    new = not _is_known(oscillator, motion, catalogue)
+    new = not _is_known(oscillator, motion, catalogue, pause)
     if new:
         catalogue.append(motion)
     return new
@@ -179,13 +178,13 @@ def find_attractors(
     fruitless = 0
     while t_left.size and fruitless < _FRUITLESS_SEEDS:
         pause()
-        places = locate(checked, neighbourhoods(checked, catalogue), t_left, v_left)
+        places = locate(checked, neighbourhoods(checked, catalogue, pause), t_left, v_left)
         t_left, v_left = t_left[places < 0], v_left[places < 0]
         if not t_left.size:
             break
         motions = _motions_of(checked, float(t_left[0]), float(v_left[0]), pause)
         t_left, v_left = t_left[1:], v_left[1:]
-        if any([_list(checked, motion, catalogue) for motion in motions]):
+        if any([_list(checked, motion, catalogue, pause) for motion in motions]):
             fruitless = 0
         else:
             fruitless += 1

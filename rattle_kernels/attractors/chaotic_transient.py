@@ -123,7 +123,7 @@ def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = n
     ended, grown_over = _resolved_growth(oscillator, times, speeds)
     there = np.isfinite(ended.growth)
     low = ended.elapsed < _LOW_PACE * grown_over
-    there[low], *_ = _carried(oscillator, ended.t[low], ended.v[low], _IMPACTS_TO_CAPTURE, pause)
+    there[_captured(oscillator, np.flatnonzero(low), ended, pause)] = False
     if there.sum() < 2:
         return _all_captured(_LEGS * leg)
     median = np.nanmedian(ended.growth)
@@ -149,6 +149,16 @@ def _resolved_growth(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> tu
         if not growth.size or not 0.0 < np.median(growth) < math.log(_REGULAR_GROWTH * impacts):
             break
     return ended, impacts
+
+
+def _captured(oscillator: Oscillator, low: np.ndarray, ended: TangentGrowth, pause: Pause) -> np.ndarray:
+    """Which of some low bounces are captured in the end."""
+    left, t, v = low, ended.t[low], ended.v[low]
+    for _ in range(0, _IMPACTS_TO_CAPTURE, SHORTEST_RUN):
+        if left.size:
+            kept, t, v = _carried(oscillator, t, v, SHORTEST_RUN, pause)
+            left = left[kept]
+    return np.setdiff1d(low, left)
 
 
 def _carried(

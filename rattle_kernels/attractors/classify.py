@@ -59,7 +59,7 @@ def name_solutions(
     if not (np.isfinite(times).all() and np.isfinite(speeds).all() and (speeds > 0.0).all()):
         raise ValueError("landing points must be finite with positive speeds; captured cells have none: leave them out")
     times = wrap_all(times)
-    around = neighbourhoods(checked, attractors)
+    around = neighbourhoods(checked, attractors, pause)
     places = np.empty(times.size, np.int16)
     for start in range(0, times.size, _POINTS_AT_A_TIME):
         part = slice(start, start + _POINTS_AT_A_TIME)

@@ -15,6 +15,7 @@ distinguished far below the size of any cell.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -96,7 +97,7 @@ def _norms_after(
     return np.sqrt(np.einsum("in,ij,jn->n", offset, form, offset))
 
 
-def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) -> list[np.ndarray]:
+def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float, pause: Pause) -> list[np.ndarray]:
     """Roots of the forms of ellipses around an orbit's points: P^p contracts the first, P maps the others into it."""
     scaling = np.diag([1.0, 1.0 / scale])
     first, factor = _contracting_form(orbit.jacobians[0], scale)
@@ -114,6 +115,7 @@ def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) 
         root = np.linalg.qr(np.vstack([root_of_first @ onward, reach * np.eye(2)])).R
         rings, here = _ring(root), size if at == 0 else 0.5 * size
         while here > _SMALLEST_ELLIPSE:
+            pause()
             norms = _norms_after(oscillator, orbit, at, here * rings, first, scale)
             if norms is not None and (norms <= (here * bounds if at == 0 else size)).all():
                 break
@@ -123,15 +125,24 @@ def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) 
     return [roots[0], *roots[:0:-1]]
 
 
+@dataclass(frozen=True)
+class _Stoppable:
+    """A pause that is no part of a cache's key: all are equal."""
+
+    pause: Pause = field(compare=False)
+
+
 @lru_cache(maxsize=256)
-def _ellipses(oscillator: Oscillator, times: bytes, speeds: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _ellipses(
+    oscillator: Oscillator, times: bytes, speeds: bytes, stoppable: _Stoppable
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points of a periodic orbit, the forms of their ellipses, and how far these reach in time."""
     scale = largest_grazing_speed(oscillator)
     t, v = np.frombuffer(times), np.frombuffer(speeds)
     orbit = find_periodic_orbit(oscillator, float(t[0]), float(v[0]), t.size, scale)
     if orbit is None:
         raise ValueError(f"the catalogue's orbit at t = {t[0]}, v = {v[0]} is no orbit of {oscillator}")
-    roots = np.array(_ellipses_along(oscillator, orbit, scale))
+    roots = np.array(_ellipses_along(oscillator, orbit, scale, stoppable.pause))
     forms = np.einsum("nij,nik->njk", roots, roots)[:, (0, 0, 1), (0, 1, 1)]
     reach = np.hypot(*np.linalg.inv(roots)[:, 0].T)
     return np.column_stack([orbit.t, orbit.v]), forms, reach
@@ -188,7 +199,9 @@ def _by_column(phase: np.ndarray, reach: np.ndarray) -> tuple[np.ndarray, np.nda
     return first, number[np.argsort(column, kind="stable")]
 
 
-def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> Neighbourhoods:
+def neighbourhoods(
+    oscillator: Oscillator, attractors: Sequence[Attractor], pause: Pause = never_stopped
+) -> Neighbourhoods:
     """Neighbourhoods of a catalogue; those of each attractor are built once per process.
 
     Parameters
@@ -197,6 +210,8 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
         Checked by the caller.
     attractors : sequence of Attractor
         Permanent contact first.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
 
     Returns
     -------
@@ -211,7 +226,7 @@ def neighbourhoods(oscillator: Oscillator, attractors: Sequence[Attractor]) -> N
         if attractor.is_chaotic:
             marked[index] = _boxes(oscillator, *points)
         elif attractor.kind == AttractorKind.PERIODIC:
-            ellipses.append(_ellipses(oscillator, *points))
+            ellipses.append(_ellipses(oscillator, *points, _Stoppable(pause)))
             owner += [index] * attractor.time.size
     scale = largest_grazing_speed(oscillator)
     centres, forms, reach = (np.concatenate(parts) for parts in zip(*ellipses, strict=True))

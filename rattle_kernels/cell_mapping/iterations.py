@@ -10,6 +10,8 @@ e^{-delta/2} in every period, whatever the orbit. The paper's k = 1499 at its da
 import math
 
 PAPERS_ITERATIONS = 1499
+# A trajectory of as many impacts takes hours.
+_MOST_ITERATIONS = 10**12
 # The paper keeps its k from this damping up (Fig. 9).
 _PAPERS_DAMPING = 0.5
 _SETTLED = 900.0
@@ -21,7 +23,7 @@ _TRAPPED = 54.0
 
 
 def is_prime(number: int) -> bool:
-    """Whether `number` is a prime, by trial division (requests bound it, so this takes a millisecond at most)."""
+    """Whether `number` is a prime, by trial division: 20 ms at the most that `check_iterations` takes."""
     if number < 4:
         return number > 1
     return number % 2 == 1 and all(number % divisor for divisor in range(3, math.isqrt(number) + 1, 2))
@@ -44,8 +46,10 @@ def check_iterations(iterations: int) -> int:
     Raises
     ------
     ValueError
-        If it is neither; names the nearest primes.
+        If it is neither; names the nearest primes. If it is more than 10**12.
     """
+    if iterations > _MOST_ITERATIONS:
+        raise ValueError(f"iterations must be at most {_MOST_ITERATIONS}")
     if iterations == 1 or is_prime(iterations):
         return iterations
     nearest = " or ".join(str(prime) for prime in nearest_primes(iterations))

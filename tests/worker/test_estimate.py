@@ -6,7 +6,7 @@ import pytest
 
 from rattle_kernels import CellGrid, Oscillator
 from worker import estimate as estimates
-from worker.estimate import estimate
+from worker.estimate import estimate, measured_speed
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.jobs.orbits_job import OrbitsJob
@@ -77,3 +77,14 @@ def test_nothing_is_measured_where_a_client_waits(monkeypatch):
     monkeypatch.setattr(estimates, "_measured", {})
     monkeypatch.setattr(estimates, "next_impacts", None)  # would compile
     assert estimate(basin(100, iterations=1499), measuring=False).seconds == pytest.approx(100**2 * 1499 / 1e7)
+
+
+@pytest.mark.parametrize("together", [True, False])
+def test_what_is_timed_needs_no_kernel_that_is_not_loaded_yet(monkeypatch, together):
+    calls = []
+    monkeypatch.setattr(estimates, "_measured", {})
+    monkeypatch.setattr(estimates, "next_impacts", lambda oscillator, t, v, applications: calls.append(applications))
+    measured_speed(stiff=False, together=together)
+    loaded, timed = calls
+    # Short runs and long ones have kernels of their own.
+    assert loaded == timed

@@ -85,7 +85,7 @@ def _settled(oscillator: Oscillator, seeds: Seeds, pause: Callable[[], None]) ->
         if orbit is None:
             continue
         orbits.append(attractor_of(orbit))
-        elsewhere = locate(oscillator, neighbourhoods(oscillator, orbits), t, v) < 0
+        elsewhere = locate(oscillator, neighbourhoods(oscillator, orbits, pause), t, v) < 0
         t, v = t[elsewhere], v[elsewhere]
     by_length = sorted(orbits, key=lambda each: (each.upper_contacts, each.forcing_periods, each.lower_contacts))
     return (PERMANENT_CONTACT_ATTRACTOR, *by_length), bool(chaotic.any())
@@ -104,7 +104,7 @@ def _name_soon(
     pause()
     arrived = np.full(t.size, UNASSIGNED, np.int64)
     impacts = min(round(within / oscillator.damping), _MOST_NAMING)
-    around = neighbourhoods(oscillator, attractors)
+    around = neighbourhoods(oscillator, attractors, pause)
     follow(oscillator, lane_tables(oscillator), around, impacts, wrap_all(t), v.copy(), arrived)
     return arrived.astype(np.int16)
 

@@ -120,4 +120,6 @@ def _name_at_once(
     oscillator: Oscillator, attractors: Catalogue, t: np.ndarray, v: np.ndarray, pause: Callable[[], None]
 ) -> np.ndarray:
     """Solution of each landing point, as `rattle_kernels.name_solutions` with fewer legs."""
-    return locate(oscillator, neighbourhoods(oscillator, attractors), wrap_all(t), v, _LEGS, pause).astype(np.int16)
+    return locate(oscillator, neighbourhoods(oscillator, attractors, pause), wrap_all(t), v, _LEGS, pause).astype(
+        np.int16
+    )

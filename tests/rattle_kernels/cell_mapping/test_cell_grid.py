@@ -103,6 +103,18 @@ def test_refused_iterations_name_the_nearest_primes():
         check_iterations(1500)
 
 
+@pytest.mark.parametrize("iterations", [10**12 + 1, 2**61 - 1, 2**61, 10**300])
+def test_what_is_too_large_to_be_tried_for_divisors_is_refused_at_once(iterations):
+    with pytest.raises(ValueError, match="iterations must be at most 1000000000000"):
+        check_iterations(iterations)
+
+
+def test_the_largest_iterations_are_tried_in_no_time():
+    assert check_iterations(999_999_999_989) == 999_999_999_989
+    with pytest.raises(ValueError, match="nearest: 999999999989 or 1000000000039"):
+        check_iterations(10**12)
+
+
 def test_a_request_without_iterations_gets_as_many_damping_times_as_the_papers():
     assert [settled_iterations(damping) for damping in (0.7, 0.6, 0.5)] == [1499] * 3
     for damping in (0.4, 0.06, 6e-3, 6e-4, 1e-4):

@@ -69,3 +69,11 @@ def test_previews_whose_clients_are_gone_make_room(service):
         each.join()
     # Each of the six would take the 20 s of the limit, two at a time.
     assert ask(service, **SMALL).status_code == 200
+
+
+@pytest.mark.parametrize("path", ["/v1/previews", "/v1/checks", "/v1/basins"])
+def test_iterations_that_no_one_can_make_are_refused_at_once(service, path):
+    # Whether a number of twenty digits is a prime took hours of the process that answers.
+    answer = service.request("POST", path, json={"iterations": 2**61})
+    assert "iterations" in answer.text
+    assert answer.status_code == (200 if path == "/v1/checks" else 422)
