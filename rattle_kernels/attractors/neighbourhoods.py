@@ -15,7 +15,6 @@ distinguished far below the size of any cell.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -28,7 +27,7 @@ from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import Outcome
-from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_kernels.numerics.pausing import Pause, Stoppable, never_stopped
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, derivatives_along, find_periodic_orbit
 
 _MARKING_ROUNDS = 256
@@ -125,16 +124,9 @@ def _ellipses_along(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float, 
     return [roots[0], *roots[:0:-1]]
 
 
-@dataclass(frozen=True)
-class _Stoppable:
-    """A pause that is no part of a cache's key: all are equal."""
-
-    pause: Pause = field(compare=False)
-
-
 @lru_cache(maxsize=256)
 def _ellipses(
-    oscillator: Oscillator, times: bytes, speeds: bytes, stoppable: _Stoppable
+    oscillator: Oscillator, times: bytes, speeds: bytes, stoppable: Stoppable
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points of a periodic orbit, the forms of their ellipses, and how far these reach in time."""
     scale = largest_grazing_speed(oscillator)
@@ -226,7 +218,7 @@ def neighbourhoods(
         if attractor.is_chaotic:
             marked[index] = _boxes(oscillator, *points)
         elif attractor.kind == AttractorKind.PERIODIC:
-            ellipses.append(_ellipses(oscillator, *points, _Stoppable(pause)))
+            ellipses.append(_ellipses(oscillator, *points, Stoppable(pause)))
             owner += [index] * attractor.time.size
     scale = largest_grazing_speed(oscillator)
     centres, forms, reach = (np.concatenate(parts) for parts in zip(*ellipses, strict=True))

@@ -62,5 +62,5 @@ def traps_of_seeds(
         attractors = find_attractors(
             oscillator, landed.landing_time[there], landed.landing_velocity[there], known=attractors, pause=pause
         )
-        traps = build_trap_table(oscillator, attractors)
+        traps = build_trap_table(oscillator, attractors, pause)
     return traps

@@ -39,6 +39,7 @@ from rattle_kernels.lanes.traps import DEGREE, NO_TRAPS, NOWHERE, POWERS, LaneTr
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import kernel
+from rattle_kernels.numerics.pausing import Pause, Stoppable, never_stopped
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, derivatives_along, find_periodic_orbit
 
 _LARGEST, _SMALLEST, _SHRINK = 0.2, 1e-6, 0.5
@@ -164,7 +165,7 @@ def _trap_within(turn: _Turn, radius: float, rate: float) -> Trap | None:
     return Trap(turn.orbit, turn.frame, radius, level, floor, fitted) if level > 0.0 else None
 
 
-def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) -> Trap | None:
+def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float, pause: Pause = never_stopped) -> Trap | None:
     """Largest trap found around an orbit.
 
     Parameters
@@ -175,6 +176,8 @@ def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) -> Tra
         An attracting orbit.
     scale : float
         Speed that counts as much as one forcing period.
+    pause : callable
+        Called several times a second; an exception raised there ends the search.
 
     Returns
     -------
@@ -188,6 +191,7 @@ def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float) -> Tra
     rate = oscillator.damping * orbit.forcing_periods
     radius = _LARGEST
     while radius > _SMALLEST:
+        pause()
         trap = _trap_within(turn, radius, rate)
         if trap is not None:
             larger = (_trap_within(turn, stretch * radius, rate) for stretch in _STRETCHES)
@@ -263,20 +267,24 @@ def _gather(oscillator: Oscillator, traps: Sequence[Trap], scale: float) -> Lane
 
 
 @lru_cache(maxsize=256)
-def _trap_of(oscillator: Oscillator, t: float, v: float, period: int) -> Trap | None:
+def _trap_of(oscillator: Oscillator, t: float, v: float, period: int, stoppable: Stoppable) -> Trap | None:
     scale = largest_grazing_speed(oscillator)
     orbit = find_periodic_orbit(oscillator, t, v, period, scale)
-    return None if orbit is None else find_trap(oscillator, orbit, scale)
+    return None if orbit is None else find_trap(oscillator, orbit, scale, stoppable.pause)
 
 
 @lru_cache(maxsize=8)
-def _lane_traps(oscillator: Oscillator, orbits: tuple[tuple[float, float, int], ...]) -> LaneTraps:
-    found = [_trap_of(oscillator, *orbit) for orbit in orbits]
+def _lane_traps(
+    oscillator: Oscillator, orbits: tuple[tuple[float, float, int], ...], stoppable: Stoppable
+) -> LaneTraps:
+    found = [_trap_of(oscillator, *orbit, stoppable) for orbit in orbits]
     traps = [trap for trap in found if trap is not None]
     return _gather(oscillator, traps, largest_grazing_speed(oscillator)) if traps else NO_TRAPS
 
 
-def build_trap_table(oscillator: Oscillator, attractors: Sequence[Attractor]) -> LaneTraps:
+def build_trap_table(
+    oscillator: Oscillator, attractors: Sequence[Attractor], pause: Pause = never_stopped
+) -> LaneTraps:
     """Traps of a catalogue's periodic orbits, built once per process.
 
     Parameters
@@ -284,6 +292,8 @@ def build_trap_table(oscillator: Oscillator, attractors: Sequence[Attractor]) ->
     oscillator : Oscillator
         Checked by the caller.
     attractors : sequence of Attractor
+    pause : callable
+        Called several times a second; an exception raised there ends the search.
 
     Returns
     -------
@@ -295,4 +305,4 @@ def build_trap_table(oscillator: Oscillator, attractors: Sequence[Attractor]) ->
         for each in attractors
         if each.kind == AttractorKind.PERIODIC and each.upper_contacts <= _LONGEST_PERIOD
     )
-    return _lane_traps(oscillator, orbits)
+    return _lane_traps(oscillator, orbits, Stoppable(pause))

@@ -28,9 +28,10 @@ from rattle_kernels.orbits.periodic_orbit import (
 )
 
 _SEED_RESIDUAL = 1e-9
-# Impacts of a round of Newton's method from some seeds between two pauses: milliseconds in all rounds. In the softest
-# contacts, where an impact may take one, it is most of a second.
+# Impacts of a round of Newton's method that need no pause: milliseconds in all rounds. In the softest contacts, where
+# an impact may take one, 16 are more than a second. So seeds are taken together up to half as many.
 _IMPACTS_A_ROUND = 16
+_IMPACTS_A_LEG = 8
 # Orbits closer than this are one. Near a fold, where two orbits part like a square root, Newton's error is 1e-8.
 _SAME = 1e-6
 
@@ -65,7 +66,7 @@ def _newton_from(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Where Newton's method leads from each seed: phase, speed and residual."""
     t, v, residual = seeds.t.copy(), seeds.v.copy(), np.empty(seeds.t.size)
-    legs = np.cumsum(seeds.period) // _IMPACTS_A_ROUND
+    legs = np.cumsum(seeds.period) // _IMPACTS_A_LEG
     for leg in np.split(np.arange(t.size), np.flatnonzero(np.diff(legs)) + 1):
         pause()
         part = slice(leg[0], leg[-1] + 1)
