@@ -8,7 +8,7 @@ import numpy as np
 
 from rattle_kernels.attractors.attractor_search import find_attractors
 from rattle_kernels.attractors.classify import name_solutions
-from rattle_kernels.attractors.trapping_region import build_trap_table
+from rattle_kernels.attractors.trap_table import build_trap_table
 from rattle_kernels.cell_mapping.cell_grid import CellGrid
 from rattle_kernels.cell_mapping.cell_groups import find_groups, label_cells
 from rattle_kernels.cell_mapping.cell_map import map_cells

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from rattle_kernels import CellGrid, Oscillator, find_attractors, map_points
-from rattle_kernels.attractors.trapping_region import build_trap_table, find_trap
+from rattle_kernels.attractors.trap_table import build_trap_table
+from rattle_kernels.attractors.trapping_region import find_trap
 from rattle_kernels.cell_mapping.iterations import settled_iterations
 from rattle_kernels.lanes.run import next_impacts, run_lanes
 from rattle_kernels.lanes.tables import lane_tables

@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import chi2, norm
 
 from rattle_kernels import CellGrid, Oscillator, map_points, next_impacts
-from rattle_kernels.attractors.trapping_region import build_trap_table
+from rattle_kernels.attractors.trap_table import build_trap_table
 from rattle_kernels.lanes.traps import potential_in
 from tests.rattle_kernels.impact_map.extended_precision import departures, run_extended
 from tests.rattle_kernels.impact_map.rounding import energy_rounding
