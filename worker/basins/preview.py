@@ -120,6 +120,5 @@ def _name_at_once(
     oscillator: Oscillator, attractors: Catalogue, t: np.ndarray, v: np.ndarray, pause: Callable[[], None]
 ) -> np.ndarray:
     """Solution of each landing point, as `rattle_kernels.name_solutions` with fewer legs."""
-    return locate(oscillator, neighbourhoods(oscillator, attractors, pause), wrap_all(t), v, _LEGS, pause).astype(
-        np.int16
-    )
+    around = neighbourhoods(oscillator, attractors, pause)
+    return locate(oscillator, around, wrap_all(t), v, _LEGS, pause).astype(np.int16)

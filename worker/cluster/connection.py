@@ -130,11 +130,12 @@ def _end_threads(cluster: LocalCluster) -> None:
 
     Such a thread leaves its task by itself when the kernel is there. `close` alone would wait for it, then fail.
     """
-    (worker,) = cluster.workers.values()
+    workers = list(cluster.workers.values())
     patience = time.monotonic() + _LEAVE_SECONDS
-    while worker.state.executing and time.monotonic() < patience:
+    while any(worker.state.executing for worker in workers) and time.monotonic() < patience:
         time.sleep(0.01)
-    cluster.sync(worker.close, executor_wait=False)
+    for worker in workers:
+        cluster.sync(worker.close, executor_wait=False)
     cluster.close(timeout=_CLOSE_SECONDS)
 
 
