@@ -13,6 +13,7 @@ takes no time.
 from importlib import import_module
 from typing import Any
 
+from rattle.loading import without_collections
 from rattle.processor import use_whole_registers
 
 _HOMES = {
@@ -50,7 +51,8 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME_OF:
         raise AttributeError(f"module 'rattle' has no attribute {name!r}; it has {', '.join(__all__)}")
     use_whole_registers()
-    found = getattr(import_module(_HOME_OF[name]), name)
+    with without_collections():
+        found = getattr(import_module(_HOME_OF[name]), name)
     globals()[name] = found
     return found
 

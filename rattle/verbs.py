@@ -9,11 +9,13 @@ from rich.console import Console
 
 from rattle.argument_groups import Argument
 from rattle.arguments import demand_known, job_of
+from rattle.loading import without_collections
 from rattle.progress import progress_line, shows_bars
 from rattle.results.kept import cache
 from rattle.results.opening import open
 from rattle.results.trajectories import TRAJECTORY_EXAMPLE, dataset_of, trajectory_arguments, trajectory_request
 from rattle.verb import VERBS, Verb, described
+from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 from worker.estimate import estimate
 from worker.jobs.job import Job
 from worker.kinds import KINDS
@@ -78,7 +80,10 @@ def compute(
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be 1 or more, not {workers}")
     if not is_complete(location, job.digest):
-        from rattle.here import run_here  # loads Dask, which a result that is kept does without
+        with without_collections():
+            from rattle.here import run_here  # loads Dask, which a result that is kept does without
+
+            fuses_multiply_add()  # Numba loads half of itself, and SciPy, when a first kernel is called
 
         where: dict[str, Any] = {"workers": workers, "scheduler": scheduler}
         if callable(progress):

@@ -16,6 +16,7 @@ from worker.errors import InvalidJob, StoreConflict
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
+from worker.views import reading
 from worker.views.basin_plot import plot_basin
 from worker.views.reading import attractors_of, basin_of, job_of, open_basin
 
@@ -53,6 +54,16 @@ def test_its_arrays_are_what_the_measures_take(store):
         assert global_integrity_measure(basin.solution) == 0.5
         disc = integrity_factor(basin.solution, job_of(basin).grid, velocity_scale=7.0)
         assert disc.radius == pytest.approx(0.25, abs=0.01)
+
+
+def test_arrays_of_a_large_result_are_read_tile_by_tile(store, monkeypatch):
+    with open_basin(store.location) as basin:
+        assert basin.solution.chunks is None
+        whole = basin.load()
+    monkeypatch.setattr(reading, "_ONE_PIECE", whole.nbytes - 1)
+    with open_basin(store.location) as basin:
+        assert basin.solution.chunks is not None
+        assert basin.load().identical(whole)
 
 
 def drawn(axes):
