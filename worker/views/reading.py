@@ -25,8 +25,8 @@ from worker.jobs.swept_parameter import SweptParameter
 from worker.stores.layout import LAYOUT_VERSION, MEASURED, MOTIONS
 from worker.stores.storage import place_at
 
-# Largest result, in bytes, whose arrays are read in one piece. Those of a larger one are Dask arrays, which take a fifth
-# of a second to load.
+# Largest result, in bytes, whose arrays are read in one piece. A larger one has Dask arrays, whose library takes a
+# fifth of a second to load.
 _ONE_PIECE = 200_000_000
 # Most cells shown each way: a picture in a notebook is smaller than one in a file.
 _MOST_CELLS = 1000
