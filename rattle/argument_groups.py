@@ -4,16 +4,15 @@ A number or a choice is an argument of the same name. A field of parts, such as 
 arguments of a `Group`. Defaults, types and descriptions are those of the job's class.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from enum import Enum
 from numbers import Integral
-from typing import Any, NamedTuple, get_args
+from typing import Any, get_args
 
-import numpy as np
-from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from rattle.argument import Argument, Group, Values, is_parameter, is_swept, of_part, plain
+from rattle.oscillator_arguments import oscillator_group
 from rattle_kernels.model.oscillator import PARAMETERS
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import SweepJob
@@ -22,38 +21,12 @@ from worker.jobs.grid_request import GridRequest
 from worker.jobs.job import Job
 from worker.jobs.manifold_job import ManifoldJob
 from worker.jobs.orbits_job import OrbitsJob
-from worker.jobs.oscillator_request import PIECEWISE_LINEAR, PiecewiseLinearOscillator
 from worker.jobs.region import papers_phases, papers_speeds
 from worker.jobs.sample import Sample
 
-Values = Mapping[str, Any]
-"""Arguments by name: only those that were given."""
 # Of one basin the grid's own default holds; a sweep has many, and starts smaller.
 _CELLS_OF_A_SWEEP = 200
 _ONLY_IN_JSON = {"most_points", "kind"}
-
-
-@dataclass(frozen=True)
-class Argument:
-    """An argument of a verb: its name, type, default (``...`` if it must be given), description and least value."""
-
-    name: str
-    kind: Any
-    default: Any
-    text: str = ""
-    least: float | None = None
-
-
-class Group(NamedTuple):
-    """Arguments that together make one field of a request, and how they do; None leaves the field out."""
-
-    arguments: tuple[Argument, ...]
-    read: Callable[[Values], Any]
-
-
-def plain(value: Any) -> Any:
-    """Numbers of NumPy as Python's; arrays as lists."""
-    return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
 
 
 def groups_of(job_class: type[Job]) -> dict[str, Group]:
@@ -81,56 +54,6 @@ def _single(name: str, field: FieldInfo) -> Group:
     optional = kind if type(None) not in parts else kind | None
     argument = Argument(name, optional, field.default, field.description or "", least)
     return Group((argument,), lambda given: given.get(name))
-
-
-def _of_part(model: type[BaseModel], name: str) -> Argument:
-    """A number, a choice or a switch that is a field of a part."""
-    field = model.model_fields[name]
-    return Argument(name, field.annotation, field.default, field.description or "")
-
-
-def is_swept(value: Any) -> bool:
-    """Whether an argument holds the values of a swept parameter, not one value."""
-    return isinstance(value, list | tuple | dict)
-
-
-def oscillator_group(impacting_only: bool = False, sweeps: bool = False) -> Group:
-    """Arguments that name an oscillator.
-
-    Parameters
-    ----------
-    impacting_only : bool
-        Whether only the impacting model can be computed.
-    sweeps : bool
-        Whether a parameter may have several values.
-
-    Returns
-    -------
-    Group
-    """
-    model = PiecewiseLinearOscillator
-    arguments = [_of_part(model, name) for name in ("damping", "eccentricity", "half_backlash")]
-    if not impacting_only:
-        without = "kappa; without it, the impacting model"
-        arguments.append(Argument("stiffness", float | None, None, without))
-        arguments += [_of_part(model, name) for name in ("permanent_contact", "allow_no_quiet_solution")]
-    names = [each.name for each in arguments]
-
-    def read(given: Values) -> dict[str, Any]:
-        own = {name: given[name] for name in names if given.get(name) is not None}
-        request = {name: value for name, value in own.items() if not is_swept(value)}
-        if len(request) < len(own) and not sweeps:
-            several = next(name for name in own if name not in request)
-            raise InvalidJob(f"{several} has one value here; a sweep takes several values", (several,))
-        if "stiffness" in own:
-            return request | {"model": PIECEWISE_LINEAR}
-        for argument in arguments[4:]:
-            if own.get(argument.name, argument.default) != argument.default:
-                message = f"{argument.name} belongs to the piecewise linear model: give a stiffness"
-                raise InvalidJob(message, (argument.name,))
-        return {name: request[name] for name in names[:3] if name in request}
-
-    return Group(tuple(arguments), read)
 
 
 def _ends(value: Any, name: str) -> dict[str, Any]:
@@ -195,7 +118,7 @@ def _vary(job_class: type[Job], _: FieldInfo) -> Group:
 
     def read(given: Values) -> Any:
         swept = [
-            _spaced_or_listed(name, value) for name, value in given.items() if name in PARAMETERS if is_swept(value)
+            _spaced_or_listed(name, value) for name, value in given.items() if is_parameter(name) and is_swept(value)
         ]
         if not swept or (len(swept) > 1 and not several):
             most = "one or two of" if several else "one of"
@@ -257,7 +180,7 @@ def _saddles(*_: Any) -> Group:
 
 def _resolution(_: type[Job], field: FieldInfo) -> Group:
     default: Any = field.get_default(call_default_factory=True)
-    arguments = tuple(_of_part(type(default), name) for name in ("chord", "angle"))
+    arguments = tuple(of_part(type(default), name) for name in ("chord", "angle"))
 
     def read(given: Values) -> dict[str, Any] | None:
         request = {name: given[name] for name in ("chord", "angle") if name in given}

@@ -4,9 +4,11 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from rattle.argument_groups import Argument, Values, groups_of, plain
+from rattle.argument import Argument, Values, plain
+from rattle.argument_groups import groups_of
 from worker.errors import InvalidFields, Place
 from worker.jobs.job import Job
+from worker.jobs.swept_parameter import is_of_harmonic
 
 
 def arguments_of(job_class: type[Job]) -> list[Argument]:
@@ -75,7 +77,7 @@ def demand_known(verb: str, given: Iterable[str], known: Sequence[str]) -> None:
         It names the argument, and one that may have been meant.
     """
     for name in given:
-        if name not in known:
+        if name not in known and not ("harmonics" in known and is_of_harmonic(name)):
             near = difflib.get_close_matches(name, known, 1)
             hint = f"did you mean {near[0]}?" if near else f"it takes {', '.join(known)}"
             raise TypeError(f"{verb}() has no argument {name!r}: {hint}")

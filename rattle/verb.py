@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from enum import Enum
 from typing import Any, NamedTuple, TypeVar, get_args
 
-from rattle.argument_groups import Argument
+from rattle.argument import Argument
 from rattle.arguments import arguments_of
 from worker.kinds import KINDS
 

@@ -7,7 +7,7 @@ from typing import Any
 import xarray as xr
 from rich.console import Console
 
-from rattle.argument_groups import Argument
+from rattle.argument import Argument
 from rattle.arguments import demand_known, job_of
 from rattle.loading import without_collections
 from rattle.progress import progress_line, shows_bars

@@ -36,18 +36,16 @@ from rattle_kernels.manifolds.stable_manifold import (
     stable_manifold,
     unstable_manifold,
 )
-from rattle_kernels.model.grazing_curve import grazing_velocity, largest_grazing_speed
-from rattle_kernels.model.oscillator import (
-    Oscillator,
-    OutsideDomain,
-    check_domain,
-    check_impacting,
-    check_quiet,
+from rattle_kernels.model.bounds import (
     eccentricity_bound_convexity,
     eccentricity_bound_quiet,
     eccentricity_bound_smooth_maxima,
     stiffness_bound,
 )
+from rattle_kernels.model.domain import OutsideDomain, check_domain, check_impacting, check_quiet
+from rattle_kernels.model.grazing_curve import grazing_velocity, largest_grazing_speed
+from rattle_kernels.model.harmonics import Harmonic
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import Outcome
 from rattle_kernels.orbits.bifurcation_curve import SpecialCurve, continue_special_point
 from rattle_kernels.orbits.bifurcation_diagram import BifurcationDiagram, bifurcation_diagram
@@ -78,6 +76,7 @@ __all__ = [
     "CurveResolution",
     "Direction",
     "FoundOrbit",
+    "Harmonic",
     "Impacts",
     "LargestDisc",
     "LeastDisturbance",

@@ -9,9 +9,9 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
-from rattle.argument_groups import Argument
+from rattle.argument import Argument
 from rattle.arguments import arguments_of
-from rattle.cli.texts import continuation_of, departure_of, orbit_seed_of, saddle_of, swept_of
+from rattle.cli.texts import continuation_of, departure_of, harmonic_of, orbit_seed_of, saddle_of, swept_of
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.jobs.job import Job
@@ -167,7 +167,14 @@ def _continuation(name: str, argument: str, text: str) -> Callable[[type[Job]], 
     return lambda _: Written(name, str | None, None, text, read)
 
 
+HARMONICS = Written(
+    "harmonic", list[str] | None, None, "order:amplitude[:phase] of a harmonic of the forcing: 2:0.01:0.25; several",
+    lambda texts: {"harmonics": [harmonic_of(each) for each in texts]},
+)  # fmt: skip
+"""Option for the harmonics of an oscillator."""
+
 _REPLACED: dict[str, Callable[[type[Job]], Written]] = {
+    "harmonics": lambda _: HARMONICS,
     "seeds": _seeds,
     "saddles": lambda _: Written(
         "saddle", list[str], ..., "t,v[,period] close to a saddle, or P(1,1,0); several",

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from rattle_kernels.model.oscillator import PARAMETERS
 from worker.errors import InvalidJob
+from worker.jobs.swept_parameter import known_parameter
 
 
 def swept_of(texts: Sequence[str]) -> dict[str, Any]:
@@ -28,8 +28,10 @@ def swept_of(texts: Sequence[str]) -> dict[str, Any]:
     for text in texts:
         parameter, values = _values_of(text)
         parameter = parameter.replace("-", "_")  # as its own option is written
-        if parameter not in PARAMETERS:
-            raise InvalidJob(f"{parameter} cannot be swept; these can: {', '.join(PARAMETERS)}")
+        try:
+            known_parameter(parameter)
+        except ValueError as error:
+            raise InvalidJob(str(error)) from error
         if parameter in swept:
             raise InvalidJob(f"{parameter} is swept twice")
         swept[parameter] = values
@@ -114,6 +116,29 @@ def saddle_of(text: str) -> str | tuple[float, ...]:
         If it has another form.
     """
     return text if "(" in text else orbit_seed_of(text, "saddle")
+
+
+def harmonic_of(text: str) -> tuple[float, ...]:
+    """Harmonic of the forcing, written ``order:amplitude[:phase]``.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    tuple
+
+    Raises
+    ------
+    InvalidJob
+        If it has another form.
+    """
+    try:
+        order, amplitude, *phase = text.split(":")
+        return int(order), float(amplitude), *(float(each) for each in phase[:1])
+    except ValueError as error:
+        raise InvalidJob(f"--harmonic {text}: write order, amplitude and phase, as in 2:0.01:0.25") from error
 
 
 def continuation_of(text: str, option: str) -> dict[str, Any]:

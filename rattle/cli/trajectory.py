@@ -6,9 +6,9 @@ from typing import Annotated, Any
 
 import typer
 
-from rattle.argument_groups import oscillator_group
 from rattle.cli.console import announced_compiling, give_up, out
-from rattle.cli.options import options_of, with_options
+from rattle.cli.options import HARMONICS, option, options_of, with_options
+from rattle.oscillator_arguments import oscillator_group
 from rattle.results.trajectories import trajectory_request
 from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory
 from worker.errors import InvalidFields
@@ -44,7 +44,12 @@ def _print_contacts(history: TimeHistory) -> None:
         typer.echo(f"{time:11.6f}  {wall:+4d}  {Direction(direction).name.lower():<6}  {speed:.6g}")
 
 
-@with_options(options_of(oscillator_group().arguments))
+@with_options(
+    [
+        *options_of([each for each in oscillator_group().arguments if each.name != "harmonics"]),
+        option(HARMONICS.name, HARMONICS.kind, HARMONICS.default, help=HARMONICS.help),
+    ]
+)
 def trajectory(
     velocity: Annotated[float, typer.Option(help="Speed of a departure from +beta; with --displacement, Phi'")],
     out_: Annotated[Path, typer.Option("--out", help="Picture (.png, .svg, .pdf) or table (.csv) to write")],
@@ -63,6 +68,8 @@ def trajectory(
         give_up(f"{periods * samples_per_period:.0f} samples are more than the limit of {_MOST_SAMPLES}", 2)
     start = {"time": time, "velocity": velocity, "displacement": displacement}
     try:
+        if written := values.pop(HARMONICS.name):
+            values |= HARMONICS.read(written)
         request = trajectory_request(values | start | {"periods": periods, "samples_per_period": samples_per_period})
         with announced_compiling():
             history = request.follow()

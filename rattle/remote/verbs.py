@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rattle.argument_groups import Argument
+from rattle.argument import Argument
 from rattle.arguments import demand_known, job_of
 from rattle.remote.client import ServiceClient
 from rattle.results.trajectories import TRAJECTORY_EXAMPLE, dataset_of, trajectory_arguments, trajectory_request

@@ -8,8 +8,9 @@ import numpy as np
 import xarray as xr
 from pydantic import ValidationError
 
-from rattle.argument_groups import Argument, oscillator_group
+from rattle.argument import Argument
 from rattle.arguments import demand_given
+from rattle.oscillator_arguments import oscillator_group
 from rattle_kernels import Contacts, Oscillator, Outcome, TimeHistory
 from worker.jobs.request import refusal
 from worker.jobs.trajectory_request import StartRequest, TrajectoryRequest

@@ -29,7 +29,8 @@ from rattle_kernels.attractors.chaotic_transient import follow_ensemble
 from rattle_kernels.attractors.neighbourhoods import hit_the_same_boxes, locate, neighbourhoods
 from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
 from rattle_kernels.lanes.run import run_lanes
-from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import Outcome
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 

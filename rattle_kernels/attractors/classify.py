@@ -6,8 +6,9 @@ import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor
 from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
+from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
-from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap_all
 

@@ -4,8 +4,9 @@ import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.attractors.settled_orbit import attractor_of
+from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.flight import fall_speed
-from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
 # Points of an orbit from which Newton's method starts, and points of a chaotic attractor that are compared.

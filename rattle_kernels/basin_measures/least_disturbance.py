@@ -22,7 +22,8 @@ from rattle_kernels.attractors.attractor import Attractor
 from rattle_kernels.attractors.classify import name_solutions
 from rattle_kernels.basin_measures.arrays import check_basins
 from rattle_kernels.cell_mapping.cell_grid import CellGrid, check_grid
-from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.oscillator import Oscillator
 
 # Index of permanent contact in every catalogue.
 _QUIET = 0

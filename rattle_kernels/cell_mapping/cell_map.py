@@ -13,7 +13,8 @@ from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
 from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.lanes.traps import NO_TRAPS, LaneTraps
-from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped

@@ -29,6 +29,7 @@ from rattle_kernels.impact_map.chatter import (
     fastest_below,
     ringing_radian,
 )
+from rattle_kernels.impact_map.sticking import sticking_bound
 from rattle_kernels.model.flight import FOUR_PI, acceleration_range, rest_acceleration
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
@@ -164,4 +165,7 @@ def capture_bound(oscillator: Oscillator) -> float:
     float
         0 where no region is safe: then nothing is ever captured.
     """
-    return _raise_bound(oscillator, descent_bound(oscillator, np.empty(12), np.empty(12)))
+    # An impact that loses energy takes a departure to a lower one: what is safe without losses is safe with them.
+    elastic = oscillator._replace(restitution=1.0)
+    bound = _raise_bound(elastic, descent_bound(elastic, np.empty(12), np.empty(12)))
+    return max(bound, sticking_bound(oscillator)) if oscillator.restitution < 1.0 else bound

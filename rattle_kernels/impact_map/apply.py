@@ -1,10 +1,11 @@
 """The impact map P of both models (Eqs. 1, 2, 4, 5; Secs. 2, 3): flights and contacts in turn.
 
 The conventions hold everywhere. The section is a departure from ``Phi = +beta`` into freeplay at phase t (forcing
-periods, [0, 1)) with speed v > 0. In the impacting model v is also the speed of arrival. P leads to the next departure
+periods, [0, 1)) with speed v > 0. In an elastic impact v is also the speed of arrival. P leads to the next departure
 from +beta, either directly (case a) or by way of -beta (case b); above the grazing curve v*(t) it is case b.
 
-Both models have the same flights (`flights`). The impacting model reverses the velocity at a wall. In the piecewise
+Both models have the same flights (`flights`). The impacting model reverses the velocity at a wall, and multiplies it by
+the restitution. In the piecewise
 linear model the gears stay beyond the wall for a while (`model.contact`), beyond +beta perhaps for ever.
 
 By Eq. (31) turning points beyond -beta are minima, too: every contact there ends, the flight after it reaches +beta,
@@ -17,8 +18,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd, fly_over, next_contact
-from rattle_kernels.model.contact import Contact, follow_contact
-from rattle_kernels.model.oscillator import Oscillator, check_impacting
+from rattle_kernels.model.contact_end import Contact, follow_contact
+from rattle_kernels.model.domain import check_impacting
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import (
     OUTCOME_NOT_CONVERGED,
     OUTCOME_OUTSIDE_SECTION,
@@ -77,9 +79,9 @@ class Passage(NamedTuple):
 
 @inlined
 def _cross(oscillator, end, direction):
-    """What happens beyond the wall that a flight has met: backwards in time an elastic impact, else a contact."""
+    """What happens beyond the wall that a flight has met: backwards in time an impact undone, else a contact."""
     if direction < 0.0:
-        return Contact(0.0, abs(end.velocity), OUTCOME_RETURNED)
+        return Contact(0.0, abs(end.velocity) / oscillator.restitution, OUTCOME_RETURNED)
     return follow_contact(oscillator, end.wall, end.phase, max(end.wall * end.velocity, 0.0))
 
 
@@ -106,7 +108,9 @@ def walk(oscillator, t, v, direction, over, reduces):
     Passage
         The outcome of ``upper`` says how it ended.
     """
-    fall = fly_over(oscillator, t, -v) if over else next_contact(oscillator, UPPER, t, -direction * v, direction)
+    # Backwards a departure is first the arrival before its impact.
+    speed = v if direction > 0.0 else v / oscillator.restitution
+    fall = fly_over(oscillator, t, -v) if over else next_contact(oscillator, UPPER, t, -direction * speed, direction)
     lower, rises_at, rise = Contact(0.0, 0.0, OUTCOME_RETURNED), fall.phase, fall
     lower_impacts, flown = 0, fall.duration
     if fall.wall == LOWER:
@@ -118,7 +122,8 @@ def walk(oscillator, t, v, direction, over, reduces):
         rises_at = (part_turn(fall.phase) if reduces else fall.phase) + lower.duration
         rise = next_contact(oscillator, LOWER, rises_at, direction * lower.speed, direction)
         flown += lower.duration + rise.duration
-    upper = _cross(oscillator, rise, direction)
+    backwards = Contact(0.0, abs(rise.velocity), OUTCOME_RETURNED)
+    upper = _cross(oscillator, rise, direction) if direction > 0.0 else backwards
     if not rise.found:
         upper = Contact(math.nan, math.nan, OUTCOME_NOT_CONVERGED)
     return Passage(fall, lower, rises_at, rise, upper, lower_impacts, flown)

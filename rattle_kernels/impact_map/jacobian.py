@@ -3,8 +3,9 @@
 In freeplay a variation (eta, eta') obeys eta'' + delta eta' = 0. Let a flight leave a wall dt later, with velocity
 changed by dw. At the original times it carries the variation eta = -w dt, eta' = dw - Phi'' dt. The wall is met later
 by -eta/Phi', and in that time the velocity changes by the acceleration there (saltation). A contact is the same with
-the ringing equation eta'' + delta eta' + 2 kappa eta = 0. An elastic impact turns the sign of the velocity. Near
-grazing Phi' at -beta tends to zero and DP grows without bound: the map has a square root there.
+the ringing equation eta'' + delta eta' + 2 kappa eta = 0, delta with the damping in contact. An impact turns the sign
+of the velocity and multiplies it by the restitution, which is 1 to the bit where it is elastic. Near grazing Phi' at
+-beta tends to zero and DP grows without bound: the map has a square root there.
 """
 
 import math
@@ -55,8 +56,9 @@ def flight_jacobian(oscillator, phase, velocity, end):
 def contact_jacobian(oscillator, side, phase, speed, contact):
     """Derivative of (time of leaving, signed velocity then) by those of entering as an elastic impact would turn it."""
     if contact.duration == 0.0:
-        return Jacobian(1.0, 0.0, 0.0, 1.0)
-    damping, square = oscillator.damping, 2.0 * oscillator.stiffness
+        return Jacobian(1.0, 0.0, 0.0, oscillator.restitution)
+    square = 2.0 * oscillator.stiffness
+    damping = oscillator.damping + 2.0 * oscillator.contact_damping * math.sqrt(square)
     frequency = math.sqrt(square - 0.25 * damping * damping)
     left = math.exp(-0.5 * damping * contact.duration)
     # The answer to a unit of velocity, its rate, and the answer to a unit of depth.

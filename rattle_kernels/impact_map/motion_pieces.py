@@ -16,7 +16,8 @@ import math
 from typing import NamedTuple
 
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd, next_contact
-from rattle_kernels.model.contact import enter_contact, follow_contact_from, state_in_contact
+from rattle_kernels.model.contact import enter_contact, state_in_contact
+from rattle_kernels.model.contact_end import follow_contact_from
 from rattle_kernels.model.flight import displacement_rate, start_flight, velocity_after
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_NOT_CONVERGED, OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
@@ -58,7 +59,8 @@ def piece_from(oscillator, phase, displacement, velocity):
 
 @inlined
 def _with_gap(oscillator, gap):
-    return Oscillator(oscillator.damping, oscillator.eccentricity, 0.5 * gap, math.inf, math.inf)
+    damping, eccentricity, _, _, _, restitution, contact_damping, harmonics = oscillator
+    return Oscillator(damping, eccentricity, 0.5 * gap, math.inf, math.inf, restitution, contact_damping, harmonics)
 
 
 @inlined
@@ -78,9 +80,9 @@ def _end_of_flight(oscillator, piece):
 
 
 @inlined
-def _end_of_impact(piece):
+def _end_of_impact(piece, restitution):
     """End of a contact of the impacting model."""
-    next_piece = MotionPiece(FREEPLAY, part_turn(piece.phase), piece.displacement, -piece.velocity)
+    next_piece = MotionPiece(FREEPLAY, part_turn(piece.phase), piece.displacement, -restitution * piece.velocity)
     if piece.regime == UPPER and piece.velocity == 0.0:
         return MotionPieceEnd(math.inf, next_piece, OUTCOME_PERMANENT_CONTACT)
     return MotionPieceEnd(0.0, next_piece, OUTCOME_RETURNED)
@@ -102,7 +104,7 @@ def end_of_piece(oscillator, piece):
         Outcome RETURNED where the piece ends, PERMANENT_CONTACT where it never does, or NOT_CONVERGED. The phase
         of the next piece counts on from that of this one less its nearest whole number.
     """
-    damping, eccentricity, beta, stiffness, _ = oscillator
+    damping, eccentricity, beta, stiffness, _, restitution, contact_damping, harmonics = oscillator
     side = piece.regime
     if side == FREEPLAY:
         end = _end_of_flight(oscillator, piece)
@@ -111,8 +113,8 @@ def end_of_piece(oscillator, piece):
         next_piece = MotionPiece(end.wall, end.phase, end.wall * beta, into)
         return MotionPieceEnd(end.duration, next_piece, OUTCOME_RETURNED if end.found else OUTCOME_NOT_CONVERGED)
     if math.isinf(stiffness):
-        return _end_of_impact(piece)
-    exact = Oscillator(damping, eccentricity, beta, stiffness, math.inf)
+        return _end_of_impact(piece, restitution)
+    exact = Oscillator(damping, eccentricity, beta, stiffness, math.inf, restitution, contact_damping, harmonics)
     contact = follow_contact_from(exact, side, piece.phase, side * piece.displacement - beta, side * piece.velocity)
     next_piece = MotionPiece(FREEPLAY, part_turn(piece.phase) + contact.duration, side * beta, -side * contact.speed)
     duration = math.inf if contact.outcome == OUTCOME_PERMANENT_CONTACT else contact.duration

@@ -12,20 +12,69 @@ With x = delta tau, S = sin, C = cos at the phases met, a flight has (Eqs. 18, 2
 
     dy/d eps   = 2 pi S0 tau phi1 + C - C0,            dy'/d eps   = -delta dy/d eps - 2 pi (S - S0) + delta (C - C0),
     dy/d delta = tau^2 (4 pi - w - 2 pi eps S0) (phi2 + x phi2'),
-    dy'/d delta = 4 pi tau - y - delta dy/d delta + eps (C - C0).
+    dy'/d delta = 4 pi tau - y - delta dy/d delta + eps (C - C0),
+
+and other orders of the forcing the like. An impact depends on the restitution alone. A contact depends on delta, kappa
+and zeta through its slow part (`model.slow_harmonics`) and through its ringing.
 """
 
 import math
+from typing import NamedTuple
 
 from rattle_kernels.impact_map.apply import FORWARDS, walk
 from rattle_kernels.impact_map.flights import LOWER, UPPER
 from rattle_kernels.impact_map.jacobian import by_speeds, contact_jacobian, flight_jacobian, impact_after, multiply
-from rattle_kernels.model.contact import slow_part
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI, rest_acceleration, second_phi, second_phi_slope
-from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.model.harmonics import Harmonic, states_at
+from rattle_kernels.model.slow_harmonics import response, response_change
+from rattle_kernels.numerics.jit import inlined, summed_over_tuple
 from rattle_kernels.numerics.phase import part_turn
 
-DAMPING, ECCENTRICITY, HALF_BACKLASH, STIFFNESS = 0, 1, 2, 3
+# Numbers of `Oscillator.parameters`. From FIRST_HARMONIC on, amplitudes and phases of harmonics alternate.
+DAMPING, ECCENTRICITY, HALF_BACKLASH, STIFFNESS, RESTITUTION, CONTACT_DAMPING, FIRST_HARMONIC = 0, 1, 2, 3, 4, 5, 6
+
+
+@summed_over_tuple
+def _add_drive(terms, total, place):
+    """Add the rates of the harmonics, less their sign, where a flight begins."""
+    for state in terms:
+        total += TWO_PI * state.order * state.amplitude * state.sine
+    return total
+
+
+@summed_over_tuple
+def _add_displacement(terms, total, place):
+    """Add e(t) at the end of a flight less that at its beginning; `place` is its duration."""
+    for state in terms:
+        half_angle = math.pi * part_turn(state.order * place)
+        sine_half, cosine_half = math.sin(half_angle), math.cos(half_angle)
+        total -= 2.0 * sine_half * state.amplitude * (state.sine * cosine_half + state.cosine * sine_half)
+    return total
+
+
+@summed_over_tuple
+def _add_own_change(terms, total, place):
+    """Add the change by amplitude or phase of one harmonic; `place` is (parameter, delta, tau, tau phi1)."""
+    parameter, damping, tau, stretch = place
+    change, rate_change = total
+    number = FIRST_HARMONIC
+    for state in terms:
+        rate = TWO_PI * state.order
+        half_angle = math.pi * part_turn(state.order * tau)
+        sine_half, cosine_half = math.sin(half_angle), math.cos(half_angle)
+        sine_change = 2.0 * sine_half * (state.cosine * cosine_half - state.sine * sine_half)
+        cosine_change = -2.0 * sine_half * (state.sine * cosine_half + state.cosine * sine_half)
+        if parameter == number:
+            own = rate * state.sine * stretch + cosine_change
+            change += own
+            rate_change += damping * (cosine_change - own) - rate * sine_change
+        elif parameter == number + 1:
+            turn = TWO_PI * state.amplitude
+            own = turn * (rate * state.cosine * stretch - sine_change)
+            change += own
+            rate_change -= damping * (own + turn * sine_change) + turn * rate * cosine_change
+        number += 2
+    return change, rate_change
 
 
 @inlined
@@ -40,10 +89,13 @@ def _flight_change(oscillator, parameter, phase, velocity, end, displacement):
         change = TWO_PI * math.sin(here) * tau * (1.0 - x * phi2) + cosine_change
         return change, damping * (cosine_change - change) - TWO_PI * sine_change
     if parameter == DAMPING:
-        drive = velocity + TWO_PI * oscillator.eccentricity * math.sin(here)
+        states = states_at(oscillator.harmonics, phase)
+        drive = _add_drive(states, velocity + TWO_PI * oscillator.eccentricity * math.sin(here), None)
         change = tau * tau * (FOUR_PI - drive) * (phi2 + x * second_phi_slope(x))
-        return change, FOUR_PI * tau - displacement - damping * change + oscillator.eccentricity * cosine_change
-    return 0.0, 0.0
+        moved = _add_displacement(states, oscillator.eccentricity * cosine_change, tau)
+        return change, FOUR_PI * tau - displacement - damping * change + moved
+    place = parameter, damping, tau, tau * (1.0 - x * phi2)
+    return _add_own_change(states_at(oscillator.harmonics, phase), (0.0, 0.0), place)
 
 
 @inlined
@@ -58,73 +110,103 @@ def _flight_sensitivity(oscillator, parameter, wall, phase, velocity, end):
     return later, -(rate_change + arriving * later)
 
 
+class _ContactNumbers(NamedTuple):
+    """delta, omega^2, the damping in contact, and their changes by a parameter."""
+
+    damping: float
+    square: float
+    drag: float
+    d_damping: float
+    d_square: float
+    d_drag: float
+
+
 @inlined
-def _slow_change(oscillator, parameter):
-    """Change of mean, cosine and sine of the slow part of a contact (`model.contact.slow_part`)."""
-    damping, eccentricity = oscillator.damping, oscillator.eccentricity
-    square = 2.0 * oscillator.stiffness
-    detuning, drag = square - TWO_PI * TWO_PI, TWO_PI * damping
-    size = detuning * detuning + drag * drag
-    cosine, sine = TWO_PI * detuning - damping * drag, damping * detuning + TWO_PI * drag
-    strength = -TWO_PI * eccentricity / size
-    if parameter == ECCENTRICITY:
-        return 0.0, -TWO_PI / size * cosine, -TWO_PI / size * sine
+def _contact_numbers(oscillator, parameter):
+    damping, square, part = oscillator.damping, 2.0 * oscillator.stiffness, oscillator.contact_damping
+    omega = math.sqrt(square)
+    d_damping, d_square, d_drag = 0.0, 0.0, 0.0
     if parameter == DAMPING:
-        shrink = 2.0 * TWO_PI * drag / size
-        return (
-            FOUR_PI / square,
-            -strength * (shrink * cosine + 2.0 * drag),
-            strength * (detuning + TWO_PI * TWO_PI - shrink * sine),
-        )
-    if parameter == STIFFNESS:
-        shrink = 4.0 * detuning / size
-        mean = -2.0 * FOUR_PI * damping / (square * square)
-        return mean, strength * (2.0 * TWO_PI - shrink * cosine), strength * (2.0 * damping - shrink * sine)
-    return 0.0, 0.0, 0.0
+        d_damping = d_drag = 1.0
+    elif parameter == STIFFNESS:
+        d_square, d_drag = 2.0, 2.0 * part / omega
+    elif parameter == CONTACT_DAMPING:
+        d_drag = 2.0 * omega
+    return _ContactNumbers(damping, square, damping + 2.0 * part * omega, d_damping, d_square, d_drag)
 
 
 @inlined
-def _ringing_change(oscillator, parameter, tau):
-    """S, S' of a contact, their changes, and those of delta and of omega^2 themselves."""
-    damping, square = oscillator.damping, 2.0 * oscillator.stiffness
-    frequency = math.sqrt(square - 0.25 * damping * damping)
-    left = math.exp(-0.5 * damping * tau)
+def _slow_of_one(harmonic, number, parameter, numbers, phase):
+    """Slow part of one order at a phase, its rate, and the changes of both."""
+    order, amplitude, shift = harmonic
+    rate, angle = TWO_PI * order, TWO_PI * part_turn(order * part_turn(phase) + shift)
+    sine, cosine = math.sin(angle), math.cos(angle)
+    here, quarter = response(amplitude, rate, numbers.damping, numbers.square, numbers.drag)
+    depth, slope = here * cosine + quarter * sine, rate * (quarter * cosine - here * sine)
+    if parameter == number + 1 and number >= FIRST_HARMONIC:
+        return depth, slope, slope / order, -TWO_PI * rate * depth
+    if parameter == number:
+        d_here, d_quarter = response(1.0, rate, numbers.damping, numbers.square, numbers.drag)
+    else:
+        d_here, d_quarter = response_change(amplitude, rate, numbers)
+    return depth, slope, d_here * cosine + d_quarter * sine, rate * (d_quarter * cosine - d_here * sine)
+
+
+@summed_over_tuple
+def _add_slow(terms, total, place):
+    """Add depth, rate, and their changes of the slow parts of all orders."""
+    parameter, numbers, phase = place
+    depth, slope, d_depth, d_slope = total
+    number = FIRST_HARMONIC
+    for harmonic in terms:
+        own = _slow_of_one(harmonic, number, parameter, numbers, phase)
+        depth, slope, d_depth, d_slope = depth + own[0], slope + own[1], d_depth + own[2], d_slope + own[3]
+        number += 2
+    return depth, slope, d_depth, d_slope
+
+
+@inlined
+def _slow_at(oscillator, parameter, numbers, side, phase):
+    """Slow part of a contact at a phase, its rate, and the changes of both."""
+    first = _slow_of_one(Harmonic(1.0, oscillator.eccentricity, 0.0), ECCENTRICITY, parameter, numbers, phase)
+    depth, slope, d_depth, d_slope = _add_slow(oscillator.harmonics, first, (parameter, numbers, phase))
+    mean = FOUR_PI * numbers.damping / numbers.square
+    d_mean = (FOUR_PI * numbers.d_damping - mean * numbers.d_square) / numbers.square
+    return side * (mean + depth), side * slope, side * (d_mean + d_depth), side * d_slope
+
+
+@inlined
+def _ringing_change(numbers, tau):
+    """S, S' of a contact, and their changes."""
+    frequency = math.sqrt(numbers.square - 0.25 * numbers.drag * numbers.drag)
+    left = math.exp(-0.5 * numbers.drag * tau)
     pulse, swing = left * math.sin(frequency * tau) / frequency, left * math.cos(frequency * tau)
-    rate = swing - 0.5 * damping * pulse
-    d_damping = 1.0 if parameter == DAMPING else 0.0
-    d_square = 2.0 if parameter == STIFFNESS else 0.0
-    d_frequency = (0.5 * d_square - 0.25 * damping * d_damping) / frequency
-    d_pulse = -0.5 * tau * d_damping * pulse + d_frequency * (tau * swing - pulse) / frequency
-    d_swing = -0.5 * tau * d_damping * swing - d_frequency * tau * frequency * pulse
-    d_rate = d_swing - 0.5 * (d_damping * pulse + damping * d_pulse)
-    return pulse, rate, d_pulse, d_rate, d_damping, d_square
+    rate = swing - 0.5 * numbers.drag * pulse
+    d_frequency = (0.5 * numbers.d_square - 0.25 * numbers.drag * numbers.d_drag) / frequency
+    d_pulse = -0.5 * tau * numbers.d_drag * pulse + d_frequency * (tau * swing - pulse) / frequency
+    d_swing = -0.5 * tau * numbers.d_drag * swing - d_frequency * tau * frequency * pulse
+    d_rate = d_swing - 0.5 * (numbers.d_drag * pulse + numbers.drag * d_pulse)
+    return pulse, rate, d_pulse, d_rate
 
 
 @inlined
 def _contact_sensitivity(oscillator, parameter, side, phase, speed, contact):
     """Change of (time of leaving, signed velocity then) of a contact from a fixed entry; x as in `model.contact`."""
     if contact.duration == 0.0:
-        return 0.0, 0.0
-    damping, square = oscillator.damping, 2.0 * oscillator.stiffness
-    pulse, rate, d_pulse, d_rate, d_damping, d_square = _ringing_change(oscillator, parameter, contact.duration)
-    settled = 1.0 - rate - damping * pulse
-    d_settled = -d_rate - d_damping * pulse - damping * d_pulse
-    slow = slow_part(oscillator)
-    here, there = TWO_PI * part_turn(phase), TWO_PI * part_turn(phase + contact.duration)
-    sine, cosine = math.sin(here), math.cos(here)
-    sine_end, cosine_end = math.sin(there), math.cos(there)
-    level = side * (slow.mean + slow.cosine * cosine + slow.sine * sine)
-    slope = side * TWO_PI * (slow.sine * cosine - slow.cosine * sine)
-    d_mean, d_cosine, d_sine = _slow_change(oscillator, parameter)
-    d_level = side * (d_mean + d_cosine * cosine + d_sine * sine)
-    d_slope = side * TWO_PI * (d_sine * cosine - d_cosine * sine)
-    d_level_end = side * (d_mean + d_cosine * cosine_end + d_sine * sine_end)
-    d_slope_end = side * TWO_PI * (d_sine * cosine_end - d_cosine * sine_end)
+        return 0.0, -side * speed if parameter == RESTITUTION else 0.0
+    numbers = _contact_numbers(oscillator, parameter)
+    square, drag = numbers.square, numbers.drag
+    pulse, rate, d_pulse, d_rate = _ringing_change(numbers, contact.duration)
+    settled = 1.0 - rate - drag * pulse
+    d_settled = -d_rate - numbers.d_drag * pulse - drag * d_pulse
+    level, slope, d_level, d_slope = _slow_at(oscillator, parameter, numbers, side, phase)
+    there = phase + contact.duration
+    _, _, d_level_end, d_slope_end = _slow_at(oscillator, parameter, numbers, side, there)
     change = (speed - slope) * d_pulse + level * d_settled + d_level * (settled - 1.0) + d_level_end - d_slope * pulse
     rate_change = (speed - slope) * d_rate + d_level * square * pulse + d_slope_end - d_slope * rate
-    rate_change += level * (d_square * pulse + square * d_pulse)
+    rate_change += level * (numbers.d_square * pulse + square * d_pulse)
     later = change / contact.speed
-    leaving = side * rest_acceleration(oscillator, phase + contact.duration) + damping * contact.speed
+    leaving = side * rest_acceleration(oscillator, there) + drag * contact.speed
     return later, side * (rate_change + leaving * later)
 
 
@@ -144,7 +226,7 @@ def next_impact_with_sensitivity(oscillator, parameter, t, v, over):
     oscillator : Oscillator
         Checked by the caller.
     parameter : int
-        DAMPING, ECCENTRICITY, HALF_BACKLASH or STIFFNESS.
+        Its place in `Oscillator.parameters`.
     t, v : float
         A departure from +beta: finite, v > 0.
     over : bool

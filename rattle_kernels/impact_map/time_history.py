@@ -29,7 +29,8 @@ from rattle_kernels.impact_map.motion_pieces import (
     flight_along,
     piece_from,
 )
-from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import (
     OUTCOME_NOT_CONVERGED,
     OUTCOME_PERMANENT_CONTACT,

@@ -5,13 +5,11 @@ has arrived. So many points are followed at about the speed of the map itself, a
 per impact.
 """
 
-import math
-
 import numpy as np
 
 from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, stay
-from rattle_kernels.lanes.flight import DROPS, FLIGHT_FIELDS, LANES, PHASE, VELOCITY, lane_buffer
+from rattle_kernels.lanes.lane_fields import DROPS, FLIGHT_FIELDS, LANES, PHASE, VELOCITY, lane_buffer
 from rattle_kernels.model.contact import slow_part
 from rattle_kernels.numerics.jit import inlined, lane_kernel
 from rattle_kernels.numerics.phase import part_turn
@@ -66,11 +64,10 @@ def _look(oscillator, bound, around, lane, streak, candidate, t, v):
 
 
 @inlined
-def _advance(lanes, corners, oscillator, tables, stiff, slow):
+def _advance(lanes, corners, oscillator, tables, slow):
     """Move every lane to the end of a flight and of the contact after it."""
     fly(lanes, corners, oscillator, tables)
-    if stiff:
-        stay(lanes, corners, oscillator, tables, slow)
+    stay(lanes, corners, oscillator, tables, slow)
     begin_at_the_end(lanes)
 
 
@@ -94,7 +91,7 @@ def follow(oscillator, tables, around, looks, t, v, place):
     lanes, corners = lane_buffer(FLIGHT_FIELDS), np.zeros(LANES, np.int64)
     point, looked = np.full(LANES, _NOBODY), np.zeros(LANES, np.int64)
     streak, candidate = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
-    stiff, slow = math.isfinite(oscillator.stiffness), slow_part(oscillator)
+    slow = slow_part(oscillator)
     next_point, flying = 0, LANES
     for i in range(LANES):
         idle(lanes, i, tables.largest_grazing_speed)
@@ -123,7 +120,7 @@ def follow(oscillator, tables, around, looks, t, v, place):
             if point[i] == _NOBODY:
                 idle(lanes, i, tables.largest_grazing_speed)
         if flying > 0:
-            _advance(lanes, corners, oscillator, tables, stiff, slow)
+            _advance(lanes, corners, oscillator, tables, slow)
 
 
 @lane_kernel
@@ -141,7 +138,7 @@ def boxes_passed(oscillator, tables, t, v, box):
         Becomes row times BOXES plus column of each departure, the points themselves first; -1 after an end.
     """
     lanes, corners = lane_buffer(FLIGHT_FIELDS), np.zeros(LANES, np.int64)
-    stiff, slow = math.isfinite(oscillator.stiffness), slow_part(oscillator)
+    slow = slow_part(oscillator)
     box[:] = UNMARKED
     passed = np.zeros(LANES, np.int64)
     for first in range(0, t.size, LANES):
@@ -163,4 +160,4 @@ def boxes_passed(oscillator, tables, t, v, box):
             for i in range(batch, LANES):
                 idle(lanes, i, tables.largest_grazing_speed)
             if flying > 0:
-                _advance(lanes, corners, oscillator, tables, stiff, slow)
+                _advance(lanes, corners, oscillator, tables, slow)

@@ -11,7 +11,20 @@ The formulas are those of `model.contact`. The sign of the velocity after an ela
 import math
 
 from rattle_kernels.impact_map.flights import LOWER, UPPER
-from rattle_kernels.lanes.flight import (
+from rattle_kernels.lanes.flight import fifth_order_step, look_up, turn_phases
+from rattle_kernels.lanes.harmonics import (
+    CHANGE,
+    CHANGE_1,
+    HERE,
+    HERE_1,
+    SLOW_2,
+    SLOW_3,
+    SLOW_4,
+    SLOW_5,
+    plus,
+    sum_over_contacts,
+)
+from rattle_kernels.lanes.lane_fields import (
     COLUMN_PART,
     COSINE,
     DURATION,
@@ -29,12 +42,9 @@ from rattle_kernels.lanes.flight import (
     SINE,
     UNSURE,
     count_set,
-    fifth_order_step,
-    look_up,
-    turn_phases,
 )
 from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, CONTACT_ABOVE, CONTACT_BELOW, PHASES, ROW
-from rattle_kernels.model.contact import follow_contact
+from rattle_kernels.model.contact_end import follow_contact
 from rattle_kernels.model.flight import TWO_PI, rest_acceleration
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import inlined
@@ -64,7 +74,7 @@ def guess_contacts(lanes, corners, tables):
 
 
 @inlined
-def refine_contacts(lanes, damping, permanent_after, slow_part):
+def refine_contacts(lanes, permanent_after, slow_part):
     """Second pass: one evaluation of every contact, one step of fifth order, and the state at its end.
 
     Returns
@@ -72,7 +82,8 @@ def refine_contacts(lanes, damping, permanent_after, slow_part):
     int
         Number of lanes that are not sure.
     """
-    square, frequency, mean_above, cosine_above, sine_above = slow_part
+    square, frequency, mean_above, cosine_above, sine_above, damping, harmonics = slow_part
+    sum_over_contacts(harmonics, 0.0, lanes)
     turns = frequency / TWO_PI
     for i in range(LANES):
         tau = lanes[DURATION + i]
@@ -94,18 +105,26 @@ def refine_contacts(lanes, damping, permanent_after, slow_part):
         mean = side * mean_above
         change = 2.0 * sh * (quarter * ch - here * sh)
         rate_change = -TWO_PI * 2.0 * sh * (here * ch + quarter * sh)
+        own2, own3 = -TWO_PI * TWO_PI * (here + change), -TWO_PI * TWO_PI * (TWO_PI * quarter + rate_change)
+        slow4, slow5 = -TWO_PI * TWO_PI * own2, -TWO_PI * TWO_PI * own3
+        slow2 = plus(harmonics, own2, side * lanes[SLOW_2 + i])
+        slow3 = plus(harmonics, own3, side * lanes[SLOW_3 + i])
+        slow4 = plus(harmonics, slow4, side * lanes[SLOW_4 + i])
+        slow5 = plus(harmonics, slow5, side * lanes[SLOW_5 + i])
+        change = plus(harmonics, change, side * lanes[CHANGE + i])
+        rate_change = plus(harmonics, rate_change, side * lanes[CHANGE_1 + i])
+        here = plus(harmonics, here, side * lanes[HERE + i])
+        rate_here = plus(harmonics, TWO_PI * quarter, side * lanes[HERE_1 + i])
         fading = 0.5 * damping * tau
         lost = fading * (1.0 - fading * lanes[PHI2 + i])
         left = 1.0 - lost
         pulse = 2.0 * left * rs * rc / frequency
         lag = lost + 2.0 * left * rs * rs
         settled, pulse_drop = lag - 0.5 * damping * pulse, lag + 0.5 * damping * pulse
-        level, rate_here = mean + here, TWO_PI * quarter
+        level = mean + here
         x = speed * pulse + level * settled + (change - rate_here * pulse)
         x1 = speed * (1.0 - pulse_drop) + level * square * pulse + rate_change + rate_here * pulse_drop
         slow, slow1 = here + change, rate_here + rate_change
-        slow2, slow3 = -TWO_PI * TWO_PI * slow, -TWO_PI * TWO_PI * slow1
-        slow4, slow5 = -TWO_PI * TWO_PI * slow2, -TWO_PI * TWO_PI * slow3
         x2 = square * (mean + slow - x) + damping * (slow1 - x1) + slow2
         x3 = square * (slow1 - x1) + damping * (slow2 - x2) + slow3
         x4 = square * (slow2 - x2) + damping * (slow3 - x3) + slow4

@@ -14,11 +14,53 @@ The formulas are those of `model.flight`.
 
 import math
 
-import numpy as np
-
-from rattle_kernels.impact_map.flights import LOWER, UPPER, next_contact
+from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd, next_contact
+from rattle_kernels.lanes.harmonics import (
+    FORCED,
+    NEARLY,
+    RATE_0,
+    RATE_1,
+    RATE_2,
+    RATE_3,
+    doubt,
+    highest_order,
+    plus,
+    plus_acceleration_after,
+    plus_rate_after,
+    sum_over_flights,
+)
+from rattle_kernels.lanes.lane_fields import (
+    COLUMN_PART,
+    COSINE,
+    COSINE_CHANGE,
+    CUBIC,
+    DROPS,
+    DURATION,
+    END_ACCELERATION,
+    END_PHASE,
+    END_VELOCITY,
+    GRAZING,
+    HALF_COSINE,
+    HALF_SINE,
+    HIGH_PAIR,
+    LANES,
+    LAST_TERM,
+    LOW_PAIR,
+    MISS,
+    PHASE,
+    PHI2,
+    RATE,
+    ROW_PART,
+    SINE,
+    SINE_CHANGE,
+    TARGET,
+    UNSURE,
+    VELOCITY,
+    count_set,
+)
 from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, DROP, FALL_BACK, GRAZES, PHASES, RISE, ROW
-from rattle_kernels.model.flight import FOUR_PI, TWO_PI
+from rattle_kernels.model.flight import FOUR_PI, TWO_PI, displacement_rate, start_flight, velocity_after
+from rattle_kernels.model.harmonics import add_rest_acceleration
 from rattle_kernels.numerics.jit import inlined, inlined_in_lanes
 from rattle_kernels.numerics.phase import part_turn, wrap
 from rattle_kernels.numerics.polynomials import (
@@ -29,44 +71,11 @@ from rattle_kernels.numerics.polynomials import (
     versine_of_half_turns,
 )
 
-LANES = 64
-
-# Fields of the buffer. A flight reads PHASE and VELOCITY. It writes END_PHASE, END_VELOCITY (after the wall has
-# reversed it) and DURATION. DROPS is 1.0 where it ended on -beta, UNSURE is 1.0 where the careful path must decide.
-PHASE = 0 * LANES
-VELOCITY = 1 * LANES
-SINE = 2 * LANES
-COSINE = 3 * LANES
-DURATION = 4 * LANES
-TARGET = 5 * LANES
-END_PHASE = 6 * LANES
-END_VELOCITY = 7 * LANES
-END_ACCELERATION = 8 * LANES
-DROPS = 9 * LANES
-UNSURE = 10 * LANES
-GRAZING = 11 * LANES
-ROW_PART = 12 * LANES
-COLUMN_PART = 13 * LANES
-# Two neighbouring nodes of a table, lane by lane: they are loaded and stored as one.
-LOW_PAIR = 14 * LANES
-HIGH_PAIR = 16 * LANES
-HALF_SINE = 18 * LANES
-HALF_COSINE = 19 * LANES
-PHI2 = 20 * LANES
-RING_SINE = 21 * LANES
-RING_COSINE = 22 * LANES
-CUBIC = 23 * LANES
-MISS = 24 * LANES
-RATE = 25 * LANES
-SINE_CHANGE = 26 * LANES
-COSINE_CHANGE = 27 * LANES
-FLIGHT_FIELDS = 28
-
-# A flight is sure when the last term of its step, 5 r^4 or so for a guess off by the part r, is below this part of the
-# duration: r < 1.4e-3, and what the series leaves out, 14 r^5, below 1e-13.
-LAST_TERM = 2e-11
 _LARGEST_STEP = 4e-3
 _NO_SPEED = 1e-300
+_NEWTON_STEPS = 5
+_ROUNDING = 2e-15
+_NOT_FOUND = FlightEnd(UPPER, math.nan, math.nan, math.nan, False)
 
 
 @inlined_in_lanes
@@ -76,14 +85,6 @@ def fifth_order_step(q, bend, jerk, snap):
     square = b2 * b2
     last = (b2 * (5.0 * b3 - 5.0 * square) - b4) * q * q * q
     return q * (1.0 + q * (-b2 + q * (2.0 * square - b3)) + last), last * q
-
-
-@inlined
-def lane_buffer(fields):
-    """Zeros for some fields of all lanes, from the start of a cache line: vectors that cross lines cost 7 %."""
-    longer = np.zeros(fields * LANES + 8)
-    first = -longer.ctypes.data % 64 // 8
-    return longer[first : first + fields * LANES]
 
 
 @inlined
@@ -182,7 +183,7 @@ def _expand(lanes, d):
 
 
 @inlined
-def _evaluate(lanes, d, e):
+def _evaluate(lanes, d, e, harmonics):
     """Distance by which the guess misses the target, and the velocity there."""
     for i in range(LANES):
         tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
@@ -191,13 +192,15 @@ def _evaluate(lanes, d, e):
         ds, dc = 2.0 * sh * (c0 * ch - s0 * sh), -2.0 * sh * (s0 * ch + c0 * sh)
         forced = s0 * lanes[CUBIC + i] - 2.0 * c0 * sh * sh
         y = tau * (w * (1.0 - x * p2) + x * (FOUR_PI - TWO_PI * e * s0) * p2) + e * forced
+        y = plus(harmonics, y, lanes[FORCED + i])
         lanes[MISS + i] = lanes[TARGET + i] - y
-        lanes[RATE + i] = w - d * y + FOUR_PI * x + e * (d * dc - TWO_PI * ds)
+        rate = w - d * y + FOUR_PI * x + e * (d * dc - TWO_PI * ds)
+        lanes[RATE + i] = plus(harmonics, rate, lanes[RATE_0 + i])
         lanes[SINE_CHANGE + i], lanes[COSINE_CHANGE + i] = ds, dc
 
 
 @inlined
-def refine_durations(lanes, d, e):
+def refine_durations(lanes, d, e, harmonics):
     """Second pass: one evaluation of every flight, one step of fifth order, and the state at its end.
 
     Returns
@@ -207,21 +210,24 @@ def refine_durations(lanes, d, e):
     """
     # Three loops: in a single one, chains are so long that the processor waits for them.
     _expand(lanes, d)
-    _evaluate(lanes, d, e)
+    sum_over_flights(harmonics, 0.0, (lanes, d))
+    _evaluate(lanes, d, e, harmonics)
+    highest = highest_order(harmonics, 1.0, None)
     for i in range(LANES):
         tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
         x, target, y1 = d * tau, lanes[TARGET + i], lanes[RATE + i]
         ds, dc = lanes[SINE_CHANGE + i], lanes[COSINE_CHANGE + i]
         s, c = s0 + ds, c0 + dc
         inverse = 1.0 / y1
-        y2 = FOUR_PI * d - d * y1 - TWO_PI * e * (TWO_PI * c + d * s)
-        y3 = TWO_PI * TWO_PI * e * (TWO_PI * s - d * c) - d * y2
-        y4 = TWO_PI * TWO_PI * TWO_PI * e * (TWO_PI * c + d * s) - d * y3
+        y2 = plus(harmonics, FOUR_PI * d - d * y1 - TWO_PI * e * (TWO_PI * c + d * s), lanes[RATE_1 + i])
+        y3 = plus(harmonics, TWO_PI * TWO_PI * e * (TWO_PI * s - d * c) - d * y2, lanes[RATE_2 + i])
+        y4 = plus(harmonics, TWO_PI * TWO_PI * TWO_PI * e * (TWO_PI * c + d * s) - d * y3, lanes[RATE_3 + i])
         step_, last = fifth_order_step(lanes[MISS + i] * inverse, y2 * inverse, y3 * inverse, y4 * inverse)
         # Three selects instead of one condition, whose short circuit would be a branch. NaN ends up unsure.
         unsure = lanes[UNSURE + i]
-        unsure = unsure if abs(last) <= LAST_TERM * tau else 1.0
-        unsure = unsure if abs(step_) <= _LARGEST_STEP else 1.0
+        doubtful = doubt(harmonics, 1.0, (unsure, last, tau))
+        unsure = unsure if abs(last) <= LAST_TERM * tau else doubtful
+        unsure = unsure if abs(step_) * highest <= _LARGEST_STEP else doubtful
         lanes[UNSURE + i] = unsure if x <= 1.0 else 1.0
         # The step turns the phase by a small angle; its sine and cosine to rounding for |step| <= 4e-3.
         angle = TWO_PI * step_
@@ -233,19 +239,27 @@ def refine_durations(lanes, d, e):
         phase = lanes[PHASE + i] + tau
         lanes[DURATION + i] = tau
         lanes[END_PHASE + i] = wrap(phase)
-        lanes[END_VELOCITY + i] = -(w + d * (FOUR_PI * tau - target) + e * (d * dc - TWO_PI * ds))
-        lanes[END_ACCELERATION + i] = FOUR_PI * d - TWO_PI * e * (TWO_PI * (c0 + dc) + d * (s0 + ds))
+        velocity = w + d * (FOUR_PI * tau - target) + e * (d * dc - TWO_PI * ds)
+        acceleration = FOUR_PI * d - TWO_PI * e * (TWO_PI * (c0 + dc) + d * (s0 + ds))
+        lanes[END_VELOCITY + i] = -plus_rate_after(harmonics, velocity, (lanes, i, step_))
+        lanes[END_ACCELERATION + i] = plus_acceleration_after(harmonics, acceleration, (lanes, i, step_))
     return count_set(lanes, UNSURE)
 
 
 @inlined
-def count_set(lanes, field):
-    """Number of lanes in which a flag field is set."""
-    # An integer sum: one of floats would not vectorise without reassociation.
-    total = 0
-    for i in range(LANES):
-        total += 1 if lanes[field + i] != 0.0 else 0
-    return total
+def _polished(lanes, i, oscillator):
+    """End of a flight that is nearly known, by Newton's method."""
+    flight = start_flight(oscillator, lanes[PHASE + i], lanes[VELOCITY + i])
+    tau, target, found = lanes[DURATION + i], lanes[TARGET + i], False
+    for _ in range(_NEWTON_STEPS):
+        displacement = tau * displacement_rate(flight, tau)
+        change = (target - displacement) / velocity_after(flight, tau, displacement)
+        tau += change
+        found = abs(change) <= _ROUNDING * tau
+        if found:
+            break
+    wall = LOWER if target < 0.0 else UPPER
+    return FlightEnd(wall, lanes[PHASE + i] + tau, tau, velocity_after(flight, tau, target), found)
 
 
 @inlined
@@ -255,7 +269,9 @@ def fly_carefully(lanes, oscillator):
         if lanes[UNSURE + i] == 0.0:
             continue
         velocity = lanes[VELOCITY + i]
-        end = next_contact(oscillator, LOWER if velocity > 0.0 else UPPER, lanes[PHASE + i], velocity, 1.0)
+        end = _polished(lanes, i, oscillator) if lanes[UNSURE + i] == NEARLY else _NOT_FOUND
+        if not end.found:
+            end = next_contact(oscillator, LOWER if velocity > 0.0 else UPPER, lanes[PHASE + i], velocity, 1.0)
         phase = wrap(end.phase)
         lanes[DURATION + i] = end.duration
         lanes[END_PHASE + i] = phase if end.found else math.nan
@@ -264,4 +280,6 @@ def fly_carefully(lanes, oscillator):
         lanes[DROPS + i] = 1.0 if end.wall == LOWER else 0.0
         angle = TWO_PI * phase
         forcing = TWO_PI * math.cos(angle) + oscillator.damping * math.sin(angle)
-        lanes[END_ACCELERATION + i] = FOUR_PI * oscillator.damping - TWO_PI * oscillator.eccentricity * forcing
+        first = FOUR_PI * oscillator.damping - TWO_PI * oscillator.eccentricity * forcing
+        acceleration = add_rest_acceleration(oscillator.harmonics, first, (oscillator.damping, phase))
+        lanes[END_ACCELERATION + i] = acceleration

@@ -15,10 +15,12 @@ from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd
 from rattle_kernels.impact_map.jacobian import contact_jacobian, flight_jacobian
 from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, stay
-from rattle_kernels.lanes.flight import DROPS, DURATION, END_VELOCITY, FLIGHT_FIELDS, LANES, PHASE, VELOCITY
+from rattle_kernels.lanes.lane_fields import DROPS, DURATION, END_VELOCITY, FLIGHT_FIELDS, LANES, PHASE, VELOCITY
 from rattle_kernels.lanes.tables import lane_tables
-from rattle_kernels.model.contact import Contact, slow_part
-from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.contact import slow_part
+from rattle_kernels.model.contact_end import Contact
+from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import inlined, lane_kernel
 
@@ -75,11 +77,11 @@ def _turn_by_flights(lanes, oscillator, tangents, elapsed, left):
 
 
 @inlined
-def _turn_by_contacts(lanes, oscillator, tangents, elapsed, left):
-    """Carry the tangent vectors of the lanes that go on through their contacts, and count the time."""
+def _turn_by_contacts(lanes, oscillator, tangents, elapsed, left, stiff):
+    """Carry the tangent vectors of the lanes that go on through their contacts or impacts, and count the time."""
     for i in range(left.size):
         if left[i] > 0:
-            velocity, duration = lanes[VELOCITY + i], lanes[DURATION + i]
+            velocity, duration = lanes[VELOCITY + i], lanes[DURATION + i] if stiff else 0.0
             side = LOWER if velocity > 0.0 else UPPER
             contact = Contact(duration, abs(lanes[END_VELOCITY + i]), OUTCOME_RETURNED)
             _turn(tangents, i, contact_jacobian(oscillator, side, lanes[PHASE + i], abs(velocity), contact))
@@ -103,9 +105,9 @@ def _grow(oscillator, tables, impacts, t, v, growth, elapsed):
         fly(lanes, corners, oscillator, tables)
         _turn_by_flights(lanes, oscillator, tangents, elapsed, left)
         begin_at_the_end(lanes)
-        if stiff:
+        if stiff or oscillator.restitution != 1.0:
             stay(lanes, corners, oscillator, tables, slow)
-            _turn_by_contacts(lanes, oscillator, tangents, elapsed, left)
+            _turn_by_contacts(lanes, oscillator, tangents, elapsed, left, stiff)
             begin_at_the_end(lanes)
         for i in range(t.size):
             found = lanes[PHASE + i] == lanes[PHASE + i]  # NaN where a root-finder gave up: that lane is done

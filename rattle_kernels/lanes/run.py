@@ -12,7 +12,8 @@ from rattle_kernels.lanes.long_run import run_long
 from rattle_kernels.lanes.short_run import LONGEST_SHORT_RUN, run_short
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.lanes.traps import NO_TRAPS, LaneTraps
-from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 

@@ -17,7 +17,7 @@ contraction for which the trap was tested leaves a distance of at most 1e-9.
 import math
 
 from rattle_kernels.impact_map.chatter import is_below
-from rattle_kernels.lanes.flight import (
+from rattle_kernels.lanes.lane_fields import (
     DROPS,
     END_ACCELERATION,
     END_PHASE,

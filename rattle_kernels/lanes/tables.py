@@ -23,8 +23,9 @@ import numpy as np
 
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
 from rattle_kernels.impact_map.flights import LOWER, UPPER, next_contact
-from rattle_kernels.lanes.contact_swings import ends_late_around
-from rattle_kernels.model.contact import enter_contact, follow_contact
+from rattle_kernels.model.contact import enter_contact
+from rattle_kernels.model.contact_end import follow_contact
+from rattle_kernels.model.contact_swings import ends_late_around
 from rattle_kernels.model.flight import TWO_PI, acceleration_range, rest_acceleration
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight, grazing_velocity
 from rattle_kernels.model.oscillator import Oscillator

@@ -29,9 +29,10 @@ from rattle_kernels.manifolds.polyline import (
     from_first_period,
     split_at_corners,
 )
+from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.flight import acceleration_range
 from rattle_kernels.model.grazing_curve import grazing_velocity, largest_grazing_speed
-from rattle_kernels.model.oscillator import Oscillator, check_impacting
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
 _FIRST_POINTS = 65

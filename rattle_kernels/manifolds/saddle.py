@@ -10,8 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
-from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 
 # Closer to the unit circle a multiplier proves nothing: at a saddle-node the orbit's error is the root of rounding.

@@ -49,8 +49,9 @@ from rattle_kernels.manifolds.polyline import (
     split_at_corners,
 )
 from rattle_kernels.manifolds.saddle import check_saddle, directions, orbit_name
+from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
-from rattle_kernels.model.oscillator import Oscillator, check_impacting
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
 

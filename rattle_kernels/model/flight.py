@@ -8,30 +8,36 @@ wall is
     A = delta (4 pi - 2 pi eps s0) phi2 - 2 eps c0 (sin(pi tau)/tau)^2 + eps s0 (h - sin h)/tau^2,
 
 which equals Eqs. (18), (24), (30) but keeps full precision as delta, tau or w tend to zero. Everything holds for tau <
-0 as well: the flight backwards in time.
+0 as well: the flight backwards in time. Other harmonics add the like with an angle of their own (`model.harmonics`).
 """
 
 import math
 from typing import NamedTuple
 
+from rattle_kernels.model.harmonics import (
+    TWO_PI,
+    add_mean_acceleration,
+    add_rest_acceleration,
+    add_swing,
+    add_velocity,
+    cubic_rest,
+    states_at,
+)
 from rattle_kernels.numerics.jit import inlined
 from rattle_kernels.numerics.phase import part_turn
 
-TWO_PI = 2.0 * math.pi
 FOUR_PI = 4.0 * math.pi
 
 # Taylor coefficients of phi2(x) = sum (-x)^n / (n + 2)!; 21 terms reach 1e-17 on |x| <= 1.
 _PHI2 = tuple((-1.0) ** n / math.factorial(n + 2) for n in range(21))
 # phi2'(x) = sum n (-1)^n x^(n-1)/(n + 2)!; 20 terms reach 1e-17 on |x| <= 1.
 _PHI2_SLOPE = tuple(n * (-1.0) ** n / math.factorial(n + 2) for n in range(1, 21))
-# (h - sin h)/h^3 = sum (-h^2)^n / (2n + 3)!; 9 terms reach 1e-17 on |h| <= 1.
-_CUBIC_REST = tuple((-1.0) ** n / math.factorial(2 * n + 3) for n in range(9))
 
 
 class Flight(NamedTuple):
     """A flight as the root-finders see it: the oscillator's numbers, where it starts and how fast.
 
-    ``sine`` and ``cosine`` are those of the starting phase; ``velocity`` is signed.
+    ``sine`` and ``cosine`` are those of the starting phase; ``velocity`` is signed. ``harmonics`` are states there.
     """
 
     damping: float
@@ -39,13 +45,15 @@ class Flight(NamedTuple):
     sine: float
     cosine: float
     velocity: float
+    harmonics: tuple
 
 
 @inlined
 def start_flight(oscillator, phase, velocity):
     """Flight that leaves a wall at `phase` with signed `velocity`."""
     angle = TWO_PI * part_turn(phase)
-    return Flight(oscillator.damping, oscillator.eccentricity, math.sin(angle), math.cos(angle), velocity)
+    harmonics = states_at(oscillator.harmonics, phase)
+    return Flight(oscillator.damping, oscillator.eccentricity, math.sin(angle), math.cos(angle), velocity, harmonics)
 
 
 @inlined
@@ -72,25 +80,15 @@ def second_phi_slope(x):
 
 
 @inlined
-def _cubic_rest(tau):
-    """Compute (h - sin h)/h^3 for h = 2 pi tau."""
-    h = TWO_PI * tau
-    if abs(h) > 1.0:
-        return (h - math.sin(TWO_PI * part_turn(tau))) / (h * h * h)
-    total = 0.0
-    for n in range(8, -1, -1):
-        total = total * (h * h) + _CUBIC_REST[n]
-    return total
-
-
-@inlined
 def mean_acceleration(flight, tau):
     """A(tau): half the acceleration at the wall for tau -> 0, later the mean that carries the flight back."""
     gravity = flight.damping * (FOUR_PI - TWO_PI * flight.eccentricity * flight.sine)
-    cubic = TWO_PI * TWO_PI * TWO_PI * tau * _cubic_rest(tau)
+    cubic = TWO_PI * TWO_PI * TWO_PI * tau * cubic_rest(tau)
     chord = math.sin(math.pi * part_turn(tau)) / tau  # its sign may be lost: only the square counts
     forcing = flight.sine * cubic - 2.0 * flight.cosine * chord * chord
-    return gravity * second_phi(flight.damping * tau) + flight.eccentricity * forcing
+    phi2 = second_phi(flight.damping * tau)
+    first = gravity * phi2 + flight.eccentricity * forcing
+    return add_mean_acceleration(flight.harmonics, first, (flight.damping, tau, phi2))
 
 
 @inlined
@@ -109,7 +107,8 @@ def velocity_after(flight, tau, displacement):
     sine_change = 2.0 * sine_half * (flight.cosine * cosine_half - flight.sine * sine_half)
     cosine_change = -2.0 * sine_half * (flight.sine * cosine_half + flight.cosine * sine_half)
     forcing = flight.damping * cosine_change - TWO_PI * sine_change
-    return flight.velocity + flight.damping * (FOUR_PI * tau - displacement) + flight.eccentricity * forcing
+    first = flight.velocity + flight.damping * (FOUR_PI * tau - displacement) + flight.eccentricity * forcing
+    return add_velocity(flight.harmonics, first, (flight.damping, tau))
 
 
 @inlined
@@ -117,14 +116,16 @@ def rest_acceleration(oscillator, phase):
     """Acceleration felt at rest in freeplay, Eq. (7): positive at every phase below the bound of Eq. (8)."""
     angle = TWO_PI * part_turn(phase)
     forcing = TWO_PI * math.cos(angle) + oscillator.damping * math.sin(angle)
-    return FOUR_PI * oscillator.damping - TWO_PI * oscillator.eccentricity * forcing
+    first = FOUR_PI * oscillator.damping - TWO_PI * oscillator.eccentricity * forcing
+    return add_rest_acceleration(oscillator.harmonics, first, (oscillator.damping, phase))
 
 
 @inlined
 def acceleration_range(oscillator):
-    """Smallest and largest acceleration felt at rest, over all phases."""
+    """Smallest and largest acceleration felt at rest, over all phases; with harmonics, bounds on them."""
     mean = FOUR_PI * oscillator.damping
     swing = TWO_PI * oscillator.eccentricity * math.hypot(TWO_PI, oscillator.damping)
+    swing = add_swing(oscillator.harmonics, swing, oscillator.damping)
     return mean - swing, mean + swing
 
 

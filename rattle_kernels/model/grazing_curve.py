@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.flight import (
     acceleration_range,
     mean_acceleration,
@@ -22,7 +23,7 @@ from rattle_kernels.model.flight import (
     start_flight,
     velocity_after,
 )
-from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import inlined, kernel
 from rattle_kernels.numerics.phase import part_turn
 from rattle_kernels.numerics.roots import root_finder

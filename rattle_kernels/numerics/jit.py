@@ -20,11 +20,13 @@ import llvmlite
 import numba
 import numpy as np
 from numba.core import config, event
+from numba.extending import overload
 
 # Contraction to FMA only. Reassociation and the no-NaN flags would blur the small differences that decide grazing.
 _CAREFUL = {"contract"}
 # The lanes divide by what they have just tested, and they need not distinguish -0 from +0.
 _LANES = {"contract", "nsz", "arcp"}
+_INLINED = {"nogil": True, "error_model": "numpy", "fastmath": _CAREFUL}
 
 
 def _sources_hash() -> str:
@@ -86,7 +88,42 @@ def watch_compiling(report: Callable[[], None]) -> Iterator[None]:
 
 def inlined(function: Callable[..., Any]) -> Any:
     """Compile a scalar piece of mathematics that kernels call."""
-    return numba.njit(nogil=True, error_model="numpy", fastmath=_CAREFUL)(function)
+    return numba.njit(**_INLINED)(function)
+
+
+def summed_over_tuple(function: Callable[..., Any]) -> Any:
+    """Compile ``function(terms, total, place)``, which adds every term of a tuple to a total.
+
+    Of an empty tuple the total is given back untouched: what calls it keeps its machine code.
+    """
+
+    def untouched(terms: Any, total: Any, place: Any) -> Any:
+        return total
+
+    def choose(terms: Any, total: Any, place: Any) -> Any:
+        return function if len(terms) else untouched
+
+    overload(function, jit_options=_INLINED, strict=False)(choose)
+    return function
+
+
+def mapped_over_tuple(of_one: Any) -> Any:
+    """Compile ``each(terms, place)``: the tuple of ``of_one(term, place)``, empty where there are no terms."""
+
+    def each(terms: Any, place: Any) -> Any:
+        return tuple(of_one(term, place) for term in terms)
+
+    def of_none(terms: Any, place: Any) -> Any:
+        return ()
+
+    def of_all(terms: Any, place: Any) -> Any:
+        return (of_one(terms[0], place), *each(terms[1:], place))
+
+    def choose(terms: Any, place: Any) -> Any:
+        return of_all if len(terms) else of_none
+
+    overload(each, jit_options=_INLINED, strict=False)(choose)
+    return each
 
 
 def inlined_in_lanes(function: Callable[..., Any]) -> Any:

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
-from rattle_kernels.model.oscillator import PARAMETERS
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap
 from rattle_kernels.numerics.pseudo_arclength import Steps, System, follow_curve, solve
@@ -146,8 +145,9 @@ def continue_special_point(
     ValueError
         If `second` is not a parameter, or is the first one.
     """
-    if second not in PARAMETERS or second == point.parameter:
-        raise ValueError(f"the second parameter must be another of {', '.join(PARAMETERS)}, not {second!r}")
+    parameters = point.oscillator.parameters
+    if second not in parameters or second == point.parameter:
+        raise ValueError(f"the second parameter must be another of {', '.join(parameters)}, not {second!r}")
     space = unknowns(point.oscillator, (point.parameter, second), point.kind != SpecialKind.CONTACT_LOSS)
     shape = OrbitShape(point.forcing_periods, point.upper_contacts, point.kind == SpecialKind.GRAZING)
     lower = _smooth_side(point, shape) if space.with_speed else None

@@ -16,8 +16,10 @@ import numpy as np
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.chatter import is_captured
+from rattle_kernels.model.bounds import eccentricity_bound_quiet
+from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.flight import fall_speed
-from rattle_kernels.model.oscillator import PARAMETERS, Oscillator, check_domain, eccentricity_bound_quiet
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
@@ -227,13 +229,11 @@ def follow_values(
     )  # fmt: skip
     for i, value in enumerate(run.values.tolist()):
         pause()
-        _settle_at(check_domain(oscillator._replace(**{parameter: value})), after, transient, run, i, pause)
+        _settle_at(check_domain(oscillator.at(**{parameter: value})), after, transient, run, i, pause)
     return run, after
 
 
-def _check_numbers(parameter: str, values: np.ndarray, direction: str, transient: int, kept: int) -> None:
-    if parameter not in PARAMETERS:
-        raise ValueError(f"parameter must be one of {', '.join(PARAMETERS)}, not {parameter!r}")
+def _check_numbers(values: np.ndarray, direction: str, transient: int, kept: int) -> None:
     if values.ndim != 1 or not values.size:
         raise ValueError("values must be a sequence of at least one number")
     if direction not in ("up", "down", "both"):
@@ -288,7 +288,8 @@ def bifurcation_diagram(
     Sec. 5.3, Figs. 10 and 11.
     """
     visited = np.sort(np.asarray(values, dtype=np.float64))
-    _check_numbers(parameter, visited, direction, transient, kept)
+    oscillator.value_of(parameter)  # raises where there is none
+    _check_numbers(visited, direction, transient, kept)
     motions = Motions.from_seeds(t, v)
     runs = []
     for way in {"up": (1,), "down": (-1,), "both": (1, -1)}[direction]:

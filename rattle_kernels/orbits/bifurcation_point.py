@@ -25,11 +25,9 @@ import numpy as np
 
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.flights import UPPER
+from rattle_kernels.model.bounds import eccentricity_bound_smooth_maxima
 from rattle_kernels.model.contact import enter_contact, state_in_contact
-from rattle_kernels.model.oscillator import (
-    Oscillator,
-    eccentricity_bound_smooth_maxima,
-)
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.phase import wrap
 from rattle_kernels.numerics.pseudo_arclength import solve
@@ -187,6 +185,6 @@ def describe_point(
         if closed is not None:
             multipliers = np.linalg.eigvals(closed.jacobian).astype(complex)
     return SpecialPoint(
-        kind, parameter, getattr(oscillator, parameter), oscillator, shape.forcing_periods, shape.upper_contacts,
+        kind, parameter, oscillator.value_of(parameter), oscillator, shape.forcing_periods, shape.upper_contacts,
         orbit.lower_contacts, times, speeds, multipliers, residual, error,
     )  # fmt: skip

@@ -54,7 +54,7 @@ class _Test(NamedTuple):
 
 def _departure(task: BranchTask, station: Station, number: int) -> np.ndarray:
     """Phase and speed of a departure and the parameter, in scaled unknowns."""
-    values = [station.t[number], station.v[number], getattr(station.oscillator, task.parameter)]
+    values = [station.t[number], station.v[number], station.oscillator.value_of(task.parameter)]
     return np.array(values) / task.space.scales
 
 
@@ -178,7 +178,7 @@ def distance_to(task: BranchTask, point: SpecialPoint, station: Station, departu
     """Distance between a special point's first departure and one of a station, in scaled unknowns."""
     apart = float(point.t[0]) - float(station.t[departure])
     faster = (float(point.v[0]) - float(station.v[departure])) / task.space.scales[1]
-    further = (point.value - getattr(station.oscillator, task.parameter)) / task.space.scales[2]
+    further = (point.value - station.oscillator.value_of(task.parameter)) / task.space.scales[2]
     return max(abs(apart - round(apart)), abs(faster), abs(further))
 
 
@@ -227,6 +227,6 @@ def contact_loss_near(task: BranchTask, station: Station) -> Iterator[SpecialPoi
         shape = task.shape._replace(upper_contacts=task.shape.upper_contacts + more)
         if shape.upper_contacts > 1 and math.isfinite(t):
             point = locate(SpecialKind.CONTACT_LOSS, station.oscillator, task.parameter, shape, t, 0.0)
-            value = getattr(station.oscillator, task.parameter)
+            value = station.oscillator.value_of(task.parameter)
             if point is not None and abs(point.value - value) < _REACH_OF_LOSS * task.space.scales[2]:
                 yield point

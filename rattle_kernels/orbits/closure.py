@@ -8,7 +8,7 @@ import numpy as np
 from rattle_kernels.impact_map.jacobian import Jacobian, multiply
 from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
-from rattle_kernels.model.oscillator import PARAMETERS, Oscillator
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.phase import wrap
@@ -82,7 +82,7 @@ def closure(oscillator: Oscillator, parameter: str, shape: OrbitShape, t: float,
     if not v > 0.0:
         return None
     gap, derivative, sensitivity = np.empty(2), np.empty((2, 2)), np.empty(2)
-    lower = _closure(oscillator, PARAMETERS.index(parameter), shape, t, v, gap, derivative, sensitivity)
+    lower = _closure(oscillator, oscillator.parameters.index(parameter), shape, t, v, gap, derivative, sensitivity)
     if lower < 0 or not (np.isfinite(derivative).all() and np.isfinite(sensitivity).all()):
         return None
     return Closure(gap, derivative, sensitivity, int(lower))
@@ -142,7 +142,7 @@ def departures_from(oscillator: Oscillator, parameter: str, shape: OrbitShape, t
     size = shape.upper_contacts
     times, speeds = np.full(size, wrap(t)), np.full(size, v)
     jacobian, sensitivity = np.empty((size, 2, 2)), np.empty((size, 2))
-    number = PARAMETERS.index(parameter)
+    number = oscillator.parameters.index(parameter)
     lower = _departures(oscillator, number, shape, times, speeds, jacobian, sensitivity)
     return Departures(times, speeds, jacobian, sensitivity, int(lower))
 
@@ -164,8 +164,29 @@ def grazing_speed_at(oscillator, t):
     return grazing_flight(oscillator, t, LEAVING)[0]
 
 
+def area_factor(oscillator: Oscillator, shape: OrbitShape, jacobian: np.ndarray) -> float:
+    """Determinant of DP^p of a closed orbit: e^{-delta m} exactly, unless contacts lose energy, too.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+    shape : OrbitShape
+    jacobian : ndarray, shape (2, 2)
+        DP^p.
+
+    Returns
+    -------
+    float
+        With restitution r it is ``e^{-delta m} r^(2 (n+ + n-))``, with damping in contact it depends on the times spent
+        there; either is taken from the derivative itself.
+    """
+    if oscillator.restitution == 1.0 and oscillator.contact_damping == 0.0:
+        return math.exp(-oscillator.damping * shape.forcing_periods)
+    return float(np.linalg.det(jacobian))
+
+
 def stability_gap(oscillator: Oscillator, shape: OrbitShape, jacobian: np.ndarray, multiplier: float) -> float:
-    """Trace of DP^p minus the trace at which `multiplier` is an eigenvalue; det DP^p = e^{-delta m} exactly.
+    """Trace of DP^p minus the trace at which `multiplier` is an eigenvalue.
 
     Parameters
     ----------
@@ -180,5 +201,5 @@ def stability_gap(oscillator: Oscillator, shape: OrbitShape, jacobian: np.ndarra
     -------
     float
     """
-    area = math.exp(-oscillator.damping * shape.forcing_periods)
+    area = area_factor(oscillator, shape, jacobian)
     return float(np.trace(jacobian)) - multiplier * (1.0 + area)

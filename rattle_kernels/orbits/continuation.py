@@ -10,13 +10,13 @@ the contact begins so softly (its duration grows with its speed) that DP is cont
 A branch that can go no further keeps what it has and reports where it ended and why (`BranchEnd`).
 """
 
-import math
 from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.model.oscillator import PARAMETERS, Oscillator, check_domain
+from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.pseudo_arclength import CORNER, CurvePoint, Steps, follow_curve, solve, unit_tangent
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint, nears_edge_of_domain
@@ -29,7 +29,7 @@ from rattle_kernels.orbits.branch_points import (
     points_between,
     repeated_graze_near,
 )
-from rattle_kernels.orbits.closure import OrbitShape
+from rattle_kernels.orbits.closure import OrbitShape, area_factor
 from rattle_kernels.orbits.orbit_equations import closing_system, unknowns
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
 from rattle_kernels.orbits.station import BranchTask, Station, are_neighbours, station_at
@@ -97,7 +97,7 @@ _Side = tuple[list[Station], list[SpecialPoint], End]
 
 def _why_it_stalls(task: BranchTask, station: Station) -> tuple[End, list[SpecialPoint]]:
     """The nearest graze or contact loss that explains the stall, else the edge of the domain, else a plain stall."""
-    value = getattr(station.oscillator, task.parameter)
+    value = station.oscillator.value_of(task.parameter)
     merged = repeated_graze_near(task, station)
     if merged is not None:
         return _end(task, BranchEnd.GRAZING, merged.value), [merged]
@@ -166,14 +166,14 @@ def _land(walk: _Walk, beyond: CurvePoint) -> Station | None:
     task, last = walk.task, walk.stations[-1]
     reached = float(beyond.z[-1] * task.space.scales[-1])
     bound = min(max(reached, task.bounds[0]), task.bounds[1])
-    before = getattr(last.oscillator, task.parameter)
+    before = last.oscillator.value_of(task.parameter)
     if bound == reached or bound == before:
         return None if bound == reached else last
     guess = last.z + (bound - before) / (reached - before) * (beyond.z - last.z)
     landed = solve(walk.system, guess, np.array([0.0, 0.0, 1.0]))
     there = None if landed is None else station_at(task, landed.z, beyond.tangent)
     # Scaled and back, the bound may be rounded.
-    return None if there is None else there._replace(oscillator=there.oscillator._replace(**{task.parameter: bound}))
+    return None if there is None else there._replace(oscillator=there.oscillator.at(**{task.parameter: bound}))
 
 
 def _one_way(task: BranchTask, start: Station) -> _Side:
@@ -189,7 +189,7 @@ def _one_way(task: BranchTask, start: Station) -> _Side:
             (halved,) = stretch.halved
             return walk.stations, [*walk.points, halved], _end(task, BranchEnd.HALVED, halved.value)
         walk.goes_to(stretch)
-        value = getattr(stretch.end.oscillator, task.parameter)
+        value = stretch.end.oscillator.value_of(task.parameter)
         if landed is not None:
             return walk.stations, walk.points, _end(task, BranchEnd.BOUND, value)
         if len(walk.stations) > 3 and np.abs(point.z - start.z).max() < 0.5 * point.step:
@@ -246,11 +246,9 @@ def continue_orbit(
         If `parameter` or `direction` is not one of those named, `bounds` exclude the orbit, or it grazes.
     """
     checked = check_domain(oscillator)
-    if parameter not in PARAMETERS:
-        raise ValueError(f"parameter must be one of {', '.join(PARAMETERS)}, not {parameter!r}")
+    value = checked.value_of(parameter)
     if direction not in ("up", "down", "both"):
         raise ValueError(f"direction must be up, down or both, not {direction!r}")
-    value = getattr(checked, parameter)
     if not bounds[0] <= value <= bounds[1]:
         raise ValueError(f"{parameter} = {value:g} lies outside the bounds {bounds[0]:g} and {bounds[1]:g}")
     space = unknowns(checked, (parameter,))
@@ -288,10 +286,10 @@ def _join(task: BranchTask, down: _Side, up: _Side) -> Branch:
     stations = down[0][:0:-1] + up[0]
     return Branch(
         task.parameter, task.shape.forcing_periods, task.shape.upper_contacts,
-        np.array([getattr(at.oscillator, task.parameter) for at in stations]),
+        np.array([at.oscillator.value_of(task.parameter) for at in stations]),
         np.array([at.t for at in stations]), np.array([at.v for at in stations]),
         np.array([at.margin for at in stations]), np.array([at.lower_speed for at in stations]),
         np.array([np.trace(at.jacobian) for at in stations]),
-        np.array([math.exp(-at.oscillator.damping * task.shape.forcing_periods) for at in stations]),
+        np.array([area_factor(at.oscillator, task.shape, at.jacobian) for at in stations]),
         tuple(down[1][::-1] + up[1]), (down[2], up[2]),
     )  # fmt: skip

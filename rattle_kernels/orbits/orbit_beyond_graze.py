@@ -16,9 +16,10 @@ import numpy as np
 
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.flights import LOWER, next_contact
+from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
-from rattle_kernels.model.oscillator import Oscillator, check_impacting
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.pseudo_arclength import solve

@@ -9,13 +9,11 @@ import numpy as np
 
 from rattle_kernels.impact_map.apply import FORWARDS, next_impact, walk
 from rattle_kernels.impact_map.flights import UPPER
-from rattle_kernels.model.contact import enter_contact, follow_contact, state_in_contact
+from rattle_kernels.model.contact import enter_contact, state_in_contact
+from rattle_kernels.model.contact_end import follow_contact
+from rattle_kernels.model.domain import OutsideDomain, check_domain
 from rattle_kernels.model.flight import fall_speed
-from rattle_kernels.model.oscillator import (
-    Oscillator,
-    OutsideDomain,
-    check_domain,
-)
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import inlined, kernel
 from rattle_kernels.numerics.pseudo_arclength import System
 from rattle_kernels.orbits.closure import OrbitShape, closure, grazing_speed_at, stability_gap
@@ -47,7 +45,7 @@ class Unknowns(NamedTuple):
         first = len(z) - len(self.parameters)
         named = dict(zip(self.parameters, values[first:].tolist(), strict=True))
         try:
-            oscillator = check_domain(self.oscillator._replace(**named))
+            oscillator = check_domain(self.oscillator.at(**named))
         except OutsideDomain:
             return None
         return oscillator, float(values[0]), float(values[1]) if self.with_speed else 0.0
@@ -55,12 +53,12 @@ class Unknowns(NamedTuple):
     def write(self, oscillator: Oscillator, t: float, v: float) -> np.ndarray:
         """Unknowns z of an oscillator and a departure."""
         begin = [t, v] if self.with_speed else [t]
-        return np.array(begin + [getattr(oscillator, name) for name in self.parameters]) / self.scales
+        return np.array(begin + [oscillator.value_of(name) for name in self.parameters]) / self.scales
 
 
 def unknowns(oscillator: Oscillator, parameters: tuple[str, ...], with_speed: bool = True) -> Unknowns:
     """Unknowns in units of a forcing period, the speed of a fall through the backlash and the parameter's own value."""
-    own = [abs(getattr(oscillator, name)) or oscillator.damping for name in parameters]
+    own = [abs(oscillator.value_of(name)) or oscillator.damping for name in parameters]
     begin = [1.0, float(fall_speed(oscillator))] if with_speed else [1.0]
     return Unknowns(oscillator, parameters, np.array(begin + own), with_speed)
 

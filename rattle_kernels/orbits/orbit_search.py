@@ -13,8 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
+from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.flight import fall_speed
-from rattle_kernels.model.oscillator import Oscillator, check_domain
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap

@@ -19,9 +19,10 @@ orbit with cos(2 pi t0) > 0 attracts wherever it exists; the other is a saddle. 
 import math
 from typing import NamedTuple
 
+from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI, second_phi, second_phi_slope
 from rattle_kernels.model.grazing_curve import grazing_velocity
-from rattle_kernels.model.oscillator import Oscillator, check_impacting
+from rattle_kernels.model.oscillator import Oscillator
 
 
 class SingleContactOrbit(NamedTuple):

@@ -19,7 +19,7 @@ from rattle_kernels.impact_map.grazing_distance import grazing_distances
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause
 from rattle_kernels.numerics.pseudo_arclength import LEAST_COSINE, Steps, System, solve
-from rattle_kernels.orbits.closure import OrbitShape, closure, departures_from
+from rattle_kernels.orbits.closure import OrbitShape, area_factor, closure, departures_from
 from rattle_kernels.orbits.orbit_equations import Unknowns
 
 _MOST_TRACE = math.asinh(1.0)
@@ -96,7 +96,7 @@ def station_between(task: BranchTask, system: System, before: Station, after: St
 
 
 def _level(task: BranchTask, station: Station) -> float:
-    area = math.exp(-station.oscillator.damping * task.shape.forcing_periods)
+    area = area_factor(station.oscillator, task.shape, station.jacobian)
     return math.asinh(float(np.trace(station.jacobian)) / (1.0 + area))
 
 

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from worker.jobs.bifurcation_job import BifurcationJob, Direction
-from worker.pictures.symbols import SYMBOLS, oscillator_text
+from worker.pictures.symbols import in_words, oscillator_text
 from worker.stores.layout import MISSING, Columns
 
 _COLOURS = ("black", "tab:red", "tab:blue", "tab:green", "tab:purple", "tab:orange")
@@ -22,7 +22,7 @@ def plot_diagram(axes: Axes, parameter: str, columns: Columns) -> None:
                 at = np.repeat(values[way == direction], speeds.shape[1])
                 label = f"from {name} at v = {columns['seed_velocity'][seed]:.4g}, {way_name}"
                 axes.plot(at, speeds.ravel(), ".", color=colour, alpha=alpha, markersize=1.2, label=label)
-    axes.set_xlabel(f"{parameter.replace('_', ' ')} {SYMBOLS[parameter]}")
+    axes.set_xlabel(in_words(parameter))
     axes.set_ylabel("velocity v of departure")
     axes.set_xlim(values.min(), values.max() if values.max() > values.min() else values.min() + 1e-6)
 

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import SpecialKind, grazing_velocity
 from worker.jobs.orbits_job import OrbitsJob
-from worker.pictures.symbols import SYMBOLS, oscillator_text
+from worker.pictures.symbols import in_words, oscillator_text
 from worker.stores.layout import Columns
 from worker.stores.table import slices
 
@@ -46,7 +46,7 @@ def plot_branches(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
         if speeds.size:
             at = np.repeat(columns["special_value"][there], speeds.shape[1])
             axes.plot(at, speeds.ravel(), marker, color="black", markersize=4, fillstyle="none", label=kind.value)
-    axes.set_xlabel(f"{parameter.replace('_', ' ')} {SYMBOLS[parameter]}")
+    axes.set_xlabel(in_words(parameter))
     axes.set_ylabel("velocity v of departure")
 
 
@@ -61,7 +61,7 @@ def plot_curves(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
         (axes.set_xlabel, job.continuation.parameter),
         (axes.set_ylabel, job.curves.parameter),
     ):
-        set_label(f"{parameter.replace('_', ' ')} {SYMBOLS[parameter]}")
+        set_label(in_words(parameter))
 
 
 def draw_orbits(job: OrbitsJob, columns: Columns, figure: Figure) -> None:

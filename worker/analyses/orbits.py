@@ -83,7 +83,7 @@ def follow_branch(oscillator: Oscillator, orbit: PeriodicOrbit, along: Continuat
 
 def _passed(oscillator: Oscillator, branch: Branch) -> np.ndarray:
     """Slowest departure of each orbit of a branch at the oscillator's own value, shape (orbits, 2)."""
-    beyond = branch.values - getattr(oscillator, branch.parameter)
+    beyond = branch.values - oscillator.value_of(branch.parameter)
     passed = []
     for i in np.flatnonzero(beyond[:-1] * beyond[1:] < 0.0).tolist():
         part = beyond[i] / (beyond[i] - beyond[i + 1])

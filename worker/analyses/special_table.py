@@ -57,7 +57,7 @@ def specials_of(columns: Columns, oscillator: Oscillator, parameter: str) -> lis
     """Special points from the columns of a part or a store."""
     return [
         SpecialPoint(
-            _KINDS[row.kind - 1], parameter, row.value, oscillator._replace(**{parameter: row.value}),
+            _KINDS[row.kind - 1], parameter, row.value, oscillator.at(**{parameter: row.value}),
             row.forcing_periods, row.upper_contacts, row.lower_contacts, row.time, row.velocity,
             row.multiplier_real + 1j * row.multiplier_imaginary, row.residual, row.error,
         )

@@ -137,7 +137,7 @@ class BasinJob(Job):
         oscillator = self.oscillator_.to_oscillator()
         for basin in range(self.basins):
             try:
-                check(oscillator._replace(**self.values_of(basin)))
+                check(oscillator.at(**self.values_of(basin)))
             except OutsideDomain as error:
                 if not self.vary:
                     raise
@@ -219,7 +219,7 @@ class BasinJob(Job):
         -------
         Oscillator
         """
-        return check_domain(self.oscillator_.to_oscillator()._replace(**self.values_of(basin)))
+        return check_domain(self.oscillator_.to_oscillator().at(**self.values_of(basin)))
 
 
 class SweepJob(BasinJob):
@@ -249,7 +249,7 @@ class SweepJob(BasinJob):
     def vary(self) -> tuple[SweptParameter, ...]:
         """Swept parameters with their values, checked."""
         swept = [each.to_swept(("vary", axis)) for axis, each in enumerate(self.vary_)]
-        return check_swept(swept, impacting=math.isinf(self.oscillator_.to_oscillator().stiffness))
+        return check_swept(swept, self.oscillator_.to_oscillator())
 
     @property
     def sweep_shape(self) -> tuple[int, ...]:

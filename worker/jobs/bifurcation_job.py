@@ -1,6 +1,5 @@
 """What to compute: a bifurcation diagram, by following motions from value to value of one parameter."""
 
-import math
 from collections.abc import Callable
 from enum import StrEnum
 from functools import cached_property
@@ -98,7 +97,7 @@ class BifurcationJob(AnalysisJob):
         swept = self.vary_.to_swept(("vary",))
         ascending = SweptParameter(swept.parameter, tuple(sorted(swept.values)))
         try:
-            return check_swept((ascending,), impacting=math.isinf(self.oscillator_.to_oscillator().stiffness))[0]
+            return check_swept((ascending,), self.oscillator_.to_oscillator())[0]
         except InvalidJob as error:
             # Here `vary` is not a list.
             raise InvalidJob(str(error), tuple(part for part in error.place if part != 0)) from error
@@ -119,7 +118,7 @@ class BifurcationJob(AnalysisJob):
         -------
         Oscillator
         """
-        return self.oscillator_.to_oscillator()._replace(**{self.vary.parameter: value})
+        return self.oscillator_.to_oscillator().at(**{self.vary.parameter: value})
 
     def check_oscillators(self, check: Callable[[Oscillator], Oscillator]) -> None:
         """Check the oscillator at every value.

@@ -77,8 +77,12 @@ class Continuation:
         ------
         InvalidJob
         """
-        value = getattr(oscillator, self.parameter)
-        if not (0.0 <= self.start <= value <= self.stop and math.isfinite(self.stop)):
+        if self.parameter not in oscillator.parameters:
+            message = f"{self.parameter} is none of its parameters: {', '.join(oscillator.parameters)}"
+            raise InvalidJob(message, (place, "parameter"))
+        value = oscillator.value_of(self.parameter)
+        lowest = -math.inf if self.parameter.startswith("phase_") else 0.0
+        if not (lowest <= self.start <= value <= self.stop and math.isfinite(self.stop - self.start)):
             message = f"{self.parameter} must be followed between bounds that hold its value {value:g}"
             raise InvalidJob(f"{message}, not {self.start:g} and {self.stop:g}", (place,))
         if self.most_points < 2:

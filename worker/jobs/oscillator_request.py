@@ -7,12 +7,14 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from rattle_kernels import Oscillator, OutsideDomain
+from rattle_kernels import Harmonic, Oscillator, OutsideDomain
 from worker.jobs.request import Real, Request, accepting
 
 IMPACTING: Literal["impacting"] = "impacting"
 PIECEWISE_LINEAR: Literal["piecewise_linear"] = "piecewise_linear"
 _DEFAULT = Oscillator()
+_HIGHEST_ORDER = 1000
+_MOST_HARMONICS = 32
 
 
 class PermanentContact(StrEnum):
@@ -29,6 +31,14 @@ class PermanentContact(StrEnum):
         return 1.0 if self is PermanentContact.ONE_ROTATION else math.inf
 
 
+class HarmonicRequest(Request):
+    """A harmonic of the forcing beside the first: ``amplitude cos(2 pi (order t + phase))``."""
+
+    order: Annotated[int, Field(strict=True, ge=2, le=_HIGHEST_ORDER)] = Field(description="2 or more")
+    amplitude: Real = Field(ge=0, description="as the eccentricity, which is that of the first order")
+    phase: Real = Field(0.0, description="in periods of this harmonic")
+
+
 class _Common(Request):
     """Parameters of the gear pair, nondimensional; the paper's by default."""
 
@@ -36,12 +46,22 @@ class _Common(Request):
     damping: Real = Field(_DEFAULT.damping, gt=0, description="delta")
     eccentricity: Real = Field(_DEFAULT.eccentricity, ge=0, description="epsilon, below the bound of Eq. (8)")
     half_backlash: Real = Field(_DEFAULT.half_backlash, gt=0, description="beta")
+    harmonics: Annotated[tuple[HarmonicRequest, ...], Field(max_length=_MOST_HARMONICS)] = Field(
+        (), description="Harmonics of the forcing beside the first"
+    )
+
+    @property
+    def _harmonics(self) -> tuple[Harmonic, ...]:
+        return tuple(Harmonic(float(each.order), each.amplitude, each.phase) for each in self.harmonics)
 
 
 class ImpactingOscillator(_Common):
-    """The impacting model: contacts are elastic impacts (Eqs. 4, 5)."""
+    """The impacting model: contacts are impacts (Eqs. 4, 5), elastic ones by default."""
 
     model: Literal["impacting"] = IMPACTING
+    restitution: Real = Field(
+        _DEFAULT.restitution, gt=0, le=1, description="r, by which an impact multiplies the speed; 1 is elastic"
+    )
 
     @property
     def allow_no_quiet_solution(self) -> bool:
@@ -58,7 +78,9 @@ class ImpactingOscillator(_Common):
 
     def to_oscillator(self) -> Oscillator:
         """Oscillator of the kernels, which check the bound of Eq. (8)."""
-        return Oscillator(self.damping, self.eccentricity, self.half_backlash)
+        return Oscillator(
+            self.damping, self.eccentricity, self.half_backlash, restitution=self.restitution, harmonics=self._harmonics
+        )
 
 
 class PiecewiseLinearOscillator(_Common):
@@ -66,6 +88,9 @@ class PiecewiseLinearOscillator(_Common):
 
     model: Literal["piecewise_linear"]
     stiffness: Real = Field(gt=0, le=1e12, description="kappa, finite and above damping^2/8")
+    contact_damping: Real = Field(
+        _DEFAULT.contact_damping, ge=0, lt=1, description="zeta, damping of the ringing in contact; 1 is critical"
+    )
     permanent_contact: PermanentContact = Field(
         PermanentContact.ENVELOPE, description="When a contact counts as permanent: exactly, or by the paper's rule"
     )
@@ -76,8 +101,9 @@ class PiecewiseLinearOscillator(_Common):
     def to_oscillator(self) -> Oscillator:
         """Oscillator of the kernels, which check its bounds."""
         return Oscillator(
-            self.damping, self.eccentricity, self.half_backlash, self.stiffness, self.permanent_contact.permanent_after
-        )
+            self.damping, self.eccentricity, self.half_backlash, self.stiffness, self.permanent_contact.permanent_after,
+            contact_damping=self.contact_damping, harmonics=self._harmonics,
+        )  # fmt: skip
 
 
 def oscillator_request(
@@ -95,15 +121,32 @@ def oscillator_request(
     -------
     ImpactingOscillator or PiecewiseLinearOscillator
     """
-    damping, eccentricity, half_backlash, stiffness, permanent_after = oscillator
-    fields: dict[str, Any] = {"damping": damping, "eccentricity": eccentricity, "half_backlash": half_backlash}
-    if math.isinf(stiffness):
+    fields: dict[str, Any] = {
+        name: getattr(oscillator, name) for name in ("damping", "eccentricity", "half_backlash")
+    } | _of_wider_model(oscillator)
+    if math.isinf(oscillator.stiffness):
         return ImpactingOscillator.model_construct(model=IMPACTING, **fields)
-    rule = PermanentContact.ENVELOPE if math.isinf(permanent_after) else PermanentContact.ONE_ROTATION
-    fields |= {"model": PIECEWISE_LINEAR, "stiffness": stiffness, "permanent_contact": rule}
+    exact = math.isinf(oscillator.permanent_after)
+    rule = PermanentContact.ENVELOPE if exact else PermanentContact.ONE_ROTATION
+    fields |= {"model": PIECEWISE_LINEAR, "stiffness": oscillator.stiffness, "permanent_contact": rule}
     if not quiet:
         fields["allow_no_quiet_solution"] = True
     return PiecewiseLinearOscillator.model_construct(**fields)
+
+
+def _of_wider_model(oscillator: Oscillator) -> dict[str, Any]:
+    """What goes beyond the paper's model. Requests without it are what they were, and so are their digests."""
+    fields: dict[str, Any] = {}
+    if oscillator.restitution != _DEFAULT.restitution:
+        fields["restitution"] = oscillator.restitution
+    if oscillator.contact_damping != _DEFAULT.contact_damping:
+        fields["contact_damping"] = oscillator.contact_damping
+    if oscillator.harmonics:
+        fields["harmonics"] = tuple(
+            HarmonicRequest.model_construct(order=int(order), amplitude=amplitude, phase=phase)
+            for order, amplitude, phase in oscillator.harmonics
+        )
+    return fields
 
 
 def with_swept_stiffness(oscillator: Any) -> Any:

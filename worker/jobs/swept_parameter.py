@@ -1,20 +1,53 @@
 """A parameter of the oscillator that a sweep steps through, and the values it takes."""
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema
 
+from rattle_kernels import Oscillator
+from rattle_kernels.model.oscillator import PARAMETERS
 from worker.errors import InvalidJob, Place
 from worker.jobs.oscillator_request import with_swept_stiffness
 from worker.jobs.request import Real, Request, accepting
 
 MOST_SWEPT = 2
-Parameter = Literal["damping", "eccentricity", "half_backlash", "stiffness"]
+_MODELS = "piecewise linear", "impacting"
+_OF_HARMONICS = re.compile("(amplitude|phase)_[1-9][0-9]*")
+_ORDERS = "amplitude_n and phase_n of the harmonic of order n"
+_OF_MODELS = {"stiffness": False, "contact_damping": False, "restitution": True}
+"""Parameters that only one model has, and whether that is the impacting one."""
+
+
+def is_of_harmonic(name: str) -> bool:
+    """Whether a name is that of amplitude or phase of a harmonic."""
+    return _OF_HARMONICS.fullmatch(name) is not None
+
+
+def known_parameter(name: str) -> str:
+    """The name of a parameter that some oscillator has.
+
+    Raises
+    ------
+    ValueError
+        If none has it.
+    """
+    if name not in PARAMETERS and not is_of_harmonic(name):
+        raise ValueError(f"{name} is no parameter; these are: {', '.join(PARAMETERS)}, and {_ORDERS}")
+    return name
+
+
+Parameter = Annotated[
+    str,
+    AfterValidator(known_parameter),
+    WithJsonSchema({"type": "string", "pattern": f"^({'|'.join(PARAMETERS)}|{_OF_HARMONICS.pattern})$"}),
+]
+"""Name of a number of the oscillator that a study may vary."""
 
 
 class Spacing(StrEnum):
@@ -36,7 +69,8 @@ class SweptParameter:
 
     Parameters
     ----------
-    parameter : {"damping", "eccentricity", "half_backlash", "stiffness"}
+    parameter : str
+        One of `Oscillator.parameters`.
     values : tuple of float
         Ascending or descending.
 
@@ -169,14 +203,14 @@ def without_stiffness(request: Any) -> Any:
     return request | {"oscillator": with_swept_stiffness(request["oscillator"])}
 
 
-def check_swept(vary: Sequence[SweptParameter], *, impacting: bool) -> tuple[SweptParameter, ...]:
+def check_swept(vary: Sequence[SweptParameter], oscillator: Oscillator) -> tuple[SweptParameter, ...]:
     """Return swept parameters with plain float values, or raise an error that says what is wrong.
 
     Parameters
     ----------
     vary : sequence of SweptParameter
-    impacting : bool
-        Whether the model is the impacting one.
+    oscillator : Oscillator
+        Whose parameters they are, unchecked.
 
     Returns
     -------
@@ -190,12 +224,15 @@ def check_swept(vary: Sequence[SweptParameter], *, impacting: bool) -> tuple[Swe
     names = [swept.parameter for swept in vary]
     for axis, name in enumerate(names):
         place = ("vary", axis, "parameter")
-        if name not in get_args(Parameter):
-            raise InvalidJob(f"{name} cannot be swept; these can: {', '.join(get_args(Parameter))}", place)
+        if name not in oscillator.parameters:
+            raise InvalidJob(f"{name} cannot be swept; these can: {', '.join(oscillator.parameters)}", place)
         if name in names[:axis]:
             raise InvalidJob(f"{name} is swept twice", place)
+        impacting = math.isinf(oscillator.stiffness)
         if name == "stiffness" and impacting:
             raise InvalidJob("stiffness cannot be swept in the impacting model, where it is infinite", place)
+        if _OF_MODELS.get(name, impacting) != impacting:
+            raise InvalidJob(f"{name} cannot be swept in the {_MODELS[impacting]} model, which has none", place)
     return tuple(SweptParameter(swept.parameter, _checked_values(axis, swept)) for axis, swept in enumerate(vary))
 
 

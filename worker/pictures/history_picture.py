@@ -1,13 +1,12 @@
 """Picture of one time history: Phi(t) between the backlash boundaries, as in the paper's Figs. 1 and 7."""
 
-import math
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rattle_kernels import Direction, Oscillator, TimeHistory
 from worker.pictures.figure_file import new_figure
+from worker.pictures.symbols import oscillator_text
 
 # Most contacts marked. More would hide the curve.
 _MOST_MARKS = 400
@@ -80,9 +79,7 @@ def _mark_contacts(axes: Axes, oscillator: Oscillator, history: TimeHistory) -> 
 
 
 def _title(oscillator: Oscillator, history: TimeHistory) -> str:
-    damping, eccentricity, half_backlash, stiffness, _ = oscillator
-    model = "impacting model" if math.isinf(stiffness) else f"piecewise linear model, κ = {stiffness:g}"
-    title = f"{model}, δ = {damping:g}, ε = {eccentricity:g}, β = {half_backlash:g}"
+    title = oscillator_text(oscillator)
     return f"{title}\ntruncated at {history.contacts.time.size} contacts" if history.truncated else title
 
 

@@ -17,7 +17,7 @@ from worker.pictures import colours
 from worker.pictures.figure_file import new_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind
 from worker.pictures.panel_picture import Layer, PanelPicture
-from worker.pictures.symbols import SYMBOLS, oscillator_text
+from worker.pictures.symbols import oscillator_text, symbol_of
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 from worker.stores.solution_table import SolutionTable
@@ -182,7 +182,7 @@ def _draw_panels(
         panel.hatch_missing(place)
         panel.draw_overlays(place, overlays)
         values = store.job.values_of(panel.panel).items()
-        place.set_title(", ".join(f"{SYMBOLS[name]} = {value:g}" for name, value in values), fontsize="small")
+        place.set_title(", ".join(f"{symbol_of(name)} = {value:g}" for name, value in values), fontsize="small")
     if images:
         _draw_scale(figure, axes, images, f"Hsu's {layer}")
     elif solutions:

@@ -9,7 +9,7 @@ from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob
 from worker.pictures.colours import colours_of
 from worker.pictures.figure_file import new_figure
-from worker.pictures.symbols import SYMBOLS
+from worker.pictures.symbols import in_words
 from worker.stores.basin_store import BasinStore
 from worker.stores.solution_table import share_error
 from worker.stores.summary import representatives
@@ -35,7 +35,7 @@ def draw_lines(axes: Axes, job: BasinJob, share: np.ndarray, solutions: tuple[At
             job.vary[0].values, p, error, marker=".", color=palette[number],
             label=f"{number}: {solution.name}" if number in named else None,
         )  # fmt: skip
-    axes.set_xlabel(f"{job.vary[0].parameter} {SYMBOLS[job.vary[0].parameter]}")
+    axes.set_xlabel(in_words(job.vary[0].parameter))
     axes.set_ylabel("share")
     axes.set_ylim(0.0, 1.0)
     axes.grid(alpha=0.3)
@@ -55,8 +55,8 @@ def _draw_maps(figure: Figure, job: BasinJob, share: np.ndarray, solutions: tupl
     for place in axes.flat[len(numbers) :]:
         place.set_axis_off()
     figure.colorbar(image, ax=axes, label="share")
-    figure.supxlabel(f"{last.parameter} {SYMBOLS[last.parameter]}")
-    figure.supylabel(f"{first.parameter} {SYMBOLS[first.parameter]}")
+    figure.supxlabel(in_words(last.parameter))
+    figure.supylabel(in_words(first.parameter))
 
 
 def shares_figure(location: str) -> Figure:

@@ -4,7 +4,41 @@ import numpy as np
 
 from rattle_kernels import Oscillator
 
-SYMBOLS = {"damping": "δ", "eccentricity": "ε", "half_backlash": "β", "stiffness": "κ"}
+SYMBOLS = {
+    "damping": "δ", "eccentricity": "ε", "half_backlash": "β", "stiffness": "κ", "restitution": "r",
+    "contact_damping": "ζ",
+}  # fmt: skip
+_OF_HARMONICS = {"amplitude": "ε", "phase": "φ"}
+_BELOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+# Not worth a word where they are what the paper has.
+_USUAL = {"stiffness": np.inf, "restitution": 1.0, "contact_damping": 0.0}
+
+
+def symbol_of(parameter: str) -> str:
+    """Symbol of one of `Oscillator.parameters`.
+
+    Parameters
+    ----------
+    parameter : str
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> symbol_of("damping"), symbol_of("phase_2")
+    ('δ', 'φ₂')
+    """
+    if parameter in SYMBOLS:
+        return SYMBOLS[parameter]
+    part, _, order = parameter.partition("_")
+    return _OF_HARMONICS[part] + order.translate(_BELOW)
+
+
+def in_words(parameter: str) -> str:
+    """Parameter in words, and its symbol."""
+    return f"{parameter.replace('_', ' ')} {symbol_of(parameter)}"
 
 
 def oscillator_text(oscillator: Oscillator, without: tuple[str, ...] = ()) -> str:
@@ -25,7 +59,7 @@ def oscillator_text(oscillator: Oscillator, without: tuple[str, ...] = ()) -> st
     >>> oscillator_text(Oscillator(), without=("damping",))
     'impacting model, ε = 0.1, β = 0.6'
     """
-    fields = {name: value for name, value in oscillator._asdict().items() if name in SYMBOLS and name not in without}
-    told = [f"{SYMBOLS[name]} = {value:g}" for name, value in fields.items() if np.isfinite(value)]
+    values = {name: oscillator.value_of(name) for name in oscillator.parameters if name not in without}
+    told = [f"{symbol_of(name)} = {value:g}" for name, value in values.items() if value != _USUAL.get(name)]
     model = "impacting model" if np.isinf(oscillator.stiffness) else "piecewise linear model"
     return ", ".join([model, *told])

@@ -181,9 +181,7 @@ def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
         raise InvalidJob(f"swept is {', '.join(names) or 'nothing'}: give one value of each, and of nothing else")
     place = {swept.parameter: _index_of(swept, values[swept.parameter]) for swept in job.vary}
     at = {swept.parameter: swept.values[place[swept.parameter]] for swept in job.vary}
-    alone = BasinJob(
-        oscillator=job.oscillator._replace(**at), grid=job.grid, iterations=job.iterations, sample=job.sample
-    )
+    alone = BasinJob(oscillator=job.oscillator.at(**at), grid=job.grid, iterations=job.iterations, sample=job.sample)
     request = {"request": json.dumps(alone.request()), "request_sha256": alone.digest}
     return dataset.isel(place).assign_attrs(request | at)
 

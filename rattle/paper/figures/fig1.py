@@ -78,7 +78,7 @@ def rattling_solutions(departures: int, report: Report) -> tuple[tuple[Attractor
 
 def quiet_state(oscillator: Oscillator) -> tuple[float, float]:
     """Phi and Phi' of the quiet solution at t = 0, Eq. (33) without ringing."""
-    damping, eccentricity, half_backlash, stiffness, _ = oscillator
+    damping, eccentricity, half_backlash, stiffness, *_ = oscillator
     turn = 2.0 * math.pi
     response = eccentricity * complex(-(turn**2), turn * damping) / complex(2 * stiffness - turn**2, turn * damping)
     return half_backlash + turn * damping / stiffness + response.real, -turn * response.imag

@@ -13,7 +13,7 @@ from rattle_kernels import Attractor, AttractorKind, Oscillator
 
 def oscillator_summary(oscillator: Oscillator) -> dict[str, Any]:
     """Model and parameters of an oscillator."""
-    damping, eccentricity, half_backlash, stiffness, _ = oscillator
+    damping, eccentricity, half_backlash, stiffness, *_ = oscillator
     summary: dict[str, Any] = {"model": "impacting" if math.isinf(stiffness) else "piecewise_linear"}
     summary |= {"damping": damping, "eccentricity": eccentricity, "half_backlash": half_backlash}
     return summary if math.isinf(stiffness) else summary | {"stiffness": stiffness}

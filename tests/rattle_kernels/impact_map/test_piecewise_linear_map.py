@@ -16,7 +16,7 @@ from rattle_kernels import (
     grazing_velocity,
 )
 from rattle_kernels.impact_map.apply import LOWER, UPPER, next_impact
-from rattle_kernels.model.contact import follow_contact
+from rattle_kernels.model.contact_end import follow_contact
 from rattle_kernels.numerics.jit import inlined
 from tests.rattle_kernels.reference import entries, oscillator_of, phase_error, speed_error
 from tests.strategies import oscillators, phases

@@ -37,7 +37,7 @@ def difference(function, x, step):
 
 
 def agree_with_differences(oscillator, parameter, t, v):
-    value = getattr(oscillator, PARAMETERS[parameter])
+    value = oscillator.value_of(PARAMETERS[parameter])
 
     def varied(changed):
         return elapsed_and_speed(oscillator._replace(**{PARAMETERS[parameter]: changed}), t, v)

@@ -8,10 +8,11 @@ import pytest
 from rattle_kernels import Oscillator, next_impacts
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.flights import UPPER
-from rattle_kernels.lanes.contact_swings import ends_late_around
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, CONTACT_ABOVE, PHASES, ROW, lane_tables
-from rattle_kernels.model.contact import enter_contact, follow_contact
+from rattle_kernels.model.contact import enter_contact
+from rattle_kernels.model.contact_end import follow_contact
+from rattle_kernels.model.contact_swings import ends_late_around
 from rattle_kernels.model.flight import acceleration_range
 from rattle_kernels.numerics.jit import kernel
 

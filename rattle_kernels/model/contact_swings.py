@@ -13,8 +13,10 @@ positive: neither stretch has a minimum. At any other minimum x' = 0, so the nea
 
 import math
 
-from rattle_kernels.model.contact import bend_bound, first_zero, jerk_bound, state_in_contact
+from rattle_kernels.model.contact import bend_bound, jerk_bound, state_in_contact
+from rattle_kernels.model.contact_end import first_zero
 from rattle_kernels.model.flight import TWO_PI
+from rattle_kernels.model.slow_harmonics import add_bend_here, add_swing
 from rattle_kernels.numerics.jit import inlined
 
 # Samples a turn of the ringing: M h^2/8 is then a two-hundredth of the ringing.
@@ -45,10 +47,12 @@ def ends_late_around(contact, duration, least_press, phase_step, speed_step):
     turns = duration * frequency / TWO_PI
     if not turns < _MOST_TURNS:
         return False
-    slow_rate = TWO_PI * contact.quarter
+    slow_rate = contact.slow_rate
+    bend_here = add_bend_here(contact.harmonics, TWO_PI * TWO_PI * contact.here, None)
     # Within the box the slow part changes by `shift` at most, its rate by `tilt`.
     shift = TWO_PI * contact.swing * phase_step
-    tilt = TWO_PI * shift
+    tilt = TWO_PI * shift + phase_step * add_swing(contact.harmonics, 0.0, 2)
+    shift += phase_step * add_swing(contact.harmonics, 0.0, 1)
     ringing = contact.ringing + shift + (speed_step + tilt + damping * shift) / frequency
     bend, jerk = bend_bound(contact, ringing), jerk_bound(contact, ringing)
     h = TWO_PI / (_SAMPLES * frequency)
@@ -63,7 +67,7 @@ def ends_late_around(contact, duration, least_press, phase_step, speed_step):
         left = math.exp(-0.5 * damping * tau)
         pulse = left * math.sin(frequency * tau) / frequency
         fall = left * math.cos(frequency * tau) + 0.5 * damping * pulse
-        along_phase = state.slow_rate - slow_rate * fall + TWO_PI * TWO_PI * contact.here * pulse
+        along_phase = state.slow_rate - slow_rate * fall + bend_here * pulse
         if state.depth <= abs(pulse) * speed_step + abs(along_phase) * phase_step + rest:
             return False
         # No sample is needed where x stays deeper than it changes anywhere.

@@ -1,0 +1,159 @@
+"""Harmonics of the forcing in lanes: their sums over one flight, or over one contact, of every lane.
+
+The first harmonic is part of the loops of `flight` and `contact`. Each of the others has a loop of its own, which adds
+to sums over them, and `plus` takes a sum where it belongs. Without harmonics nothing of this is left in the machine
+code.
+
+A step D from the guess turns the angle of order n by 2 pi n D, at most a fortieth of a radian: `highest_order` makes
+longer steps unsure. So the state at the end is Taylor's polynomial of sixth order: what it leaves out is 2e-15 of the
+harmonic's own part.
+"""
+
+import math
+
+from rattle_kernels.lanes.lane_fields import DURATION, END_PHASE, LANES, LAST_TERM, PHASE, PHI2, SUMS
+from rattle_kernels.model.harmonics import TWO_PI
+from rattle_kernels.numerics.jit import inlined, summed_over_tuple
+from rattle_kernels.numerics.phase import part_turn
+from rattle_kernels.numerics.polynomials import (
+    cosine_of_half_turns,
+    sine_of_half_turns,
+    sine_rest_of_half_turns,
+    versine_of_half_turns,
+)
+
+# Sums of a flight: the displacement by the guess, the velocity there, and its first six derivatives.
+FORCED, RATE_0, RATE_1, RATE_2, RATE_3, RATE_4, RATE_5, RATE_6 = (SUMS + n * LANES for n in range(8))
+# Sums of a contact: slow part and rate where it begins, their changes by the guess, second to fifth derivative there.
+HERE, HERE_1, CHANGE, CHANGE_1, SLOW_2, SLOW_3, SLOW_4, SLOW_5 = (SUMS + n * LANES for n in range(8))
+_SUMS = 8
+
+# A flag between sure and unsure: guesses off by the part 1.4e-2 at most, ten times what a sure flight's is off.
+NEARLY = 0.5
+_NEAR = 1e4 * LAST_TERM
+
+
+@summed_over_tuple
+def plus(terms, total, place):
+    """Add a sum over the harmonics."""
+    return total + place
+
+
+@summed_over_tuple
+def highest_order(terms, total, place):
+    """Highest order of the harmonics; the total where there are none."""
+    for harmonic in terms:
+        total = max(total, harmonic.order)
+    return total
+
+
+@summed_over_tuple
+def doubt(terms, total, place):
+    """How unsure a flight is whose guess was off by too much; `place` is (unsure so far, last term, duration).
+
+    Orders beside the first bend the tables of guesses, so one flight in two hundred is off. Most of these are near
+    enough
+    for Newton's method (NEARLY), and need no search for a bracket.
+    """
+    unsure, last, tau = place
+    return max(unsure, NEARLY if abs(last) <= _NEAR * tau else total)
+
+
+@inlined
+def _turn(turns):
+    """Sine and cosine of an angle in turns, as in `flight.turn_phases`."""
+    halves = math.floor(2.0 * turns + 0.5)
+    r = 2.0 * turns - halves
+    sign = 1.0 - 2.0 * (halves - 2.0 * math.floor(0.5 * halves))
+    return sign * sine_of_half_turns(r), sign * cosine_of_half_turns(r)
+
+
+@inlined
+def _forget(lanes):
+    for i in range(_SUMS * LANES):
+        lanes[SUMS + i] = 0.0
+
+
+@summed_over_tuple
+def sum_over_flights(terms, total, place):
+    """Evaluate the harmonics at the guessed end of every flight; `place` is (lanes, delta). The total is not used."""
+    lanes, damping = place
+    _forget(lanes)
+    for harmonic in terms:
+        order, amplitude, shift = harmonic
+        rate = TWO_PI * order
+        square = rate * rate
+        for i in range(LANES):
+            tau = lanes[DURATION + i]
+            s0, c0 = _turn(part_turn(order * lanes[PHASE + i] + shift))
+            turns = order * tau
+            r = part_turn(turns)
+            rest, versine = sine_rest_of_half_turns(r), versine_of_half_turns(r)
+            sh, ch = math.pi * r + rest, 1.0 - versine
+            # h - sin h for h = 2 pi n tau, in terms of one sign.
+            cubic = TWO_PI * (turns - r) + 2.0 * (math.pi * r * versine - rest * ch)
+            ds, dc = 2.0 * sh * (c0 * ch - s0 * sh), -2.0 * sh * (s0 * ch + c0 * sh)
+            held = rate * damping * tau * tau * lanes[PHI2 + i]
+            lanes[FORCED + i] += amplitude * (s0 * (cubic - held) - 2.0 * c0 * sh * sh)
+            lanes[RATE_0 + i] += amplitude * (damping * dc - rate * ds)
+            s, c = s0 + ds, c0 + dc
+            p, q = amplitude * rate * (rate * c + damping * s), amplitude * square * (rate * s - damping * c)
+            lanes[RATE_1 + i] -= p
+            lanes[RATE_2 + i] += q
+            lanes[RATE_3 + i] += square * p
+            lanes[RATE_4 + i] -= square * q
+            lanes[RATE_5 + i] -= square * square * p
+            lanes[RATE_6 + i] += square * square * q
+    return total
+
+
+@summed_over_tuple
+def plus_rate_after(terms, total, place):
+    """Add the harmonics of the velocity a step after the guess; `place` is (lanes, lane, step)."""
+    lanes, i, step = place
+    later = lanes[RATE_4 + i] + step * (1.0 / 5.0) * (lanes[RATE_5 + i] + step * (1.0 / 6.0) * lanes[RATE_6 + i])
+    later = lanes[RATE_2 + i] + step * (1.0 / 3.0) * (lanes[RATE_3 + i] + step * 0.25 * later)
+    return total + lanes[RATE_0 + i] + step * (lanes[RATE_1 + i] + step * 0.5 * later)
+
+
+@summed_over_tuple
+def plus_acceleration_after(terms, total, place):
+    """Add the harmonics of the acceleration at rest a step after the guess; `place` is (lanes, lane, step)."""
+    lanes, i, step = place
+    later = lanes[RATE_4 + i] + step * 0.25 * (lanes[RATE_5 + i] + step * (1.0 / 5.0) * lanes[RATE_6 + i])
+    return (
+        total
+        + lanes[RATE_1 + i]
+        + step * (lanes[RATE_2 + i] + step * 0.5 * (lanes[RATE_3 + i] + step * (1.0 / 3.0) * later))
+    )
+
+
+@summed_over_tuple
+def sum_over_contacts(terms, total, place):
+    """Evaluate the slow parts of other orders at the guessed end of every contact above; `place` is the lanes.
+
+    Those of contacts below have the opposite sign. The total is not used.
+    """
+    lanes = place
+    _forget(lanes)
+    for slow in terms:
+        order, cosine, sine = slow
+        rate = TWO_PI * order
+        square = rate * rate
+        for i in range(LANES):
+            s0, c0 = _turn(part_turn(order * lanes[END_PHASE + i]))
+            r = part_turn(order * lanes[DURATION + i])
+            sh, ch = sine_of_half_turns(r), cosine_of_half_turns(r)
+            here, quarter = cosine * c0 + sine * s0, sine * c0 - cosine * s0
+            change = 2.0 * sh * (quarter * ch - here * sh)
+            rate_change = -rate * 2.0 * sh * (here * ch + quarter * sh)
+            depth, slope = square * (here + change), square * (rate * quarter + rate_change)
+            lanes[HERE + i] += here
+            lanes[HERE_1 + i] += rate * quarter
+            lanes[CHANGE + i] += change
+            lanes[CHANGE_1 + i] += rate_change
+            lanes[SLOW_2 + i] -= depth
+            lanes[SLOW_3 + i] -= slope
+            lanes[SLOW_4 + i] += square * depth
+            lanes[SLOW_5 + i] += square * slope
+    return total
