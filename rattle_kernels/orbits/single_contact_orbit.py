@@ -1,35 +1,43 @@
 """P(m, 1, 0) in closed form: one impact on +beta every m forcing periods, none on -beta (the family behind Eq. 41).
 
-A flight leaves +beta with speed v and returns after a time m. The forcing terms are then the same again, s = s0 and c =
-c0, so the velocity is -v + 4 pi delta m. An elastic impact requires it to be v, hence ``v = 2 pi delta m`` for all eps
-and beta. With x = delta m, y(m) = 0 then reads phi1 (2 pi eps s0 - v) + 4 pi x phi2 = 0, that is
+A flight leaves +beta with speed v and returns after a time m. The forcing terms are then the same again, so its
+velocity is -v + 4 pi delta m. An impact makes v of it, hence ``v = 4 pi delta m r/(1 + r)`` for all forcing and beta.
+With x = delta m, y(m) = 0 then says for the rate of the forcing e(t) at the departure
 
-    eps sin(2 pi t0) = 2 - x coth(x/2) = -(x^2/6 - x^4/360 + ...).
+    e'(t0)/(2 pi) = x coth(x/2) - 2 + x (1 - r)/(1 + r) = x^2/6 - x^4/360 + ... + x (1 - r)/(1 + r).
 
-So the two orbits of each m are born together, at t0 = 3/4 and at the exact bound eps = x coth(x/2) - 2, whose series is
-Eq. (41). Then they move apart. With S = (1 - e^{-x})/delta and a the acceleration at rest at t0, the trace of DP is
+Under one harmonic the left side is -eps sin(2 pi t0). So the two orbits of each m are born together, at t0 = 3/4 and
+where eps is the right side, whose series Eq. (41) gives for elastic impacts. Then they move apart. Under several
+harmonics there may be more pairs; their phases are found by bisection. With S = (1 - e^{-x})/delta the trace of DP is
 
-    -1 - e^{-x} + 2 a S/v = 1 + e^{-x} - 8 pi^2 eps cos(2 pi t0) S/v.
+    1 + r^2 e^{-x} + r (1 + r) e''(t0) S/v,
 
-Below epsilon_crit2, a is positive and the trace exceeds -1 - e^{-x}, so neither orbit ever doubles its period. The
-orbit with cos(2 pi t0) > 0 attracts wherever it exists; the other is a saddle. Both exist while they stay clear of
--beta, at ``v <= v*(t0)``. Beyond that the flight would meet -beta.
+and its determinant r^2 e^{-x}. Below epsilon_crit2 the acceleration at rest is positive, and the trace exceeds -r (1 +
+e^{-x}) and with it -1 - r^2 e^{-x}: none of them ever doubles its period. Of two that are born together one attracts,
+with e''(t0) < 0, and the other is a saddle. They exist while they stay clear of -beta, at ``v <= v*(t0)``. Beyond that
+the flight would meet -beta.
 """
 
 import math
 from typing import NamedTuple
+
+import numpy as np
 
 from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI, second_phi, second_phi_slope
 from rattle_kernels.model.grazing_curve import grazing_velocity
 from rattle_kernels.model.oscillator import Oscillator
 
+# Samples of e'(t) for a period of the highest order.
+_MESH = 64
+_HALVINGS = 60
+
 
 class SingleContactOrbit(NamedTuple):
-    """One of the two orbits P(m, 1, 0).
+    """One of the orbits P(m, 1, 0).
 
-    ``t``, ``v`` are the departure. ``trace`` is the trace of DP, whose determinant is e^{-delta m}. ``grazing_margin``
-    is v - v*(t), negative while the orbit exists.
+    ``t``, ``v`` are the departure. ``trace`` is the trace of DP, whose determinant is r^2 e^{-delta m}.
+    ``grazing_margin`` is v - v*(t), negative while the orbit exists.
     """
 
     forcing_periods: int
@@ -44,8 +52,8 @@ class SingleContactOrbit(NamedTuple):
         return self.grazing_margin <= 0.0
 
 
-def eccentricity_bound_single_contact(damping: float, forcing_periods: int = 1) -> float:
-    """Eccentricity at which the two orbits P(m, 1, 0) are born: the exact form of Eq. (41).
+def eccentricity_bound_single_contact(damping: float, forcing_periods: int = 1, restitution: float = 1.0) -> float:
+    """Eccentricity at which the two orbits P(m, 1, 0) are born under one harmonic: the exact form of Eq. (41).
 
     Parameters
     ----------
@@ -53,19 +61,22 @@ def eccentricity_bound_single_contact(damping: float, forcing_periods: int = 1) 
         delta > 0.
     forcing_periods : int
         m > 0.
+    restitution : float
+        r.
 
     Returns
     -------
     float
-        ``x coth(x/2) - 2`` with x = delta m, accurate to rounding even where it is tiny.
+        ``x coth(x/2) - 2 + x (1 - r)/(1 + r)`` with x = delta m, accurate to rounding even where it is tiny.
     """
     x = damping * forcing_periods
     # x coth(x/2) - 2 = x (2 phi2 - phi1)/phi1, and phi1 - 2 phi2 = x phi2': nothing cancels.
-    return -x * x * float(second_phi_slope(x)) / (1.0 - x * float(second_phi(x)))
+    elastic = -x * x * float(second_phi_slope(x)) / (1.0 - x * float(second_phi(x)))
+    return elastic + x * (1.0 - restitution) / (1.0 + restitution)
 
 
 def single_contact_orbits(oscillator: Oscillator, forcing_periods: int = 1) -> tuple[SingleContactOrbit, ...]:
-    """Both orbits P(m, 1, 0) of the impacting model, or none below the bound of Eq. (41).
+    """All orbits P(m, 1, 0) of the impacting model: two under one harmonic, none below the bound of Eq. (41).
 
     Parameters
     ----------
@@ -77,7 +88,8 @@ def single_contact_orbits(oscillator: Oscillator, forcing_periods: int = 1) -> t
     Returns
     -------
     tuple of SingleContactOrbit
-        The attracting orbit first, then the saddle. `exists` says whether an orbit stays clear of -beta.
+        Under one harmonic the attracting orbit first, then the saddle; under several by phase. `exists` says whether an
+        orbit stays clear of -beta.
 
     Raises
     ------
@@ -89,17 +101,44 @@ def single_contact_orbits(oscillator: Oscillator, forcing_periods: int = 1) -> t
     Sec. 5.2, Eq. (41), given there as a series without derivation (Halse et al., 2007; Mason et al., 2007).
     """
     checked = check_impacting(oscillator)
-    bound = eccentricity_bound_single_contact(checked.damping, forcing_periods)
+    bound = eccentricity_bound_single_contact(checked.damping, forcing_periods, checked.restitution)
+    if checked.harmonics:
+        return tuple(_at_phase(checked, forcing_periods, t) for t in _phases_at_rate(checked, bound))
     if not checked.eccentricity > bound:
         return ()
     turn = math.asin(bound / checked.eccentricity) / TWO_PI
     return tuple(_at_phase(checked, forcing_periods, t) for t in (1.0 - turn, 0.5 + turn))
 
 
+def _forcing(oscillator: Oscillator) -> np.ndarray:
+    """Order, amplitude and phase of every harmonic, a row each."""
+    return np.array([(1.0, oscillator.eccentricity, 0.0), *oscillator.harmonics])
+
+
+def _phases_at_rate(oscillator: Oscillator, rate: float) -> list[float]:
+    """Phases at which e'(t)/(2 pi) has a value, ascending; a pair closer than the mesh is not seen."""
+    order, amplitude, phase = _forcing(oscillator).T
+
+    def above(t: np.ndarray) -> np.ndarray:
+        return np.asarray(-np.sin(TWO_PI * (np.multiply.outer(t, order) + phase)) @ (order * amplitude) > rate)
+
+    low = np.arange(_MESH * int(order.max())) / (_MESH * order.max())
+    high = np.append(low[1:], 1.0)
+    crossed = above(low) != above(high)
+    low, high = low[crossed], high[crossed]
+    begins = above(low)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        as_before = above(middle) == begins
+        low, high = np.where(as_before, middle, low), np.where(as_before, high, middle)
+    return list(map(float, low))
+
+
 def _at_phase(oscillator: Oscillator, forcing_periods: int, t: float) -> SingleContactOrbit:
-    x = oscillator.damping * forcing_periods
-    v = 0.5 * FOUR_PI * x
+    x, r = oscillator.damping * forcing_periods, oscillator.restitution
+    v = FOUR_PI * x * r / (1.0 + r)
     stretch = -math.expm1(-x) / oscillator.damping
-    fall = TWO_PI * TWO_PI * oscillator.eccentricity * math.cos(TWO_PI * t)
-    trace = 1.0 + math.exp(-x) - 2.0 * fall * stretch / v
+    order, amplitude, phase = _forcing(oscillator).T
+    fall = float(((TWO_PI * order) ** 2 * amplitude * np.cos(TWO_PI * (order * t + phase))).sum())
+    trace = 1.0 + r * r * math.exp(-x) - r * (1.0 + r) * fall * stretch / v
     return SingleContactOrbit(forcing_periods, t, v, trace, v - float(grazing_velocity(oscillator, t)))

@@ -50,7 +50,7 @@ def test_a_stiffness_at_which_contacts_do_not_ring_is_refused(stiffness):
 
 def test_a_soft_spring_is_in_the_domain():
     soft = Oscillator(stiffness=1, permanent_after=1)
-    assert [type(value) for value in check_domain(soft)] == [float] * 5
+    assert [type(value) for value in check_domain(soft)] == [float] * 7 + [tuple]
 
 
 def test_a_quiet_solution_is_demanded_with_its_bound():
@@ -59,3 +59,52 @@ def test_a_quiet_solution_is_demanded_with_its_bound():
     with pytest.raises(OutsideDomain, match="epsilon_crit1 = 0.15263") as refusal:
         check_quiet(oscillator)
     assert (refusal.value.parameter, refusal.value.bound) == ("eccentricity", "epsilon_crit1")
+
+
+def test_a_harmonic_of_no_size_changes_no_bound():
+    still = ((3.0, 0.0, 0.2),)
+    for stiffness in (math.inf, 100.0):
+        plain = Oscillator(stiffness=stiffness)
+        wider = plain._replace(harmonics=still)
+        assert eccentricity_bound_smooth_maxima(wider) == pytest.approx(eccentricity_bound_smooth_maxima(plain))
+        assert eccentricity_bound_quiet(wider) == pytest.approx(eccentricity_bound_quiet(plain))
+
+
+def test_harmonics_beyond_equation_8_are_refused_with_the_least_acceleration_and_its_phase():
+    beyond = Oscillator(eccentricity=0.0, harmonics=((2, 0.06, 0.25),))
+    # 4 pi delta - (4 pi)^2 eps cos - 4 pi delta eps sin of the angle: the amplitude is eps 4 pi hypot(4 pi, delta).
+    least = 4 * math.pi * 0.6 - 0.06 * 4 * math.pi * math.hypot(4 * math.pi, 0.6)
+    with pytest.raises(
+        OutsideDomain, match=r"positive at every phase \(Eq. 8\).* falls to -1.94579 at t = 0.8788"
+    ) as told:
+        check_domain(beyond)
+    assert told.value.parameter == "harmonics" and told.value.value == pytest.approx(least, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"harmonics": ((2.5, 0.01, 0.0),)}, "whole numbers from 2 on, not 2.5"),
+        ({"harmonics": ((1, 0.01, 0.0),)}, "the first is the eccentricity"),
+        ({"harmonics": ((2, 0.01, 0.0), (2, 0.002, 0.5))}, "order 2 is there twice"),
+        ({"harmonics": ((2, -0.01, 0.0),)}, "amplitude of order 2 must be at least 0"),
+        ({"harmonics": ((2, 0.01, math.inf),)}, "phase of order 2 must be finite"),
+        ({"restitution": 0.0}, "restitution must be above 0 and at most 1"),
+        ({"restitution": 1.01}, "restitution must be above 0 and at most 1"),
+        ({"restitution": 0.9, "stiffness": 100.0}, "restitution belongs to the impacting model"),
+        ({"contact_damping": 0.1}, "contact_damping belongs to the piecewise linear model"),
+        ({"contact_damping": 1.0, "stiffness": 100.0}, "contacts do not ring"),
+        ({"contact_damping": 0.99, "stiffness": 400.0}, r"above damping\^2/\(8 \(1 - contact_damping\)\^2\) = 450"),
+    ],
+)
+def test_what_the_wider_model_cannot_be_is_refused(given, told):
+    with pytest.raises(OutsideDomain, match=told):
+        check_domain(Oscillator()._replace(**given))
+
+
+def test_parameters_of_harmonics_are_named_by_order():
+    oscillator = check_domain(Oscillator(harmonics=[(3, 0.001, 0.5), [2, 0.01]]))
+    assert oscillator.parameters[6:] == ("amplitude_2", "phase_2", "amplitude_3", "phase_3")
+    assert oscillator.at(phase_3=0.25, damping=0.7).value_of("phase_3") == 0.25
+    with pytest.raises(ValueError, match="phase_3, not 'phase_4'"):
+        oscillator.value_of("phase_4")

@@ -5,7 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from rattle_kernels import Oscillator, eccentricity_bound_single_contact, next_impacts, single_contact_orbits
+from rattle_kernels import (
+    Oscillator,
+    check_domain,
+    eccentricity_bound_single_contact,
+    next_impacts,
+    single_contact_orbits,
+)
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
 
@@ -51,3 +57,32 @@ def test_beyond_the_grazing_curve_they_do_not_exist():
     assert [orbit.exists for orbit in margins] == [True, False]
     impact = next_impacts(Oscillator(half_backlash=0.4), margins[1].t, margins[1].v)
     assert np.all(impact.lower_impacts == 1)
+
+
+def test_with_losses_they_are_slower_and_born_later():
+    oscillator = Oscillator(restitution=0.9)
+    node, saddle = single_contact_orbits(oscillator)
+    assert node.v == pytest.approx(4 * math.pi * 0.6 * 0.9 / 1.9)
+    for closed in (node, saddle):
+        orbit = find_periodic_orbit(oscillator, closed.t + 1e-3, closed.v * 1.001, 1, closed.v)
+        assert (orbit.t[0], orbit.v[0]) == pytest.approx((closed.t, closed.v), abs=1e-11)
+        assert orbit.multipliers.sum().real == pytest.approx(closed.trace, abs=1e-10)
+        assert orbit.multipliers.prod().real == pytest.approx(0.81 * math.exp(-0.6), abs=1e-10)
+    bound = eccentricity_bound_single_contact(0.6, restitution=0.9)
+    assert bound == pytest.approx(0.059643058193045 + 0.6 * 0.1 / 1.9)
+    assert single_contact_orbits(oscillator.at(eccentricity=bound * (1 - 1e-12))) == ()
+    assert len(single_contact_orbits(oscillator.at(eccentricity=bound * (1 + 1e-12)))) == 2
+
+
+def test_several_harmonics_have_pairs_of_their_own():
+    """Newton's method finds each of them, with its trace; a strong second order makes four of them."""
+    oscillator = check_domain(
+        Oscillator(eccentricity=0.005, harmonics=((2, 0.035, 0.1), (3, 0.0, 0.0)), half_backlash=2.0)
+    )
+    orbits = single_contact_orbits(oscillator)
+    assert len(orbits) == 4
+    for closed in orbits:
+        assert closed.exists and closed.v == pytest.approx(1.2 * math.pi)
+        orbit = find_periodic_orbit(oscillator, closed.t + 1e-4, closed.v * 1.0001, 1, closed.v)
+        assert (orbit.t[0], orbit.v[0]) == pytest.approx((closed.t, closed.v), abs=1e-10)
+        assert orbit.multipliers.sum().real == pytest.approx(closed.trace, abs=1e-9)
