@@ -18,12 +18,14 @@ from typing import NamedTuple
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd, next_contact
 from rattle_kernels.model.contact import enter_contact, state_in_contact
 from rattle_kernels.model.contact_end import follow_contact_from
-from rattle_kernels.model.flight import displacement_rate, start_flight, velocity_after
+from rattle_kernels.model.flight import displacement_rate, fall_speed, start_flight, velocity_after
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_NOT_CONVERGED, OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import inlined
 from rattle_kernels.numerics.phase import part_turn
 
+# Bounces as slow as this part of the scale of speeds, times 1 - r, take less than 1e-12 of a period all together.
+_NO_BOUNCE = 1e-12
 # The third regime, beside UPPER and LOWER.
 FREEPLAY = 0.0
 
@@ -80,10 +82,18 @@ def _end_of_flight(oscillator, piece):
 
 
 @inlined
-def _end_of_impact(piece, restitution):
-    """End of a contact of the impacting model."""
-    next_piece = MotionPiece(FREEPLAY, part_turn(piece.phase), piece.displacement, -restitution * piece.velocity)
-    if piece.regime == UPPER and piece.velocity == 0.0:
+def _end_of_impact(oscillator, piece):
+    """End of a contact of the impacting model.
+
+    Bounces on +beta that lose energy are infinitely many in a finite time. Where what is left of it is nothing, contact
+    begins.
+    """
+    restitution = oscillator.restitution
+    velocity = restitution * piece.velocity
+    if velocity <= _NO_BOUNCE * (1.0 - restitution) * fall_speed(oscillator):
+        velocity = 0.0 if piece.regime == UPPER else velocity
+    next_piece = MotionPiece(FREEPLAY, part_turn(piece.phase), piece.displacement, -velocity)
+    if piece.regime == UPPER and velocity == 0.0:
         return MotionPieceEnd(math.inf, next_piece, OUTCOME_PERMANENT_CONTACT)
     return MotionPieceEnd(0.0, next_piece, OUTCOME_RETURNED)
 
@@ -113,7 +123,7 @@ def end_of_piece(oscillator, piece):
         next_piece = MotionPiece(end.wall, end.phase, end.wall * beta, into)
         return MotionPieceEnd(end.duration, next_piece, OUTCOME_RETURNED if end.found else OUTCOME_NOT_CONVERGED)
     if math.isinf(stiffness):
-        return _end_of_impact(piece, restitution)
+        return _end_of_impact(oscillator, piece)
     exact = Oscillator(damping, eccentricity, beta, stiffness, math.inf, restitution, contact_damping, harmonics)
     contact = follow_contact_from(exact, side, piece.phase, side * piece.displacement - beta, side * piece.velocity)
     next_piece = MotionPiece(FREEPLAY, part_turn(piece.phase) + contact.duration, side * beta, -side * contact.speed)

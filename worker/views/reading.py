@@ -114,7 +114,7 @@ def _plain(value: Any) -> Any:
     """An attribute as netCDF takes it."""
     if isinstance(value, bool):
         return int(value)
-    if isinstance(value, dict):
+    if isinstance(value, dict) or (isinstance(value, list) and any(isinstance(each, dict) for each in value)):
         return json.dumps(value)
     return value
 
