@@ -99,7 +99,7 @@ def test_motions_of_one_name_are_told_apart_and_kinds_keep_their_colours():
 
 
 def test_every_variable_has_dimensions_and_a_fill_that_is_no_value():
-    tables = *layout.MOTIONS, *layout.MEASURED, layout.SHARE_ERROR, *layout.CHANGES, *layout.IMAGE_SET
+    tables = *layout.MOTIONS, *layout.measured(1), *layout.CHANGES, *layout.IMAGE_SET
     for places in (layout.CELLS, layout.SAMPLE):
         arrays = *places.coordinates, *places.mapped, *places.labelled, places.solution, places.own_solution
         for variable in (*arrays, places.ledger, layout.GRAZING, *tables):
