@@ -35,8 +35,8 @@ function fieldOf(location) {
 
 function secondsInWords(seconds) {
   if (seconds < 1) return "Less than a second of computing.";
-  if (seconds < 90) return `Up to ${Math.round(seconds)} s of computing.`;
-  return `Up to ${Math.round(seconds / 60)} minutes of computing.`;
+  if (seconds < 90) return `Up to ${Math.ceil(seconds)} s of computing.`;
+  return `Up to ${Math.ceil(seconds / 60)} minutes of computing.`;
 }
 
 function plainly(message) {
