@@ -90,12 +90,12 @@ def _sample(*_: Any) -> Group:
     arguments = (
         Argument("sample", int | None, None, "Start from so many points in place of cells"),
         Argument("seed", int, Sample(1).seed, "Of the sample: the same seed gives the same points"),
+        Argument("scramblings", int, Sample(1).scramblings, "Sets of points: their scatter measures the errors"),
     )
 
     def read(given: Values) -> dict[str, Any] | None:
-        if given.get("sample") is None:
-            return None
-        return {"points": given["sample"]} | ({"seed": given["seed"]} if "seed" in given else {})
+        beside = {name: given[name] for name in ("seed", "scramblings") if name in given}
+        return None if given.get("sample") is None else {"points": given["sample"]} | beside
 
     return Group(arguments, read)
 

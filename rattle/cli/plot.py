@@ -12,7 +12,7 @@ from worker.analyses.picture import figure_of_store
 from worker.errors import InvalidJob, WorkerError
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
-from worker.pictures.panel_picture import Layer
+from worker.pictures.panel_picture import Layer, Look
 from worker.pictures.share_chart import shares_figure
 from worker.views.reading import is_address
 
@@ -34,7 +34,7 @@ def plot(
         if is_address(store):
             figure = _figure_at_address(store, key, layer, shares, overlays)
         else:
-            figure = shares_figure(store) if shares else figure_of_store(store, layer=layer, overlays=overlays)
+            figure = shares_figure(store) if shares else figure_of_store(store, Look(layer, overlays))
         save_figure(figure, out_, picture_format)
     except InvalidJob as error:
         give_up(str(error), 2)

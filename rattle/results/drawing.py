@@ -86,13 +86,14 @@ def draw_shares_of(dataset: xr.Dataset, job: BasinJob, ax: Axes | None) -> Figur
     share = dataset.share.values if "share" in dataset else np.empty(0)
     if not np.isfinite(share).any():
         raise InvalidJob("no basin of the sweep is complete yet")
+    error = dataset.share_error.values if job.sample else None
     if ax is not None:
         if len(job.vary) > 1:
             raise InvalidJob("shares over two parameters are maps on a figure of their own: leave out ax")
-        draw_lines(ax, job, share, _solutions(dataset, job))
+        draw_lines(ax, job, share, error, _solutions(dataset, job))
         return ax
     figure = plt.figure(figsize=_SIZE, layout="constrained")
-    draw_shares(figure, job, share, _solutions(dataset, job))
+    draw_shares(figure, job, share, error, _solutions(dataset, job))
     return figure
 
 

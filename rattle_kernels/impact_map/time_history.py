@@ -9,7 +9,8 @@ it leaves any point where the acceleration is not zero. In the impacting model a
 ``v = a tau/2 + O(tau^2)`` at both its ends, so each speed is ``1 + O(tau)`` times the one before. If infinitely many
 tau summed up to a finite time, the product of these factors would stay away from zero, hence the speeds, hence tau. But
 ever lower bounces shrink like ``e^{-delta t/3}``, and their number in a period grows accordingly. So the number of
-contacts is bounded.
+contacts is bounded. Impacts that lose energy may be infinitely many within a finite time, after which the teeth stay
+together: `motion_pieces` ends them there.
 """
 
 import math

@@ -1,7 +1,9 @@
 """Results: summary, picture, and the Zarr store itself over HTTP."""
 
+import contextlib
 import io
 import re
+import threading
 from collections.abc import Callable
 from functools import partial
 from importlib.metadata import version
@@ -19,9 +21,12 @@ from service.models.results import AnyResult
 from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems, require_kind
 from worker.analyses.picture import figure_of_store
 from worker.errors import InvalidJob
+from worker.pictures.colours import Palette
 from worker.pictures.figure_file import PictureFormat, save_figure
-from worker.pictures.panel_picture import Layer
+from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
+from worker.pictures.panel_picture import Layer, Look
 from worker.pictures.share_chart import shares_figure
+from worker.pictures.window import parse_window
 from worker.stores.summary import fingerprint
 from worker.views.reading import open_store
 from worker.views.tables import TableFormat, demand_small_table, table_of, write_table
@@ -33,6 +38,8 @@ AnyRoute = TypeVar("AnyRoute", bound=Callable[..., Response])
 
 _VERSION = version("gear-rattle")
 _NOTHING_YET = problems(s404="there is no such job, or it has not begun")
+# Overlays are computed in this process, which also handles all other requests: one at a time.
+COMPUTING = threading.Lock()
 
 
 def location_of(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
@@ -90,22 +97,49 @@ def _picture_answer(draw: Callable[[], Figure], picture_format: PictureFormat, e
     return Response(buffer.getvalue(), media_type=picture_format.media_type, headers={"etag": etag})
 
 
-@_get_figure("picture", "Picture of a result", _NOTHING_YET)
+_USUAL_OVERLAYS = ",".join(USUAL_OVERLAYS)
+PanelAsked = Annotated[int | None, Query(ge=0, description="One basin of a sweep; by default all, side by side")]
+WindowAsked = Annotated[
+    str | None,
+    Query(
+        description="What is shown of a basin: time from, to, speed from, to, as in `0.2,0.6,3,5`; by default all that "
+        "is computed. Phases repeat",
+        max_length=200,
+    ),
+]
+OverlaysAsked = Annotated[str, Query(description=f"What lies over basins, of {','.join(OverlayKind)}", max_length=100)]
+
+
+@_get_figure(
+    "picture",
+    "Picture of a result",
+    _NOTHING_YET
+    | problems(s422="the window is none, or shows nothing of the job, or there is no such panel, layer or overlay"),
+)
 def get_picture(
     job_id: JobId,
     request: Request,
     jobs: JobsHere,
     settings: SettingsHere,
     layer: Layer = Layer.SOLUTION,
+    window: WindowAsked = None,
+    panel: PanelAsked = None,
+    overlays: OverlaysAsked = _USUAL_OVERLAYS,
+    palette: Palette = Palette.PAPER,
     if_none_match: IfNoneMatch = None,
 ) -> Response:
     """Draw a basin, or what an analysis has found. While a basin is computed, missing tiles are hatched."""
     location, kind = location_of(job_id, jobs, settings), jobs.get(job_id).kind
     picture_format = PictureFormat.of_file(request.url.path)
+    shown = parse_window(window) if window is not None else None
+    look = Look(layer, parse_overlays(overlays), shown, panel, palette)
     # Computed before drawing: a tile that arrives while drawing is in the picture and changes the next ETag.
-    etag = etag_of(result_fingerprint(kind, location), layer, picture_format, _VERSION)
+    etag = etag_of(result_fingerprint(kind, location), repr(look), picture_format, _VERSION)
     known = not_modified(etag, if_none_match)
-    return known or _picture_answer(partial(figure_of_store, location, layer=layer), picture_format, etag)
+    if known is not None:
+        return known
+    with COMPUTING if set(look.overlays) - set(USUAL_OVERLAYS) else contextlib.nullcontext():
+        return _picture_answer(partial(figure_of_store, location, look), picture_format, etag)
 
 
 @_get_figure(

@@ -1,7 +1,6 @@
 """Data from which a viewer draws a basin: its outline, its overlays, and its labels tile by tile."""
 
 import gzip
-import threading
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Query, Response
@@ -17,7 +16,7 @@ from service.answers.conditional import (
 from service.errors import NotReady
 from service.models.viewer import OutlineView, OverlaysView, OverlayView
 from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems, require_kind
-from service.routes.results import location_of
+from service.routes.results import COMPUTING, location_of
 from worker.pictures.overlay_kind import OverlayKind
 from worker.stores.summary import fingerprint
 from worker.views.outline import outline_basin
@@ -29,8 +28,6 @@ router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["viewer"])
 _NOTHING_YET = problems(
     s404="there is no such job, or what was asked for is not there yet", s409="the job is no basin and no sweep"
 )
-# Overlays are computed in this process, which also handles all other requests: one at a time.
-_COMPUTING = threading.Lock()
 Panel = Annotated[int, Query(ge=0, description="Which basin of a sweep, the last swept parameter fastest")]
 _IMMUTABLE, _REVALIDATE = "private, max-age=604800, immutable", "private, no-cache"
 
@@ -86,7 +83,7 @@ def get_overlays(
     etag = etag_of(fingerprint(location), kind, str(panel))
     if (known := not_modified(etag, if_none_match)) is not None:
         return known
-    with _COMPUTING:
+    with COMPUTING:
         overlays = [OverlayView.from_overlay(each) for each in overlay_basin(location, panel, kind)]
     body = OverlaysView(overlays=overlays).model_dump_json()
     return Response(body, media_type="application/json", headers={"etag": etag})

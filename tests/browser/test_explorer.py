@@ -3,6 +3,7 @@
 import json
 import re
 import signal
+from urllib.parse import parse_qs, urlsplit
 
 import pytest
 from playwright.sync_api import expect
@@ -199,7 +200,7 @@ def test_a_waiting_job_knows_its_place_in_the_queue(explorer, service):
         ({"damping": "much"}, "damping", "valid number"),
         ({"iterations": 1500}, "", "nearest: 1499 or 1511"),
         ({"time__stop": 0}, "time.stop", "greater than 0"),
-        ({"time__cells": 90000, "velocity__cells": 90000}, "", "RATTLE_MAX_CELLS"),
+        ({"time__cells": 90000, "velocity__cells": 90000}, "", "cells or points are more than the limit of"),
     ],
 )
 def test_what_would_be_refused_is_explained_before_it_is_sent(explorer, fields, where, words):
@@ -209,6 +210,7 @@ def test_what_would_be_refused_is_explained_before_it_is_sent(explorer, fields, 
     expect(explorer.page.locator("#compute")).to_be_disabled()
     if where:
         expect(explorer.page.locator(f"[name='{where}']")).to_have_attribute("aria-invalid", "true")
+    expect(explorer.page.locator("body")).not_to_contain_text(re.compile("Input should be|RATTLE_"))
 
 
 def test_bounds_are_shown_live(explorer):
@@ -274,15 +276,34 @@ def test_what_is_taken_away_is_what_made_the_picture(opened, finished):
     assert any(finished["links"]["zarr"] in block and "rattle.open" in block for block in blocks)
     files = {
         "What is seen (PNG)": b"\x89PNG",
-        "Picture (PNG)": b"\x89PNG",
-        "SVG": b"<?xml",
-        "PDF": b"%PDF",
+        "What is seen (SVG)": b"<?xml",
+        "What is seen (PDF)": b"%PDF",
+        "Whole job (PNG)": b"\x89PNG",
+        "Whole job (SVG)": b"<?xml",
+        "Whole job (PDF)": b"%PDF",
         "Table (CSV)": b"name,kind,share",
     }
     for name, first in files.items():
         with page.expect_download() as download:
             page.get_by_role("button", name=name, exact=True).click()
         assert download.value.path().read_bytes().startswith(first)
+
+
+def test_a_picture_of_what_is_seen_has_its_window_layer_colours_and_overlays(opened):
+    page = opened.page
+    page.locator("#anew").uncheck()
+    page.locator("#in").click()
+    page.locator("#layer").select_option("step")
+    page.locator("#overlays input").nth(1).uncheck()
+    window = re.search(r"window=([^&]+)", page.url)[1]
+    page.locator("#away summary").click()
+    with page.expect_request(re.compile(r"/picture\.svg")) as asked:
+        page.get_by_role("button", name="What is seen (SVG)").click()
+    query = parse_qs(urlsplit(asked.value.url).query)
+    assert query == {
+        "layer": ["step"], "palette": ["colour_blind"], "window": [window], "overlays": ["grazing"], "panel": ["0"],
+    }  # fmt: skip
+    assert asked.value.response().ok
 
 
 def test_light_and_dark_follow_the_system_and_the_switch(opened):

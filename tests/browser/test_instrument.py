@@ -384,6 +384,54 @@ def test_a_phone_pinches_scrolls_and_is_not_wider_than_its_screen(chromium_here,
     phone.context.close()
 
 
+@pytest.mark.parametrize("width", [360, 768])
+def test_on_a_narrow_screen_nothing_lies_over_the_request_or_out_of_reach(chromium_here, service, finished, width):
+    narrow = Explorer(chromium_here, service.url, viewport={"width": width, "height": 740}, has_touch=True)
+    narrow.visit(f"?job={finished['id']}").state("Complete")
+    page = narrow.page
+    narrow.open_drawer()
+    form, look = page.locator("#ask").bounding_box(), page.locator("#look").bounding_box()
+    last = page.locator("#recent").bounding_box()
+    assert last["y"] + last["height"] <= form["y"] + form["height"] <= look["y"]
+    page.locator("#open-drawer").click()
+    for menu in ("away", "display"):
+        page.locator(f"#{menu} summary").click()
+        box = page.locator(f"#{menu} .menu").bounding_box()
+        assert 0 <= box["x"] and box["x"] + box["width"] <= width
+        page.keyboard.press("Escape")
+    assert narrow.unforgiven() == []
+    narrow.context.close()
+
+
+def test_forward_can_be_pressed_only_where_it_leads_somewhere(opened):
+    page = opened.page
+    expect(page.locator("#forward")).to_be_disabled()
+    page.locator("#in").click()
+    expect(page).to_have_url(re.compile("window="))
+    expect(page.locator("#back")).to_be_enabled()
+    expect(page.locator("#forward")).to_be_disabled()
+    page.locator("#back").click()
+    expect(page.locator("#forward")).to_be_enabled()
+    page.reload()
+    expect(page.locator("#forward")).to_be_enabled()
+    page.locator("#forward").click()
+    expect(page).to_have_url(re.compile("window="))
+    expect(page.locator("#forward")).to_be_disabled()
+
+
+def test_the_text_of_a_history_keeps_its_size_when_the_drawer_opens(opened):
+    page = opened.page
+    page.mouse.click(*opened.spot(0.4, 0.3))
+    label = page.locator("#histories svg text").first
+    before = label.bounding_box()["height"]
+    opened.open_drawer()
+    page.wait_for_function(
+        """() => document.querySelector("#histories svg").viewBox.baseVal.width
+            === document.querySelector("#histories .chart").clientWidth"""
+    )
+    assert abs(label.bounding_box()["height"] - before) < 1.0
+
+
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_axe_finds_nothing(opened, theme):
     page = opened.page

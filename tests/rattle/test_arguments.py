@@ -31,6 +31,7 @@ def job(verb, **given):
         ),
         ("basin", {"cells": (30, 20)}, {"grid": {"time": {"cells": 30}, "velocity": {"cells": 20}}}),
         ("basin", {"sample": np.int64(50), "seed": 3}, {"sample": {"points": 50, "seed": 3}}),
+        ("basin", {"sample": 64, "scramblings": 8}, {"sample": {"points": 64, "scramblings": 8}}),
         (
             "basin", {"stiffness": np.float64(1e3), "permanent_contact": "one_rotation", "cells": 9},
             {

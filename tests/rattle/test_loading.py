@@ -17,6 +17,12 @@ class Cycle:
         self.itself = self
 
 
+@pytest.fixture(autouse=True)
+def nothing_frozen():
+    """A service that other tests run in this process freezes what it has loaded."""
+    gc.unfreeze()
+
+
 def test_nothing_is_collected_meanwhile_and_everything_afterwards():
     with without_collections():
         assert not gc.isenabled()

@@ -50,8 +50,8 @@ class BasinRun:
     ----------
     attractors : tuple of Attractor
         The basin's own catalogue, empty until it is known.
-    counts : ndarray of int
-        Number of cells, or points of a sample, that end in each attractor.
+    counts : ndarray of int, shape (sets, attractors)
+        Number of cells, or points of each set of a sample, that end in each attractor.
     reserved : ndarray of int, shape (3,)
         Number of cells with the images -1, -2 and -3.
     solved : bool
@@ -66,7 +66,7 @@ class BasinRun:
     ) -> None:  # fmt: skip
         self.store, self.number, self.numbered = store, number, numbered
         self.attractors: tuple[Attractor, ...] = ()
-        self.counts = np.zeros(0, np.int64)
+        self.counts = np.zeros((1, 0), np.int64)
         self.reserved = np.zeros(3, np.int64)
         self.solved = False
         self._tiles = store.tiling.numbers_of(number)

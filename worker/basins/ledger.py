@@ -8,6 +8,7 @@ from worker.basins.basin_run import BasinRun
 from worker.basins.numbering import Numbered
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
+from worker.stores.solution_table import share_error
 
 # Least time between two writes of each.
 _LEDGER_SECONDS = 0.5
@@ -59,19 +60,23 @@ class Ledger:
     def announce(self, basin: BasinRun, numbered: Numbered) -> None:
         """Record the attractors of a basin before their shares are known, and make room for them in the store."""
         self._image_counts[basin.number] = basin.reserved
-        self._enter(basin.number, numbered, np.full(len(numbered.numbers), np.nan))
+        unknown = np.full(len(numbered.numbers), np.nan)
+        self._enter(basin.number, numbered, unknown, unknown)
         self._store.make_room(self.table, max(attractor.time.size for attractor in numbered.attractors))
 
     def complete(self, basin: BasinRun, numbered: Numbered) -> None:
         """Record that a basin is complete. Basins are completed in order."""
-        shares = np.zeros(len(numbered.numbers))
-        shares[: basin.counts.size] = basin.counts / self._store.job.grid.cells
-        self._enter(basin.number, numbered, shares)
+        counts = np.zeros((basin.counts.shape[0], len(numbered.numbers)), np.int64)
+        counts[:, : basin.counts.shape[1]] = basin.counts
+        cells = self._store.job.grid.cells
+        shares = counts.sum(axis=0) / cells
+        errors = share_error(counts, cells) if self._store.job.sample else np.full(shares.shape, np.nan)
+        self._enter(basin.number, numbered, shares, errors)
         self.reach(self._store.tiling.numbers_of(basin.number), TileState.ASSEMBLED)
         self.basins += 1
 
-    def _enter(self, basin: int, numbered: Numbered, shares: np.ndarray) -> None:
-        self.table.enter(basin, numbered.numbers, numbered.attractors, shares)
+    def _enter(self, basin: int, numbered: Numbered, shares: np.ndarray, errors: np.ndarray) -> None:
+        self.table.enter(basin, numbered.numbers, numbered.attractors, shares, errors)
         self._table_changed = True
 
     def save_sometimes(self) -> None:

@@ -58,7 +58,10 @@ class CatalogueReceipt:
 
 @dataclass(frozen=True)
 class LabelReceipt:
-    """Solutions of one tile: the cells of each attractor, and some of the landing points that reached none."""
+    """Solutions of one tile: the cells of each attractor, and some of the landing points that reached none.
+
+    ``counts`` has a row for each set of a sample, and one for cells.
+    """
 
     counts: np.ndarray
     seconds: float
@@ -193,8 +196,15 @@ def label_tile(
     seconds = time.perf_counter() - begin
     named = store.places.solution if numbered else store.places.own_solution
     store.write_tile((*store.places.labelled, named), tile, (*labels, solution))
-    counts = np.bincount(solution[solution >= 0], minlength=len(attractors))
-    return LabelReceipt(counts, seconds, unassigned)
+    return LabelReceipt(_counts(store, tile, solution, len(attractors)), seconds, unassigned)
+
+
+def _counts(store: BasinStore, tile: Tile, solution: np.ndarray, attractors: int) -> np.ndarray:
+    sample = store.job.sample
+    sets, of_set = (1, 0) if sample is None else (sample.scramblings, sample.set_of(*tile.columns)[None])
+    known = solution >= 0
+    counts = np.bincount((of_set * attractors + solution)[known], minlength=sets * attractors)
+    return counts.reshape(sets, attractors)
 
 
 def _own_cells(store: BasinStore, tile: Tile) -> np.ndarray:

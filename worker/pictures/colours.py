@@ -1,6 +1,7 @@
 """Colours of motions, the same in every picture (Sec. 4).
 
-Permanent contact is dark blue, shorter itineraries are bluer, chaos is dark red, a chaotic transient greyer.
+Permanent contact is dark blue, shorter itineraries are bluer, chaos is dark red, a chaotic transient greyer, and what
+could not be decided is grey.
 """
 
 import colorsys
@@ -16,7 +17,8 @@ Colour = tuple[float, float, float]
 PERMANENT_CONTACT: Colour = (0.0, 0.0, 0.5)
 CHAOTIC: Colour = (0.5, 0.0, 0.0)
 CHAOTIC_TRANSIENT: Colour = (0.62, 0.33, 0.33)
-UNDECIDED: Colour = (1.0, 0.0, 1.0)
+UNDECIDED: Colour = (0.46, 0.46, 0.46)
+"""The grey that is farthest from all motions and from what is laid over cells, with and without colour blindness."""
 MISSING: Colour = (0.85, 0.85, 0.85)
 SPECKLE = (0.85, 1.05, 1.25, 1.45)
 """Brightness of chaotic cells, by their group modulo 4."""
@@ -47,7 +49,7 @@ _SAFE_KINDS: dict[AttractorKind, Colour] = {
     AttractorKind.PERMANENT_CONTACT: (0.08, 0.12, 0.25),
     AttractorKind.CHAOTIC: (0.835, 0.369, 0.0),
     AttractorKind.CHAOTIC_TRANSIENT: (0.72, 0.53, 0.4),
-    AttractorKind.UNDECIDED: (0.6, 0.6, 0.6),
+    AttractorKind.UNDECIDED: UNDECIDED,
 }
 _SAFE_NAMED: dict[str, Colour] = {
     "P(1,1,0)": (0.337, 0.706, 0.914),
@@ -132,8 +134,9 @@ def colours_of(attractors: tuple[Attractor, ...], palette: Palette = Palette.PAP
 
 
 def paint_cells(
-    solution: np.typing.ArrayLike, group: np.typing.ArrayLike, attractors: tuple[Attractor, ...]
-) -> np.ndarray:
+    solution: np.typing.ArrayLike, group: np.typing.ArrayLike, attractors: tuple[Attractor, ...],
+    palette: Palette = Palette.PAPER,
+) -> np.ndarray:  # fmt: skip
     """Colours of cells, with chaos speckled by Hsu's groups as in the paper.
 
     Parameters
@@ -142,6 +145,7 @@ def paint_cells(
         Solution and group of each cell; a cell with a negative solution is missing.
     attractors : tuple of Attractor
         The catalogue that `solution` indexes.
+    palette : Palette
 
     Returns
     -------
@@ -156,8 +160,8 @@ def paint_cells(
     (40, 40, 3)
     """
     solution, group = np.asarray(solution), np.asarray(group)
-    palette = np.array([*colours_of(attractors), MISSING])
-    image = palette[np.where(solution >= 0, solution, len(attractors))]
+    colours = np.array([*colours_of(attractors, palette), MISSING])
+    image = colours[np.where(solution >= 0, solution, len(attractors))]
     chaotic = [i for i, attractor in enumerate(attractors) if attractor.is_chaotic]
     inside = np.isin(solution, chaotic)
     speckle = np.array(SPECKLE)[group[inside] % len(SPECKLE)]

@@ -1,6 +1,8 @@
 """Picture of one basin in the paper's axes and colours (Figs. 6 to 16), complete or not."""
 
-from collections.abc import Collection
+import itertools
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
@@ -10,7 +12,8 @@ from matplotlib.patches import Rectangle
 
 from rattle_kernels import Attractor
 from worker.pictures import colours
-from worker.pictures.overlay_kind import OverlayKind, overlays_for
+from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
+from worker.pictures.window import Window, whole_window
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MISSING, SAMPLE_COORDINATES, TileState
 from worker.stores.solution_table import SolutionTable
@@ -26,6 +29,34 @@ class Layer(StrEnum):
     GROUP = "group"
     PERIOD = "period"
     STEP = "step"
+
+
+@dataclass(frozen=True)
+class Look:
+    """How basins are drawn.
+
+    Parameters
+    ----------
+    layer : Layer
+        Solutions, or one of Hsu's numbers.
+    overlays : collection of OverlayKind
+        What lies over each basin.
+    window : Window, optional
+        What is shown of each; by default all that is computed.
+    panel : int, optional
+        The one basin of a sweep that is shown; by default all, side by side.
+    palette : Palette
+        Colours of motions.
+    """
+
+    layer: Layer = Layer.SOLUTION
+    overlays: Collection[OverlayKind] = USUAL_OVERLAYS
+    window: Window | None = None
+    panel: int | None = None
+    palette: colours.Palette = colours.Palette.PAPER
+
+
+USUAL_LOOK = Look()
 
 
 def frame(axes: Axes, extent: tuple[float, float, float, float]) -> None:
@@ -63,50 +94,86 @@ class PanelPicture:
     panel : int
     most_cells : int
         Most cells drawn each way. Beyond that, every n-th cell represents its neighbours (labels are not averaged).
+    look : Look
     """
 
     def __init__(
-        self, store: BasinStore, table: SolutionTable, solutions: tuple[Attractor, ...], panel: int, most_cells: int
-    ) -> None:
-        self.store, self.table, self.solutions, self.panel = store, table, solutions, panel
-        self.every = 1 if store.job.sample else max(1, -(-max(store.job.grid.shape) // most_cells))
+        self, store: BasinStore, table: SolutionTable, solutions: tuple[Attractor, ...], panel: int, most_cells: int,
+        look: Look = USUAL_LOOK,
+    ) -> None:  # fmt: skip
+        self.store, self.table, self.solutions, self.panel, self.look = store, table, solutions, panel, look
         self.tiles = store.tiling.numbers_of(panel)
         self.states = store.read_ledger()[self.tiles]
-        self.palette = np.array([*colours.colours_of(solutions), colours.MISSING])
-        grid = store.job.grid
-        self.extent = grid.time_start, grid.time_stop, grid.velocity_start, grid.velocity_stop
+        self.palette = np.array([*colours.colours_of(solutions, look.palette), colours.MISSING])
+        self.grid = store.job.grid
+        self.whole = whole_window(self.grid)
+        self.window = look.window or self.whole
+        self.periods = range(1) if self.window == self.whole else self.window.periods_over(self.grid)
+        self.every = 1 if store.job.sample else max(1, -(-self._most_shown() // most_cells))
 
-    def _read(self, layer: Layer) -> np.ndarray:
-        """A layer, read tile by tile and thinned if it is very large."""
+    def _most_shown(self) -> int:
+        """Most cells that are shown each way."""
+        return max(stop - start for period in self.periods for start, stop in self.window.cells_of(self.grid, period))
+
+    def _read(self, layer: Layer, rows: tuple[int, int], columns: tuple[int, int]) -> np.ndarray:
+        """Part of a layer, read tile by tile and thinned if it is very large. It begins at thinned cells."""
         every = self.every
-        rows, columns = (-(-cells // every) for cells in self.store.job.grid.shape)
-        picture = np.full((rows, columns), MISSING, np.int64)
+        first_row, first_column = rows[0] // every, columns[0] // every
+        shape = -(-rows[1] // every) - first_row, -(-columns[1] // every) - first_column
+        picture = np.full(shape, MISSING, np.int64)
         places = self.store.places
         variable = tuple(each for each in (*places.labelled, places.solution) if each.name == layer)
         for number in np.array(self.tiles)[self.states == TileState.ASSEMBLED].tolist():
             tile = self.store.tiling.tile(number)
+            lines = _shared(tile.rows, rows, every)
+            strips = _shared(tile.columns, columns, every)
+            if not (lines and strips):
+                continue
             (values,) = self.store.read_tile(variable, tile)
-            first_row, first_column = -(-tile.rows[0] // every), -(-tile.columns[0] // every)
-            part = values[first_row * every - tile.rows[0] :: every, first_column * every - tile.columns[0] :: every]
-            picture[first_row : first_row + part.shape[0], first_column : first_column + part.shape[1]] = part
+            part = values[
+                lines.start * every - tile.rows[0] : tile.rows[1] - tile.rows[0] : every,
+                strips.start * every - tile.columns[0] : tile.columns[1] - tile.columns[0] : every,
+            ][: len(lines), : len(strips)]
+            row, column = lines.start - first_row, strips.start - first_column
+            picture[row : row + part.shape[0], column : column + part.shape[1]] = part
         return picture
+
+    def _parts(self) -> Iterator[tuple[tuple[int, int], tuple[int, int], tuple[float, float, float, float]]]:
+        """Rows and columns of cells that are shown, with their place; twice where the window crosses the grid's end."""
+        grid, every = self.grid, self.every
+        width = (grid.time_stop - grid.time_start) / grid.time_cells
+        height = (grid.velocity_stop - grid.velocity_start) / grid.velocity_cells
+        for period in self.periods:
+            rows, columns = self.window.cells_of(grid, period)
+            if self.window == self.whole:
+                yield rows, columns, self.whole
+            elif rows[0] < rows[1] and columns[0] < columns[1]:
+                rows, columns = ((start // every * every, -(-stop // every) * every) for start, stop in (rows, columns))
+                t, v = grid.time_start + period, grid.velocity_start
+                place = (t + columns[0] * width, t + columns[1] * width, v + rows[0] * height, v + rows[1] * height)
+                yield rows, columns, place
 
     def _colours(self, solution: np.ndarray) -> np.ndarray:
         return self.palette[np.where(solution >= 0, solution, len(self.solutions))]
 
     def draw_solutions(self, axes: Axes) -> None:
         """Draw cells, or the points of a sample, in the colours of their solutions."""
-        if self.store.job.sample is None:
-            image = colours.paint_cells(self._read(Layer.SOLUTION), self._read(Layer.GROUP), self.solutions)
-            axes.imshow(image, origin="lower", extent=self.extent, aspect="auto", interpolation="nearest")
-        else:
+        if self.window != self.whole:
+            axes.set_facecolor(colours.MISSING)
+        if self.store.job.sample is not None:
             self._draw_points(axes)
+            return
+        for rows, columns, place in self._parts():
+            solution, group = (self._read(layer, rows, columns) for layer in (Layer.SOLUTION, Layer.GROUP))
+            image = colours.paint_cells(solution, group, self.solutions, self.look.palette)
+            axes.imshow(image, origin="lower", extent=place, aspect="auto", interpolation="nearest")
 
     def _draw_points(self, axes: Axes) -> None:
-        solution = self._read(Layer.SOLUTION)[0, :_MOST_POINTS]
+        solution = self._read(Layer.SOLUTION, (0, 1), (0, self.grid.time_cells))[0, :_MOST_POINTS]
         t, v = (values[:_MOST_POINTS] for values in self.store.read_whole(SAMPLE_COORDINATES))
         known = solution >= 0
-        axes.scatter(t[known], v[known], s=2.0, c=self._colours(solution)[known], linewidths=0.0)
+        for period in self.periods:
+            axes.scatter(t[known] + period, v[known], s=2.0, c=self._colours(solution)[known], linewidths=0.0)
         axes.set_facecolor(colours.MISSING)
 
     def _catalogue(self) -> tuple[Attractor, ...]:
@@ -115,36 +182,50 @@ class PanelPicture:
             numbers = list(range(len(self.solutions)))
         return self.store.read_catalogue(self.panel, self.table, numbers)
 
-    def draw_numbers(self, axes: Axes, layer: Layer) -> AxesImage:
+    def draw_numbers(self, axes: Axes, layer: Layer) -> list[AxesImage]:
         """Draw one of Hsu's numbers."""
-        shown = np.ma.masked_equal(self._read(layer), MISSING)
         axes.set_facecolor(colours.MISSING)
-        return axes.imshow(
-            shown, origin="lower", extent=self.extent, aspect="auto", interpolation="nearest", cmap="turbo"
-        )
+        return [
+            axes.imshow(
+                np.ma.masked_equal(self._read(layer, rows, columns), MISSING), origin="lower", extent=place,
+                aspect="auto", interpolation="nearest", cmap="turbo",
+            )
+            for rows, columns, place in self._parts()
+        ]  # fmt: skip
 
     def hatch_missing(self, axes: Axes) -> None:
         """Hatch the tiles that are not labelled yet, densely if even their images are missing."""
-        grid = self.store.job.grid
+        grid = self.grid
         width = (grid.time_stop - grid.time_start) / grid.time_cells
         height = (grid.velocity_stop - grid.velocity_start) / grid.velocity_cells
-        for at in np.flatnonzero(self.states != TileState.ASSEMBLED).tolist():
+        for at, period in itertools.product(np.flatnonzero(self.states != TileState.ASSEMBLED).tolist(), self.periods):
             # Points of a sample are spread over the window, whatever their tile.
             tile = self.store.tiling.tile(self.tiles[at])
             rows, columns = (
                 (tile.rows, tile.columns) if self.store.job.sample is None else ((0, 1), (0, grid.time_cells))
             )
-            corner = grid.time_start + columns[0] * width, grid.velocity_start + rows[0] * height
+            corner = grid.time_start + period + columns[0] * width, grid.velocity_start + rows[0] * height
             size = (columns[1] - columns[0]) * width, (rows[1] - rows[0]) * height
             hatch = "xxx" if self.states[at] == TileState.PENDING else "//"
             axes.add_patch(
                 Rectangle(corner, *size, facecolor=colours.MISSING, edgecolor="gray", hatch=hatch, linewidth=0.0)
             )
 
-    def draw_overlays(self, axes: Axes, kinds: Collection[OverlayKind]) -> None:
+    def draw_overlays(self, axes: Axes) -> None:
         """Draw curves and marks over the panel, and limit the axes to the window."""
         oscillator = self.store.job.oscillator_of(self.panel)
-        for overlay in overlays_for(kinds, oscillator, self._catalogue(), self.extent[2:]):
-            overlay.draw(axes, self.extent[0])
-        axes.set_xlim(self.extent[:2])
-        axes.set_ylim(self.extent[2:])
+        # A curve that leaves the window may return: it ends only where it leaves what is computed, too.
+        speeds = (
+            min(self.window.velocity_start, self.whole.velocity_start),
+            max(self.window.velocity_stop, self.whole.velocity_stop),
+        )
+        for overlay in overlays_for(self.look.overlays, oscillator, self._catalogue(), speeds):
+            overlay.draw(axes, self.window.time_start)
+        axes.set_xlim(self.window[:2])
+        axes.set_ylim(self.window[2:])
+
+
+def _shared(own: tuple[int, int], wanted: tuple[int, int], every: int) -> range:
+    """Every n-th cell that a tile shares with a part of the grid, by its number among every n-th cell."""
+    start, stop = max(own[0], wanted[0]), min(own[1], wanted[1])
+    return range(-(-start // every), -(-stop // every))

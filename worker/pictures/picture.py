@@ -1,7 +1,5 @@
 """Pictures of a store: one basin, or those of a sweep side by side in shared colours."""
 
-from collections.abc import Collection
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm
@@ -15,9 +13,9 @@ from rattle_kernels import Attractor
 from worker.errors import InvalidJob
 from worker.pictures import colours
 from worker.pictures.figure_file import new_figure
-from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind
-from worker.pictures.panel_picture import Layer, PanelPicture
+from worker.pictures.panel_picture import USUAL_LOOK, Layer, Look, PanelPicture
 from worker.pictures.symbols import oscillator_text, symbol_of
+from worker.pictures.window import demand_overlap
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 from worker.stores.solution_table import SolutionTable
@@ -32,22 +30,27 @@ _SPECKLED = "chaos is speckled by Hsu's groups"
 
 
 def _legend(
-    figure: Figure, axes: Axes, store: BasinStore, table: SolutionTable, solutions: tuple[Attractor, ...]
-) -> None:
+    figure: Figure, axes: Axes, store: BasinStore, table: SolutionTable, solutions: tuple[Attractor, ...],
+    palette: colours.Palette,
+) -> None:  # fmt: skip
     shares = np.nanmean(table.share, axis=0) if store.complete else np.full(len(solutions), np.nan)
     if store.job.vary:
         labels = [f"{i}: {solution.name}" for i, solution in enumerate(solutions)]
-        figure.legend(handles=legend_patches(solutions, shares, labels), loc="outside right upper", frameon=False)
+        handles = legend_patches(solutions, shares, labels, palette)
+        figure.legend(handles=handles, loc="outside right upper", frameon=False)
     else:
-        draw_legend(axes, solutions, shares)
+        draw_legend(axes, solutions, shares, palette)
 
 
-def legend_patches(solutions: tuple[Attractor, ...], shares: np.ndarray, labels: list[str]) -> list[Patch]:
+def legend_patches(
+    solutions: tuple[Attractor, ...], shares: np.ndarray, labels: list[str],
+    palette: colours.Palette = colours.Palette.PAPER,
+) -> list[Patch]:  # fmt: skip
     """Legend entries: permanent contact first, others by share. Once shares are known, only those that have one."""
-    palette = colours.colours_of(solutions)
+    filled = colours.colours_of(solutions, palette)
     there = np.isfinite(shares) if np.isfinite(shares).any() else np.full(len(solutions), True)
     order = sorted(np.flatnonzero(there).tolist(), key=lambda i: (i > 0, -np.nan_to_num(shares[i])))
-    patches = [_patch(solutions[i], palette[i], labels[i]) for i in order[:_LEGEND_ROWS]]
+    patches = [_patch(solutions[i], filled[i], labels[i]) for i in order[:_LEGEND_ROWS]]
     if len(order) > _LEGEND_ROWS:
         patches.append(Patch(alpha=0.0, label=f"and {len(order) - _LEGEND_ROWS} more"))
     return patches
@@ -63,11 +66,13 @@ def _patch(solution: Attractor, colour: colours.Colour, label: str) -> Patch:
     return Patch(facecolor=darkest, edgecolor="black", hatchcolor=brightest, hatch="xxxxx", label=label)
 
 
-def draw_legend(axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray) -> None:
+def draw_legend(
+    axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray, palette: colours.Palette = colours.Palette.PAPER
+) -> None:
     """List solutions with colours and shares beside the axes; NaN is a share not known yet."""
     told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
     labels = [f"{solution.label}   {share}" for solution, share in zip(solutions, told, strict=True)]
-    handles = [*legend_patches(solutions, shares, labels), *_lines_of(axes)]
+    handles = [*legend_patches(solutions, shares, labels, palette), *_lines_of(axes)]
     axes.legend(
         handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0,
         title=_SPECKLED if any(each.is_chaotic for each in solutions) else None, title_fontsize="x-small",
@@ -86,9 +91,15 @@ def _lines_of(axes: Axes) -> list[Line2D]:
     ]  # fmt: skip
 
 
-def _title(store: BasinStore, shown: int) -> str:
+def _title(store: BasinStore, shown: int, look: Look) -> str:
     swept = tuple(each.parameter for each in store.job.vary)
     title = f"{oscillator_text(store.job.oscillator, without=swept)}, k = {store.job.iterations}"
+    if look.window is not None and look.layer == Layer.SOLUTION:
+        grid = store.job.grid
+        title += (
+            f"\nshares are those of t {grid.time_start:g} to {grid.time_stop:g}, "
+            f"v {grid.velocity_start:g} to {grid.velocity_stop:g}"
+        )
     if shown < store.job.basins:
         title += f"; {shown} of {store.job.basins} basins"
     if not store.complete:
@@ -102,8 +113,12 @@ def _evenly(count: int, most: int) -> list[int]:
     return sorted(set(np.linspace(0, count - 1, min(count, most)).round().astype(int).tolist()))
 
 
-def _arrangement(store: BasinStore) -> list[list[int]]:
+def _arrangement(store: BasinStore, panel: int | None) -> list[list[int]]:
     """Panels in rows. Of two swept parameters, the first increases upwards, the last to the right."""
+    if panel is not None:
+        if not 0 <= panel < store.job.basins:
+            raise InvalidJob(f"there is no basin {panel}: there are {store.job.basins}, from 0 on")
+        return [[panel]]
     shape = store.job.sweep_shape
     if len(shape) == 2:
         columns = _evenly(shape[1], _MOST_PANELS)
@@ -113,19 +128,14 @@ def _arrangement(store: BasinStore) -> list[list[int]]:
     return [panels[start : start + across] for start in range(0, len(panels), across)]
 
 
-def basin_figure(
-    location: str, *, layer: Layer = Layer.SOLUTION, overlays: Collection[OverlayKind] = USUAL_OVERLAYS
-) -> Figure:
+def basin_figure(location: str, look: Look = USUAL_LOOK) -> Figure:
     """Draw the basins in a store.
 
     Parameters
     ----------
     location : str
         The store, complete or not.
-    layer : Layer
-        Solutions in the paper's colours, or Hsu's group, period or step.
-    overlays : collection of OverlayKind
-        Overlays of each basin.
+    look : Look
 
     Returns
     -------
@@ -134,59 +144,55 @@ def basin_figure(
     Raises
     ------
     InvalidJob
-        If Hsu's numbers are requested for a sample, which has no cells, or the model lacks an overlay.
+        If Hsu's numbers are requested for a sample, which has no cells, the model lacks an overlay, there is no such
+        panel, or nothing was computed in the window.
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
     store = BasinStore(location)
-    if store.job.sample is not None and layer != Layer.SOLUTION:
-        raise InvalidJob(f"a sample has no cells, and so no {layer}: its solutions can be drawn")
-    rows = _arrangement(store)
+    if store.job.sample is not None and look.layer != Layer.SOLUTION:
+        raise InvalidJob(f"a sample has no cells, and so no {look.layer}: its solutions can be drawn")
+    if look.window is not None:
+        demand_overlap(look.window, store.job.grid)
+    rows = _arrangement(store, look.panel)
     across, down = len(rows[0]), len(rows)
     size = (10.0, 6.5) if across == down == 1 else (3.0 + 2.6 * across, 1.2 + 2.1 * down)
     figure = new_figure(*size)
     axes = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
-    _draw_panels(figure, axes, store, rows, layer, overlays)
+    _draw_panels(figure, axes, store, rows, look)
     shown = sum(len(row) for row in rows)
     if store.job.vary:
-        figure.suptitle(_title(store, shown))
+        figure.suptitle(_title(store, shown, look))
         figure.supxlabel("time t of departure (forcing periods)")
         figure.supylabel("velocity v of departure")
     else:
         axes[0, 0].set(xlabel="time t of departure (forcing periods)", ylabel="velocity v of departure")
-        axes[0, 0].set_title(_title(store, shown))
+        axes[0, 0].set_title(_title(store, shown, look))
     return figure
 
 
-def _draw_panels(
-    figure: Figure,
-    axes: np.ndarray,
-    store: BasinStore,
-    rows: list[list[int]],
-    layer: Layer,
-    overlays: Collection[OverlayKind],
-) -> None:
+def _draw_panels(figure: Figure, axes: np.ndarray, store: BasinStore, rows: list[list[int]], look: Look) -> None:
     table = store.read_solutions()
     solutions = representatives(store, table)
     most_cells = max(_MOST_CELLS // axes.shape[1], 1)
-    images = []
+    images: list[AxesImage] = []
     for at, place in zip(np.ndindex(axes.shape), axes.flat, strict=True):
         if at[1] >= len(rows[at[0]]):
             place.set_axis_off()
             continue
-        panel = PanelPicture(store, table, solutions, rows[at[0]][at[1]], most_cells)
-        if layer == Layer.SOLUTION:
+        panel = PanelPicture(store, table, solutions, rows[at[0]][at[1]], most_cells, look)
+        if look.layer == Layer.SOLUTION:
             panel.draw_solutions(place)
         else:
-            images.append(panel.draw_numbers(place, layer))
+            images += panel.draw_numbers(place, look.layer)
         panel.hatch_missing(place)
-        panel.draw_overlays(place, overlays)
+        panel.draw_overlays(place)
         values = store.job.values_of(panel.panel).items()
         place.set_title(", ".join(f"{symbol_of(name)} = {value:g}" for name, value in values), fontsize="small")
     if images:
-        _draw_scale(figure, axes, images, f"Hsu's {layer}")
+        _draw_scale(figure, axes, images, f"Hsu's {look.layer}")
     elif solutions:
-        _legend(figure, axes[0, -1], store, table, solutions)
+        _legend(figure, axes[0, -1], store, table, solutions, look.palette)
 
 
 def _draw_scale(figure: Figure, axes: np.ndarray, images: list[AxesImage], label: str) -> None:

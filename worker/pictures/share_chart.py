@@ -11,7 +11,6 @@ from worker.pictures.colours import colours_of
 from worker.pictures.figure_file import new_figure
 from worker.pictures.symbols import in_words
 from worker.stores.basin_store import BasinStore
-from worker.stores.solution_table import share_error
 from worker.stores.summary import representatives
 
 # Shares over two parameters are mapped for the solutions with the largest shares only.
@@ -24,15 +23,16 @@ def _largest(share: np.ndarray, most: int) -> list[int]:
     return sorted(np.argsort(-total, kind="stable")[:most].tolist())
 
 
-def draw_lines(axes: Axes, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...]) -> None:
+def draw_lines(
+    axes: Axes, job: BasinJob, share: np.ndarray, error: np.ndarray | None, solutions: tuple[Attractor, ...]
+) -> None:
     """Draw one line per solution, broken where it does not exist, with standard errors if points were sampled."""
     palette = colours_of(solutions)
     named = _largest(share, _LEGEND_ROWS)
     for number, solution in enumerate(solutions):
-        p = share[:, number]
-        error = share_error(p, job.sample.points) if job.sample else None
+        bar = None if error is None else error[:, number]
         axes.errorbar(
-            job.vary[0].values, p, error, marker=".", color=palette[number],
+            job.vary[0].values, share[:, number], bar, marker=".", color=palette[number],
             label=f"{number}: {solution.name}" if number in named else None,
         )  # fmt: skip
     axes.set_xlabel(in_words(job.vary[0].parameter))
@@ -85,16 +85,18 @@ def shares_figure(location: str) -> Figure:
     if not table.complete.any():
         raise InvalidJob(f"{location} holds no complete basin yet")
     solutions = representatives(store, table)
-    share = table.share.reshape(*store.job.sweep_shape, len(solutions))
+    share, error = (each.reshape(*store.job.sweep_shape, len(solutions)) for each in (table.share, table.share_error))
     figure = new_figure(10.0, 6.5)
-    draw_shares(figure, store.job, share, solutions)
+    draw_shares(figure, store.job, share, error if store.job.sample else None, solutions)
     return figure
 
 
-def draw_shares(figure: Figure, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...]) -> None:
-    """Draw shares, of shape (*swept values, solutions), on an empty figure."""
+def draw_shares(
+    figure: Figure, job: BasinJob, share: np.ndarray, error: np.ndarray | None, solutions: tuple[Attractor, ...]
+) -> None:
+    """Draw shares and their errors, of shape (*swept values, solutions), on an empty figure."""
     if len(job.vary) == 1:
-        draw_lines(figure.subplots(), job, share, solutions)
+        draw_lines(figure.subplots(), job, share, error, solutions)
         figure.legend(loc="outside right upper", frameon=False)
     else:
         _draw_maps(figure, job, share, solutions)

@@ -155,10 +155,14 @@ MEASURED = (
 )  # fmt: skip
 """Properties of each solution in each basin."""
 
-SHARE_ERROR = Variable(
-    "share_error", _ATTRACTOR, np.float64, np.inf, "standard error of share, of as many independent points"
-)
-"""For samples only."""
+
+def measured(scramblings: int | None) -> tuple[Variable, ...]:
+    """Properties of each solution in each basin; `scramblings` is None for cells, whose shares have no error."""
+    if scramblings is None:
+        return MEASURED
+    of = "of as many independent points" if scramblings == 1 else f"by the scatter of {scramblings} scramblings"
+    return *MEASURED, Variable("share_error", _ATTRACTOR, np.float64, np.inf, f"standard error of share, {of}")
+
 
 POINTS = (
     Variable(

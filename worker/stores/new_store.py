@@ -129,8 +129,7 @@ def _create_assembly(group: Any, job: BasinJob) -> None:
 
 
 def _create_solutions(group: Any, job: BasinJob) -> None:
-    measured = layout.MEASURED + (layout.SHARE_ERROR,) * (job.sample is not None)
-    for variable in layout.MOTIONS + measured:
+    for variable in layout.MOTIONS + layout.measured(job.sample.scramblings if job.sample else None):
         basins = job.sweep_shape if variable.per_basin else ()
         group.create_array(
             variable.path, shape=(*basins, 0), chunks=(*basins, _ATTRACTORS_A_CHUNK), dtype=variable.dtype,

@@ -16,7 +16,7 @@ from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
 from worker.stores.layout import Places, Variable
 from worker.stores.new_store import CONFIG, consolidate, create_array
-from worker.stores.solution_table import Motion, SolutionTable, share_error
+from worker.stores.solution_table import Motion, SolutionTable
 
 
 class SolutionArrays:
@@ -79,7 +79,7 @@ class SolutionArrays:
             consolidate(self.location, self._fence)
 
     def _measured(self) -> tuple[Variable, ...]:
-        return layout.MEASURED if self.job.sample is None else (*layout.MEASURED, layout.SHARE_ERROR)
+        return layout.measured(self.job.sample.scramblings if self.job.sample else None)
 
     def write_points(self, basin: int, numbers: Sequence[int], attractors: Sequence[Attractor]) -> None:
         """Write the points of a basin's attractors, under their numbers.
@@ -99,12 +99,9 @@ class SolutionArrays:
     def write_solutions(self, table: SolutionTable) -> None:
         """Write the properties of solutions in each basin, as far as there is room (driver only)."""
         self._fence()
-        columns = table.columns
-        if self.job.sample is not None:
-            columns.append(share_error(table.share, self.job.sample.points))
         with as_store_failure(self.location):
             # Shares come last, because they say which basins are complete.
-            for variable, values in reversed(list(zip(self._measured(), columns, strict=True))):
+            for variable, values in reversed(list(zip(self._measured(), table.columns, strict=False))):
                 array = self._array(variable)
                 room = min(array.shape[-1], len(table.motions))
                 array[..., :room] = values[:, :room].reshape(*self.job.sweep_shape, room)
@@ -113,7 +110,9 @@ class SolutionArrays:
         """Solutions and their properties in each basin, as far as known."""
         with as_store_failure(self.location):
             motions = [np.asarray(self._array(variable)[...]) for variable in layout.MOTIONS[:4]]
-            columns = [np.asarray(self._array(variable)[...]) for variable in layout.MEASURED]
+            columns = [np.asarray(self._array(variable)[...]) for variable in self._measured()]
+        if self.job.sample is None:
+            columns.append(np.full_like(columns[0], np.nan))
         # A driver killed while it made room leaves some arrays longer than others, or empty at their ends.
         room = min(column.shape[-1] for column in motions + columns)
         filled = [column[:room] != variable.fill for column, variable in zip(motions, layout.MOTIONS[:4], strict=True)]

@@ -1,7 +1,7 @@
 """The solutions of all basins: the motion of each number, and its properties in each basin."""
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,21 +28,48 @@ def motion_of(attractor: Attractor) -> Motion:
     return Motion(*attractor[:4])
 
 
-def share_error(share: Any, points: int) -> Any:
-    """Standard error of a share, or of an array of shares, of independent points.
+def share_error(counts: np.ndarray, points: int) -> np.ndarray:
+    """Standard errors of shares of points.
 
-    It is the standard deviation of Laplace's rule of succession: of what the share may be once so many points are
-    known. The binomial law, which it follows elsewhere, would give no error to the shares 0 and 1.
+    Of one set of points they are those of independent points: the standard deviation of Laplace's rule of succession,
+    of what a share may be once so many points are known. The binomial law, which it follows elsewhere, would give no
+    error to the shares 0 and 1. Of several sets of the same size it is the standard error of the mean of their shares;
+    where all sets agree, their scatter says nothing, and Laplace's stays.
+
+    Parameters
+    ----------
+    counts : ndarray of int, shape (sets, solutions)
+        Points of each set that end in each solution.
+    points : int
+        Of all sets.
+
+    Returns
+    -------
+    ndarray of float64, shape (solutions,)
+
+    Examples
+    --------
+    >>> share_error(np.array([[0, 100], [0, 100]]), 200).round(4)
+    array([0.0049, 0.0049])
+    >>> share_error(np.array([[20, 80], [22, 78]]), 200).round(4)
+    array([0.01, 0.01])
     """
+    sets = counts.shape[0]
+    share = counts.sum(axis=0) / points
     likely = (share * points + 1.0) / (points + 2.0)
-    return (likely * (1.0 - likely) / (points + 3.0)) ** 0.5
+    laplace: np.ndarray = (likely * (1.0 - likely) / (points + 3.0)) ** 0.5
+    if sets == 1:
+        return laplace
+    scatter = np.std(counts / (points / sets), axis=0, ddof=1) / sets**0.5
+    return np.where(np.ptp(counts, axis=0) > 0, scatter, laplace)
 
 
 @dataclass
 class SolutionTable:
     """Solutions by number, and per basin their share, Lyapunov exponent, its error and mean life (basins, solutions).
 
-    A share is NaN where a basin has no such solution, and in the whole row of a basin that is not complete.
+    A share is NaN where a basin has no such solution, and in the whole row of a basin that is not complete; its error
+    is NaN for cells, too.
     """
 
     motions: list[Motion]
@@ -50,19 +77,20 @@ class SolutionTable:
     exponent: np.ndarray
     error: np.ndarray
     mean_life: np.ndarray
+    share_error: np.ndarray
 
     @classmethod
     def empty(cls, job: BasinJob) -> "SolutionTable":
         """Table of a job that has not begun."""
-        return cls([], *(np.empty((job.basins, 0)) for _ in range(4)))
+        return cls([], *(np.empty((job.basins, 0)) for _ in range(5)))
 
     @property
     def columns(self) -> list[np.ndarray]:
-        """Properties of solutions in each basin, in the order of `layout.MEASURED`."""
-        return [self.share, self.exponent, self.error, self.mean_life]
+        """Properties of solutions in each basin, in the order of `layout.MEASURED`; the errors of shares last."""
+        return [self.share, self.exponent, self.error, self.mean_life, self.share_error]
 
     def _replace(self, columns: list[np.ndarray]) -> None:
-        self.share, self.exponent, self.error, self.mean_life = columns
+        self.share, self.exponent, self.error, self.mean_life, self.share_error = columns
 
     @property
     def complete(self) -> np.ndarray:
@@ -95,9 +123,13 @@ class SolutionTable:
         del self.motions[solutions:]
         self._replace([column[:, :solutions] for column in self.columns])
 
-    def enter(self, basin: int, numbers: list[int], attractors: tuple[Attractor, ...], shares: np.ndarray) -> None:
+    def enter(
+        self, basin: int, numbers: list[int], attractors: tuple[Attractor, ...], shares: np.ndarray,
+        errors: np.ndarray | float = np.nan,
+    ) -> None:  # fmt: skip
         """Fill the row of a basin."""
         self.share[basin, numbers] = shares
+        self.share_error[basin, numbers] = errors
         self.exponent[basin, numbers] = [attractor.lyapunov_exponent for attractor in attractors]
         self.error[basin, numbers] = [attractor.lyapunov_error for attractor in attractors]
         self.mean_life[basin, numbers] = [attractor.mean_life for attractor in attractors]

@@ -11,7 +11,7 @@ from rattle_kernels import Attractor
 from worker.stores.basin_store import BasinStore
 from worker.stores.changes import list_changes
 from worker.stores.layout import ChangeKind, TileState
-from worker.stores.solution_table import SolutionTable, share_error
+from worker.stores.solution_table import SolutionTable
 
 
 @dataclass(frozen=True)
@@ -173,8 +173,7 @@ def _basins(store: BasinStore, table: SolutionTable) -> tuple[SweptBasinSummary,
     basins = []
     for basin, complete in enumerate(table.complete.tolist()):
         shares = {number: float(table.share[basin, number]) for number in table.numbers_in(basin)}
-        points = job.sample.points if job.sample is not None else None
-        errors = {number: share_error(p, points) for number, p in shares.items()} if points else {}
+        errors = {number: float(table.share_error[basin, number]) for number in shares} if job.sample else {}
         basins.append(SweptBasinSummary(job.values_of(basin), complete, shares, errors))
     return tuple(basins)
 

@@ -6,7 +6,7 @@ import { ended } from "./jobs/life.js";
 import { showCaption } from "./look/caption.js";
 import { firstOf, Screen } from "./look/screen.js";
 import { by } from "./page/by.js";
-import { enableTools, setUpControls } from "./page/controls.js";
+import { enableSteps, enableTools, setUpControls } from "./page/controls.js";
 import { askForKey } from "./page/login.js";
 import { attempt, inWords, say } from "./page/say.js";
 import { showState } from "./page/state.js";
@@ -26,7 +26,7 @@ import { Turn } from "./panels/turn.js";
 import { Marks } from "./plane/marks.js";
 import { Plane } from "./plane/plane.js";
 import { decode, encode } from "./state/address.js";
-import { hasEarlier, write } from "./state/entries.js";
+import { write } from "./state/entries.js";
 import { axesOf, limitOf, same, viewOf } from "./state/window.js";
 import { setUpTheme } from "./page/theme.js";
 
@@ -232,7 +232,8 @@ function caption() {
 
 function takeaway() {
   const request = jobs.job?.request ?? at.request;
-  if (request) showTakeaway(by("takeaway"), { job: at.edited ? null : jobs.job, request, plane, motions, caption: document.title });
+  const seen = { plane, motions, caption: document.title, overlays: overlays.drawn, panel: at.panel };
+  if (request) showTakeaway(by("takeaway"), { job: at.edited ? null : jobs.job, request, ...seen });
 }
 
 function restyle(look) {
@@ -251,7 +252,7 @@ function remember(isNew) {
   const job = at.edited || jobs.life.phase === "asking" ? null : jobs.job;
   const pictured = job && !hasCells(job) ? {} : { request: at.request, view: plane.view, whole: at.whole };
   write(encode({ job: job?.id, panel: at.panel, layer, palette, overlays: overlays.names, motions: motions.starts, ...pictured }), isNew);
-  by("back").disabled = !hasEarlier();
+  enableSteps();
 }
 
 /** Show what the address says; whether it says anything. */
@@ -271,7 +272,7 @@ async function openAddress() {
     for (const [i, [t, v]] of seen.motions.entries()) await motions.pick({ t, v }, i > 0);
   } finally {
     if (at.opening === seen) at.opening = null;
-    by("back").disabled = !hasEarlier();
+    enableSteps();
   }
   return Boolean(job || request);
 }

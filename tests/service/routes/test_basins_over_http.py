@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 from tests.running_service import running_service
+from tests.service.routes.problems import assert_problem
 from worker.stores.opening import holds_store
 from worker.views.reading import open_basin
 
@@ -91,6 +92,32 @@ def test_parts_of_the_store_are_served_by_range_and_head(service, finished):
 def test_every_layer_has_a_picture(service, finished, layer):
     answer = service.request("GET", f"{finished['links']['picture']}?layer={layer}")
     assert answer.headers["content-type"] == "image/png" and answer.content.startswith(b"\x89PNG")
+
+
+def test_a_picture_can_be_that_of_what_is_seen(service, finished):
+    picture = finished["links"]["picture"]
+    seen = "window=0.75,1.25,2,5&overlays=&palette=colour_blind&panel=0"
+    answers = {query: service.request("GET", f"{picture}?{query}") for query in ("", seen, seen.replace("=2", "=3"))}
+    assert all(answer.content.startswith(b"\x89PNG") for answer in answers.values())
+    assert len({answer.content for answer in answers.values()}) == len(
+        {each.headers["etag"] for each in answers.values()}
+    )
+    assert service.request("GET", f"{picture.replace('png', 'svg')}?{seen}").content.startswith(b"<?xml")
+
+
+@pytest.mark.parametrize(
+    ("query", "told"),
+    [
+        ("window=0.2,0.6", "a window is four numbers"),
+        ("window=0.2,0.6,90,95", "the job covers t 0 to 1"),
+        ("panel=3", "there is no basin 3"),
+        ("panel=-1", "query.panel"),
+        ("overlays=clouds", "there is no overlay 'clouds'"),
+        ("palette=grey", "query.palette"),
+    ],
+)
+def test_what_cannot_be_seen_is_refused_in_words(service, finished, query, told):
+    assert_problem(service.request("GET", f"{finished['links']['picture']}?{query}"), 422, told)
 
 
 def test_a_picture_and_a_result_that_have_not_changed_are_not_sent_again(service, finished):

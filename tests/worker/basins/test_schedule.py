@@ -33,7 +33,7 @@ def test_attractors_that_the_first_basin_finds_late_have_numbers_and_shares(tmp_
         schedule.take(NOTHING, None)
         writes += drained(schedule)
     assert [task.function for task in writes] == [write_points] * 2 and ledger.basins == 0
-    basin.counts, basin.solved = np.array([128 * 64, 128 * 32, 128 * 32]), True
+    basin.counts, basin.solved = np.array([[128 * 64, 128 * 32, 128 * 32]]), True
     for task in writes:
         schedule.take(task, None)
     assert ledger.basins == 1 and schedule.basins == {}

@@ -11,6 +11,7 @@ from worker.errors import InvalidJob
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay import Lines, Marks, attractor_marks, grazing_line
 from worker.pictures.overlay_kind import OverlayKind, overlays_for, parse_overlays
+from worker.pictures.panel_picture import Look
 from worker.pictures.picture import basin_figure
 from worker.views.basin_plot import plot_basin
 from worker.views.reading import open_basin
@@ -81,10 +82,9 @@ def test_basins_carry_what_is_asked_for_and_no_more(store, attractors):
         counts = [len(plot_basin(basin, Figure().subplots(), overlays=kinds).lines) for kinds in ((), ("grazing",))]
     assert counts == [0, 1]
     plain, laid = io.BytesIO(), io.BytesIO()
-    save_figure(basin_figure(store.location, overlays=()), plain, PictureFormat.PNG)
-    save_figure(
-        basin_figure(store.location, overlays=(OverlayKind.GRAZING, OverlayKind.PREIMAGES)), laid, PictureFormat.PNG
-    )
+    save_figure(basin_figure(store.location, Look(overlays=())), plain, PictureFormat.PNG)
+    asked = Look(overlays=(OverlayKind.GRAZING, OverlayKind.PREIMAGES))
+    save_figure(basin_figure(store.location, asked), laid, PictureFormat.PNG)
     assert plain.getvalue() != laid.getvalue()
     assert [marks.marker for marks in attractor_marks(attractors)] == ["x", "."]
     assert grazing_line(OSCILLATOR._replace(stiffness=1e4)).pieces[0].v.min() > 0.0

@@ -13,7 +13,7 @@ from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
 from worker.pictures.figure_file import PictureFormat, save_figure
-from worker.pictures.panel_picture import Layer
+from worker.pictures.panel_picture import Layer, Look
 from worker.pictures.picture import basin_figure
 from worker.pictures.share_chart import shares_figure
 from worker.stores import layout
@@ -24,7 +24,7 @@ from worker.stores.solution_table import SolutionTable, motion_of
 
 def drawn(store, layer=Layer.SOLUTION):
     buffer = io.BytesIO()
-    save_figure(basin_figure(store.location, layer=layer), buffer, PictureFormat.PNG)
+    save_figure(basin_figure(store.location, Look(layer)), buffer, PictureFormat.PNG)
     buffer.seek(0)
     return imread(buffer)[..., :3]
 
@@ -54,7 +54,7 @@ def test_the_legend_shows_the_shades_of_chaos(store):
 
 @pytest.mark.parametrize("layer", [Layer.GROUP, Layer.PERIOD, Layer.STEP])
 def test_hsus_numbers_have_a_scale_of_whole_numbers(store, layer):
-    figure = basin_figure(store.location, layer=layer)
+    figure = basin_figure(store.location, Look(layer))
     shown, scale = figure.axes[0].images[0], figure.axes[-1]
     ticks = scale.get_yticks()
     assert ticks.tolist() == ticks.round().tolist() and ticks.size > 1
@@ -81,8 +81,8 @@ def test_a_store_without_any_label_is_drawn(tmp_path):
 @pytest.mark.parametrize("layer", [Layer.GROUP, Layer.PERIOD, Layer.STEP])
 def test_the_same_store_gives_the_same_bytes(store, layer):
     one, other = io.BytesIO(), io.BytesIO()
-    save_figure(basin_figure(store.location, layer=layer), one, PictureFormat.PNG)
-    save_figure(basin_figure(store.location, layer=layer), other, PictureFormat.PNG)
+    save_figure(basin_figure(store.location, Look(layer)), one, PictureFormat.PNG)
+    save_figure(basin_figure(store.location, Look(layer)), other, PictureFormat.PNG)
     assert one.getvalue() == other.getvalue()
 
 
@@ -99,7 +99,7 @@ def test_motions_of_one_name_are_told_apart_and_kinds_keep_their_colours():
 
 
 def test_every_variable_has_dimensions_and_a_fill_that_is_no_value():
-    tables = *layout.MOTIONS, *layout.MEASURED, layout.SHARE_ERROR, *layout.CHANGES, *layout.IMAGE_SET
+    tables = *layout.MOTIONS, *layout.measured(1), *layout.CHANGES, *layout.IMAGE_SET
     for places in (layout.CELLS, layout.SAMPLE):
         arrays = *places.coordinates, *places.mapped, *places.labelled, places.solution, places.own_solution
         for variable in (*arrays, places.ledger, layout.GRAZING, *tables):

@@ -66,5 +66,14 @@ export function showHistories(section, backlash, motions, seek) {
   const chart = document.createElement("div");
   chart.className = "chart";
   place.append(...[...motions].map(([name, motion]) => sentence(name, motion)), chart);
-  return cursorOn(draw(chart, backlash, motions), seek);
+  let move = cursorOn(draw(chart, backlash, motions), seek);
+  let [wide, now] = [chart.clientWidth, null];
+  // A drawer that opens or a phone that turns gives it another width, and its text would change in size.
+  new ResizeObserver(() => {
+    if ([0, wide].includes(chart.clientWidth)) return;
+    wide = chart.clientWidth;
+    move = cursorOn(draw(chart, backlash, motions), seek);
+    move(now);
+  }).observe(chart);
+  return (at) => move((now = at));
 }

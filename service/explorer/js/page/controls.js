@@ -1,7 +1,7 @@
 /** The buttons around the plane, the menus and the drawer. */
 
 import { by } from "./by.js";
-import { hasEarlier } from "../state/entries.js";
+import { hasEarlier, hasLater } from "../state/entries.js";
 import { listRecent } from "./recent.js";
 import { attempt } from "./say.js";
 
@@ -28,7 +28,13 @@ function setUpMenus() {
 
 /** Let the window be moved, or not where there is none. */
 export function enableTools(on) {
-  for (const id of ["back", "forward", "in", "out", "whole", "box", "layer", "keep"]) by(id).disabled = !on;
+  for (const id of ["in", "out", "whole", "box", "layer", "keep"]) by(id).disabled = !on;
+}
+
+/** Let Back and Forward be pressed where they lead somewhere. */
+export function enableSteps() {
+  by("back").disabled = !hasEarlier();
+  by("forward").disabled = !hasLater();
 }
 
 /**
@@ -42,7 +48,7 @@ export function enableTools(on) {
  */
 export function setUpControls({ plane, jobs, restyle, whole, takeaway }) {
   by("cancel").addEventListener("click", () => jobs.cancel());
-  by("back").addEventListener("click", () => hasEarlier() && history.back());
+  by("back").addEventListener("click", () => history.back());
   by("forward").addEventListener("click", () => history.forward());
   by("in").addEventListener("click", () => plane.zoom(0.7));
   by("out").addEventListener("click", () => plane.zoom(1 / 0.7));

@@ -2,6 +2,7 @@
 
 import { pythonOf } from "../look/python.js";
 import { pathOf, send } from "../net/api.js";
+import { windowText } from "../state/address.js";
 import { hasCells } from "./still.js";
 import { pictureOf } from "./photograph.js";
 import { attempt } from "./say.js";
@@ -52,20 +53,30 @@ function sharesCsv(picture) {
   return asCsv([["solution", "share"], ...picture.outline.solutions.map(({ name, number }) => [`"${name}"`, shares[number]])]);
 }
 
+/** What the service's picture takes of what is seen. */
+function asQuery({ layer, palette, window, overlays, panel }) {
+  const given = Object.entries({ layer, palette, window, overlays, panel }).filter(([, value]) => value !== undefined);
+  return `?${new URLSearchParams(given)}`;
+}
+
 /** Files that can be saved: a title, a name, and how to get it. */
-function filesOf({ job, plane, motions, caption }) {
+function filesOf({ job, plane, motions, caption, overlays, panel }) {
   const cells = !job || hasCells(job);
   const name = job ? `${job.kind}-${job.id.slice(0, 8)}` : "preview";
   const files = [];
-  if (cells && plane.picture) {
-    files.push(["What is seen (PNG)", `${name}.png`, () => pictureOf(plane, caption)]);
-    files.push(["Shares (CSV)", `${name}-shares.csv`, () => sharesCsv(plane.picture)]);
+  const drawn = (ending, query) => () => fetched(`${job.links.picture.replace(/png$/, ending)}${query}`);
+  if (cells && plane.picture) files.push(["What is seen (PNG)", `${name}.png`, () => pictureOf(plane, caption)]);
+  if (cells && job) {
+    const query = asQuery({ ...plane.look, window: windowText(plane.view), overlays: overlays.join(","), panel });
+    for (const ending of ["svg", "pdf"]) {
+      files.push([`What is seen (${ending.toUpperCase()})`, `${name}.${ending}`, drawn(ending, query)]);
+    }
   }
+  if (cells && plane.picture) files.push(["Shares (CSV)", `${name}-shares.csv`, () => sharesCsv(plane.picture)]);
   if (motions.followed.size) files.push(["Histories (CSV)", `${name}-histories.csv`, () => historyCsv(motions)]);
   if (!job) return files;
-  const drawn = (ending) => `${job.links.picture.replace(/png$/, ending)}${cells ? `?layer=${plane.look.layer}` : ""}`;
-  for (const [title, ending] of [["Picture (PNG)", "png"], ["SVG", "svg"], ["PDF", "pdf"]]) {
-    files.push([title, `${name}-whole.${ending}`, () => fetched(drawn(ending))]);
+  for (const ending of ["png", "svg", "pdf"]) {
+    files.push([`Whole job (${ending.toUpperCase()})`, `${name}-whole.${ending}`, drawn(ending, cells ? asQuery(plane.look) : "")]);
   }
   files.push(["Table (CSV)", `${name}.csv`, () => fetched(`${job.links.result}.csv`)]);
   return files;

@@ -35,8 +35,12 @@ function fieldOf(location) {
 
 function secondsInWords(seconds) {
   if (seconds < 1) return "Less than a second of computing.";
-  if (seconds < 90) return `Up to ${Math.round(seconds)} s of computing.`;
-  return `Up to ${Math.round(seconds / 60)} minutes of computing.`;
+  if (seconds < 90) return `Up to ${Math.ceil(seconds)} s of computing.`;
+  return `Up to ${Math.ceil(seconds / 60)} minutes of computing.`;
+}
+
+function plainly(message) {
+  return message.replace(/^Input should be /, "must be ").replace(/ \(RATTLE_\w+\)/, "");
 }
 
 export class Form {
@@ -207,8 +211,8 @@ export class Form {
       const { text, why } = hintOf(bound);
       this.#hint(by(`hint-${bound.field}`), text, why, false);
     }
-    const elsewhere = errors.filter((error) => !this.#blame(error)).map(({ message }) => message);
-    const oscillatorErrors = errors.filter(({ location }) => location[1] === "oscillator").map(({ message }) => message);
+    const elsewhere = errors.filter((error) => !this.#blame(error)).map(({ message }) => plainly(message));
+    const oscillatorErrors = errors.filter(({ location }) => location[1] === "oscillator").map((error) => this.#words(error));
     if (accepted) this.#say(secondsInWords(seconds), false);
     else this.#say([...elsewhere, ...oscillatorErrors].join("; ") || "Not yet: see the field marked in the request.", true);
   }
@@ -219,13 +223,18 @@ export class Form {
     hint.classList.toggle("wrong", wrong);
   }
 
-  /** Mark the field at fault; false if there is none. */
-  #blame({ location, message }) {
+  /** What is wrong, without the words of types and of settings. */
+  #words({ location, message }) {
     const input = this.#field(fieldOf(location) ?? "");
+    return NUMBERS.includes(input?.name) && typeof valueOf(input) !== "number" ? "not a valid number: write one as 0.6" : plainly(message);
+  }
+
+  /** Mark the field at fault; false if there is none. */
+  #blame(error) {
+    const input = this.#field(fieldOf(error.location) ?? "");
     if (!input?.setAttribute) return false;
     input.setAttribute("aria-invalid", "true");
-    const text = NUMBERS.includes(input.name) && typeof valueOf(input) !== "number" ? "not a valid number: write one as 0.6" : message;
-    this.#hint(by(input.getAttribute("aria-describedby")), text, "", true);
+    this.#hint(by(input.getAttribute("aria-describedby")), this.#words(error), "", true);
     return true;
   }
 }

@@ -51,6 +51,11 @@ export class OverlayList {
     return OVERLAYS.filter(({ on }) => on).map(({ name }) => name);
   }
 
+  /** Names of those that are drawn: some come later, and some models lack some. */
+  get drawn() {
+    return OVERLAYS.filter(({ on, fetched }) => on && fetched?.length !== 0).map(({ name }) => name);
+  }
+
   /** Turn on the overlays of these names, and no others. */
   choose(names) {
     for (const overlay of OVERLAYS) {

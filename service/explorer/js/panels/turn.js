@@ -28,6 +28,7 @@ export class Turn {
     for (const slider of SLIDERS) {
       const row = document.createElement("label");
       row.className = "turn";
+      row.hidden = true;
       row.title = `${slider.label}: ${slider.means}`;
       const input = Object.assign(document.createElement("input"), { type: "range", step: slider.step });
       input.dataset.turn = slider.name;

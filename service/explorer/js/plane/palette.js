@@ -45,19 +45,32 @@ export function keyOf(solutions, number) {
   return twins ? `${name} (${twins + 1})` : name;
 }
 
-/** Brightness by speckle: 1 first, for the sink and for previews; the others are 1 on average. */
-function brightnesses({ speckle }) {
-  const mean = speckle.reduce((sum, each) => sum + each, 0) / speckle.length;
-  return [1, ...speckle.map((each) => each / mean)];
+/**
+ * Brightness by speckle: 1 first, for the sink and for previews. Of the others, `usual` is 1, so that most of a motion
+ * has the colour of the legend, whatever its groups are numbered in a window.
+ */
+function brightnesses({ speckle }, usual) {
+  return [1, ...speckle.map((each) => each / speckle[usual])];
+}
+
+/** Which brightness of the speckle most cells of chaotic solutions have. */
+export function usualSpeckle({ solutions, speckle }, solution, group) {
+  const chaotic = solutions.map(({ kind }) => kind.startsWith("chaotic"));
+  const counts = new Array(speckle.length).fill(0);
+  for (let i = 0; i < solution.length; i++) {
+    if (solution[i] >= 0 && group[i] > 0 && chaotic[solution[i]]) counts[group[i] % speckle.length]++;
+  }
+  return counts.indexOf(Math.max(...counts));
 }
 
 /**
  * Pixels of solutions: for each number, one for every brightness of the speckle, beginning with the plain colour.
  * @param {Outline} outline
  * @param {{palette: string, highlight: string|null, ground: string}} look
+ * @param {number} usual brightness of the speckle that most cells have
  */
-export function solutionPixels(outline, look) {
-  const brightness = brightnesses(outline);
+export function solutionPixels(outline, look, usual) {
+  const brightness = brightnesses(outline, usual);
   const table = new Int32Array(outline.solutions.length * brightness.length);
   const ground = channels(look.ground);
   for (const solution of outline.solutions) {

@@ -2,7 +2,7 @@
 
 import { get, send } from "../net/api.js";
 import { viewOf } from "../state/window.js";
-import { paintNumbers, paintSolutions, solutionPixels, specialPixel } from "./palette.js";
+import { paintNumbers, paintSolutions, solutionPixels, specialPixel, usualSpeckle } from "./palette.js";
 
 // Largest number of cells each way that are fetched and drawn. Of more cells, only every n-th is shown.
 const MOST_CELLS = 1500;
@@ -39,6 +39,7 @@ export class Picture {
     this.there = new Set();
     this.settled = new Set();
     this.fresh = true;
+    this.usual = 0;
     // Whether slow motions are named by their first impacts only, as in a first look.
     this.quick = false;
     this.canvas = document.createElement("canvas");
@@ -145,10 +146,12 @@ export class Picture {
 
   /** Paint one tile, or all, in a style. */
   paint(look, tile = null) {
-    const everything = { left: 0, top: 0, right: this.width, bottom: this.height };
-    const { left, top, right, bottom } = tile === null ? everything : this.rectangle(tile);
     const numbers = look.layer !== "solution";
-    const table = numbers ? null : solutionPixels(this.outline, look);
+    const usual = usualSpeckle(this.outline, this.solution, this.group);
+    const everything = { left: 0, top: 0, right: this.width, bottom: this.height };
+    const { left, top, right, bottom } = tile === null || usual !== this.usual ? everything : this.rectangle(tile);
+    this.usual = usual;
+    const table = numbers ? null : solutionPixels(this.outline, look, usual);
     const highest = numbers ? this.highest(look.layer) : 0;
     const kinds = this.outline.speckle.length;
     for (let row = top; row < bottom; row++) {

@@ -1,6 +1,9 @@
 /** Another basin swiped over the one that is seen: it is drawn to the right of a line. */
 
 import { colour } from "../page/theme.js";
+import { wrapped } from "./wrapping.js";
+
+const LINE = 16;
 
 /**
  * Draw the other basin.
@@ -22,11 +25,12 @@ export function drawSwipe(plot, { pictures, part, label }) {
   context.fillStyle = "#ffffff";
   context.fillRect(x - 1.5, plot.top, 3, plot.height);
   context.font = '12px system-ui, "DejaVu Sans", sans-serif';
-  const width = context.measureText(label).width;
+  const lines = wrapped(label, plot.left + plot.width - x - 18, (text) => context.measureText(text).width);
+  const width = Math.max(...lines.map((line) => context.measureText(line).width));
   context.fillStyle = "rgb(0 0 0 / 70%)";
-  context.fillRect(x + 6, plot.top + 6, width + 12, 20);
+  context.fillRect(x + 6, plot.top + 6, width + 12, LINE * lines.length + 4);
   context.fillStyle = "#ffffff";
   context.textAlign = "left";
   context.textBaseline = "middle";
-  context.fillText(label, x + 12, plot.top + 16);
+  lines.forEach((line, i) => context.fillText(line, x + 12, plot.top + 8 + LINE * (i + 0.5)));
 }

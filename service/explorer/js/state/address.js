@@ -37,7 +37,8 @@ function windowOf(text) {
   return t0 < t1 && v0 < v1 ? { t0, t1, v0, v1 } : null;
 }
 
-function windowText({ t0, t1, v0, v1 }) {
+/** A window as addresses have it. */
+export function windowText({ t0, t1, v0, v1 }) {
   return [t0, t1, v0, v1].map(short).join(",");
 }
 
