@@ -32,6 +32,17 @@ class _Passed:
 
 
 @kernel
+def _highest(box, columns):
+    """Highest number in some columns of ``box``: those of captured trajectories hold anything."""
+    highest = np.int64(0)
+    for leg in range(box.shape[0]):
+        for column in columns:
+            for number in box[leg, column]:
+                highest = max(highest, number)
+    return highest
+
+
+@kernel
 def _mark(box, columns, marked):
     """Mark what some columns of ``box`` (legs, columns, images) hold; return whether no image is missing."""
     whole = True
@@ -47,7 +58,7 @@ def _mark(box, columns, marked):
 
 def _distinct(box: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, bool]:
     """Numbers of the boxes in some columns, ascending, and whether no image is missing."""
-    marked = np.zeros(max(int(box.max(initial=0)), 0) + 1, np.bool_)
+    marked = np.zeros(_highest(box, columns) + 1, np.bool_)
     whole = _mark(box, columns, marked)
     return np.flatnonzero(marked), whole
 

@@ -3,6 +3,7 @@
 Each returns a receipt, never the arrays. The worker itself writes those to the store.
 """
 
+import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,6 +33,9 @@ from worker.cluster.task import stop_if_cancelled
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import demand_same_digest
 from worker.stores.tiles import Tile, bands, runs_of_points
+
+
+_mapped_last = threading.local()
 
 
 @dataclass(frozen=True)
@@ -123,15 +127,24 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     images = (_map_in_bands if store.job.sample is None else _map_sample)(store, tile)
     seconds = time.perf_counter() - begin
     store.write_tile(store.places.mapped, tile, images[:3])
+    _mapped_last.images = (location, digest, number), images
     return _receipt(store, tile.basin, images, seconds)
+
+
+def _images(location: str, digest: str, number: int) -> CellImages:
+    """Images of a tile that is in the store. A basin of one tile is labelled by the thread that has just mapped it."""
+    key, images = getattr(_mapped_last, "images", (None, None))
+    if images is None or key != (location, digest, number):
+        store = open_store(location, digest)
+        images = CellImages(*store.read_tile(store.places.mapped, store.tiling.tile(number)), 0)
+    return images
 
 
 def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
     """Receipt of a tile that is already in the store."""
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
-    image, t, v = store.read_tile(store.places.mapped, tile)
-    return _receipt(store, tile.basin, CellImages(image, t, v, 0), 0.0)
+    return _receipt(store, tile.basin, _images(location, digest, number), 0.0)
 
 
 @lru_cache(maxsize=4)
@@ -184,12 +197,12 @@ def label_tile(
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
     stop_if_cancelled()
-    image, t, v = store.read_tile(store.places.mapped, tile)
+    images = _images(location, digest, number)
     groups = _groups(location, digest, tile.basin) if store.places.labelled else None
     begin = time.perf_counter()
-    labels = label_cells(groups, _own_cells(store, tile), image) if groups is not None else ()
+    labels = label_cells(groups, _own_cells(store, tile), images.image_cell) if groups is not None else ()
     oscillator = store.job.oscillator_of(tile.basin)
-    solution, unassigned = name_landings(oscillator, attractors, CellImages(image, t, v, 0), stop_if_cancelled)
+    solution, unassigned = name_landings(oscillator, attractors, images, stop_if_cancelled)
     seconds = time.perf_counter() - begin
     named = store.places.solution if numbered else store.places.own_solution
     store.write_tile((*store.places.labelled, named), tile, (*labels, solution))

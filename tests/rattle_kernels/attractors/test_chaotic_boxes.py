@@ -65,8 +65,9 @@ def test_boxes_kept_are_those_of_the_points(monkeypatch):
 
 def test_boxes_with_an_image_missing_are_not_kept():
     chaotic_boxes._boxes.cache_clear()
-    box = np.full((2, 3, IMAGES), 7)
+    box = np.full((2, 4, IMAGES), 7)
     box[1, 2, -1] = -1
+    box[1, 3] = 1 << 60  # never written, since its trajectory was captured before
     t, v = _points(4)
     keep_boxes(RATTLING, t, v, box, np.arange(3))
     assert chaotic_boxes._boxes.cache_info().currsize == 0
