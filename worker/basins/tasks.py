@@ -16,7 +16,6 @@ from rattle_kernels import (
     SINK,
     UNDECIDED,
     Attractor,
-    CellGroups,
     CellImages,
     find_attractors,
     grazing_velocity,
@@ -27,15 +26,15 @@ from rattle_kernels import (
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import Seeds, choose_seeds
 from rattle_kernels.cell_mapping.image_set import MarkedWords, mark_images
-from worker.basins.assembly import assemble_groups
+from worker.basins.assembly import assemble_groups, groups_of
 from worker.basins.landings import name_landings
 from worker.cluster.task import stop_if_cancelled
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import demand_same_digest
 from worker.stores.tiles import Tile, bands, runs_of_points
 
-
-_mapped_last = threading.local()
+# Images of a basin of one tile, between mapping it and labelling it in the same thread.
+_just_mapped = threading.local()
 
 
 @dataclass(frozen=True)
@@ -127,24 +126,31 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     images = (_map_in_bands if store.job.sample is None else _map_sample)(store, tile)
     seconds = time.perf_counter() - begin
     store.write_tile(store.places.mapped, tile, images[:3])
-    _mapped_last.images = (location, digest, number), images
+    if store.tiling.tiles_of_basin == 1:
+        _just_mapped.images = (location, digest, number), images
     return _receipt(store, tile.basin, images, seconds)
 
 
+def _read_images(store: BasinStore, tile: Tile) -> CellImages:
+    image, t, v = store.read_tile(store.places.mapped, tile)
+    return CellImages(image, t, v, 0)
+
+
 def _images(location: str, digest: str, number: int) -> CellImages:
-    """Images of a tile that is in the store. A basin of one tile is labelled by the thread that has just mapped it."""
-    key, images = getattr(_mapped_last, "images", (None, None))
-    if images is None or key != (location, digest, number):
-        store = open_store(location, digest)
-        images = CellImages(*store.read_tile(store.places.mapped, store.tiling.tile(number)), 0)
-    return images
+    """Images of a tile, from the store unless this thread has just mapped it."""
+    key, images = getattr(_just_mapped, "images", (None, None))
+    _just_mapped.images = None, None
+    if images is not None and key == (location, digest, number):
+        return images
+    store = open_store(location, digest)
+    return _read_images(store, store.tiling.tile(number))
 
 
 def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
     """Receipt of a tile that is already in the store."""
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
-    return _receipt(store, tile.basin, _images(location, digest, number), 0.0)
+    return _receipt(store, tile.basin, _read_images(store, tile), 0.0)
 
 
 @lru_cache(maxsize=4)
@@ -160,7 +166,7 @@ def assemble_basin(location: str, digest: str, basin: int, seeds: Seeds) -> Cata
     store = open_store(location, digest)
     begin = time.perf_counter()
     if store.job.sample is None:
-        store.write_groups(basin, assemble_groups(store, basin, stop_if_cancelled))
+        assemble_groups(store, basin, stop_if_cancelled)
         store.write_grazing_velocity(
             basin, grazing_velocity(store.job.oscillator_of(basin), store.job.grid.time_centres())
         )
@@ -180,12 +186,6 @@ def extend_catalogue(
     return CatalogueReceipt(attractors, time.perf_counter() - begin)
 
 
-@lru_cache(maxsize=4)
-def _groups(location: str, digest: str, basin: int) -> CellGroups:
-    """Hsu's numbers on a basin's image set. Reading costs more than labelling a tile, so each process reads once."""
-    return open_store(location, digest).read_groups(basin)
-
-
 def label_tile(
     location: str, digest: str, number: int, attractors: tuple[Attractor, ...], numbered: bool
 ) -> LabelReceipt:
@@ -198,7 +198,7 @@ def label_tile(
     tile = store.tiling.tile(number)
     stop_if_cancelled()
     images = _images(location, digest, number)
-    groups = _groups(location, digest, tile.basin) if store.places.labelled else None
+    groups = groups_of(store, tile.basin) if store.places.labelled else None
     begin = time.perf_counter()
     labels = label_cells(groups, _own_cells(store, tile), images.image_cell) if groups is not None else ()
     oscillator = store.job.oscillator_of(tile.basin)
