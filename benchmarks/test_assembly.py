@@ -3,7 +3,6 @@
 import shutil
 import threading
 import time
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +10,8 @@ import pytest
 
 from rattle_kernels import CellGrid, CellGroups, Oscillator, find_groups, label_cells, map_cells
 from rattle_kernels.cell_mapping.image_set import mark_images, members_of, place_images, unite
-from worker.basins.assembly import assemble_groups
-from worker.basins.tasks import map_tile
+from worker.basins.assembly import assemble_groups, groups_of
+from worker.basins.tasks import map_tile, open_store
 from worker.cluster.connection import local_cluster
 from worker.cluster.driver import Driver
 from worker.cluster.task import Task
@@ -39,7 +38,7 @@ def impact_map(side, first_row, rows):
     return map_cells(Oscillator(), grid, 1, (first_row, first_row + rows), (0, side)).image_cell
 
 
-def groups_of(side, bands):
+def groups_of_bands(side, bands):
     """Hsu's numbers of a map given in bands of rows."""
     cells = side * side
     members = unite(cells, [mark_images(cells, band) for band in bands])
@@ -51,7 +50,7 @@ def groups_of(side, bands):
 
 def assemble(side, bands) -> CellGroups:
     """Groups, and every band labelled by them."""
-    groups = groups_of(side, bands)
+    groups = groups_of_bands(side, bands)
     for number, band in enumerate(bands):
         first = number * band.size
         label_cells(groups, np.arange(first, first + band.size).reshape(band.shape), band)
@@ -73,7 +72,7 @@ def test_labels_by_look_up(benchmark):
     rng = np.random.default_rng(0)
     images = np.unique(rng.integers(0, 4_000_000, 100_000))
     image = images[rng.integers(0, images.size, 4_000_000)].reshape(2000, 2000)
-    groups = groups_of(2000, [image])
+    groups = groups_of_bands(2000, [image])
     group, _, _ = benchmark(label_cells, groups, np.arange(image.size), image.ravel())
     assert (group == group[image.ravel()]).all()
     _rate(benchmark, image.size)
@@ -110,21 +109,15 @@ def _peak():
     return int(status.split("VmHWM:")[1].split()[0]) / 2**20
 
 
-@lru_cache(maxsize=1)
-def _store_and_groups(location: str):
-    store = BasinStore(location)
-    return store, store.read_groups(0)
-
-
 def find_groups_in_store(location: str, digest: str, basin: int) -> None:
     """Run Hsu's algorithm on the image set in a store."""
-    store = BasinStore(location)
-    store.write_groups(basin, assemble_groups(store, basin))
+    assemble_groups(open_store(location, digest), basin)
 
 
 def label_groups(location: str, digest: str, number: int) -> None:
     """Label one tile by the image set in its store, without naming solutions."""
-    store, groups = _store_and_groups(location)
+    store = open_store(location, digest)
+    groups = groups_of(store, 0)
     tile = store.tiling.tile(number)
     (image,) = store.read_tile(MAPPED[:1], tile)
     own = np.arange(*tile.rows)[:, None] * store.job.grid.time_cells + np.arange(*tile.columns)

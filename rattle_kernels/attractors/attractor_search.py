@@ -25,8 +25,9 @@ from rattle_kernels.attractors.attractor import (
     Attractor,
     AttractorKind,
 )
+from rattle_kernels.attractors.chaotic_boxes import hit_the_same_boxes
 from rattle_kernels.attractors.chaotic_transient import follow_ensemble
-from rattle_kernels.attractors.neighbourhoods import hit_the_same_boxes, locate, neighbourhoods
+from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.model.domain import check_domain

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.attractors.attractor import ENSEMBLE, SHORTEST_RUN
+from rattle_kernels.attractors.chaotic_boxes import IMAGES, fly_and_note, keep_boxes
 from rattle_kernels.cell_mapping.iterations import settled_iterations
 from rattle_kernels.lanes.lyapunov import TangentGrowth, tangent_growth
 from rattle_kernels.lanes.run import run_lanes
@@ -116,9 +117,15 @@ def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = n
     visits = np.full((_LEGS, 2, ENSEMBLE), np.nan)
     going = np.flatnonzero(np.isfinite(begun.t))
     times, speeds = begun.t[going], begun.v[going]
-    for visit in visits:
+    # Where a leg takes as many impacts as a point marks boxes with, these are the same flights.
+    boxes = np.empty((_LEGS, ENSEMBLE, IMAGES if leg == IMAGES else 0), np.int64)
+    for visit, box in zip(visits, boxes, strict=True):
         visit[:, going] = times, speeds
-        kept, times, speeds = _carried(oscillator, times, speeds, leg, pause)
+        if box.size:
+            pause()
+            kept, times, speeds = fly_and_note(oscillator, times, speeds, going, box)
+        else:
+            kept, times, speeds = _carried(oscillator, times, speeds, leg, pause)
         going = going[kept]
     ended, grown_over = _resolved_growth(oscillator, times, speeds)
     there = np.isfinite(ended.growth)
@@ -131,14 +138,18 @@ def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = n
     settled = there & (ended.growth < _SLUGGISH * median) & (median > 0.0)
     kept, *ends = _carried(oscillator, ended.t[settled], ended.v[settled], _LEGS * leg, pause)
     staying = ended.of(there & ~settled)
-    points = visits[:, :, going[there & ~settled]]
+    stayed = going[there & ~settled]
+    points = visits[:, 0, stayed].ravel(), visits[:, 1, stayed].ravel()
     turns = float(staying.elapsed.mean())
     pace = turns / grown_over / (float(np.nanmean(begun.elapsed)) / _GROWING[0])
-    return EnsembleRun(
+    ensemble = EnsembleRun(
         _LEGS * leg, staying.exponent, staying.error, float(staying.growth.mean()),
-        math.log(_REGULAR_GROWTH * grown_over), turns, pace, points[:, 0].ravel(), points[:, 1].ravel(),
+        math.log(_REGULAR_GROWTH * grown_over), turns, pace, *points,
         ENSEMBLE - int(there.sum()) + int((~kept).sum()), np.column_stack(ends),
     )  # fmt: skip
+    if boxes.size and ensemble.chaotic:
+        keep_boxes(oscillator, *points, boxes, stayed)
+    return ensemble
 
 
 def _resolved_growth(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> tuple[TangentGrowth, int]:

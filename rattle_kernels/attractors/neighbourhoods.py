@@ -21,7 +21,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
-from rattle_kernels.lanes.arrival import BOXES, ELLIPSE_COLUMNS, UNMARKED, boxes_passed, follow
+from rattle_kernels.attractors.chaotic_boxes import boxes_of
+from rattle_kernels.lanes.arrival import BOXES, ELLIPSE_COLUMNS, UNMARKED, follow
 from rattle_kernels.lanes.run import next_impacts, run_lanes
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
@@ -30,7 +31,6 @@ from rattle_kernels.model.outcome import Outcome
 from rattle_kernels.numerics.pausing import Pause, Stoppable, never_stopped
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, derivatives_along, find_periodic_orbit
 
-_MARKING_ROUNDS = 256
 _ROUNDS = 200
 # After a carry this is enough for a streak. Settled points are recognised at once, others are carried on.
 _ROUNDS_AFTER_A_CARRY = 40
@@ -39,7 +39,6 @@ _ROUNDS_AFTER_A_CARRY = 40
 _LOW = 0.01
 _LEGS_OF_LOW_BOUNCES = 4
 _SHARED_BOX = -2
-_SAME_PART = 0.1
 
 _LARGEST_ELLIPSE = 0.05
 _SMALLEST_ELLIPSE = 1e-9
@@ -140,36 +139,6 @@ def _ellipses(
     return np.column_stack([orbit.t, orbit.v]), forms, reach
 
 
-@lru_cache(maxsize=16)
-def _boxes(oscillator: Oscillator, times: bytes, speeds: bytes) -> np.ndarray:
-    """Numbers of the boxes that the points of a chaotic attractor and their iterates hit, ascending."""
-    t, v = np.frombuffer(times), np.frombuffer(speeds)
-    passed = np.empty((t.size, _MARKING_ROUNDS), np.int64)
-    boxes_passed(oscillator, lane_tables(oscillator), t, v, passed)
-    marked = np.zeros(passed.max(initial=0) + 1, bool)
-    marked[passed[passed >= 0]] = True
-    return np.flatnonzero(marked)
-
-
-def hit_the_same_boxes(oscillator: Oscillator, one: Attractor, other: Attractor) -> bool:
-    """Whether two chaotic motions are one: they share more than a tenth of the boxes of the smaller one.
-
-    Parameters
-    ----------
-    oscillator : Oscillator
-        Checked by the caller.
-    one, other : Attractor
-        Chaotic motions.
-
-    Returns
-    -------
-    bool
-    """
-    some = _boxes(oscillator, one.time.tobytes(), one.velocity.tobytes())
-    others = _boxes(oscillator, other.time.tobytes(), other.velocity.tobytes())
-    return np.intersect1d(some, others).size > _SAME_PART * min(some.size, others.size)
-
-
 def _own_boxes(marked: dict[int, np.ndarray]) -> np.ndarray:
     """Owner of each box of the lattice; a box that two attractors hit has none."""
     rows = 1 + max((int(boxes[-1]) // BOXES for boxes in marked.values()), default=0)
@@ -210,13 +179,13 @@ def neighbourhoods(
     Neighbourhoods
     """
     ellipses, owner = [(np.empty((0, 2)), np.empty((0, 3)), np.empty(0))], []
-    marked = {}
+    marked: dict[int, np.ndarray] = {}
     for index, attractor in enumerate(attractors):
         if not attractor.time.size:  # permanent contact, or in a sweep an attractor of other basins
             continue
         points = attractor.time.tobytes(), attractor.velocity.tobytes()
         if attractor.is_chaotic:
-            marked[index] = _boxes(oscillator, *points)
+            marked[index] = boxes_of(oscillator, attractor)
         elif attractor.kind == AttractorKind.PERIODIC:
             ellipses.append(_ellipses(oscillator, *points, Stoppable(pause)))
             owner += [index] * attractor.time.size

@@ -31,7 +31,7 @@ def attractor_of(orbit: PeriodicOrbit) -> Attractor:
 
 @kernel
 def _distances_on_return(oscillator, t, v, scale, distances):
-    """Distance from a departure after 1, 2, ... impacts; infinite once contact is permanent."""
+    """Distance from a departure after 1, 2, ... impacts, up to a close return; infinite once contact is permanent."""
     here_t, here_v = t, v
     distances[:] = math.inf
     for i in range(distances.size):
@@ -41,6 +41,8 @@ def _distances_on_return(oscillator, t, v, scale, distances):
         here_t, here_v = impact.t, impact.v
         apart = here_t - t
         distances[i] = math.hypot(apart - math.floor(apart + 0.5), (here_v - v) / scale)
+        if distances[i] < _CLOSE_RETURN:
+            return
 
 
 def _closest_return(oscillator: Oscillator, t: float, v: float) -> tuple[int, float]:

@@ -114,7 +114,18 @@ def next_contact(oscillator, wall, phase, velocity, direction):
         tau, found = _fly_up(flight, two_beta, rest_acceleration(oscillator, start), direction)
         return FlightEnd(UPPER, start + tau, tau, velocity_after(flight, tau, two_beta), found)
     side = LEAVING if direction > 0.0 else ARRIVING
-    graze_speed, graze_duration, graze_found = grazing_flight(oscillator, start, side)
+    return leave_upper(oscillator, start, velocity, direction, grazing_flight(oscillator, start, side))
+
+
+@inlined
+def leave_upper(oscillator, start, velocity, direction, graze):
+    """Follow one flight from +beta, as `next_contact`; `graze` is the grazing flight (`grazing_flight`) at its phase.
+
+    Many flights from one phase need it once: finding it takes as long as the flight.
+    """
+    two_beta = 2.0 * oscillator.half_backlash
+    flight = start_flight(oscillator, start, velocity)
+    graze_speed, graze_duration, graze_found = graze
     if abs(velocity) <= graze_speed:
         tau, found = _fly_back(flight, rest_acceleration(oscillator, start), direction)
         return FlightEnd(UPPER, start + tau, tau, velocity_after(flight, tau, 0.0), found and graze_found)

@@ -5,11 +5,26 @@ has arrived. So many points are followed at about the speed of the map itself, a
 per impact.
 """
 
+import math
+
 import numpy as np
 
-from rattle_kernels.impact_map.chatter import is_captured
+from rattle_kernels.impact_map.chatter import is_captured, ringing_radian
 from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, stay
 from rattle_kernels.lanes.lane_fields import DROPS, FLIGHT_FIELDS, LANES, PHASE, VELOCITY, lane_buffer
+from rattle_kernels.lanes.short_run import LONGEST_SHORT_RUN
+from rattle_kernels.lanes.shortcuts import (
+    CAPTURED,
+    DONE,
+    EVENT,
+    LOST,
+    NOTHING,
+    POINT,
+    RUN_FIELDS,
+    begin_run,
+    note_events,
+    settles,
+)
 from rattle_kernels.model.contact import slow_part
 from rattle_kernels.numerics.jit import inlined, lane_kernel
 from rattle_kernels.numerics.phase import part_turn
@@ -20,6 +35,8 @@ UNMARKED = -1
 _ARRIVAL_STREAK = 24
 _NOT_ARRIVED = -1
 _NOBODY = -1
+_NO_POINT = -1.0
+_FIRST_CHECKPOINT = float(LONGEST_SHORT_RUN + 1)
 
 
 @inlined
@@ -123,41 +140,71 @@ def follow(oscillator, tables, around, looks, t, v, place):
             _advance(lanes, corners, oscillator, tables, slow)
 
 
+@inlined
+def _note_boxes(lanes, largest_grazing_speed, here, first, row, box):
+    """Note the box of every lane that departs now and goes on."""
+    for i in range(LANES):
+        up, column = box_of(largest_grazing_speed, lanes[PHASE + i], -lanes[VELOCITY + i])
+        here[i] = int(up) * BOXES + column
+    for i in range(min(LANES, row.size - first)):
+        done = int(lanes[DONE + i])
+        goes_on = lanes[EVENT + i] != LOST and lanes[VELOCITY + i] != 0.0 and lanes[POINT + i] != _NO_POINT
+        if lanes[DROPS + i] == 0.0 and goes_on and done < box.shape[1]:
+            box[row[first + i], done] = here[i]
+
+
 @lane_kernel
-def boxes_passed(oscillator, tables, t, v, box):
-    """Numbers of the boxes in which points and their next images lie.
+def boxes_passed(oscillator, tables, rules, traps, t, v, returned, row, box):
+    """Apply P to points as `run.run_lanes` does, to the bit, and note the boxes in which they and their images lie.
 
     Parameters
     ----------
     oscillator : Oscillator
         Checked by the caller.
     tables : LaneTables
+    rules : Rules
+    traps : LaneTraps
+        NO_TRAPS.
     t, v : ndarray of float64, shape (n,)
-        Departures from +beta of motions that do not end in permanent contact.
-    box : ndarray of int64, shape (n, images)
-        Becomes row times BOXES plus column of each departure, the points themselves first; -1 after an end.
+        Departures from +beta. They become where those land that return.
+    returned : ndarray of bool, shape (n,)
+        Becomes whether a point has done its applications, and was not captured or lost before.
+    row : ndarray of int64, shape (n,)
+        Row of `box` for each point.
+    box : ndarray of int64, shape (rows, images)
+        Becomes row times BOXES plus column of each departure, the points themselves first; -1 after an end or a lock.
     """
-    lanes, corners = lane_buffer(FLIGHT_FIELDS), np.zeros(LANES, np.int64)
-    slow = slow_part(oscillator)
-    box[:] = UNMARKED
-    passed = np.zeros(LANES, np.int64)
+    lanes, corners = lane_buffer(RUN_FIELDS), np.zeros(LANES, np.int64)
+    here = np.zeros(LANES, np.int64)
+    radian, slow = ringing_radian(oscillator), slow_part(oscillator)
+    top = tables.largest_grazing_speed
     for first in range(0, t.size, LANES):
-        batch = min(LANES, t.size - first)
-        passed[:] = 0
-        for i in range(batch):
-            depart(lanes, i, t[first + i], v[first + i])
+        flying = min(LANES, t.size - first)
+        for i in range(LANES):
+            point = float(first + i) if i < flying else _NO_POINT
+            begin_run(lanes, i, point, rules.applications, _FIRST_CHECKPOINT, math.inf)
             lanes[DROPS + i] = 0.0
-        flying = batch
+            if i < flying:
+                depart(lanes, i, t[first + i], v[first + i])
+                box[row[first + i], :] = UNMARKED
+            else:
+                idle(lanes, i, top)
+        _note_boxes(lanes, top, here, first, row, box)
         while flying > 0:
-            flying = 0
-            for i in range(batch):
-                goes_on = lanes[PHASE + i] == lanes[PHASE + i] and lanes[VELOCITY + i] != 0.0
-                if passed[i] < box.shape[1] and lanes[DROPS + i] == 0.0 and goes_on:
-                    row, column = box_of(tables.largest_grazing_speed, lanes[PHASE + i], -lanes[VELOCITY + i])
-                    box[first + i, passed[i]] = int(row) * BOXES + column
-                    passed[i] += 1
-                flying += 1 if passed[i] < box.shape[1] and goes_on else 0
-            for i in range(batch, LANES):
-                idle(lanes, i, tables.largest_grazing_speed)
-            if flying > 0:
-                _advance(lanes, corners, oscillator, tables, slow)
+            for i in range(LANES):
+                if lanes[POINT + i] == _NO_POINT:
+                    idle(lanes, i, top)
+            fly(lanes, corners, oscillator, tables)
+            stay(lanes, corners, oscillator, tables, slow)
+            events = note_events(lanes, rules.capture_bound, radian, rules.lock_tolerance, top)
+            _note_boxes(lanes, top, here, first, row, box)
+            if events == 0:
+                continue
+            for i in range(LANES):
+                if lanes[POINT + i] == _NO_POINT or lanes[EVENT + i] == NOTHING or not settles(lanes, i, traps):
+                    continue
+                at = first + i
+                t[at], v[at] = lanes[PHASE + i], -lanes[VELOCITY + i]
+                returned[at] = lanes[EVENT + i] != CAPTURED and lanes[EVENT + i] != LOST
+                begin_run(lanes, i, _NO_POINT, math.inf, math.inf, math.inf)
+                flying -= 1

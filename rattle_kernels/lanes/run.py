@@ -17,7 +17,8 @@ from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
-_LOCK_TOLERANCE = 1e-13
+LOCK_TOLERANCE = 1e-13
+"""Closer than this to a state before, a trajectory is locked: in periods and largest grazing speeds."""
 
 
 def run_lanes(
@@ -54,7 +55,7 @@ def run_lanes(
         Landing points, and what it took.
     """
     tables = lane_tables(oscillator)
-    capture_bound, lock_tolerance = (tables.capture_bound, _LOCK_TOLERANCE) if shortcuts else (0.0, -1.0)
+    capture_bound, lock_tolerance = (tables.capture_bound, LOCK_TOLERANCE) if shortcuts else (0.0, -1.0)
     begins = Rules(float(min(applications, LONGEST_SHORT_RUN)), capture_bound, lock_tolerance)
     batch = Batch(np.empty(t.size), np.empty(t.size), np.empty(t.size, np.int8), np.empty(t.size, np.int64))
     # Kernels are compiled for arrays that are contiguous and may be written. Others are copied.

@@ -22,15 +22,16 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
-from rattle_kernels.impact_map.flights import LOWER, UPPER, next_contact
+from rattle_kernels.impact_map.flights import LOWER, UPPER, leave_upper, next_contact
 from rattle_kernels.model.contact import enter_contact
 from rattle_kernels.model.contact_end import follow_contact
 from rattle_kernels.model.contact_swings import ends_late_around
 from rattle_kernels.model.flight import TWO_PI, acceleration_range, rest_acceleration
-from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight, grazing_velocity
+from rattle_kernels.model.grazing_curve import LEAVING, MESH, grazing_flight, grazing_speeds
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import inlined, kernel
+from rattle_kernels.numerics.phase import part_turn
 
 FALL_BACK, DROP, RISE = 0, 1, 2
 CONTACT_ABOVE, CONTACT_BELOW = 0, 1
@@ -47,9 +48,9 @@ BLOCK = (PHASES + 1) * ROW
 _EVERY = 4
 _DOUBT = 1e-5
 
-# Intervals of the grazing curve's own table. It is interpolated linearly, and only flights within some 1e-5 of the
-# curve are unsure.
-GRAZES = 1024
+# Intervals of the grazing curve's own table: every second node of the mesh shows how much it errs. It is interpolated
+# linearly, and only flights within some 1e-5 of the curve are unsure.
+GRAZES = MESH // 2
 
 # Distance of the abscissa from 1 at the upper end of contacts: speeds there are some 1e6 times u_con.
 _FASTEST = 1e-6
@@ -86,28 +87,35 @@ class LaneTables(NamedTuple):
 
 
 @inlined
-def _node(oscillator, largest_grazing_speed, graze, kind, i, j):
-    """The value tabulated at a node; `graze` is the speed and duration of the grazing flight at its phase."""
+def _grazes(oscillator, i):
+    """The grazing flight from the phase of row i, and that from the same phase within half a turn of 0."""
+    phase = (i % PHASES) / PHASES
+    return grazing_flight(oscillator, phase, LEAVING), grazing_flight(oscillator, part_turn(phase), LEAVING)
+
+
+@inlined
+def _node(oscillator, largest_grazing_speed, grazes, kind, i, j):
+    """The value tabulated at a node of row i."""
     phase, abscissa = (i % PHASES) / PHASES, j / ABSCISSAE
-    graze_speed, graze_duration = graze
+    graze_speed, graze_duration, _ = grazes[0]
     if kind == FALL_BACK:
         speed = graze_speed * abscissa
         if j == 0:
             return 2.0 / rest_acceleration(oscillator, phase)
-        return next_contact(oscillator, UPPER, phase, -speed, 1.0).duration / speed
+        return leave_upper(oscillator, part_turn(phase), -speed, 1.0, grazes[1]).duration / speed
     if j == ABSCISSAE:
         return 2.0 * oscillator.half_backlash
     if kind == DROP:
         if j == 0:
             return graze_speed * graze_duration
         speed = graze_speed / (1.0 - abscissa * abscissa)
-        return next_contact(oscillator, UPPER, phase, -speed, 1.0).duration * speed
+        return leave_upper(oscillator, part_turn(phase), -speed, 1.0, grazes[1]).duration * speed
     speed = largest_grazing_speed * abscissa / (1.0 - abscissa)
     return next_contact(oscillator, LOWER, phase, speed, 1.0).duration * (speed + largest_grazing_speed)
 
 
 @inlined
-def _fill_node(oscillator, largest_grazing_speed, graze, guess, nodes, weights):
+def _fill_node(oscillator, largest_grazing_speed, grazes, guess, nodes, weights):
     """Interpolate a node from six of its row or column; solve for it where four of them say otherwise."""
     kind, i, j, first, stride = nodes
     six, four = 0.0, 0.0
@@ -116,7 +124,7 @@ def _fill_node(oscillator, largest_grazing_speed, graze, guess, nodes, weights):
         six += weights[0, at] * value
         four += weights[1, at] * value
     solved = abs(six - four) > _DOUBT * abs(six)
-    guess[kind * BLOCK + i * ROW + j] = _node(oscillator, largest_grazing_speed, graze, kind, i, j) if solved else six
+    guess[kind * BLOCK + i * ROW + j] = _node(oscillator, largest_grazing_speed, grazes, kind, i, j) if solved else six
 
 
 @kernel
@@ -127,20 +135,19 @@ def _fill_guess(oscillator, largest_grazing_speed, along_row, along_column, gues
         for i in range(PHASES + 1):
             if (i % _EVERY == 0) != (pass_ == 0):
                 continue
-            speed, duration, _ = grazing_flight(oscillator, (i % PHASES) / PHASES, LEAVING)
-            graze = speed, duration
+            grazes = _grazes(oscillator, i)
             for kind in range(3):
                 at = kind * BLOCK + i * ROW
                 if pass_ == 0:
                     for j in range(0, ABSCISSAE + 1, _EVERY):
-                        guess[at + j] = _node(oscillator, largest_grazing_speed, graze, kind, i, j)
+                        guess[at + j] = _node(oscillator, largest_grazing_speed, grazes, kind, i, j)
                 for j in range(ABSCISSAE + 1):
                     if pass_ == 1:
                         nodes = kind, i, j, rows[i], (ROW, kind * BLOCK + j)
-                        _fill_node(oscillator, largest_grazing_speed, graze, guess, nodes, column_weights[i])
+                        _fill_node(oscillator, largest_grazing_speed, grazes, guess, nodes, column_weights[i])
                     elif j % _EVERY != 0:
                         nodes = kind, i, j, columns[j], (1, at)
-                        _fill_node(oscillator, largest_grazing_speed, graze, guess, nodes, row_weights[j])
+                        _fill_node(oscillator, largest_grazing_speed, grazes, guess, nodes, row_weights[j])
 
 
 def _stencils(intervals: int, *, wraps: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -223,7 +230,7 @@ def _contact_table(oscillator: Oscillator) -> tuple[np.ndarray, float]:
 
 
 def _graze_table(oscillator: Oscillator) -> tuple[np.ndarray, float, float]:
-    speed = grazing_velocity(oscillator, np.arange(2 * GRAZES + 1) / (2 * GRAZES))
+    speed = grazing_speeds(oscillator)
     # Linear interpolation errs most about the middle of an interval; twice the largest error seen there bounds it.
     residual = np.abs(0.5 * (speed[:-2:2] + speed[2::2]) - speed[1::2]).max()
     return speed[::2].copy(), float(2.0 * residual + 1e-14 * speed.max()), float(speed.max())

@@ -28,8 +28,8 @@ from rattle_kernels.numerics.jit import inlined, kernel
 from rattle_kernels.numerics.phase import part_turn
 from rattle_kernels.numerics.roots import root_finder
 
-# Intervals of the mesh on which the largest v* is searched for.
-_MESH = 2048
+MESH = 2048
+"""Intervals of the mesh on which lanes look up v*, and the largest is searched for."""
 
 LEAVING = -1.0
 ARRIVING = 1.0
@@ -135,6 +135,30 @@ def grazing_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarr
 
 
 @lru_cache(maxsize=32)
+def grazing_speeds(oscillator: Oscillator) -> np.ndarray:
+    """v*(t) on a mesh over a period, kept for the last 32 oscillators.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Either model.
+
+    Returns
+    -------
+    ndarray of float64, shape (MESH + 1,)
+        Both ends of the period included. Not to be written.
+
+    Raises
+    ------
+    OutsideDomain
+        Where the oscillator's parameters lie outside the domain of the map.
+    """
+    speeds = grazing_velocity(oscillator, np.arange(MESH + 1) / MESH)
+    speeds.setflags(write=False)
+    return speeds
+
+
+@lru_cache(maxsize=32)
 def largest_grazing_speed(oscillator: Oscillator) -> float:
     """Largest v*(t) on a mesh of 2049 phases: the natural scale of an oscillator's speeds.
 
@@ -152,4 +176,4 @@ def largest_grazing_speed(oscillator: Oscillator) -> float:
     OutsideDomain
         Where the oscillator's parameters lie outside the domain of the map.
     """
-    return float(grazing_velocity(oscillator, np.arange(_MESH + 1) / _MESH).max())
+    return float(grazing_speeds(oscillator).max())

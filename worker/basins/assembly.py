@@ -7,7 +7,8 @@ Then every tile labels its own cells by look-up. No process ever holds an array 
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from dataclasses import dataclass, field
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -47,7 +48,35 @@ def places_of_images(
     return place
 
 
+@dataclass(frozen=True)
+class _Source:
+    """Where groups come from: found in this process, or else read from a store. No part of a cache's key."""
+
+    store: BasinStore = field(compare=False)
+    found: CellGroups | None = field(default=None, compare=False)
+
+
+@lru_cache(maxsize=4)
+def _kept_groups(location: str, digest: str, basin: int, source: _Source) -> CellGroups:
+    return source.found or source.store.read_groups(basin)
+
+
+def groups_of(store: BasinStore, basin: int) -> CellGroups:
+    """Hsu's numbers on a basin's image set, once they have been assembled.
+
+    Reading them costs more than labelling a tile, and takes as much memory as finding them. So each process reads them
+    once, and the one that has found them does not.
+    """
+    return _kept_groups(store.location, store.digest, basin, _Source(store))
+
+
 def assemble_groups(store: BasinStore, basin: int, pause: Callable[[], None] = lambda: None) -> CellGroups:
-    """Hsu's group, period and step on a basin's image set. `pause` is called between reads and may raise to stop."""
+    """Find Hsu's group, period and step on a basin's image set, write and keep them for its tiles.
+
+    `pause` is called between reads and may raise to stop.
+    """
     members = store.read_image_words(basin)
-    return find_groups(members, places_of_images(store, basin, members, pause))
+    groups = find_groups(members, places_of_images(store, basin, members, pause))
+    store.write_groups(basin, groups)
+    _kept_groups(store.location, store.digest, basin, _Source(store, groups))
+    return groups

@@ -3,6 +3,7 @@
 Each returns a receipt, never the arrays. The worker itself writes those to the store.
 """
 
+import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +16,6 @@ from rattle_kernels import (
     SINK,
     UNDECIDED,
     Attractor,
-    CellGroups,
     CellImages,
     find_attractors,
     grazing_velocity,
@@ -26,12 +26,15 @@ from rattle_kernels import (
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import Seeds, choose_seeds
 from rattle_kernels.cell_mapping.image_set import MarkedWords, mark_images
-from worker.basins.assembly import assemble_groups
+from worker.basins.assembly import assemble_groups, groups_of
 from worker.basins.landings import name_landings
 from worker.cluster.task import stop_if_cancelled
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import demand_same_digest
 from worker.stores.tiles import Tile, bands, runs_of_points
+
+# Images of a basin of one tile, between mapping it and labelling it in the same thread.
+_just_mapped = threading.local()
 
 
 @dataclass(frozen=True)
@@ -126,15 +129,31 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     images = (_map_in_bands if store.job.sample is None else _map_sample)(store, tile)
     seconds = time.perf_counter() - begin
     store.write_tile(store.places.mapped, tile, images[:3])
+    if store.tiling.tiles_of_basin == 1:
+        _just_mapped.images = (location, digest, number), images
     return _receipt(store, tile.basin, images, seconds)
+
+
+def _read_images(store: BasinStore, tile: Tile) -> CellImages:
+    image, t, v = store.read_tile(store.places.mapped, tile)
+    return CellImages(image, t, v, 0)
+
+
+def _images(location: str, digest: str, number: int) -> CellImages:
+    """Images of a tile, from the store unless this thread has just mapped it."""
+    key, images = getattr(_just_mapped, "images", (None, None))
+    _just_mapped.images = None, None
+    if images is not None and key == (location, digest, number):
+        return images
+    store = open_store(location, digest)
+    return _read_images(store, store.tiling.tile(number))
 
 
 def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
     """Receipt of a tile that is already in the store."""
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
-    image, t, v = store.read_tile(store.places.mapped, tile)
-    return _receipt(store, tile.basin, CellImages(image, t, v, 0), 0.0)
+    return _receipt(store, tile.basin, _read_images(store, tile), 0.0)
 
 
 @lru_cache(maxsize=4)
@@ -150,7 +169,7 @@ def assemble_basin(location: str, digest: str, basin: int, seeds: Seeds) -> Cata
     store = open_store(location, digest)
     begin = time.perf_counter()
     if store.job.sample is None:
-        store.write_groups(basin, assemble_groups(store, basin, stop_if_cancelled))
+        assemble_groups(store, basin, stop_if_cancelled)
         store.write_grazing_velocity(
             basin, grazing_velocity(store.job.oscillator_of(basin), store.job.grid.time_centres())
         )
@@ -170,12 +189,6 @@ def extend_catalogue(
     return CatalogueReceipt(attractors, time.perf_counter() - begin)
 
 
-@lru_cache(maxsize=4)
-def _groups(location: str, digest: str, basin: int) -> CellGroups:
-    """Hsu's numbers on a basin's image set. Reading costs more than labelling a tile, so each process reads once."""
-    return open_store(location, digest).read_groups(basin)
-
-
 def label_tile(
     location: str, digest: str, number: int, attractors: tuple[Attractor, ...], numbered: bool
 ) -> LabelReceipt:
@@ -187,12 +200,12 @@ def label_tile(
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
     stop_if_cancelled()
-    image, t, v = store.read_tile(store.places.mapped, tile)
-    groups = _groups(location, digest, tile.basin) if store.places.labelled else None
+    images = _images(location, digest, number)
+    groups = groups_of(store, tile.basin) if store.places.labelled else None
     begin = time.perf_counter()
-    labels = label_cells(groups, _own_cells(store, tile), image) if groups is not None else ()
+    labels = label_cells(groups, _own_cells(store, tile), images.image_cell) if groups is not None else ()
     oscillator = store.job.oscillator_of(tile.basin)
-    solution, unassigned = name_landings(oscillator, attractors, CellImages(image, t, v, 0), stop_if_cancelled)
+    solution, unassigned = name_landings(oscillator, attractors, images, stop_if_cancelled)
     seconds = time.perf_counter() - begin
     named = store.places.solution if numbered else store.places.own_solution
     store.write_tile((*store.places.labelled, named), tile, (*labels, solution))

@@ -5,8 +5,10 @@ import pytest
 
 from rattle_kernels import Oscillator, find_attractors, name_solutions, next_impacts
 from rattle_kernels.lanes.arrival import BOXES, boxes_passed
+from rattle_kernels.lanes.batch import Rules
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.lanes.tables import lane_tables
+from rattle_kernels.lanes.traps import NO_TRAPS
 
 RATTLING = Oscillator(damping=0.6, eccentricity=0.1, half_backlash=0.6)
 SEEDS = [0.89829, 0.553], [3.76991, 4.703]  # end on P(1,1,0) and in chaos
@@ -17,7 +19,9 @@ def test_the_boxes_passed_are_those_of_the_map_impact_by_impact():
     t, v = next_impacts(RATTLING, *SEEDS, applications=300)[:2]
     t, v = np.concatenate([t, t + 1e-3 * rng.random(2)]) % 1.0, np.concatenate([v, v])
     tables, box = lane_tables(RATTLING), np.empty((t.size, 40), np.int64)
-    boxes_passed(RATTLING, tables, t, v, box)
+    rules, returned = Rules(39.0, 0.0, -1.0), np.zeros(t.size, np.bool_)
+    boxes_passed(RATTLING, tables, rules, NO_TRAPS, t.copy(), v.copy(), returned, np.arange(t.size), box)
+    assert returned.all()
     for at in range(box.shape[1]):
         expected = (v / tables.largest_grazing_speed * BOXES).astype(np.int64) * BOXES + (t * BOXES).astype(np.int64)
         np.testing.assert_array_equal(box[:, at], expected)

@@ -7,14 +7,15 @@ from hypothesis import strategies as st
 from rattle_kernels import CellGrid, CellImages, find_groups, label_cells
 from rattle_kernels.cell_mapping.image_set import members_of, unite
 from tests.rattle_kernels.cell_mapping.test_cell_groups import direct_hsu
-from worker.basins.assembly import assemble_groups
-from worker.basins.tasks import survey_tile
+from worker.basins.assembly import _kept_groups, assemble_groups, groups_of
+from worker.basins.tasks import _images, map_tile, survey_tile
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MAPPED
 from worker.stores.tiles import Tiling
 
 _GRID = CellGrid(time_cells=12, velocity_cells=10)
+_READ_TILE = BasinStore.read_tile
 
 
 @st.composite
@@ -74,3 +75,34 @@ def test_a_survey_of_a_stored_tile_counts_what_is_there(tmp_path):
     members = unite(_GRID.cells, [receipt.image_set])
     assert members_of(members).tolist() == [3, 7]
     assert find_groups(members, np.array([-1, -2], np.int32)).group.tolist() == [0, -1]
+
+
+def test_who_found_the_groups_reads_them_no_more_and_others_read_the_same(tmp_path, monkeypatch):
+    image = np.arange(_GRID.cells).reshape(_GRID.shape) // 7 * 5 % _GRID.cells
+    store = _stored(tmp_path / "map.zarr", image, Tiling(_GRID, 4, 5))
+    words = unite(_GRID.cells, [_receipt_of(store, number).image_set for number in range(store.tiling.tiles)]).words
+    store.write_image_words(0, words)
+    found = assemble_groups(store, 0)
+    with monkeypatch.context() as nothing_to_read:
+        nothing_to_read.delattr(BasinStore, "read_groups")
+        assert groups_of(store, 0) is found
+    _kept_groups.cache_clear()  # as in another process
+    read = groups_of(store, 0)
+    assert read is not found and groups_of(store, 0) is read
+    for one, other in zip((*found.members, *found[1:]), (*read.members, *read[1:]), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_a_basin_of_one_tile_is_labelled_without_reading_it_once(tmp_path, monkeypatch):
+    store = BasinStore.create_or_resume(str(tmp_path / "b.zarr"), BasinJob(grid=_GRID, iterations=1))
+    assert store.tiling.tiles_of_basin == 1
+    address = store.location, store.digest
+    map_tile(*address, 0)
+    read = []
+    monkeypatch.setattr(BasinStore, "read_tile", lambda self, *what: read.append(what) or _READ_TILE(self, *what))
+    mapped = _images(*address, 0)
+    assert not read
+    again = _images(*address, 0)
+    assert len(read) == 1
+    for one, other in zip(mapped[:3], again[:3], strict=True):
+        np.testing.assert_array_equal(one, other)

@@ -1,0 +1,159 @@
+"""The boxes by which a chaotic motion is recognised: those that its points and their images hit.
+
+A million departures mark them. The ensemble that finds the motion has flown most often through just these, from one of
+its points to the next, and has noted the boxes on the way (`chaotic_transient`).
+"""
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+
+from rattle_kernels.attractors.attractor import Attractor
+from rattle_kernels.lanes.arrival import boxes_passed
+from rattle_kernels.lanes.batch import Rules
+from rattle_kernels.lanes.run import LOCK_TOLERANCE
+from rattle_kernels.lanes.tables import lane_tables
+from rattle_kernels.lanes.traps import NO_TRAPS
+from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.numerics.jit import kernel
+
+IMAGES = 256
+"""Departures that each point of a chaotic motion marks boxes with: itself and its next images."""
+
+_SAME_PART = 0.1
+
+
+@dataclass(frozen=True)
+class _Passed:
+    """Boxes noted before, None if they were not: no part of a cache's key."""
+
+    boxes: np.ndarray | None = field(default=None, compare=False)
+
+
+@kernel
+def _highest(box, columns):
+    """Highest number in some columns of ``box``: those of captured trajectories hold anything."""
+    highest = np.int64(0)
+    for leg in range(box.shape[0]):
+        for column in columns:
+            for number in box[leg, column]:
+                highest = max(highest, number)
+    return highest
+
+
+@kernel
+def _mark(box, columns, marked):
+    """Mark what some columns of ``box`` (legs, columns, images) hold; return whether no image is missing."""
+    whole = True
+    for leg in range(box.shape[0]):
+        for column in columns:
+            for number in box[leg, column]:
+                if number >= 0:
+                    marked[number] = True
+                else:
+                    whole = False
+    return whole
+
+
+def _distinct(box: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, bool]:
+    """Numbers of the boxes in some columns, ascending, and whether no image is missing."""
+    marked = np.zeros(_highest(box, columns) + 1, np.bool_)
+    whole = _mark(box, columns, marked)
+    return np.flatnonzero(marked), whole
+
+
+def fly_and_note(
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, lanes: np.ndarray, box: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Apply P as often as `box` has columns, with shortcuts, and note the boxes passed.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    t, v : ndarray of float64, shape (n,)
+        Departures. Not changed.
+    lanes : ndarray of int64, shape (n,)
+        Row of `box` for each.
+    box : ndarray of int64, shape (rows, IMAGES)
+        Filled: numbers of boxes, negative after a capture or a lock.
+
+    Returns
+    -------
+    kept : ndarray of bool, shape (n,)
+        Which departures are not captured.
+    t, v : ndarray of float64
+        Where these are then: to the bit what `run_lanes` says.
+    """
+    times, speeds, returned = t.copy(), v.copy(), np.zeros(t.size, np.bool_)
+    tables = lane_tables(oscillator)
+    rules = Rules(float(box.shape[1]), tables.capture_bound, LOCK_TOLERANCE)
+    boxes_passed(oscillator, tables, rules, NO_TRAPS, times, speeds, returned, lanes, box)
+    return returned, times[returned], speeds[returned]
+
+
+def keep_boxes(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, box: np.ndarray, lanes: np.ndarray) -> None:
+    """Remember the boxes that a chaotic motion hits, as noted on the way from point to point.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    t, v : ndarray of float64, shape (points,)
+        Points of the motion.
+    box : ndarray of int64, shape (legs, rows, IMAGES)
+        From `fly_and_note`.
+    lanes : ndarray of int64
+        The rows that belong to the points.
+    """
+    boxes, whole = _distinct(box, lanes)
+    if whole:
+        _boxes(oscillator, t.tobytes(), v.tobytes(), _Passed(boxes))
+
+
+@lru_cache(maxsize=16)
+def _boxes(oscillator: Oscillator, times: bytes, speeds: bytes, passed: _Passed) -> np.ndarray:
+    if passed.boxes is not None:
+        return passed.boxes
+    t, v = np.frombuffer(times).copy(), np.frombuffer(speeds).copy()
+    box, rows = np.empty((t.size, IMAGES), np.int64), np.arange(t.size)
+    # Without shortcuts: low bounces mark their boxes, too.
+    rules = Rules(IMAGES - 1.0, 0.0, -1.0)
+    boxes_passed(oscillator, lane_tables(oscillator), rules, NO_TRAPS, t, v, np.zeros(t.size, np.bool_), rows, box)
+    return _distinct(box[None], rows)[0]
+
+
+def boxes_of(oscillator: Oscillator, motion: Attractor) -> np.ndarray:
+    """Numbers of the boxes that the points of a chaotic motion and their images hit; found once per process.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    motion : Attractor
+        Chaotic.
+
+    Returns
+    -------
+    ndarray of int64, ascending
+    """
+    return _boxes(oscillator, motion.time.tobytes(), motion.velocity.tobytes(), _Passed())
+
+
+def hit_the_same_boxes(oscillator: Oscillator, one: Attractor, other: Attractor) -> bool:
+    """Whether two chaotic motions are one: they share more than a tenth of the boxes of the smaller one.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    one, other : Attractor
+        Chaotic motions.
+
+    Returns
+    -------
+    bool
+    """
+    some, others = boxes_of(oscillator, one), boxes_of(oscillator, other)
+    return np.intersect1d(some, others).size > _SAME_PART * min(some.size, others.size)

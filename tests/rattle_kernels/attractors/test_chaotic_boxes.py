@@ -1,0 +1,76 @@
+"""Boxes noted on the way are those that the points of chaos hit; who flies past them lands where the map says."""
+
+import numpy as np
+
+from rattle_kernels import Oscillator
+from rattle_kernels.attractors import chaotic_boxes
+from rattle_kernels.attractors.attractor import Attractor, AttractorKind
+from rattle_kernels.attractors.chaotic_boxes import IMAGES, boxes_of, fly_and_note, keep_boxes
+from rattle_kernels.attractors.chaotic_transient import follow_ensemble
+from rattle_kernels.lanes.run import run_lanes
+from rattle_kernels.model.oscillator import check_domain
+from rattle_kernels.model.outcome import Outcome
+
+RATTLING = check_domain(Oscillator())
+CHAOTIC = 0.553, 4.703
+
+
+def _points(number):
+    rng = np.random.default_rng(19)
+    return rng.random(number), 0.01 + 7.0 * rng.random(number)
+
+
+def test_who_flies_past_boxes_lands_where_runs_land():
+    t, v = _points(150)
+    box = np.empty((200, IMAGES), np.int64)
+    kept, times, speeds = fly_and_note(RATTLING, t, v, np.arange(50, 200), box)
+    landed, _ = run_lanes(RATTLING, t, v, IMAGES, shortcuts=True)
+    returned = landed.outcome == Outcome.RETURNED
+    assert 0 < returned.sum() < t.size  # some are captured
+    np.testing.assert_array_equal(kept, returned)
+    np.testing.assert_array_equal(times, landed.t[returned])
+    np.testing.assert_array_equal(speeds, landed.v[returned])
+
+
+def test_boxes_are_missing_after_a_capture_or_a_lock():
+    t, v = _points(150)
+    t[0], v[0] = (
+        field[0] for field in run_lanes(RATTLING, np.array([0.89829]), np.array([3.76991]), 4096, shortcuts=True)[0][:2]
+    )
+    box = np.empty((t.size, IMAGES), np.int64)
+    kept, *_ = fly_and_note(RATTLING, t, v, np.arange(t.size), box)
+    assert kept[0] and box[0, 0] >= 0 and box[0, -1] < 0  # on P(1,1,0): locked
+    assert (box[~kept, -1] < 0).all()
+    assert (box[kept, -1] >= 0).any()
+
+
+def test_boxes_kept_are_those_of_the_points(monkeypatch):
+    kept = []
+    monkeypatch.setattr(
+        "rattle_kernels.attractors.chaotic_transient.keep_boxes",
+        lambda *arguments: kept.append(arguments) or keep_boxes(*arguments),
+    )
+    chaotic_boxes._boxes.cache_clear()
+    ensemble = follow_ensemble(RATTLING, *CHAOTIC)
+    assert ensemble.chaotic and len(kept) == 1
+    chaos = Attractor(AttractorKind.CHAOTIC, 0, 0, 0, 0.1, 0.01, ensemble.t, ensemble.v)
+    assert chaotic_boxes._boxes.cache_info().currsize == 1
+    noted = boxes_of(RATTLING, chaos)
+    assert chaotic_boxes._boxes.cache_info().hits == 1
+    chaotic_boxes._boxes.cache_clear()
+    flown = boxes_of(RATTLING, chaos)
+    assert flown.size > 1000 and noted is not flown
+    np.testing.assert_array_equal(noted, flown)
+
+
+def test_boxes_with_an_image_missing_are_not_kept():
+    chaotic_boxes._boxes.cache_clear()
+    box = np.full((2, 4, IMAGES), 7)
+    box[1, 2, -1] = -1
+    box[1, 3] = 1 << 60  # never written, since its trajectory was captured before
+    t, v = _points(4)
+    keep_boxes(RATTLING, t, v, box, np.arange(3))
+    assert chaotic_boxes._boxes.cache_info().currsize == 0
+    keep_boxes(RATTLING, t, v, box, np.arange(2))
+    assert chaotic_boxes._boxes.cache_info().currsize == 1
+    chaotic_boxes._boxes.cache_clear()
