@@ -139,7 +139,7 @@ def _contact_numbers(oscillator, parameter):
 def _slow_of_one(harmonic, number, parameter, numbers, phase):
     """Slow part of one order at a phase, its rate, and the changes of both."""
     order, amplitude, shift = harmonic
-    rate, angle = TWO_PI * order, TWO_PI * part_turn(order * part_turn(phase) + shift)
+    rate, angle = TWO_PI * order, TWO_PI * part_turn(order * part_turn(phase) + part_turn(shift))
     sine, cosine = math.sin(angle), math.cos(angle)
     here, quarter = response(amplitude, rate, numbers.damping, numbers.square, numbers.drag)
     depth, slope = here * cosine + quarter * sine, rate * (quarter * cosine - here * sine)

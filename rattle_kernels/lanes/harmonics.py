@@ -80,8 +80,8 @@ def sum_over_flights(terms, total, place):
     lanes, damping = place
     _forget(lanes)
     for harmonic in terms:
-        order, amplitude, shift = harmonic
-        rate = TWO_PI * order
+        order, amplitude = harmonic.order, harmonic.amplitude
+        rate, shift = TWO_PI * order, part_turn(harmonic.phase)
         square = rate * rate
         for i in range(LANES):
             tau = lanes[DURATION + i]

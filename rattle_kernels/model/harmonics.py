@@ -52,7 +52,8 @@ class HarmonicState(NamedTuple):
 
 @inlined
 def _state_at(harmonic, phase):
-    angle = TWO_PI * part_turn(harmonic.order * part_turn(phase) + harmonic.phase)
+    # Each is reduced by itself: a phase and the same a period later give the same bits.
+    angle = TWO_PI * part_turn(harmonic.order * part_turn(phase) + part_turn(harmonic.phase))
     return HarmonicState(harmonic.order, harmonic.amplitude, math.sin(angle), math.cos(angle))
 
 

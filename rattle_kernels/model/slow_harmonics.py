@@ -64,7 +64,7 @@ def response_change(amplitude, rate, numbers):
 def _slow_harmonic(harmonic, contact):
     damping, square, drag = contact
     cosine, sine = response(harmonic.amplitude, TWO_PI * harmonic.order, damping, square, drag)
-    angle = TWO_PI * harmonic.phase
+    angle = TWO_PI * part_turn(harmonic.phase)
     turn_cosine, turn_sine = math.cos(angle), math.sin(angle)
     return SlowHarmonic(
         harmonic.order, cosine * turn_cosine + sine * turn_sine, sine * turn_cosine - cosine * turn_sine

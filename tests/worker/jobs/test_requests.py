@@ -105,11 +105,11 @@ def test_no_quiet_solution_is_allowed_or_refused():
 
 
 def test_the_oscillators_of_requests_have_the_fields_and_defaults_of_the_kernels():
-    common = {"damping", "eccentricity", "half_backlash"}
-    assert set(ImpactingOscillator.model_fields) == common | {"model"}
+    common = {"damping", "eccentricity", "half_backlash", "harmonics"}
+    assert set(ImpactingOscillator.model_fields) == common | {"model", "restitution"}
     others = {"model", "permanent_contact", "allow_no_quiet_solution"}
-    assert set(PiecewiseLinearOscillator.model_fields) - others == common | {"stiffness"}
-    assert common | {"stiffness", "permanent_after"} == set(Oscillator._fields)
+    assert set(PiecewiseLinearOscillator.model_fields) - others == common | {"stiffness", "contact_damping"}
+    assert common | {"stiffness", "contact_damping", "restitution", "permanent_after"} == set(Oscillator._fields)
     assert ImpactingOscillator().to_oscillator() == Oscillator()
     stiff = PiecewiseLinearOscillator(model="piecewise_linear", stiffness=100.0)
     assert stiff.to_oscillator() == Oscillator(stiffness=100.0)
