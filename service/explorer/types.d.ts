@@ -4,12 +4,17 @@ interface View { t0: number; t1: number; v0: number; v1: number }
 
 interface Axis { start: number; stop: number; cells: number }
 
+interface Harmonic { order: number; amplitude: number; phase?: number }
+
 interface Oscillator {
   model?: string;
   damping?: number;
   eccentricity?: number;
   half_backlash?: number;
   stiffness?: number;
+  restitution?: number;
+  contact_damping?: number;
+  harmonics?: Harmonic[];
   permanent_contact?: string;
   allow_no_quiet_solution?: boolean;
 }

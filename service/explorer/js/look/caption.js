@@ -1,8 +1,9 @@
 /** What the picture shows, in words. */
 
 import { reading } from "../charts/ticks.js";
+import { harmonicsText } from "../state/oscillator.js";
 
-const SYMBOLS = [["damping", "δ"], ["eccentricity", "ε"], ["half_backlash", "β"], ["stiffness", "κ"]];
+const SYMBOLS = [["damping", "δ"], ["eccentricity", "ε"], ["half_backlash", "β"], ["stiffness", "κ"], ["restitution", "r"], ["contact_damping", "ζ"]];
 const MODELS = { impacting: "Impacts", piecewise_linear: "Contacts of finite stiffness" };
 
 function number(value) {
@@ -12,7 +13,8 @@ function number(value) {
 /** An oscillator in words, such as "Impacts: δ = 0.6, ε = 0.1, β = 0.6". */
 export function oscillatorInWords(oscillator) {
   const values = SYMBOLS.filter(([name]) => oscillator[name] !== undefined).map(([name, symbol]) => `${symbol} = ${number(oscillator[name])}`);
-  return `${MODELS[oscillator.model ?? "impacting"]}: ${values.join(", ")}`;
+  const harmonics = oscillator.harmonics?.length ? [`harmonics ${harmonicsText(oscillator.harmonics)}`] : [];
+  return `${MODELS[oscillator.model ?? "impacting"]}: ${[...values, ...harmonics].join(", ")}`;
 }
 
 /** A window in words. */

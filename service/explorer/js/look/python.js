@@ -15,10 +15,11 @@ function pair(one, other) {
  * @param {BasinRequest} request
  */
 export function pythonOf({ oscillator, grid, iterations, vary }) {
-  const { model: _, ...parameters } = oscillator;
+  const { model: _, harmonics, ...parameters } = oscillator;
   const swept = Object.fromEntries((vary ?? []).map(({ parameter, values, start, stop, count }) =>
     [parameter, values ? literal(values) : `(${start}, ${stop}, ${count})`]));
   const fields = Object.entries({ ...parameters, ...swept }).map(([name, value]) => `${name}=${swept[name] ?? literal(value)}`);
+  if (harmonics?.length) fields.push(`harmonics=[${harmonics.map(({ order, amplitude, phase = 0 }) => `(${order}, ${amplitude}, ${phase})`).join(", ")}]`);
   const { time, velocity } = grid;
   const lines = [
     fields.join(", "),

@@ -3,21 +3,22 @@
 import { Picture } from "../plane/picture.js";
 import { ended } from "../jobs/life.js";
 import { Unreachable } from "../net/api.js";
+import { harmonicsText, NUMBERS, USUAL, withValues } from "../state/oscillator.js";
 import { Live } from "./live.js";
 
-const FIELDS = ["model", "damping", "eccentricity", "half_backlash", "stiffness", "permanent_contact"];
-const DEFAULTS = { model: "impacting", permanent_contact: "envelope" };
+const FIELDS = ["model", ...NUMBERS, "harmonics", "permanent_contact"];
+const DEFAULTS = { model: "impacting", permanent_contact: "envelope", ...USUAL };
 
 /** Whether two oscillators of requests are the same. */
 export function sameOscillator(one, other) {
   const stiff = one?.model === "piecewise_linear";
-  const value = (oscillator, name) => oscillator[name] ?? DEFAULTS[name];
+  const value = (oscillator, name) => (name === "harmonics" ? harmonicsText(oscillator.harmonics) : oscillator[name] ?? DEFAULTS[name]);
   return Boolean(one && other) && FIELDS.every((name) => (!stiff && name === "permanent_contact") || value(one, name) === value(other, name));
 }
 
 /** Oscillator of a request's first basin. */
 export function firstOf({ oscillator, vary }) {
-  return { ...oscillator, ...Object.fromEntries((vary ?? []).map(({ parameter, start, values }) => [parameter, start ?? values[0]])) };
+  return withValues(oscillator, Object.fromEntries((vary ?? []).map(({ parameter, start, values }) => [parameter, start ?? values[0]])));
 }
 
 export class Screen {

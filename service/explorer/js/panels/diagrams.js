@@ -7,8 +7,9 @@ import { get, post } from "../net/api.js";
 import { follow } from "../net/follow.js";
 import { by } from "../page/by.js";
 import { inWords } from "../page/say.js";
+import { parameterInWords } from "../state/oscillator.js";
 
-const SYMBOLS = { damping: "damping δ", eccentricity: "eccentricity ε", half_backlash: "half backlash β", stiffness: "stiffness κ" };
+const PARAMETERS = ["damping", "eccentricity", "half_backlash", "stiffness"];
 const VALUES = 300;
 const KEPT = 12;
 const REACH = 0.15;
@@ -44,7 +45,8 @@ export class Diagrams {
     this.following = new AbortController();
     /** @type {{parameter: string, range: number[], motions: Map<string, any[]>}|null} */
     this.shown = null;
-    for (const [parameter, symbol] of Object.entries(SYMBOLS)) {
+    for (const parameter of PARAMETERS) {
+      const symbol = parameterInWords(parameter);
       const button = Object.assign(document.createElement("button"), { type: "button", textContent: `Over ${symbol}` });
       button.title = `Bifurcation diagram over ${symbol}: which motions there are at each value`;
       button.dataset.diagram = parameter;
@@ -74,7 +76,7 @@ export class Diagrams {
   #begin(parameter) {
     this.following.abort();
     this.section.hidden = false;
-    by("diagram-title").textContent = `Bifurcation diagram over ${SYMBOLS[parameter]}`;
+    by("diagram-title").textContent = `Bifurcation diagram over ${parameterInWords(parameter)}`;
     this.note.textContent = "computing…";
   }
 
@@ -106,8 +108,8 @@ export class Diagrams {
     const { parameter, range, motions } = this.shown;
     const most = Math.max(...[...motions.values()].flat().map(({ velocity }) => velocity), 1);
     const chart = new Chart(by("diagram-chart"), {
-      height: 240, x: range, y: [0, 1.05 * most], xLabel: SYMBOLS[parameter], yLabel: "velocity v of departure",
-      label: `Velocities of departures that last, over ${SYMBOLS[parameter]}`,
+      height: 240, x: range, y: [0, 1.05 * most], xLabel: parameterInWords(parameter), yLabel: "velocity v of departure",
+      label: `Velocities of departures that last, over ${parameterInWords(parameter)}`,
     });
     for (const [name, rows] of motions) {
       const d = rows.map((row) => `M${chart.x(row[parameter]).toFixed(1)} ${chart.y(row.velocity).toFixed(1)}h.01`).join("");

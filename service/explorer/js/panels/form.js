@@ -2,8 +2,8 @@
 
 import { by } from "../page/by.js";
 import { post, Unreachable } from "../net/api.js";
+import { harmonicParameters, harmonicsOf, harmonicsText, NUMBERS as OSCILLATOR, ONLY_IN, parameterInWords, USUAL as USUAL_VALUES } from "../state/oscillator.js";
 
-const OSCILLATOR = ["damping", "eccentricity", "half_backlash", "stiffness"];
 const GRID = ["time.start", "time.stop", "time.cells", "velocity.start", "velocity.stop", "velocity.cells"];
 const CELLS = 500;
 const USUAL = { grid: { time: { start: 0, stop: 1, cells: CELLS }, velocity: { start: 0, stop: 7, cells: CELLS } }, iterations: 1499 };
@@ -115,7 +115,12 @@ export class Form {
   fill(request) {
     const { oscillator, grid, iterations, vary } = request;
     this.#field("model").value = oscillator.model ?? "impacting";
-    for (const name of OSCILLATOR) if (oscillator[name] !== undefined) this.#field(name).value = oscillator[name];
+    for (const name of OSCILLATOR) {
+      const value = oscillator[name] ?? USUAL_VALUES[name];
+      if (value !== undefined) this.#field(name).value = value;
+    }
+    this.#field("harmonics").value = harmonicsText(oscillator.harmonics);
+    this.#offerHarmonics();
     this.#field("permanent_contact").value = oscillator.permanent_contact ?? "envelope";
     this.#field("allow_no_quiet_solution").checked = oscillator.allow_no_quiet_solution === true;
     for (const name of GRID) {
@@ -141,8 +146,11 @@ export class Form {
     const model = this.#field("model").value;
     this.form.querySelectorAll("[data-model]").forEach((/** @type {HTMLElement} */ part) => (part.hidden = part.dataset.model !== model));
     const vary = this.#field("vary");
-    vary.querySelector("[value=stiffness]").disabled = model === "impacting";
-    if (model === "impacting" && vary.value === "stiffness") vary.value = "";
+    this.#offerHarmonics();
+    for (const [name, only] of Object.entries(ONLY_IN)) {
+      vary.querySelector(`[value=${name}]`).disabled = model !== only;
+      if (model !== only && vary.value === name) vary.value = "";
+    }
     this.form.querySelectorAll("[data-vary]").forEach((/** @type {HTMLElement} */ part) => (part.hidden = vary.value === ""));
     // The sweep sets the values of this parameter.
     for (const name of OSCILLATOR) this.#field(name).disabled = name === vary.value;
@@ -150,11 +158,29 @@ export class Form {
     if (model === "piecewise_linear" && this.#field("stiffness").value === "") this.#field("stiffness").value = "1000";
   }
 
+  /** Offer the numbers of the harmonics that are written down for a sweep. */
+  #offerHarmonics() {
+    const vary = this.#field("vary"), before = vary.value;
+    const names = harmonicParameters(harmonicsOf(this.#field("harmonics").value));
+    vary.querySelectorAll("[data-harmonic]").forEach((option) => option.remove());
+    for (const name of names) {
+      const option = Object.assign(document.createElement("option"), { value: name, textContent: parameterInWords(name) });
+      option.dataset.harmonic = "";
+      vary.append(option);
+    }
+    vary.value = [...vary.options].some(({ value }) => value === before) ? before : "";
+  }
+
   /** Request that the form describes. */
   request() {
     const value = (name) => valueOf(this.#field(name));
     const model = this.#field("model").value;
     const oscillator = { model, damping: value("damping"), eccentricity: value("eccentricity"), half_backlash: value("half_backlash") };
+    for (const [name, usual] of Object.entries(USUAL_VALUES)) {
+      if (ONLY_IN[name] === model && value(name) !== usual) oscillator[name] = value(name);
+    }
+    const harmonics = harmonicsOf(this.#field("harmonics").value);
+    if (harmonics.length) oscillator.harmonics = harmonics;
     if (model === "piecewise_linear") {
       oscillator.stiffness = value("stiffness");
       oscillator.permanent_contact = this.#field("permanent_contact").value;
@@ -193,7 +219,8 @@ export class Form {
   /** Oscillator of the form if all its values are numbers; null otherwise. */
   oscillator() {
     const { oscillator } = this.request();
-    return OSCILLATOR.every((name) => oscillator[name] === undefined || typeof oscillator[name] === "number") ? oscillator : null;
+    const numbers = OSCILLATOR.every((name) => oscillator[name] === undefined || typeof oscillator[name] === "number");
+    return numbers && typeof oscillator.harmonics !== "string" ? oscillator : null;
   }
 
   #say(text, wrong) {

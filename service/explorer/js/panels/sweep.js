@@ -3,8 +3,8 @@
 import { get } from "../net/api.js";
 import { Chart } from "../charts/chart.js";
 import { reading } from "../charts/ticks.js";
+import { parameterInWords } from "../state/oscillator.js";
 
-const SYMBOLS = { damping: "damping δ", eccentricity: "eccentricity ε", half_backlash: "half backlash β", stiffness: "stiffness κ" };
 
 /** Index of a basin along each swept parameter; the last one varies fastest. */
 function placesOf(vary, panel) {
@@ -23,7 +23,7 @@ function panelAt(vary, places) {
 function slider({ parameter, values }, at, moved) {
   const line = document.createElement("label");
   line.className = "slider";
-  const name = Object.assign(document.createElement("span"), { textContent: SYMBOLS[parameter] });
+  const name = Object.assign(document.createElement("span"), { textContent: parameterInWords(parameter) });
   const input = Object.assign(document.createElement("input"), { type: "range", min: "0", max: String(values.length - 1), step: "1" });
   input.value = String(at);
   const value = document.createElement("output");
@@ -112,8 +112,8 @@ export class Sweep {
     /** @type {HTMLElement} */
     const place = this.section.querySelector("#shares");
     const chart = new Chart(place, {
-      height: 190, x: ends, y: [0, 1], xLabel: SYMBOLS[parameter], yLabel: "share",
-      label: `Share of each solution over ${SYMBOLS[parameter]}; a click opens the nearest basin`,
+      height: 190, x: ends, y: [0, 1], xLabel: parameterInWords(parameter), yLabel: "share",
+      label: `Share of each solution over ${parameterInWords(parameter)}; a click opens the nearest basin`,
     });
     for (const solution of outline.solutions) {
       const shares = row.map(({ complete, shares: known }) =>

@@ -1,11 +1,15 @@
 /** Sliders of the oscillator: while one moves, the picture follows. */
 
+import { ONLY_IN, USUAL } from "../state/oscillator.js";
+
 /** @type {{name: string, label: string, least: number, most: number, step: number, means: string, logarithmic?: boolean}[]} */
 const SLIDERS = [
   { name: "damping", label: "Damping δ", least: 0.05, most: 1.2, step: 0.001, means: "less of it and the gear rattles more" },
   { name: "eccentricity", label: "Eccentricity ε", least: 0, most: 0.25, step: 0.0005, means: "how strongly the gear is driven" },
   { name: "half_backlash", label: "Half backlash β", least: 0.05, most: 1.5, step: 0.005, means: "half the play between the teeth" },
   { name: "stiffness", label: "Stiffness κ", least: 10, most: 1e6, logarithmic: true, step: 0.01, means: "of the teeth in contact" },
+  { name: "restitution", label: "Restitution r", least: 0.5, most: 1, step: 0.005, means: "how much of its speed an impact leaves" },
+  { name: "contact_damping", label: "Contact damping ζ", least: 0, most: 0.9, step: 0.005, means: "energy that the teeth lose in contact" },
 ];
 
 function toSlider({ logarithmic = false }, value) {
@@ -54,7 +58,7 @@ export class Turn {
   /** Show the values of an oscillator; a value outside a slider's range widens it. */
   show(oscillator) {
     for (const [name, { slider, row, input, most }] of this.rows) {
-      const value = oscillator[name];
+      const value = oscillator[name] ?? (ONLY_IN[name] === (oscillator.model ?? "impacting") ? USUAL[name] : undefined);
       row.hidden = typeof value !== "number";
       if (row.hidden) continue;
       input.min = toSlider(slider, Math.min(slider.least, value));

@@ -1,8 +1,8 @@
 /** The address of the page: the whole state of what is seen, so that a link shows it on any service. */
 
+import { harmonicsOf, harmonicsText, NUMBERS } from "./oscillator.js";
 import { same, viewOf } from "./window.js";
 
-const NUMBERS = ["damping", "eccentricity", "half_backlash", "stiffness"];
 /** What is not written. */
 const USUAL = { layer: "solution", palette: "colour_blind", overlays: "grazing,attractors" };
 const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
@@ -52,6 +52,7 @@ function requestFields({ oscillator, grid, iterations, vary }) {
   const fields = [];
   if (oscillator.model === "piecewise_linear") fields.push(["model", "piecewise_linear"]);
   for (const name of NUMBERS) if (oscillator[name] !== undefined) fields.push([name, short(oscillator[name])]);
+  if (oscillator.harmonics?.length) fields.push(["harmonics", harmonicsText(oscillator.harmonics).replaceAll(" ", "")]);
   if (oscillator.permanent_contact === "one_rotation") fields.push(["permanent_contact", "one_rotation"]);
   if (oscillator.allow_no_quiet_solution) fields.push(["allow_no_quiet_solution", "true"]);
   fields.push(["grid", windowText(viewOf(grid))], ["cells", `${grid.time.cells},${grid.velocity.cells}`], ["k", String(iterations)]);
@@ -67,6 +68,8 @@ function requestOf(query) {
   const model = MODELS[query.get("model") ?? ""] ?? "impacting";
   const oscillator = { model };
   for (const name of NUMBERS) if (query.has(name)) oscillator[name] = Number(query.get(name));
+  const harmonics = harmonicsOf(query.get("harmonics") ?? "");
+  if (typeof harmonics !== "string" && harmonics.length) oscillator.harmonics = harmonics;
   if (model === "piecewise_linear") oscillator.permanent_contact = query.get("permanent_contact") ?? "envelope";
   if (query.get("allow_no_quiet_solution") === "true") oscillator.allow_no_quiet_solution = true;
   const request = {

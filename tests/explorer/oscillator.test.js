@@ -1,0 +1,32 @@
+import assert from "node:assert/strict";
+import test from "node:test";
+
+import { decode, encode } from "../../service/explorer/js/state/address.js";
+import { harmonicParameters, harmonicsOf, harmonicsText, parameterInWords, withValues } from "../../service/explorer/js/state/oscillator.js";
+
+const HARMONICS = [{ order: 2, amplitude: 0.01, phase: 0.25 }, { order: 13, amplitude: 0.0004, phase: 0 }];
+
+test("harmonics are read as they are written", () => {
+  assert.deepEqual(harmonicsOf("2: 0.01, 0.25; 13: 0.0004"), HARMONICS);
+  assert.deepEqual(harmonicsOf(harmonicsText(HARMONICS)), HARMONICS);
+  assert.deepEqual(harmonicsOf(" "), []);
+});
+
+test("what cannot be read stays text, which the service refuses", () => {
+  for (const text of ["2", "2: ", "2: a", "2: 0.1, 0.2, 0.3", "x: 0.1"]) assert.equal(harmonicsOf(text), text);
+});
+
+test("numbers of harmonics have names, and values of a sweep are put into them", () => {
+  assert.deepEqual(harmonicParameters(HARMONICS), ["amplitude_2", "phase_2", "amplitude_13", "phase_13"]);
+  assert.equal(parameterInWords("phase_13"), "phase φ₁₃");
+  assert.equal(parameterInWords("damping"), "damping δ");
+  const changed = withValues({ damping: 0.6, harmonics: HARMONICS }, { phase_2: 0.5, damping: 0.7 });
+  assert.deepEqual([changed.damping, changed.harmonics[0].phase, changed.harmonics[1]], [0.7, 0.5, HARMONICS[1]]);
+});
+
+test("an address holds them", () => {
+  const grid = { time: { start: 0, stop: 1, cells: 10 }, velocity: { start: 0, stop: 7, cells: 10 } };
+  const request = { oscillator: { model: "impacting", damping: 0.6, restitution: 0.9, harmonics: HARMONICS }, grid, iterations: 101 };
+  const seen = decode(encode({ request, view: null, whole: null }));
+  assert.deepEqual(seen.request, request);
+});
