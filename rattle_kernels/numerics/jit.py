@@ -86,6 +86,20 @@ def watch_compiling(report: Callable[[], None]) -> Iterator[None]:
         yield
 
 
+@contextlib.contextmanager
+def timing_compilation() -> Iterator[Callable[[], float]]:
+    """Tell how many seconds this process has spent on compiling while the context lasts.
+
+    Yields
+    ------
+    callable
+        Returns the seconds so far, without a compilation under way.
+    """
+    timer = event.TimingListener()
+    with event.install_listener("numba:compile", timer):
+        yield lambda: timer.duration if timer.done else 0.0
+
+
 def inlined(function: Callable[..., Any]) -> Any:
     """Compile a scalar piece of mathematics that kernels call."""
     return numba.njit(**_INLINED)(function)
