@@ -47,12 +47,12 @@ def measure_loudness(dataset: xr.Dataset) -> xr.Dataset:
     of_motions = np.reshape(motions, (*job.sweep_shape, -1, len(Loudness._fields)))
     of_windows = np.reshape(expected, (*(job.sweep_shape or (1,)), len(ExpectedLoudness._fields)))
     variables = {
-        name: ((*names, "attractor"), of_motions[..., place], _attributes(name))
+        name: _variable((*names, "attractor"), of_motions[..., place], _attributes(name))
         for place, name in enumerate(Loudness._fields)
     } | {
-        _expected(name): (names or (WINDOW,), of_windows[..., place], _attributes(name, over=" over the window"))
+        _expected(name): _variable(names or (WINDOW,), of_windows[..., place], _attributes(name, " over the window"))
         for place, name in enumerate(ExpectedLoudness._fields)
-    }  # fmt: skip
+    }
     coordinates = {name: dataset[name] for name in (*names, "name") if name in dataset}
     return xr.Dataset(variables, coordinates)
 
@@ -69,6 +69,11 @@ def _heard(dataset: xr.Dataset, job: BasinJob, number: int) -> tuple[list[Loudne
     heard = [loudness(job.oscillator_of(number), each) for each in attractors_of(basin)]
     points = job.sample.points if job.sample is not None else None
     return heard, expected_loudness(basin.share.values if heard else [], heard, points)
+
+
+def _variable(dims: tuple[str, ...], values: np.ndarray, attributes: dict[str, str]) -> xr.Variable:
+    """A variable that xarray takes as it is: it would load Dask arrays to see whether the values are one."""
+    return xr.Variable(dims, values, attributes, fastpath=True)
 
 
 def _expected(name: str) -> str:
