@@ -6,9 +6,11 @@ This is the public face. What else the folders hold is for the worker, and may c
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.attractors.attractor_search import find_attractors
 from rattle_kernels.attractors.classify import UNASSIGNED, name_solutions
+from rattle_kernels.attractors.loudness import Loudness, loudness
 from rattle_kernels.attractors.matching import attractor_distance, continue_attractor
 from rattle_kernels.basin_measures.boundary import boundary_cells, boundary_share
 from rattle_kernels.basin_measures.entropy import BasinEntropy, basin_entropy
+from rattle_kernels.basin_measures.expected_loudness import ExpectedLoudness, expected_loudness
 from rattle_kernels.basin_measures.integrity import (
     LargestDisc,
     global_integrity_measure,
@@ -75,11 +77,13 @@ __all__ = [
     "Contacts",
     "CurveResolution",
     "Direction",
+    "ExpectedLoudness",
     "FoundOrbit",
     "Harmonic",
     "Impacts",
     "LargestDisc",
     "LeastDisturbance",
+    "Loudness",
     "ManifoldBranch",
     "ManifoldEnd",
     "ManifoldLimits",
@@ -119,6 +123,7 @@ __all__ = [
     "eccentricity_bound_single_contact",
     "eccentricity_bound_smooth_maxima",
     "expected_applications",
+    "expected_loudness",
     "find_attractors",
     "find_groups",
     "find_orbit",
@@ -132,6 +137,7 @@ __all__ = [
     "largest_grazing_speed",
     "least_disturbance",
     "local_integrity_measure",
+    "loudness",
     "map_cells",
     "map_points",
     "name_solutions",

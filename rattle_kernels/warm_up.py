@@ -8,6 +8,7 @@ import numpy as np
 
 from rattle_kernels.attractors.attractor_search import find_attractors
 from rattle_kernels.attractors.classify import name_solutions
+from rattle_kernels.attractors.loudness import loudness
 from rattle_kernels.attractors.trap_table import build_trap_table
 from rattle_kernels.cell_mapping.cell_grid import CellGrid
 from rattle_kernels.cell_mapping.cell_groups import find_groups, label_cells
@@ -124,6 +125,7 @@ def _run_kernels_of_basins() -> None:
     members_of(members)
     label_cells(find_groups(members, place), np.arange(grid.cells), images.image_cell.ravel())
     build_trap_table(oscillator, attractors)
+    loudness(oscillator, attractors[1])
     for other in (_STIFF, _WEAK):
         lane_tables(other)
     warm_up_curves()

@@ -55,19 +55,30 @@ def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
 
 
 def print_solutions(solutions: Sequence[Mapping[str, Any]]) -> None:
-    """Print a table of solutions: name, share, Lyapunov exponent, mean life of a chaotic transient, first point."""
-    table = Table("", "solution", "share", "Lyapunov exponent", "a departure (t, v)")
+    """Print a table of solutions: name, share, Lyapunov exponent, impact power, mean life of chaos, first point."""
+    table = Table("", "solution", "share", "Lyapunov exponent", "impact power", "a departure (t, v)")
     for number, solution in enumerate(solutions):
         share, exponent, points = solution["share"], solution["lyapunov_exponent"], solution["points"]
+        power = solution["impact_power"]
         life, error = solution["mean_life"], solution["mean_life_error"]
         table.add_row(
             str(number),
             solution["name"] if life is None else f"{solution['name']} for some {life:.1g} ± {error:.1g} impacts",
             "not known yet" if share is None else f"{100 * share:.3f} %",
             "" if exponent is None else f"{exponent:.4f}",
+            "" if power is None else f"{power:.4g}",
             f"({points[0][0]:.6f}, {points[0][1]:.6f})" if points else "",
         )
     out.print(table)
+
+
+def print_expected(expected: Mapping[str, float]) -> None:
+    """Print how loud a basin is on average, and the share of cells that count as silent as they are undecided."""
+    rate, speed, power = (expected[name] for name in ("impacts_per_period", "largest_impact_speed", "impact_power"))
+    left = expected["undecided_share"]
+    note = f" ({100 * left:.3g} % undecided, counted as silent)" if left else ""
+    line = f"expected: {rate:.4g} impacts a period, largest impact speed {speed:.4g}, impact power {power:.4g}{note}"
+    out.print(line, highlight=False, soft_wrap=True)
 
 
 def print_changes(rows: Sequence[tuple[str, int, str, str, float, float]]) -> None:

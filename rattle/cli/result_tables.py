@@ -6,7 +6,7 @@ from typing import Any
 import typer
 from rich.table import Column, Table
 
-from rattle.cli.console import out, print_changes, print_seconds, print_solutions
+from rattle.cli.console import out, print_changes, print_expected, print_seconds, print_solutions
 
 _MOST_ROWS = 40
 _OF_ALL_KINDS = {"complete", "request", "pieces_done", "seconds", "zarr", "kind"}
@@ -37,6 +37,8 @@ def _print_other(result: dict[str, Any]) -> None:
 
 def _print_basins(result: dict[str, Any]) -> None:
     print_solutions(result["solutions"])
+    if len(result["basins"]) == 1 and result["basins"][0]["expected"]:
+        print_expected(result["basins"][0]["expected"])
     names = [solution["name"] for solution in result["solutions"]]
     print_changes(
         [

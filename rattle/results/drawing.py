@@ -18,9 +18,10 @@ from worker.kinds import KINDS
 from worker.pictures.history_picture import draw_history
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
 from worker.pictures.picture import legend_patches
-from worker.pictures.share_chart import draw_lines, draw_shares
+from worker.pictures.share_chart import SHARES_SIZE, draw_lines, draw_shares
 from worker.views import reading
 from worker.views.basin_plot import plot_basin
+from worker.views.loudness import expected_of
 
 _BASINS_ACROSS = 3
 _SIZE = 10.0, 6.5
@@ -92,8 +93,8 @@ def draw_shares_of(dataset: xr.Dataset, job: BasinJob, ax: Axes | None) -> Figur
             raise InvalidJob("shares over two parameters are maps on a figure of their own: leave out ax")
         draw_lines(ax, job, share, error, _solutions(dataset, job))
         return ax
-    figure = plt.figure(figsize=_SIZE, layout="constrained")
-    draw_shares(figure, job, share, error, _solutions(dataset, job))
+    figure = plt.figure(figsize=SHARES_SIZE, layout="constrained")
+    draw_shares(figure, job, share, error, _solutions(dataset, job), expected_of(dataset))
     return figure
 
 

@@ -1,4 +1,4 @@
-"""What a result measures: integrity, least disturbances, what is proven, and how much of a boundary curves cover."""
+"""What a result measures: integrity, loudness, least disturbances, what is proven, boundaries that curves cover."""
 
 from typing import Any
 
@@ -38,6 +38,30 @@ class Measures(Motions):
         from worker.views.measures import measure_basins
 
         return measure_basins(self._dataset, tolerance)
+
+    def loudness(self) -> xr.Dataset:
+        """How loud each motion is, and what is to be expected over the window: impacts, their speed and power.
+
+        Returns
+        -------
+        xarray.Dataset
+            As `worker.views.loudness.measure_loudness` describes it.
+
+        Raises
+        ------
+        InvalidJob
+            If this is neither a basin nor a sweep.
+
+        Examples
+        --------
+        >>> basin = rattle.basin(cells=40, progress=False)
+        >>> basin.rattle.loudness().impacts_per_period.values[:2].tolist()
+        [0.0, 1.0]
+        """
+        self._demand("loudness", "basin", "sweep")
+        from worker.views.loudness import measure_loudness
+
+        return measure_loudness(self._dataset)
 
     def least_disturbance(self, tolerance: float = 1e-6) -> xr.DataArray:
         """Smallest speed at each phase that leads from quiet to rattle.

@@ -91,12 +91,13 @@ class Plots(Described):
         return draw_on_figure(self._dataset, self.kind, job, overlays, legend)
 
     def plot_shares(self, ax: "Axes | None" = None) -> "Figure | Axes":
-        """Draw the share of each motion over the swept parameter: lines over one, maps over two.
+        """Draw shares and expected loudness over the swept parameter: lines over one, maps over two.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to draw lines over one parameter, without a legend. By default on a new figure, with one.
+            Where to draw lines of shares alone over one parameter, without a legend. By default on a new figure, with
+            one, and with the expected loudness below.
 
         Returns
         -------

@@ -53,7 +53,12 @@ interface Job {
   links: { self: string; cancel: string; events: string; result: string; zarr: string; picture: string };
 }
 
-interface Solution {
+/** How loud a motion is, or a basin on average over its window. */
+interface Loudness { impacts_per_period: number | null; largest_impact_speed: number | null; impact_power: number | null }
+
+interface Expected extends Loudness { undecided_share: number }
+
+interface Solution extends Loudness {
   number: number;
   name: string;
   kind: string;
@@ -74,6 +79,7 @@ interface Outline {
   tiles: { rows: number; columns: number; down: number; across: number; first: number; states: number[] };
   complete: boolean;
   solutions: Solution[];
+  expected: Expected | null;
   speckle: number[];
   missing_colour: string;
   grazing: Polyline;
@@ -84,6 +90,7 @@ interface PreviewAnswer {
   velocity: Axis;
   iterations: number;
   solutions: Solution[];
+  expected: Expected;
   missing_colour: string;
   grazing: Polyline;
   labels: string;

@@ -8,7 +8,29 @@ from service.models.numbers import FiniteOrNone
 from worker.stores.summary import BasinSummary
 
 
-class SolutionView(BaseModel):
+class Loud(BaseModel):
+    """Loudness of a motion: 0 for permanent contact, null where it is not known."""
+
+    impacts_per_period: FiniteOrNone = Field(description="Impacts on both walls in a forcing period")
+    largest_impact_speed: FiniteOrNone = Field(description="Of arrival at a wall; of chaos the largest that was met")
+    impact_power: FiniteOrNone = Field(description="Sum of v²/2 over the impacts of a forcing period")
+    impacts_per_period_error: FiniteOrNone = Field(description="Standard error; 0 if the motion is not chaotic")
+    impact_power_error: FiniteOrNone = Field(description="Standard error; 0 if the motion is not chaotic")
+
+
+class ExpectedView(BaseModel):
+    """Mean loudness over the window of a basin: shares times loudness."""
+
+    impacts_per_period: float
+    largest_impact_speed: float
+    impact_power: float
+    impacts_per_period_error: float = Field(description="Standard error, from chaos and from shares of samples")
+    largest_impact_speed_error: float = Field(description="Standard error, from shares of samples")
+    impact_power_error: float = Field(description="Standard error, from chaos and from shares of samples")
+    undecided_share: float = Field(description="Share of the cells whose motion is not known; they count as silent")
+
+
+class SolutionView(Loud):
     """One motion and its share of the cells. In a sweep: the share of all basins, the points of the first with it."""
 
     name: str = Field(examples=["P(1,1,0)"])
@@ -41,6 +63,7 @@ class BasinView(BaseModel):
     parameters: dict[str, float] = Field(description="Values of the swept parameters")
     complete: bool
     shares: list[ShareView] = Field(description="Shares of its solutions; empty until it is complete")
+    expected: ExpectedView | None = Field(description="Mean loudness over its window; null until it is complete")
 
 
 class ChangeView(BaseModel):

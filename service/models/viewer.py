@@ -7,7 +7,8 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, Field
 
-from rattle_kernels import Attractor, grazing_velocity
+from rattle_kernels import Attractor, Loudness, grazing_velocity
+from service.models.basin_result import ExpectedView, Loud
 from service.models.numbers import FiniteOrNone
 from worker.basins.preview import Preview
 from worker.pictures.colours import MISSING, SPECKLE, Colour, Palette, colours_of
@@ -47,7 +48,7 @@ class TilingView(BaseModel):
     states: list[Literal[1, 2, 3]] = Field(description="1 pending, 2 mapped, 3 labelled: only such can be fetched")
 
 
-class DrawnSolution(BaseModel):
+class DrawnSolution(Loud):
     """One solution, as drawn."""
 
     number: int
@@ -62,25 +63,27 @@ class DrawnSolution(BaseModel):
 
     @classmethod
     def from_attractor(
-        cls, number: int, attractor: Attractor, share: float, colours: dict[Palette, str]
+        cls, number: int, attractor: Attractor, heard: Loudness, share: float, colours: dict[Palette, str]
     ) -> "DrawnSolution":
         """View of an attractor."""
         points = zip(attractor.time.tolist(), attractor.velocity.tolist(), strict=True)
         return cls(
             number=number, name=attractor.name, kind=attractor.kind.name.lower(),
             share=share, lyapunov_exponent=attractor.lyapunov_exponent, mean_life=attractor.mean_life,
-            mean_life_error=attractor.mean_life_error, colours=colours, points=list(points),
+            mean_life_error=attractor.mean_life_error, colours=colours, points=list(points), **heard._asdict(),
         )  # fmt: skip
 
 
-def drawn(attractors: tuple[Attractor, ...], shares: Iterable[float]) -> list[DrawnSolution]:
+def drawn(
+    attractors: tuple[Attractor, ...], loudness: tuple[Loudness, ...], shares: Iterable[float]
+) -> list[DrawnSolution]:
     """Solutions as drawn, with their colours in every palette."""
     palettes = {palette: colours_of(attractors, palette) for palette in Palette}
     return [
         DrawnSolution.from_attractor(
-            number, attractor, share, {name: in_hex(colours[number]) for name, colours in palettes.items()}
+            number, attractor, heard, share, {name: in_hex(colours[number]) for name, colours in palettes.items()}
         )
-        for number, (attractor, share) in enumerate(zip(attractors, shares, strict=True))
+        for number, (attractor, heard, share) in enumerate(zip(attractors, loudness, shares, strict=True))
     ]
 
 
@@ -126,6 +129,7 @@ class OutlineView(BaseModel):
     tiles: TilingView
     complete: bool
     solutions: list[DrawnSolution] = Field(description="By number; those of the whole job")
+    expected: ExpectedView | None = Field(description="Mean loudness over the window; null until it is complete")
     missing_colour: str
     speckle: list[float] = Field(description="Brightness of chaotic cells by their group, counted round")
     grazing: PolylineView = Field(description="The grazing curve v*(t)")
@@ -143,7 +147,8 @@ class OutlineView(BaseModel):
                 rows=tiling.tile_rows, columns=tiling.tile_columns, down=down, across=across,
                 first=outline.first_tile, states=list(outline.states),
             ),
-            complete=outline.complete, solutions=drawn(outline.solutions, outline.shares),
+            complete=outline.complete, solutions=drawn(outline.solutions, outline.loudness, outline.shares),
+            expected=outline.expected and ExpectedView(**outline.expected._asdict()),
             missing_colour=in_hex(MISSING), speckle=list(SPECKLE),
             grazing=PolylineView(time=outline.curve[0].tolist(), velocity=outline.curve[1].tolist()),
         )  # fmt: skip
@@ -156,6 +161,7 @@ class PreviewView(BaseModel):
     velocity: WindowView
     iterations: int = Field(description="k")
     solutions: list[DrawnSolution] = Field(description="By number")
+    expected: ExpectedView = Field(description="Mean loudness over the window")
     missing_colour: str
     grazing: PolylineView = Field(description="The grazing curve v*(t)")
     labels: str = Field(
@@ -173,7 +179,10 @@ class PreviewView(BaseModel):
             time=WindowView(start=grid.time_start, stop=grid.time_stop, cells=grid.time_cells),
             velocity=WindowView(start=grid.velocity_start, stop=grid.velocity_stop, cells=grid.velocity_cells),
             iterations=iterations,
-            solutions=drawn(tuple(_thinned(each) for each in preview.attractors), preview.shares.tolist()),
+            solutions=drawn(
+                tuple(_thinned(each) for each in preview.attractors), preview.loudness, preview.shares.tolist()
+            ),
+            expected=ExpectedView(**preview.expected._asdict()),
             missing_colour=in_hex(MISSING),
             grazing=PolylineView(
                 time=phases.round(_PREVIEW_DIGITS).tolist(), velocity=curve.round(_PREVIEW_DIGITS).tolist()

@@ -266,6 +266,9 @@ def test_a_sweep_has_a_slider_and_a_chart_that_opens_its_basins(explorer, servic
     expect(slider).to_have_attribute("aria-valuetext", "0.65")
     page.go_back()
     expect(slider).to_have_attribute("aria-valuetext", "0.6")
+    expect(page.locator("#legend .note")).to_contain_text("On average over the window:")
+    page.locator("#loudness .target").click(position={"x": width - 75, "y": 40})
+    expect(slider).to_have_attribute("aria-valuetext", "0.65")
 
 
 def test_what_is_taken_away_is_what_made_the_picture(opened, finished):

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { axisTicks } from "../../service/explorer/js/charts/ticks.js";
-import { solutionInWords } from "../../service/explorer/js/look/explain.js";
+import { expectedInWords, loudnessInWords, solutionInWords } from "../../service/explorer/js/look/explain.js";
 import { isBehind } from "../../service/explorer/js/net/follow.js";
 import { linesOf } from "../../service/explorer/js/plane/curves.js";
 import { keyOf, solutionPixels, usualSpeckle } from "../../service/explorer/js/plane/palette.js";
@@ -29,6 +29,16 @@ test("a motion is explained in a sentence", () => {
   assert.equal(solutionInWords({ kind: "periodic", name: "P(1,1,0)" }), "P(1,1,0) repeats every forcing period, with 1 contact at +β and no contacts at −β.");
   assert.equal(solutionInWords({ kind: "periodic", name: "P(3,3,2)" }), "P(3,3,2) repeats every 3 forcing periods, with 3 contacts at +β and 2 contacts at −β.");
   assert.match(solutionInWords({ kind: "chaotic", name: "chaotic" }), /never repeats/);
+});
+
+test("loudness is told in words, and what is undecided is named", () => {
+  const chaos = { impacts_per_period: 1.6307, largest_impact_speed: 4.7802, impact_power: 10.702 };
+  assert.equal(loudnessInWords(chaos), "1.63 impacts a forcing period, the fastest at 4.78, impact power 10.7");
+  assert.match(loudnessInWords({ impacts_per_period: 1, largest_impact_speed: 3.77, impact_power: 7.1 }), /^1 impact a/);
+  assert.equal(loudnessInWords({ impacts_per_period: 0, largest_impact_speed: 0, impact_power: 0 }), "no impacts");
+  assert.equal(loudnessInWords({ impacts_per_period: null, largest_impact_speed: null, impact_power: null }), "");
+  assert.doesNotMatch(expectedInWords({ ...chaos, undecided_share: 0 }), /undecided/);
+  assert.match(expectedInWords({ ...chaos, undecided_share: 0.05 }), /; 5(\.\d+)? ?% undecided, counted as silent\.$/);
 });
 
 test("events older than what is known of a job are behind", () => {

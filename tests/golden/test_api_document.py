@@ -3,7 +3,13 @@
 from tests.golden import api_document, files
 
 # Fields that responses have got since. A field of a request would have to be optional.
-ADDED = {"DrawnSolution": ("mean_life_error",), "SolutionView": ("mean_life_error",)}
+LOUDNESS = (
+    "impacts_per_period", "largest_impact_speed", "impact_power", "impacts_per_period_error", "impact_power_error",
+)  # fmt: skip
+ADDED = {
+    "DrawnSolution": ("mean_life_error", *LOUDNESS), "SolutionView": ("mean_life_error", *LOUDNESS),
+    "BasinView": ("expected",), "OutlineView": ("expected",), "PreviewView": ("expected",),
+}  # fmt: skip
 
 
 def _without_added(name, schema):

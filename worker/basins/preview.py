@@ -7,7 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels import Attractor, CellGrid, CellImages, Oscillator, find_attractors, map_cells
+from rattle_kernels import (
+    Attractor,
+    CellGrid,
+    CellImages,
+    ExpectedLoudness,
+    Loudness,
+    Oscillator,
+    expected_loudness,
+    find_attractors,
+    loudness,
+    map_cells,
+)
 from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import choose_seeds
@@ -25,7 +36,7 @@ Catalogue = tuple[Attractor, ...]
 
 
 class Preview(NamedTuple):
-    """Solution of each cell as an index into a catalogue of attractors.
+    """Solution of each cell as an index into a catalogue of attractors, each with its loudness.
 
     ``solution`` has the shape (velocity cells, time cells), from the lowest speed.
     """
@@ -34,6 +45,12 @@ class Preview(NamedTuple):
     oscillator: Oscillator
     solution: np.ndarray
     attractors: Catalogue
+    loudness: tuple[Loudness, ...]
+
+    @property
+    def expected(self) -> ExpectedLoudness:
+        """Mean loudness over the window."""
+        return expected_loudness(self.shares, self.loudness)
 
     @property
     def shares(self) -> np.ndarray:
@@ -95,7 +112,9 @@ def preview_basin(request: PreviewRequest, pause: Callable[[], None] = lambda: N
         _known.keep(oscillator, attractors)
     there, solution = np.unique(solution, return_inverse=True)
     shape = grid.velocity_cells, grid.time_cells
-    return Preview(grid, oscillator, solution.reshape(shape), tuple(attractors[number] for number in there))
+    listed = tuple(attractors[number] for number in there)
+    heard = tuple(loudness(oscillator, each) for each in listed)
+    return Preview(grid, oscillator, solution.reshape(shape), listed, heard)
 
 
 def _named(oscillator: Oscillator, images: CellImages, pause: Callable[[], None]) -> tuple[np.ndarray, Catalogue]:

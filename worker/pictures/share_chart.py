@@ -1,21 +1,35 @@
-"""Charts of a sweep: the share of each solution over the swept parameters."""
+"""Charts of a sweep over its parameters: the share of each solution, and how loud the machine is on average."""
+
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle_kernels import Attractor
+from rattle_kernels import Attractor, ExpectedLoudness
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob
 from worker.pictures.colours import colours_of
 from worker.pictures.figure_file import new_figure
 from worker.pictures.symbols import in_words
 from worker.stores.basin_store import BasinStore
-from worker.stores.summary import representatives
+from worker.stores.summary import expected_in, representatives
 
 # Shares over two parameters are mapped for the solutions with the largest shares only.
 _MOST_MAPS = 9
 _LEGEND_ROWS = 24
+_MEASURES = {
+    "impacts_per_period": "impacts\na period",
+    "largest_impact_speed": "largest\nspeed",
+    "impact_power": "power",
+}
+_HEIGHTS = 4.0, 1.0, 1.0, 1.0
+
+SHARES_SIZE = 10.0, 8.5
+"""Inches of a figure of shares."""
+
+Expected = Sequence[ExpectedLoudness | None]
+"""Mean loudness of each basin, by number; None where it is not complete."""
 
 
 def _largest(share: np.ndarray, most: int) -> list[int]:
@@ -41,26 +55,47 @@ def draw_lines(
     axes.grid(alpha=0.3)
 
 
-def _draw_maps(figure: Figure, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...]) -> None:
-    """Draw one map per solution over both parameters."""
+def _measured(expected: Expected, field: str) -> np.ndarray:
+    return np.array([np.nan if basin is None else getattr(basin, field) for basin in expected])
+
+
+def _draw_loudness(places: Sequence[Axes], job: BasinJob, expected: Expected) -> None:
+    """Draw the expected loudness over the parameter, one measure below the other, with standard errors."""
+    for axes, (field, name) in zip(places, _MEASURES.items(), strict=True):
+        value, error = _measured(expected, field), _measured(expected, f"{field}_error")
+        axes.errorbar(job.vary[0].values, value, error, marker=".", color="black")
+        axes.set_ylabel(name, fontsize="small")
+        axes.set_ylim(bottom=0.0)
+        axes.grid(alpha=0.3)
+
+
+def _draw_maps(
+    figure: Figure, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...], expected: Expected
+) -> None:
+    """Draw one map per solution over both parameters, and one of the expected impact power."""
     numbers = _largest(share, _MOST_MAPS)
-    across = int(np.ceil(np.sqrt(len(numbers))))
-    down = -(-len(numbers) // across)
+    across = int(np.ceil(np.sqrt(len(numbers) + 1)))
+    down = -(-(len(numbers) + 1) // across)
     axes = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
     first, last = job.vary
     for place, number in zip(axes.flat, numbers, strict=False):
         image = place.pcolormesh(last.values, first.values, share[..., number], vmin=0.0, vmax=1.0, shading="nearest")
         place.set_title(f"{number}: {solutions[number].name}", fontsize="small")
         place.set_facecolor("lightgray")
-    for place in axes.flat[len(numbers) :]:
-        place.set_axis_off()
     figure.colorbar(image, ax=axes, label="share")
+    loud, power = axes.flat[len(numbers)], _measured(expected, "impact_power").reshape(job.sweep_shape)
+    image = loud.pcolormesh(last.values, first.values, power, vmin=0.0, shading="nearest", cmap="magma")
+    loud.set_title("expected impact power", fontsize="small")
+    loud.set_facecolor("lightgray")
+    for place in axes.flat[len(numbers) + 1 :]:
+        place.set_axis_off()
+    figure.colorbar(image, ax=axes, label="impact power")
     figure.supxlabel(in_words(last.parameter))
     figure.supylabel(in_words(first.parameter))
 
 
 def shares_figure(location: str) -> Figure:
-    """Draw the shares of a sweep's solutions: lines over one parameter, maps over two.
+    """Draw the shares of a sweep's solutions, and the expected loudness: lines over one parameter, maps over two.
 
     Parameters
     ----------
@@ -86,17 +121,23 @@ def shares_figure(location: str) -> Figure:
         raise InvalidJob(f"{location} holds no complete basin yet")
     solutions = representatives(store, table)
     share, error = (each.reshape(*store.job.sweep_shape, len(solutions)) for each in (table.share, table.share_error))
-    figure = new_figure(10.0, 6.5)
-    draw_shares(figure, store.job, share, error if store.job.sample else None, solutions)
+    figure = new_figure(*SHARES_SIZE)
+    expected = [expected_in(store, table, basin) for basin in range(store.job.basins)]
+    draw_shares(figure, store.job, share, error if store.job.sample else None, solutions, expected)
     return figure
 
 
 def draw_shares(
-    figure: Figure, job: BasinJob, share: np.ndarray, error: np.ndarray | None, solutions: tuple[Attractor, ...]
-) -> None:
-    """Draw shares and their errors, of shape (*swept values, solutions), on an empty figure."""
+    figure: Figure, job: BasinJob, share: np.ndarray, error: np.ndarray | None, solutions: tuple[Attractor, ...],
+    expected: Expected,
+) -> None:  # fmt: skip
+    """Draw shares and their errors, of shape (*swept values, solutions), and the expected loudness of each basin."""
     if len(job.vary) == 1:
-        draw_lines(figure.subplots(), job, share, error, solutions)
-        figure.legend(loc="outside right upper", frameon=False)
+        shares, *below = figure.subplots(len(_HEIGHTS), sharex=True, height_ratios=_HEIGHTS)
+        draw_lines(shares, job, share, error, solutions)
+        _draw_loudness(below, job, expected)
+        shares.set_xlabel("")
+        below[-1].set_xlabel(in_words(job.vary[0].parameter))
+        figure.legend(*shares.get_legend_handles_labels(), loc="outside right upper", frameon=False)
     else:
-        _draw_maps(figure, job, share, solutions)
+        _draw_maps(figure, job, share, solutions, expected)

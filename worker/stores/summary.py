@@ -2,29 +2,36 @@
 
 import dataclasses
 import math
+from collections import OrderedDict
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from rattle_kernels import Attractor
+from rattle_kernels import Attractor, AttractorKind, ExpectedLoudness, Loudness, expected_loudness, loudness
 from worker.stores.basin_store import BasinStore
 from worker.stores.changes import list_changes
 from worker.stores.layout import ChangeKind, TileState
 from worker.stores.solution_table import SolutionTable
+
+_EXPECTATIONS_KEPT = 1 << 14
+_WITHOUT_POINTS = AttractorKind.PERMANENT_CONTACT, AttractorKind.UNDECIDED
+_expectations: OrderedDict[tuple[str, int, bytes], ExpectedLoudness] = OrderedDict()
 
 
 @dataclass(frozen=True)
 class SweptBasinSummary:
     """One basin of a sweep: values of the swept parameters, and the share of each of its solutions, by number.
 
-    ``shares`` is empty until the basin is complete. ``errors`` are standard errors, for samples only.
+    ``shares`` is empty until the basin is complete. ``errors`` are standard errors, for samples only. ``expected`` is
+    the mean loudness over its window, None until it is complete.
     """
 
     values: dict[str, float]
     complete: bool
     shares: dict[int, float]
     errors: dict[int, float]
+    expected: ExpectedLoudness | None
 
 
 @dataclass(frozen=True)
@@ -46,10 +53,10 @@ class Change:
 class BasinSummary:
     """Result of one job: its motions with their shares, and how complete it is.
 
-    ``attractors`` are listed by number, each from the first basin that has it. ``shares`` are those of all basins'
-    cells, NaN until every basin is complete. ``image_counts`` counts the cells or points with each reserved image, once
-    all are mapped. ``seconds`` has the wall time of each stage and the kernels' own time. ``basins`` are in order.
-    ``changes`` lists births and deaths so far.
+    ``attractors`` are listed by number, each from the first basin that has it, with its ``loudness`` there. ``shares``
+    are those of all basins' cells, NaN until every basin is complete. ``image_counts`` counts the cells or points with
+    each reserved image, once all are mapped. ``seconds`` has the wall time of each stage and the kernels' own time.
+    ``basins`` are in order. ``changes`` lists births and deaths so far.
     """
 
     request: dict[str, Any]
@@ -58,6 +65,7 @@ class BasinSummary:
     tiles_computed: int
     tiles_assembled: int
     attractors: tuple[Attractor, ...]
+    loudness: tuple[Loudness, ...]
     shares: tuple[float, ...]
     image_counts: dict[str, int]
     seconds: dict[str, float]
@@ -66,25 +74,29 @@ class BasinSummary:
 
     def as_json(self) -> dict[str, Any]:
         """The summary as JSON: None for NaN, and the first hundred points of a chaotic attractor."""
-        solutions = [_solution(*each) for each in zip(self.attractors, self.shares, strict=True)]
+        solutions = [_solution(*each) for each in zip(self.attractors, self.loudness, self.shares, strict=True)]
         names = ("complete", "request", "tiles", "tiles_computed", "tiles_assembled", "image_counts", "seconds")
         own = {name: getattr(self, name) for name in names} | {"solutions": solutions}
         own["basins"] = [
-            {"parameters": each.values, "complete": each.complete, "shares": _shares(each)} for each in self.basins
-        ]
+            {
+                "parameters": each.values, "complete": each.complete, "shares": _shares(each),
+                "expected": each.expected and each.expected._asdict(),
+            }
+            for each in self.basins
+        ]  # fmt: skip
         own["changes"] = [dataclasses.asdict(each) | {"kind": each.kind.name.lower()} for each in self.changes]
         as_json: dict[str, Any] = without_nan(own)
         return as_json
 
 
-def _solution(attractor: Attractor, share: float) -> dict[str, Any]:
+def _solution(attractor: Attractor, heard: Loudness, share: float) -> dict[str, Any]:
     names = (
         "name", "forcing_periods", "upper_contacts", "lower_contacts", "lyapunov_exponent", "mean_life",
         "mean_life_error",
     )  # fmt: skip
     points = zip(attractor.time[:100].tolist(), attractor.velocity[:100].tolist(), strict=True)
     own = {name: getattr(attractor, name) for name in names}
-    return own | {"kind": attractor.kind.name.lower(), "share": share, "points": list(points)}
+    return own | heard._asdict() | {"kind": attractor.kind.name.lower(), "share": share, "points": list(points)}
 
 
 def _shares(basin: SweptBasinSummary) -> list[dict[str, Any]]:
@@ -116,13 +128,16 @@ def summarise(location: str) -> BasinSummary:
     table = store.read_solutions()
     whole = bool(table.complete.all())
     overall = np.nansum(table.share, axis=0) / store.job.basins if whole else np.full(len(table.motions), np.nan)
+    attractors = representatives(store, table)
+    oscillators = (store.job.oscillator_of(basin) for basin in _first_basins(table).tolist())
     return BasinSummary(
         request=store.job.request(),
         complete=store.complete,
         tiles=states.size,
         tiles_computed=int((states >= TileState.COMPUTED).sum()),
         tiles_assembled=int((states == TileState.ASSEMBLED).sum()),
-        attractors=representatives(store, table),
+        attractors=attractors,
+        loudness=tuple(map(loudness, oscillators, attractors)),
         shares=tuple(overall.tolist()),
         image_counts=count_images(store),
         seconds=store.attributes.get("seconds", {}),
@@ -146,15 +161,38 @@ def fingerprint(location: str) -> bytes:
     )
 
 
+def _first_basins(table: SolutionTable) -> np.ndarray:
+    """The first basin that has each solution, 0 while none is known to."""
+    there = np.isfinite(table.share)
+    return np.where(there.any(axis=0), there.argmax(axis=0), 0)
+
+
 def representatives(store: BasinStore, table: SolutionTable) -> tuple[Attractor, ...]:
     """Each solution, from the first basin that has it; from the first catalogue while no basin is complete."""
-    there = np.isfinite(table.share)
-    first = np.where(there.any(axis=0), there.argmax(axis=0), 0)
+    first = _first_basins(table)
     found: dict[int, Attractor] = {}
     for basin in np.unique(first).tolist():
         numbers = np.flatnonzero(first == basin).tolist()
         found |= dict(zip(numbers, store.read_catalogue(basin, table, numbers), strict=True))
     return tuple(found[number] for number in range(len(table.motions)))
+
+
+def expected_in(store: BasinStore, table: SolutionTable, basin: int) -> ExpectedLoudness | None:
+    """Mean loudness over the window of a basin; None until it is complete. Kept, since it never changes again."""
+    numbers = table.numbers_in(basin)
+    if not numbers:
+        return None
+    key = store.location, basin, table.share[basin].tobytes()
+    if key not in _expectations:
+        oscillator, catalogue = store.job.oscillator_of(basin), store.read_catalogue(basin, table, numbers)
+        if not all(each.time.size or each.kind in _WITHOUT_POINTS for each in catalogue):
+            return None  # points are still being written
+        heard = [loudness(oscillator, each) for each in catalogue]
+        points = store.job.sample.points if store.job.sample is not None else None
+        _expectations[key] = expected_loudness(table.share[basin, numbers], heard, points)
+        while len(_expectations) > _EXPECTATIONS_KEPT:
+            _expectations.popitem(last=False)
+    return _expectations[key]
 
 
 def count_images(store: BasinStore) -> dict[str, int]:
@@ -174,7 +212,8 @@ def _basins(store: BasinStore, table: SolutionTable) -> tuple[SweptBasinSummary,
     for basin, complete in enumerate(table.complete.tolist()):
         shares = {number: float(table.share[basin, number]) for number in table.numbers_in(basin)}
         errors = {number: float(table.share_error[basin, number]) for number in shares} if job.sample else {}
-        basins.append(SweptBasinSummary(job.values_of(basin), complete, shares, errors))
+        expected = expected_in(store, table, basin)
+        basins.append(SweptBasinSummary(job.values_of(basin), complete, shares, errors, expected))
     return tuple(basins)
 
 

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rattle_kernels import Attractor, Oscillator, grazing_velocity
+from rattle_kernels import Attractor, ExpectedLoudness, Loudness, Oscillator, grazing_velocity, loudness
 from worker.errors import InvalidJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 from worker.stores.solution_table import SolutionTable
-from worker.stores.summary import representatives
+from worker.stores.summary import expected_in, representatives
 from worker.stores.tiles import Tiling
 
 _CURVE_POINTS = 512
@@ -22,8 +22,9 @@ class PanelOutline:
     """A basin without its cells.
 
     ``solutions`` are those of the whole store, by number, with this basin's own points (none if it lacks the solution)
-    and ``shares`` (NaN until the basin is complete). ``states`` are `TileState` codes of the basin's tiles, numbered
-    from ``first_tile``. ``curve`` holds phases and speeds of the grazing curve.
+    and ``shares`` (NaN until the basin is complete), and their ``loudness`` here. ``expected`` is its mean over the
+    window, None until the basin is complete. ``states`` are `TileState` codes of the basin's tiles, numbered from
+    ``first_tile``. ``curve`` holds phases and speeds of the grazing curve.
     """
 
     values: dict[str, float]
@@ -34,6 +35,8 @@ class PanelOutline:
     complete: bool
     solutions: tuple[Attractor, ...]
     shares: tuple[float, ...]
+    loudness: tuple[Loudness, ...]
+    expected: ExpectedLoudness | None
     curve: tuple[np.ndarray, np.ndarray]
 
 
@@ -77,6 +80,7 @@ def outline_basin(location: str, basin: int) -> PanelOutline:
     states = store.read_ledger()[tiles]
     everywhere = representatives(store, table)
     there = catalogue_of(store, table, basin)
+    solutions = [there.get(number) or _without_points(each) for number, each in enumerate(everywhere)]
     grid, oscillator = store.job.grid, store.job.oscillator_of(basin)
     phases = np.linspace(grid.time_start, grid.time_stop, _CURVE_POINTS)
     return PanelOutline(
@@ -86,8 +90,10 @@ def outline_basin(location: str, basin: int) -> PanelOutline:
         first_tile=tiles.start,
         states=tuple(states.tolist()),
         complete=bool((states == TileState.ASSEMBLED).all()),
-        solutions=tuple(_thinned(there.get(i) or _without_points(each)) for i, each in enumerate(everywhere)),
+        solutions=tuple(_thinned(each) for each in solutions),
         shares=tuple(table.share[basin].tolist()),
+        loudness=tuple(loudness(oscillator, each) for each in solutions),
+        expected=expected_in(store, table, basin),
         curve=(phases, grazing_velocity(oscillator, phases)),
     )
 

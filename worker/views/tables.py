@@ -8,6 +8,8 @@ import pandas as pd
 import xarray as xr
 
 from worker.errors import InvalidJob
+from worker.views.loudness import measure_loudness
+from worker.views.reading import job_of
 
 _FIRST = {
     "attractor": "attractor", "seed": "velocity", "orbit": "orbit", "order": "order", "time": "time",
@@ -71,7 +73,7 @@ def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Codes are written as words.
+        Codes are written as words. Motions and basins come with their loudness, which is computed here.
 
     Raises
     ------
@@ -79,6 +81,7 @@ def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
         If there is no such table; it names those that there are.
     """
     chosen = _usual(dataset) if name is None else name
+    dataset = _with_loudness(dataset, chosen)
     if chosen in dataset.dims and _columns_along(dataset, chosen):
         # A store lists its arrays by name.
         columns = sorted(_columns_along(dataset, chosen), key=lambda name: _LEADING.get(name, len(_LEADING)))
@@ -93,6 +96,15 @@ def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
     for column in beside:
         table[column] = table[column].map(_words_of(dataset[column]) or (lambda value: value))
     return table.dropna(subset=[chosen]).reset_index(drop=True)
+
+
+def _with_loudness(dataset: xr.Dataset, chosen: str) -> xr.Dataset:
+    """The dataset with the loudness of its motions and basins, unless the table is of something else."""
+    if "share" not in dataset:
+        return dataset
+    listed = {"attractor", *(swept.parameter for swept in job_of(dataset).vary)}
+    along = (chosen,) if chosen in dataset.dims else dataset[chosen].dims if chosen in dataset else ()
+    return dataset.assign(measure_loudness(dataset).data_vars) if listed.issuperset(map(str, along)) else dataset
 
 
 def demand_small_table(dataset: xr.Dataset, name: str | None, most: int) -> None:

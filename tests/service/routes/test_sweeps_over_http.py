@@ -42,6 +42,7 @@ def test_the_result_has_shares_basin_by_basin(service, finished):
     for basin in result["basins"]:
         assert basin["complete"] and sum(each["share"] for each in basin["shares"]) == pytest.approx(1.0)
         assert all(each["standard_error"] is None for each in basin["shares"])
+        assert basin["expected"]["undecided_share"] == 0.0 and basin["expected"]["impact_power"] > 0.0
     means = np.zeros(len(names))
     for basin in result["basins"]:
         for each in basin["shares"]:
@@ -50,6 +51,19 @@ def test_the_result_has_shares_basin_by_basin(service, finished):
     assert {(each["kind"], names[each["solution"]], each["before"]) for each in result["changes"]} >= {
         ("death", "P(1,2,0)", 0.55), ("birth", "chaotic", 0.55),
     }  # fmt: skip
+
+
+def test_tables_say_how_loud_motions_and_basins_are(service, finished):
+    result = service.request("GET", finished["links"]["result"]).json()
+    assert result["solutions"][0]["impact_power"] == 0.0
+    path = f"/v1/jobs/{finished['id']}/result.json"
+    basins = service.request("GET", f"{path}?table=damping").json()
+    expected = [basin["expected"]["impact_power"] for basin in result["basins"]]
+    assert [row["expected_impact_power"] for row in basins] == pytest.approx(expected)
+    motions = service.request("GET", path).json()
+    assert all(row["impact_power"] is not None for row in motions)
+    first = next(row for row in motions if row["name"] == "P(1,1,0)")
+    assert first["largest_impact_speed"] == pytest.approx(2.0 * np.pi * first["damping"])
 
 
 def test_the_store_and_the_picture_of_a_sweep_are_served(service, finished):

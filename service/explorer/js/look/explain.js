@@ -1,5 +1,7 @@
 /** Motions in a sentence, for readers who do not know the symbols. */
 
+import { percent } from "../charts/ticks.js";
+
 function times(count, what) {
   return `${count === 0 ? "no" : count} ${what}${count === 1 ? "" : "s"}`;
 }
@@ -22,6 +24,30 @@ export function solutionInWords({ kind, name }) {
   const [periods, upper, lower] = parts.slice(1).map(Number);
   const every = periods === 1 ? "every forcing period" : `every ${periods} forcing periods`;
   return `${name} repeats ${every}, with ${times(upper, "contact")} at +β and ${times(lower, "contact")} at −β.`;
+}
+
+function told(number) {
+  return String(Number(number.toPrecision(3)));
+}
+
+/**
+ * How loud a motion is, or a basin on average, in words; empty where it is not known.
+ * @param {Loudness} heard
+ */
+export function loudnessInWords({ impacts_per_period, largest_impact_speed, impact_power }) {
+  if (impacts_per_period === null) return "";
+  if (impacts_per_period === 0) return "no impacts";
+  const rate = told(impacts_per_period);
+  return `${rate} impact${rate === "1" ? "" : "s"} a forcing period, the fastest at ${told(largest_impact_speed)}, impact power ${told(impact_power)}`;
+}
+
+/**
+ * What is to be heard over the window of a basin, in words.
+ * @param {Expected} expected
+ */
+export function expectedInWords(expected) {
+  const undecided = expected.undecided_share > 0 ? `; ${percent(expected.undecided_share)} undecided, counted as silent` : "";
+  return `On average over the window: ${loudnessInWords(expected)}${undecided}.`;
 }
 
 /** What the marks on the plane are. */

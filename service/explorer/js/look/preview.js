@@ -13,10 +13,10 @@ function notYet(solution) {
 }
 
 function outlineOf(answer, quick) {
-  const { time, velocity, grazing, missing_colour } = answer;
+  const { time, velocity, grazing, missing_colour, expected } = answer;
   const solutions = quick ? answer.solutions.map(notYet) : answer.solutions;
   return {
-    parameters: {}, time, velocity, solutions, grazing, missing_colour, complete: true, speckle: [1],
+    parameters: {}, time, velocity, solutions, expected, grazing, missing_colour, complete: true, speckle: [1],
     tiles: { rows: velocity.cells, columns: time.cells, down: 1, across: 1, first: 0, states: [LABELLED] },
   };
 }

@@ -1,7 +1,7 @@
 /** The legend: solutions with colours and shares, which can be selected; or the scale of one of Hsu's numbers. */
 
 import { element } from "../charts/chart.js";
-import { solutionInWords } from "../look/explain.js";
+import { expectedInWords, loudnessInWords, solutionInWords } from "../look/explain.js";
 import { keyOf, scaleColour } from "../plane/palette.js";
 import { grouped, percent } from "../charts/ticks.js";
 
@@ -29,7 +29,8 @@ function entry(solutions, solution, share, known, look, pick) {
   button.type = "button";
   button.dataset.solution = key;
   button.setAttribute("aria-pressed", String(look.highlight === key));
-  button.title = solutionInWords(solution) + chaosInWords(solution);
+  const heard = solution.impacts_per_period ? ` ${loudnessInWords(solution)}.` : "";
+  button.title = solutionInWords(solution) + chaosInWords(solution) + heard;
   const name = document.createElement("span");
   name.textContent = solution.name;
   const part = document.createElement("span");
@@ -50,6 +51,12 @@ function listSolutions(picture, look, pick) {
   const list = document.createElement("ul");
   list.append(...there.map((each) => entry(outline.solutions, each, counted[each.number], outline.complete, look, pick)));
   return list;
+}
+
+/** What is to be heard on average, as far as it is known. */
+function averageOf({ expected }) {
+  if (!expected) return [];
+  return [Object.assign(document.createElement("p"), { className: "note", textContent: expectedInWords(expected) })];
 }
 
 function describeScale(picture, layer) {
@@ -79,7 +86,7 @@ export function showLegend(place, picture, look, pick) {
   const focused = place.contains(active) ? active.dataset.solution : null;
   if (!picture) place.replaceChildren();
   else if (picture.empty) place.textContent = "No solutions are known yet.";
-  else if (look.layer === "solution" || picture.isPreview) place.replaceChildren(listSolutions(picture, look, pick));
+  else if (look.layer === "solution" || picture.isPreview) place.replaceChildren(listSolutions(picture, look, pick), ...averageOf(picture.outline));
   else place.replaceChildren(...describeScale(picture, look.layer));
   if (focused) Array.from(place.querySelectorAll("button")).find((each) => each.dataset.solution === focused)?.focus();
 }

@@ -1,4 +1,4 @@
-/** A sweep: a slider for each swept parameter, and the share of each solution over the last parameter. */
+/** A sweep: a slider for each swept parameter; the share of each solution and the impact power over the last one. */
 
 import { get } from "../net/api.js";
 import { Chart } from "../charts/chart.js";
@@ -127,10 +127,35 @@ export class Sweep {
       });
       line.setAttribute("aria-label", solution.name);
     }
+    this.finish(chart, places);
+    this.drawLoudness(row, places);
+  }
+
+  /** Draw what is to be heard on average in each basin over the last parameter. */
+  drawLoudness(row, places) {
+    const { parameter, values } = this.vary.at(-1);
+    const powers = row.map(({ expected }) => expected?.impact_power ?? null);
+    const most = Math.max(0, ...powers);
+    const chart = new Chart(this.section.querySelector("#loudness"), {
+      height: 130, x: [Math.min(...values), Math.max(...values)], y: [0, most > 0 ? 1.05 * most : 1],
+      xLabel: SYMBOLS[parameter], yLabel: "impact power",
+      label: `Expected impact power over ${SYMBOLS[parameter]}; a click opens the nearest basin`,
+    });
+    chart.line(values, powers, { class: "line", stroke: "currentColor" });
+    powers.forEach((power, i) => {
+      if (power !== null) chart.add("circle", { cx: chart.x(values[i]), cy: chart.y(power), r: 3, fill: "currentColor" });
+    });
+    this.finish(chart, places);
+  }
+
+  /** Mark the basin that is shown in a chart over the last parameter, and open the one that is clicked. */
+  finish(chart, places) {
+    const { values } = this.vary.at(-1);
+    const [from, to] = chart.range, [bottom, top] = chart.reach.map((y) => chart.y(y));
     const here = chart.x(values[places.at(-1)]);
-    chart.add("path", { class: "here", d: `M${here} ${chart.y(0)}V${chart.y(1)}` });
-    chart.add("text", { x: here + 5, y: chart.y(1) + 12 }, reading(values[places.at(-1)], ends[1] - ends[0]));
-    const target = chart.add("rect", { class: "target", x: chart.x(ends[0]) - 8, y: chart.y(1), width: chart.x(ends[1]) - chart.x(ends[0]) + 16, height: chart.y(0) - chart.y(1) });
+    chart.add("path", { class: "here", d: `M${here} ${bottom}V${top}` });
+    chart.add("text", { x: here + 5, y: top + 12 }, reading(values[places.at(-1)], to - from));
+    const target = chart.add("rect", { class: "target", x: chart.x(from) - 8, y: top, width: chart.x(to) - chart.x(from) + 16, height: bottom - top });
     target.addEventListener("click", (event) => {
       const wanted = chart.valueAt(event);
       const distances = values.map((value) => Math.abs(value - wanted));

@@ -1,0 +1,65 @@
+"""How loud a machine is on average over a window of departures: the loudness of each motion, weighted by its share."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.attractors.loudness import Loudness
+
+
+class ExpectedLoudness(NamedTuple):
+    """Means over a window of departures, with standard errors, and the share of those whose motion is not decided.
+
+    Undecided departures count as silent, so each mean is a lower bound where ``undecided_share`` is not 0.
+    """
+
+    impacts_per_period: float
+    largest_impact_speed: float
+    impact_power: float
+    impacts_per_period_error: float
+    largest_impact_speed_error: float
+    impact_power_error: float
+    undecided_share: float
+
+
+def expected_loudness(
+    shares: np.typing.ArrayLike, motions: Sequence[Loudness], points: int | None = None
+) -> ExpectedLoudness:
+    """Mean loudness of a basin picture.
+
+    Parameters
+    ----------
+    shares : array_like, shape (motions,)
+        Share of each motion; NaN where the basin has no such motion.
+    motions : sequence of Loudness
+        From `loudness`.
+    points : int, optional
+        Number of independent points from which the shares are known, if they are of a sample.
+
+    Returns
+    -------
+    ExpectedLoudness
+        Errors come from those of chaotic motions. Those of a sample come from its shares, too: from what these may be
+        once so many points are known (Laplace's rule of succession, for as many motions as there are). NaN where no
+        share is known.
+
+    Examples
+    --------
+    >>> silent, loud = Loudness(0.0, 0.0, 0.0, 0.0, 0.0), Loudness(1.0, 3.0, 4.5, 0.0, 0.0)
+    >>> expected_loudness([0.75, 0.25], [silent, loud]).impact_power
+    1.125
+    """
+    share = np.asarray(shares, np.float64)
+    there = np.isfinite(share)
+    if not there.any():
+        return ExpectedLoudness._make([np.nan] * len(ExpectedLoudness._fields))
+    share, heard = share[there], np.reshape(motions, (-1, len(Loudness._fields)))[there]
+    known = np.isfinite(heard[:, 0])
+    severity, own_error = np.where(known[:, None], heard[:, :3], 0.0), np.zeros((len(heard), 3))
+    own_error[:, [0, 2]] = np.nan_to_num(heard[:, 3:])
+    square = (share**2) @ own_error**2
+    if points is not None:
+        likely = (share * points + 1.0) / (points + share.size)
+        square += (likely @ severity**2 - (likely @ severity) ** 2) / (points + share.size + 1.0)
+    return ExpectedLoudness._make([*(share @ severity).tolist(), *np.sqrt(square).tolist(), float(share[~known].sum())])

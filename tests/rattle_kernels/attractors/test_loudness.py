@@ -1,0 +1,164 @@
+"""The loudness of motions is that of closed formulas, of balances of energy and of time histories."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rattle_kernels import (
+    Attractor,
+    AttractorKind,
+    Direction,
+    Harmonic,
+    Loudness,
+    Oscillator,
+    expected_loudness,
+    find_attractors,
+    loudness,
+    single_contact_orbits,
+    time_history,
+)
+from worker.stores.solution_table import share_error
+
+# Departures that end on P(1,1,0), and where chaos or what has come in its place rattles.
+SEEDS = [0.89829, 0.553], [3.76991, 4.703]
+# Errors allowed: one test in a million fails by chance, and none twice, as everything is deterministic.
+ERRORS = 5.0
+
+
+def motions_of(oscillator):
+    return {each.name: each for each in find_attractors(oscillator, *SEEDS)}
+
+
+@pytest.fixture(scope="module")
+def chaos():
+    return motions_of(Oscillator())["chaotic"]
+
+
+def turn_of(oscillator, attractor, periods=None):
+    """One turn of a motion as a time history, from its first departure."""
+    return time_history(
+        oscillator, attractor.time[0], oscillator.half_backlash, -attractor.velocity[0],
+        **({"departures": attractor.upper_contacts} if periods is None else {"periods": periods}),
+        samples_per_period=4000,
+    )  # fmt: skip
+
+
+def arrivals(oscillator, history):
+    """Speeds of arrival at the walls; a history lists those of leaving where an impact takes some."""
+    contacts = history.contacts
+    inwards = contacts.direction != Direction.OUT
+    return contacts.speed[inwards] / oscillator.restitution
+
+
+@pytest.mark.parametrize("m", [1, 2, 3])
+def test_elastic_orbits_of_one_impact_have_the_speed_of_the_closed_formula(m):
+    oscillator = Oscillator(0.1, 0.028, 1.5)
+    orbit = single_contact_orbits(oscillator, m)[0]
+    assert orbit.exists
+    points = np.array([orbit.t]), np.array([orbit.v])
+    heard = loudness(oscillator, Attractor(AttractorKind.PERIODIC, m, 1, 0, np.nan, np.nan, *points))
+    speed = 2.0 * math.pi * 0.1 * m
+    # The orbit is known to rounding, and one application keeps that.
+    np.testing.assert_allclose(heard[:3], [1.0 / m, speed, speed**2 / (2.0 * m)], rtol=1e-12)
+    assert heard[3:] == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("restitution", [0.97, 0.95, 0.9])
+def test_an_impact_that_loses_energy_arrives_faster_than_it_leaves(restitution):
+    oscillator = Oscillator(restitution=restitution)
+    orbit = motions_of(oscillator)["P(1,1,0)"]
+    arrives = 4.0 * math.pi * 0.6 / (1.0 + restitution)
+    # Newton's method stops at a residual of 1e-11.
+    np.testing.assert_allclose(orbit.velocity, restitution * arrives, rtol=1e-10)
+    np.testing.assert_allclose(loudness(oscillator, orbit)[:3], [1.0, arrives, arrives**2 / 2.0], rtol=1e-10)
+
+
+OTHERS = {
+    "impacts that lose energy": Oscillator(restitution=0.97),
+    "soft contacts": Oscillator(stiffness=1e3),
+    "a window of the cascade": Oscillator(damping=0.527),
+    "a second harmonic": Oscillator(damping=0.527, harmonics=(Harmonic(2, 0.002, 0.1),)),
+    "contacts that lose energy": Oscillator(stiffness=1e3, contact_damping=0.01),
+}
+
+
+@pytest.mark.parametrize("oscillator", OTHERS.values(), ids=OTHERS)
+def test_time_histories_have_the_same_impacts(oscillator):
+    compared = []
+    for name, attractor in motions_of(oscillator).items():
+        if attractor.kind != AttractorKind.PERIODIC:
+            continue
+        speeds = arrivals(oscillator, turn_of(oscillator, attractor))
+        m, impacts, largest, power, *_ = attractor.forcing_periods, *loudness(oscillator, attractor)
+        assert speeds.size == attractor.upper_contacts + attractor.lower_contacts == round(impacts * m)
+        np.testing.assert_allclose([largest, power], [speeds.max(), (speeds**2).sum() / (2 * m)], rtol=1e-8)
+        compared.append(name)
+    assert compared
+
+
+def test_what_is_lost_in_impacts_is_what_the_forcing_has_done():
+    oscillator = Oscillator(restitution=0.97)
+    orbit = motions_of(oscillator)["P(2,2,1)"]
+    history = turn_of(oscillator, orbit)
+    delta, angle = oscillator.damping, 2.0 * math.pi * history.time
+    first, second = -2.0 * math.pi * np.sin(angle), -((2.0 * math.pi) ** 2) * np.cos(angle)
+    drive = 4.0 * math.pi * delta + oscillator.eccentricity * (second + delta * first)
+    done = np.trapezoid((drive - delta * history.velocity) * history.velocity, history.time)
+    lost = (1.0 - oscillator.restitution**2) * loudness(oscillator, orbit).impact_power * orbit.forcing_periods
+    # The trapezoidal rule errs by h^2/12 times a second derivative of some (2 pi)^2 times 30, over two periods.
+    assert done == pytest.approx(lost, abs=2.0 * 1200.0 / 12.0 / 4000.0**2 * 3.0)
+    assert lost > 1.0
+
+
+def test_permanent_contact_is_silent_and_what_is_undecided_is_not_known():
+    for kind, expected in ((AttractorKind.PERMANENT_CONTACT, 0.0), (AttractorKind.UNDECIDED, np.nan)):
+        heard = loudness(Oscillator(), Attractor(kind, 0, 0, 0, np.nan, np.nan, np.empty(0), np.empty(0)))
+        np.testing.assert_array_equal(heard, np.full(5, expected))
+
+
+def test_a_long_time_history_of_chaos_is_as_loud_within_the_errors(chaos):
+    oscillator, periods, blocks = Oscillator(), 8000, 40
+    history = time_history(
+        oscillator, chaos.time[0], 0.6, -chaos.velocity[0], periods=periods, samples_per_period=1
+    )  # fmt: skip
+    contacts, heard = history.contacts, loudness(oscillator, chaos)
+    block = ((contacts.time - history.time[0]) * blocks / periods).astype(int).clip(0, blocks - 1)
+    counted = np.bincount(block) * blocks / periods, np.bincount(block, contacts.speed**2 / 2.0) * blocks / periods
+    told = (heard.impacts_per_period, heard.impacts_per_period_error), (heard.impact_power, heard.impact_power_error)
+    for each, (mean, error) in zip(counted, told, strict=True):
+        assert 0.0 < error < 0.002 * mean
+        other = each.std(ddof=1) / math.sqrt(blocks)
+        assert abs(each.mean() - mean) < ERRORS * math.hypot(error, other)
+    # No speed of either stretch is far beyond those of the other.
+    assert contacts.speed.max() == pytest.approx(heard.largest_impact_speed, rel=0.01)
+
+
+def test_errors_of_chaos_are_those_of_its_scatter(chaos):
+    """Parts of the catalogue that share no trajectory give means that scatter as their errors say."""
+    parts = [chaos._replace(time=chaos.time[i::16], velocity=chaos.velocity[i::16]) for i in range(16)]
+    heard = np.array([loudness(Oscillator(), part) for part in parts])
+    for mean, error in ((0, 3), (2, 4)):
+        ratio = heard[:, mean].std(ddof=1) / np.sqrt((heard[:, error] ** 2).mean())
+        assert 0.4 < ratio < 1.75  # chi^2 of 15 degrees: beyond these in one of five thousand
+
+
+def test_the_same_motion_is_heard_alike(chaos):
+    assert loudness(Oscillator(), chaos) == loudness(Oscillator(), chaos)
+
+
+LOUD, SILENT = Loudness(1.0, 1.0, 1.0, 0.0, 0.0), Loudness(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def test_expectations_are_shares_times_loudness_and_undecided_shares_are_named():
+    unknown, chaotic = Loudness(*(math.nan,) * 5), Loudness(1.6, 4.8, 10.0, 0.01, 0.2)
+    told = expected_loudness([0.5, 0.25, math.nan, 0.2, 0.05], [SILENT, LOUD, LOUD, chaotic, unknown])
+    np.testing.assert_allclose(told, [0.57, 1.21, 2.25, 0.002, 0.0, 0.04, 0.05])
+    assert np.isnan(expected_loudness([math.nan], [SILENT])).all()
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_expectations_of_a_sample_have_the_errors_of_its_shares(share):
+    told = expected_loudness([1.0 - share, share], [SILENT, LOUD], points=100)
+    assert told.impact_power_error == pytest.approx(share_error(share, 100), rel=1e-12)
+    assert expected_loudness([1.0 - share, share], [SILENT, LOUD]).impact_power_error == 0.0
