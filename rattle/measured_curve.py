@@ -64,8 +64,8 @@ def transmission_error(
     >>> error.forcing
     {'eccentricity': 0.1, 'harmonics': (Harmonic(order=2.0, amplitude=0.02, phase=0.75),)}
     >>> least, phase = error.least_acceleration(damping=0.6)
-    >>> round(least, 2), round(phase, 3)  # beyond the bound of Eq. (8): this needs more damping, or a smaller scale
-    (0.89, 0.961)
+    >>> round(least, 2), round(phase, 3)  # positive, so Eq. (8) holds
+    (1.17, 0.102)
     """
     options: dict[str, Any] = {"unit": unit, "explained": explained, "scale": scale}
     if not isinstance(curve, str | Path):

@@ -1,6 +1,7 @@
 """The command that makes harmonics of a measured transmission error."""
 
 import json
+import math
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -28,8 +29,8 @@ def transmission_error(
         error = measured_curve(curve, unit=unit, explained=explained, scale=scale, columns=columns)
     except ValueError as fault:
         give_up(str(fault), 2)
-    if not damping > 0.0:
-        give_up(f"damping must be positive, not {damping:g}", 2)
+    if not 0.0 < damping < math.inf:
+        give_up(f"damping must be positive and finite, not {damping:g}", 2)
     if as_json:
         typer.echo(json.dumps(_as_json(error, damping), indent=1))
         return

@@ -68,7 +68,9 @@ def eccentric_gears(p: int, q: int, first: float, second: float, assembly: float
     """Forcing of two eccentric gears of which the first turns p times while the second turns q times.
 
     The forcing period is the time in which both come back, so the gears are the orders p and q. Where p = q = 1 they
-    add up to one eccentricity, and the assembly decides how large it is.
+    add up to one eccentricity, and the assembly decides how large it is. The model's units go with that period: against
+    those of one turn of the first gear damping is p times as large, and lengths (backlash, eccentricities) are divided
+    by p, because in freeplay the gears part at 4 pi lengths a period.
 
     Parameters
     ----------
@@ -132,7 +134,7 @@ def torque_ripple(order: int, torque: float, phase: float, damping: float) -> Ha
     --------
     >>> ripple = torque_ripple(2, torque=1.0, phase=0.0, damping=0.6)
     >>> round(ripple.amplitude, 6), round(ripple.phase, 6)
-    (0.006325, 0.492416)
+    (0.006325, 0.507593)
     """
     if not (order == int(order) and order >= 1):
         raise ValueError(f"orders of torque ripple are whole numbers from 1 on, not {order}")
