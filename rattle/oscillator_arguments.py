@@ -1,15 +1,27 @@
 """Arguments that name an oscillator of either model."""
 
+from pathlib import Path
 from typing import Any
 
 from rattle.argument import Argument, Group, Values, is_swept, of_part
+from rattle.measured_curve import transmission_error
+from rattle_kernels import TransmissionError
 from worker.errors import InvalidJob
-from worker.jobs.oscillator_request import PIECEWISE_LINEAR, ImpactingOscillator, PiecewiseLinearOscillator
+from worker.jobs.oscillator_request import (
+    BOTH_FORCINGS,
+    PIECEWISE_LINEAR,
+    ImpactingOscillator,
+    PiecewiseLinearOscillator,
+)
 from worker.jobs.swept_parameter import is_of_harmonic
 
 _HARMONICS = (
     "(order, amplitude, phase) of each harmonic of the forcing beside the first; phases count periods of the harmonic. "
     "Several values of amplitude_2 or phase_2 sweep those of order 2"
+)
+_MEASURED = (
+    "A measured curve in place of eccentricity and harmonics: what `rattle.transmission_error` returns, or a CSV file "
+    "of angle (in turns) and error"
 )
 _FOREIGN = {
     False: ("piecewise linear model", "give a stiffness"),
@@ -38,10 +50,12 @@ def oscillator_group(impacting_only: bool = False, sweeps: bool = False) -> Grou
     if not impacting_only:
         arguments.append(Argument("stiffness", float | None, None, "kappa; without it, the impacting model"))
     arguments.append(Argument("harmonics", list[tuple[float, ...]] | None, None, _HARMONICS))
+    arguments.append(Argument("transmission_error", TransmissionError | str | Path | None, None, _MEASURED))
     arguments += of_impacts if impacting_only else of_impacts + of_contacts
-    names = [each.name for each in arguments if each.name != "harmonics"]
+    names = [each.name for each in arguments if each.name not in ("harmonics", "transmission_error")]
 
     def read(given: Values) -> dict[str, Any]:
+        given = _measured_as_harmonics(given)
         own = {name: given[name] for name in names if given.get(name) is not None}
         request = {name: value for name, value in own.items() if not is_swept(value)}
         harmonics = _harmonics(given)
@@ -56,6 +70,20 @@ def oscillator_group(impacting_only: bool = False, sweeps: bool = False) -> Grou
         return request | harmonics | ({"model": PIECEWISE_LINEAR} if "stiffness" in own else {})
 
     return Group(tuple(arguments), read)
+
+
+def _measured_as_harmonics(given: Values) -> Values:
+    """The same arguments with eccentricity and harmonics of a measured curve; an eccentricity that is swept stays."""
+    measured = given.get("transmission_error")
+    if measured is None:
+        return given
+    eccentricity = given.get("eccentricity")
+    if given.get("harmonics") is not None or not (eccentricity is None or is_swept(eccentricity)):
+        raise InvalidJob(BOTH_FORCINGS, ("transmission_error",))
+    if not isinstance(measured, TransmissionError):
+        measured = transmission_error(measured)
+    swept = {} if eccentricity is None else {"eccentricity": eccentricity}
+    return {**given, **measured.forcing, **swept}
 
 
 def _harmonics(given: Values) -> dict[str, Any]:

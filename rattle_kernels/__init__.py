@@ -45,10 +45,12 @@ from rattle_kernels.model.bounds import (
     stiffness_bound,
 )
 from rattle_kernels.model.domain import OutsideDomain, check_domain, check_impacting, check_quiet
+from rattle_kernels.model.forcing import Forcing, eccentric_gears, torque_ripple
 from rattle_kernels.model.grazing_curve import grazing_velocity, largest_grazing_speed
 from rattle_kernels.model.harmonics import Harmonic
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import Outcome
+from rattle_kernels.model.transmission_error import AngleUnit, TransmissionError, UnusableCurve, transmission_error
 from rattle_kernels.orbits.bifurcation_curve import SpecialCurve, continue_special_point
 from rattle_kernels.orbits.bifurcation_diagram import BifurcationDiagram, bifurcation_diagram
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint
@@ -65,6 +67,7 @@ from rattle_kernels.orbits.single_contact_orbit import (
 from rattle_kernels.warm_up import warm_up, warm_up_analyses, warm_up_curves
 
 __all__ = [
+    "AngleUnit",
     "Attractor",
     "AttractorKind",
     "BasinEntropy",
@@ -78,6 +81,7 @@ __all__ = [
     "CurveResolution",
     "Direction",
     "ExpectedLoudness",
+    "Forcing",
     "FoundOrbit",
     "Harmonic",
     "Impacts",
@@ -102,9 +106,11 @@ __all__ = [
     "TangentGrowth",
     "TimeHistory",
     "TooManyPoints",
+    "TransmissionError",
     "UNASSIGNED",
     "UNDECIDED",
     "UncertaintyExponent",
+    "UnusableCurve",
     "arclength",
     "attractor_distance",
     "basin_entropy",
@@ -118,6 +124,7 @@ __all__ = [
     "continue_attractor",
     "continue_orbit",
     "continue_special_point",
+    "eccentric_gears",
     "eccentricity_bound_convexity",
     "eccentricity_bound_quiet",
     "eccentricity_bound_single_contact",
@@ -150,6 +157,8 @@ __all__ = [
     "stiffness_bound",
     "tangent_growth",
     "time_history",
+    "torque_ripple",
+    "transmission_error",
     "uncertainty_exponent",
     "unstable_manifold",
     "warm_up",

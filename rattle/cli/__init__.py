@@ -24,6 +24,10 @@ _OTHER_COMMANDS = {
         "trajectory",
         "Follow one motion of either model: draw Phi(t) or write it down, and list its contacts.",
     ),
+    "transmission-error": (
+        "transmission_error",
+        "Make harmonics of a measured transmission error: the options to copy, and what they leave out.",
+    ),
     "paper": (
         "paper",
         "Recompute a figure of the paper and its numbers; basins that are there already are used, unfinished resumed.",
@@ -34,8 +38,8 @@ _OTHER_COMMANDS = {
     "fetch": ("remote", "Copy the result of a job that has ended into a folder here, to the byte."),
     "cancel": ("remote", "Stop a job; what it has computed stays readable."),
     "delete": ("remote", "Stop a job, and delete it with its result."),
-    "keys": ("keys", "Make, list and revoke the API keys of a service."),
-    "certs": ("certs", "Make certificates for the parts of a Dask cluster."),
+    "keys": ("guard.keys", "Make, list and revoke the API keys of a service."),
+    "certs": ("guard.certs", "Make certificates for the parts of a Dask cluster."),
     "plot": (
         "plot",
         "Draw a basin in the paper's colours, a sweep side by side, or what an analysis has found.",
@@ -64,7 +68,7 @@ def _loaded(name: str) -> Any:
     if name in kinds:
         found = import_module("rattle.cli.compute").compute_command(kinds[name])
     else:
-        found = getattr(_loaded_module(name), name)
+        found = getattr(_loaded_module(name), name.replace("-", "_"))
     if not isinstance(found, typer.Typer):
         alone = typer.Typer(add_completion=False)
         alone.command(name, cls=StrictCommand)(found)
@@ -136,7 +140,8 @@ _HELP = (
     "Which motion does a rattling gear end in? Basins of attraction of a backlash oscillator.\n\n"
     "Alone: `rattle basin` computes one here, `rattle sweep` many, `rattle plot` draws them; "
     "`rattle bifurcation`, `rattle orbits`, `rattle manifold` and `rattle grazing-curve` explain them; "
-    "`rattle trajectory` follows one motion, `rattle paper` recomputes a figure of the paper. "
+    "`rattle trajectory` follows one motion, `rattle transmission-error` makes harmonics of a measured curve, "
+    "`rattle paper` recomputes a figure of the paper. "
     "With a service: `rattle serve` starts one, "
     "`rattle submit` sends it a request, `rattle jobs` and `rattle status` follow what it does, "
     "`rattle cancel` and `rattle delete` stop and remove it; "

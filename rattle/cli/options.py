@@ -11,7 +11,7 @@ import typer
 
 from rattle.argument import Argument
 from rattle.arguments import arguments_of
-from rattle.cli.texts import continuation_of, departure_of, harmonic_of, orbit_seed_of, saddle_of, swept_of
+from rattle.cli.texts import continuation_of, departure_of, harmonic_of, measured_of, orbit_seed_of, saddle_of, swept_of
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.jobs.job import Job
@@ -171,10 +171,17 @@ HARMONICS = Written(
     "harmonic", list[str] | None, None, "order:amplitude[:phase] of a harmonic of the forcing: 2:0.01:0.25; several",
     lambda texts: {"harmonics": [harmonic_of(each) for each in texts]},
 )  # fmt: skip
-"""Option for the harmonics of an oscillator."""
+MEASURED = Written(
+    "transmission_error", str | None, None,
+    "te.csv[,unit=degrees][,scale=0.01][,explained=0.99]: a measured curve in place of eccentricity and harmonics",
+    lambda text: {"transmission_error": measured_of(text)},
+)  # fmt: skip
+FORCING = {"harmonics": HARMONICS, "transmission_error": MEASURED}
+"""Options for the forcing of an oscillator, by the argument that they replace."""
 
 _REPLACED: dict[str, Callable[[type[Job]], Written]] = {
     "harmonics": lambda _: HARMONICS,
+    "transmission_error": lambda _: MEASURED,
     "seeds": _seeds,
     "saddles": lambda _: Written(
         "saddle", list[str], ..., "t,v[,period] close to a saddle, or P(1,1,0); several",

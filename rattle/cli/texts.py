@@ -3,8 +3,12 @@
 from collections.abc import Sequence
 from typing import Any
 
+from rattle.measured_curve import transmission_error
+from rattle_kernels import TransmissionError
 from worker.errors import InvalidJob
 from worker.jobs.swept_parameter import known_parameter
+
+_MEASURED: dict[str, Any] = {"unit": str, "scale": float, "explained": float}
 
 
 def swept_of(texts: Sequence[str]) -> dict[str, Any]:
@@ -139,6 +143,34 @@ def harmonic_of(text: str) -> tuple[float, ...]:
         return int(order), float(amplitude), *(float(each) for each in phase[:1])
     except ValueError as error:
         raise InvalidJob(f"--harmonic {text}: write order, amplitude and phase, as in 2:0.01:0.25") from error
+
+
+def measured_of(text: str) -> TransmissionError:
+    """Measured transmission error, written ``te.csv[,unit=degrees][,scale=0.01][,explained=0.99]``.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    TransmissionError
+
+    Raises
+    ------
+    InvalidJob
+        If it has another form, or the curve cannot be used.
+    """
+    path, *settings = text.split(",")
+    options: dict[str, Any] = {}
+    for setting in settings:
+        name, _, value = setting.partition("=")
+        try:
+            options[name] = _MEASURED[name](value)
+        except (KeyError, ValueError) as error:
+            forms = "write te.csv,unit=degrees,scale=0.01,explained=0.99, or some of these"
+            raise InvalidJob(f"--transmission-error {text}: {forms}") from error
+    return transmission_error(path, **options)
 
 
 def continuation_of(text: str, option: str) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from rattle.cli.console import announced_compiling, give_up, out
-from rattle.cli.options import HARMONICS, option, options_of, with_options
+from rattle.cli.options import FORCING, option, options_of, with_options
 from rattle.oscillator_arguments import oscillator_group
 from rattle.results.trajectories import trajectory_request
 from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory
@@ -22,6 +22,8 @@ _OUTCOMES = {
     Outcome.NOT_CONVERGED: "undecided: a root-finder gave up at the end",
 }
 _MOST_SAMPLES = 2_000_000
+_OSCILLATOR = [each for each in oscillator_group().arguments if each.name not in FORCING]
+_DEFAULTS: dict[str, Any] = {each.name: each.default for each in _OSCILLATOR}
 _START, _FIELDS = StartRequest.model_fields, TrajectoryRequest.model_fields
 
 
@@ -46,8 +48,8 @@ def _print_contacts(history: TimeHistory) -> None:
 
 @with_options(
     [
-        *options_of([each for each in oscillator_group().arguments if each.name != "harmonics"]),
-        option(HARMONICS.name, HARMONICS.kind, HARMONICS.default, help=HARMONICS.help),
+        *options_of(_OSCILLATOR),
+        *(option(each.name, each.kind, each.default, help=each.help) for each in FORCING.values()),
     ]
 )
 def trajectory(
@@ -68,9 +70,11 @@ def trajectory(
         give_up(f"{periods * samples_per_period:.0f} samples are more than the limit of {_MOST_SAMPLES}", 2)
     start = {"time": time, "velocity": velocity, "displacement": displacement}
     try:
-        if written := values.pop(HARMONICS.name):
-            values |= HARMONICS.read(written)
-        request = trajectory_request(values | start | {"periods": periods, "samples_per_period": samples_per_period})
+        given = {name: values[name] for name, default in _DEFAULTS.items() if values[name] != default}
+        for each in FORCING.values():
+            if written := values[each.name]:
+                given |= each.read(written)
+        request = trajectory_request(given | start | {"periods": periods, "samples_per_period": samples_per_period})
         with announced_compiling():
             history = request.follow()
     except InvalidFields as error:

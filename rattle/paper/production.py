@@ -29,7 +29,7 @@ class Produced:
 
 def store_name(job: BasinJob) -> str:
     """File name of a job's store. It is readable, and the same in all figures, so that they share the store."""
-    damping, eccentricity, half_backlash, stiffness, _ = job.oscillator
+    damping, eccentricity, half_backlash, stiffness, *_ = job.oscillator
     contact = "impacting" if math.isinf(stiffness) else f"kappa{stiffness:g}"
     cells = f"{job.grid.time_cells}x{job.grid.velocity_cells}"
     swept = "".join(f"-over-{each.parameter}" for each in job.vary)

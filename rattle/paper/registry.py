@@ -1,6 +1,7 @@
-"""The figures that can be recomputed: those of the paper in its order, then those of the machine."""
+"""The figures that can be recomputed: those of the paper in its order, then those of machines."""
 
 from rattle import InvalidJob
+from rattle.paper.assembly import ASSEMBLY
 from rattle.paper.figure import PaperFigure
 from rattle.paper.figures.fig1 import FIG1
 from rattle.paper.figures.fig2_fig3 import FIG2, FIG3
@@ -24,8 +25,8 @@ _IN_ORDER = (
 )  # fmt: skip
 
 PAPER_FIGURES: dict[str, PaperFigure] = {figure.name: figure for figure in _IN_ORDER}
-ALL_FIGURES = PAPER_FIGURES | {figure.name: figure for figure in (MACHINE, MACHINE_SOFT, MACHINE_SWEEP)}
-"""Figures of the paper, and of the machine at dampings that the paper could not reach."""
+ALL_FIGURES = PAPER_FIGURES | {figure.name: figure for figure in (MACHINE, MACHINE_SOFT, MACHINE_SWEEP, ASSEMBLY)}
+"""Figures of the paper, of the machine at dampings that the paper could not reach, and of two eccentric gears."""
 
 
 def figure_named(name: str) -> PaperFigure:

@@ -3,11 +3,21 @@
 import math
 from collections.abc import Callable
 from enum import StrEnum
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from rattle_kernels import Harmonic, Oscillator, OutsideDomain
+from rattle_kernels import (
+    AngleUnit,
+    Forcing,
+    Harmonic,
+    Oscillator,
+    OutsideDomain,
+    TransmissionError,
+    UnusableCurve,
+    transmission_error,
+)
+from worker.errors import InvalidJob
 from worker.jobs.request import Real, Request, accepting
 
 IMPACTING: Literal["impacting"] = "impacting"
@@ -15,6 +25,9 @@ PIECEWISE_LINEAR: Literal["piecewise_linear"] = "piecewise_linear"
 _DEFAULT = Oscillator()
 _HIGHEST_ORDER = 1000
 _MOST_HARMONICS = 32
+_MOST_SAMPLES = 10_000
+BOTH_FORCINGS = "the forcing is given twice: give transmission_error, or eccentricity and harmonics"
+_BY_ANGLE = Annotated[tuple[Real, ...], Field(max_length=_MOST_SAMPLES)]
 
 
 class PermanentContact(StrEnum):
@@ -39,6 +52,44 @@ class HarmonicRequest(Request):
     phase: Real = Field(0.0, description="in periods of this harmonic")
 
 
+def harmonic_requests(harmonics: tuple[Harmonic, ...]) -> tuple[HarmonicRequest, ...]:
+    """Harmonics of the kernels as requests describe them, unchecked."""
+    return tuple(
+        HarmonicRequest.model_construct(order=int(order), amplitude=amplitude, phase=phase)
+        for order, amplitude, phase in harmonics
+    )
+
+
+class TransmissionErrorRequest(Request):
+    """A measured transmission error. In canonical form it is the eccentricity and the harmonics that are kept of it."""
+
+    angle: _BY_ANGLE = Field(description="Increasing, over a revolution or more; one revolution is a forcing period")
+    error: _BY_ANGLE = Field(description="As many; the mean is removed")
+    unit: AngleUnit = Field(AngleUnit.TURNS, description="Of the angle")
+    explained: Real = Field(
+        0.99, gt=0, le=1, description="The kept orders are the fewest that explain this part of the variance"
+    )
+    scale: Real = Field(1.0, description="Errors times this are in the units of half_backlash")
+
+    def to_forcing(self) -> Forcing:
+        """Eccentricity and harmonics.
+
+        Raises
+        ------
+        InvalidJob
+            Naming the sample at fault, if it is one.
+        """
+        try:
+            measured: TransmissionError = transmission_error(**dict(self))
+        except UnusableCurve as error:
+            place = () if error.sample is None else ("angle", error.sample)
+            raise InvalidJob(str(error), ("transmission_error", *place)) from error
+        if len(measured.harmonics) > _MOST_HARMONICS:
+            told = f"{len(measured.orders)} orders explain {self.explained:g}, which is more than {_MOST_HARMONICS}"
+            raise InvalidJob(f"{told}: lower explained", ("transmission_error", "explained"))
+        return measured.forcing
+
+
 class _Common(Request):
     """Parameters of the gear pair, nondimensional; the paper's by default."""
 
@@ -49,6 +100,23 @@ class _Common(Request):
     harmonics: Annotated[tuple[HarmonicRequest, ...], Field(max_length=_MOST_HARMONICS)] = Field(
         (), description="Harmonics of the forcing beside the first"
     )
+    # Once read it is harmonics, and no longer a part of the request: equal forcings are equal requests.
+    transmission_error: TransmissionErrorRequest | None = Field(
+        None, description="A measured curve in place of eccentricity and harmonics"
+    )
+
+    @model_validator(mode="after")
+    def _measured_as_harmonics(self) -> Self:
+        if self.transmission_error is None:
+            return self
+        if self.model_fields_set & {"eccentricity", "harmonics"}:
+            raise InvalidJob(BOTH_FORCINGS, ("transmission_error",))
+        forcing = self.transmission_error.to_forcing()
+        harmonics = harmonic_requests(forcing["harmonics"])
+        self.__dict__.update(eccentricity=forcing["eccentricity"], harmonics=harmonics, transmission_error=None)
+        given = self.model_fields_set - {"transmission_error"} | {"eccentricity", "harmonics"}
+        object.__setattr__(self, "__pydantic_fields_set__", given)
+        return self
 
     @property
     def _harmonics(self) -> tuple[Harmonic, ...]:
@@ -142,10 +210,7 @@ def _of_wider_model(oscillator: Oscillator) -> dict[str, Any]:
     if oscillator.contact_damping != _DEFAULT.contact_damping:
         fields["contact_damping"] = oscillator.contact_damping
     if oscillator.harmonics:
-        fields["harmonics"] = tuple(
-            HarmonicRequest.model_construct(order=int(order), amplitude=amplitude, phase=phase)
-            for order, amplitude, phase in oscillator.harmonics
-        )
+        fields["harmonics"] = harmonic_requests(oscillator.harmonics)
     return fields
 
 

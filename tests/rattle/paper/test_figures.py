@@ -8,7 +8,7 @@ import pytest
 from matplotlib.image import imread
 
 from rattle import here
-from rattle.paper import machine, machine_sweep
+from rattle.paper import assembly, machine, machine_sweep
 from rattle.paper.figures import fig1, fig11, fig17
 from rattle.paper.production import produce, store_name
 from rattle.paper.registry import PAPER_FIGURES, figure_named
@@ -253,6 +253,19 @@ def test_the_machine_s_basins_are_told_by_share_with_their_lowest_rattle(folder,
         assert told == sorted(told, reverse=True) and sum(told) == pytest.approx(1.0)
         assert {"permanent contact", "P(1,2,0)"} <= {solution["name"] for solution in panel["solutions"]}
         assert 0.2 < panel["least_rattle"]["velocity"] / panel["oscillator"]["damping"] < 3.0
+
+
+def test_the_assembly_angle_decides_how_much_is_quiet(folder, monkeypatch):
+    monkeypatch.setattr(assembly, "_POINTS", 512)
+    monkeypatch.setattr(assembly, "_PHASES", (0.0, 0.375, 0.7, 1.0))
+    told = produced("assembly", folder)
+    quiet = told["quiet"]
+    assert quiet[0] == quiet[3] and quiet[2] < told["one_gear"]["quiet"] < quiet[1]
+    for name, share, error in (("worst", quiet[2], told["quiet_error"][2]), ("best", quiet[1], told["quiet_error"][1])):
+        # A sample of 512 and a grid of 3600, each of which misses the area by its own error.
+        assert abs(shares(told["panels"][name])["permanent contact"] - share) < 5 * error
+    one_gear, *others = (store_name(job) for job in figure_named("assembly").basins(SMALL).values())
+    assert len({one_gear, *others}) == 4
 
 
 def test_quiet_of_the_machine_grows_with_damping_and_falls_with_eccentricity(folder, monkeypatch):
