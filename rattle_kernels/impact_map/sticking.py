@@ -25,6 +25,7 @@ from rattle_kernels.numerics.trigonometric_minimum import least_value
 
 # Kept from every bound, for rounding.
 _MARGIN = 1.0 - 1e-9
+_LEAST_RESTITUTION = 1e-3
 
 
 def sticking_bound(oscillator: Oscillator) -> float:
@@ -43,7 +44,8 @@ def sticking_bound(oscillator: Oscillator) -> float:
     felt = rest_acceleration_over_phases(oscillator)
     least, most = least_value(felt)[0] * _MARGIN - 1e-14 * felt.size, felt.size
     change = float((2.0 * math.pi * felt.order * np.hypot(felt.cosine, felt.sine)).sum())
-    slack = oscillator.restitution**-1.2 - 1.0
+    # What holds for an r holds for every smaller one, whose power might be too large for a float.
+    slack = max(oscillator.restitution, _LEAST_RESTITUTION) ** -1.2 - 1.0
     if not (least > 0.0 and slack > 0.0):
         return 0.0
     slow = slack * least * least / (3.0 * change) if change > 0.0 else math.inf

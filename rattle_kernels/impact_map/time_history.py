@@ -59,7 +59,7 @@ class Contacts(NamedTuple):
     """What happens at the walls, in order; arrays of one shape.
 
     ``time`` counts forcing periods and is not reduced. ``wall`` is +1 or -1. ``direction`` holds `Direction` codes.
-    ``speed`` is the speed of crossing or impact.
+    ``speed`` is the speed of crossing, or of arrival at an impact.
     """
 
     time: np.ndarray
@@ -88,7 +88,7 @@ class TimeHistory(NamedTuple):
 
     @property
     def departures(self) -> np.ndarray:
-        """Indices of the contacts that are departures from +beta: the points of the impact map."""
+        """Indices of the contacts that are departures from +beta; an impact leaves r times its speed to the next."""
         contacts = self.contacts
         return np.flatnonzero((contacts.wall > 0) & (contacts.direction != Direction.IN))
 
@@ -185,7 +185,9 @@ def _contacts(oscillator: Oscillator, pieces: np.ndarray, shift: float) -> Conta
     else:
         direction = np.where(later[:, _REGIME] == FREEPLAY, Direction.OUT, Direction.IN).astype(np.int8)
     wall = np.sign(later[:, _DISPLACEMENT]).astype(np.int8)
-    return Contacts(later[:, _BEGIN] + shift, wall, direction, np.abs(later[:, _VELOCITY]))
+    # A flight begins with what its impact has left of the speed.
+    speed = np.abs(later[:, _VELOCITY]) / oscillator.restitution
+    return Contacts(later[:, _BEGIN] + shift, wall, direction, speed)
 
 
 def _check_start(oscillator: Oscillator, state: tuple[float, float, float]) -> None:
