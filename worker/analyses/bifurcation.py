@@ -61,8 +61,8 @@ def find_seeds(oscillator: Oscillator, region: Region, *, pause: Pause) -> Colum
 
 def _written(oscillator: Oscillator) -> str:
     """Parameters of an oscillator in a sentence; those that are infinite say nothing."""
-    values = oscillator._asdict().items()
-    return ", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in values if np.isfinite(value))
+    values = {name: oscillator.value_of(name) for name in oscillator.parameters}
+    return ", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in values.items() if np.isfinite(value))
 
 
 def follow_stretch(
