@@ -86,7 +86,7 @@ def dataset_of(request: TrajectoryRequest, history: TimeHistory) -> xr.Dataset:
         time), and the contacts over ``contact``.
     """
     contacts = {f"contact_{name}": ("contact", values) for name, values in history.contacts._asdict().items()}
-    body = {"kind": TRAJECTORY} | request.model_dump(mode="json")
+    body = {"kind": TRAJECTORY} | request.model_dump(mode="json", exclude_none=True)
     attributes = {
         "title": "time history of a rattling gear pair", "request": json.dumps(body),
         "outcome": Outcome(history.outcome).name.lower(), "truncated": int(history.truncated),

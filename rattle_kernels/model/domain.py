@@ -86,7 +86,10 @@ def check_domain(oscillator: Oscillator) -> Oscillator:
 
 
 def _checked_harmonics(harmonics: tuple[Harmonic, ...]) -> tuple[Harmonic, ...]:
-    checked = tuple(sorted(Harmonic(*(float(value) for value in harmonic)) for harmonic in harmonics))
+    try:
+        checked = tuple(sorted(Harmonic(*(float(value) for value in harmonic)) for harmonic in harmonics))
+    except TypeError as error:
+        raise ValueError(f"harmonics are a sequence of (order, amplitude, phase), not {harmonics!r}") from error
     orders = [harmonic.order for harmonic in checked]
     for order, amplitude, phase in checked:
         if not (order >= 2.0 and order == math.floor(order) and math.isfinite(order)):

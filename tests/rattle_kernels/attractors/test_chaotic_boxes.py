@@ -8,7 +8,7 @@ from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.attractors.chaotic_boxes import IMAGES, boxes_of, fly_and_note, keep_boxes
 from rattle_kernels.attractors.chaotic_transient import follow_ensemble
 from rattle_kernels.lanes.run import run_lanes
-from rattle_kernels.model.oscillator import check_domain
+from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.outcome import Outcome
 
 RATTLING = check_domain(Oscillator())

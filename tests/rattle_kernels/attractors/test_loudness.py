@@ -160,5 +160,6 @@ def test_expectations_are_shares_times_loudness_and_undecided_shares_are_named()
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
 def test_expectations_of_a_sample_have_the_errors_of_its_shares(share):
     told = expected_loudness([1.0 - share, share], [SILENT, LOUD], points=100)
-    assert told.impact_power_error == pytest.approx(share_error(share, 100), rel=1e-12)
+    counts = np.array([[100 - round(100 * share), round(100 * share)]])
+    assert told.impact_power_error == pytest.approx(share_error(counts, 100)[1], rel=1e-12)
     assert expected_loudness([1.0 - share, share], [SILENT, LOUD]).impact_power_error == 0.0

@@ -102,6 +102,12 @@ def test_what_the_wider_model_cannot_be_is_refused(given, told):
         check_domain(Oscillator()._replace(**given))
 
 
+@pytest.mark.parametrize("harmonics", [((2,),), (2, 0.01), ((2, 0.01, 0.0, 1.0),), 0.01])
+def test_what_are_no_harmonics_is_refused(harmonics):
+    with pytest.raises(ValueError, match="harmonics are a sequence of"):
+        check_domain(Oscillator(harmonics=harmonics))
+
+
 def test_parameters_of_harmonics_are_named_by_order():
     oscillator = check_domain(Oscillator(harmonics=[(3, 0.001, 0.5), [2, 0.01]]))
     assert oscillator.parameters[6:] == ("amplitude_2", "phase_2", "amplitude_3", "phase_3")

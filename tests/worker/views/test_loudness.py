@@ -14,7 +14,7 @@ from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures.share_chart import shares_figure
 from worker.stores.basin_store import BasinStore
-from worker.stores.solution_table import SolutionTable, motion_of, share_error
+from worker.stores.solution_table import SolutionTable, motion_of
 from worker.stores.summary import summarise
 from worker.views.loudness import measure_loudness
 from worker.views.outline import outline_basin
@@ -93,8 +93,8 @@ def test_expectations_of_samples_have_errors_of_their_shares(client, tmp_path):
     points = 256
     run(BasinJob(grid=GRID, sample=Sample(points=points, seed=1)), tmp_path / "sample.zarr", client)
     with open_basin(tmp_path / "sample.zarr") as dataset:
-        heard, share = measure_loudness(dataset), dataset.share.values
-    quiet = share_error(share[0], points)
+        heard = measure_loudness(dataset)
+        quiet = float(dataset.share_error.values[0])
     # All that rattles has a power between these, so the error lies between theirs, were all of it one motion.
     powers = heard.impact_power.values[1:]
     error = float(heard.expected_impact_power_error[0])

@@ -2,14 +2,14 @@
 
 import { by } from "../page/by.js";
 import { post, Unreachable } from "../net/api.js";
-import { harmonicParameters, harmonicsOf, harmonicsText, NUMBERS as OSCILLATOR, ONLY_IN, parameterInWords, USUAL as USUAL_VALUES } from "../state/oscillator.js";
+import { harmonicParameters, harmonicsOf, harmonicsText, NUMBERS, ONLY_IN, parameterInWords, USUAL } from "../state/oscillator.js";
 
 const GRID = ["time.start", "time.stop", "time.cells", "velocity.start", "velocity.stop", "velocity.cells"];
 const CELLS = 500;
-const USUAL = { grid: { time: { start: 0, stop: 1, cells: CELLS }, velocity: { start: 0, stop: 7, cells: CELLS } }, iterations: 1499 };
+const USUAL_REQUEST = { grid: { time: { start: 0, stop: 1, cells: CELLS }, velocity: { start: 0, stop: 7, cells: CELLS } }, iterations: 1499 };
 const WAIT_MS = 180;
 const RETRY_MS = 2000;
-const NUMBERS = [...OSCILLATOR, ...GRID, "iterations", "vary.start", "vary.stop", "vary.count"];
+const FIELDS = [...NUMBERS, ...GRID, "iterations", "vary.start", "vary.stop", "vary.count"];
 
 /** Value of a field: a number if possible, otherwise the text itself, which the service then refuses. */
 function valueOf(input) {
@@ -115,8 +115,8 @@ export class Form {
   fill(request) {
     const { oscillator, grid, iterations, vary } = request;
     this.#field("model").value = oscillator.model ?? "impacting";
-    for (const name of OSCILLATOR) {
-      const value = oscillator[name] ?? USUAL_VALUES[name];
+    for (const name of NUMBERS) {
+      const value = oscillator[name] ?? USUAL[name];
       if (value !== undefined) this.#field(name).value = value;
     }
     this.#field("harmonics").value = harmonicsText(oscillator.harmonics);
@@ -153,7 +153,7 @@ export class Form {
     }
     this.form.querySelectorAll("[data-vary]").forEach((/** @type {HTMLElement} */ part) => (part.hidden = vary.value === ""));
     // The sweep sets the values of this parameter.
-    for (const name of OSCILLATOR) this.#field(name).disabled = name === vary.value;
+    for (const name of NUMBERS) this.#field(name).disabled = name === vary.value;
     this.button.textContent = vary.value ? "Compute the sweep" : "Compute";
     if (model === "piecewise_linear" && this.#field("stiffness").value === "") this.#field("stiffness").value = "1000";
   }
@@ -176,7 +176,7 @@ export class Form {
     const value = (name) => valueOf(this.#field(name));
     const model = this.#field("model").value;
     const oscillator = { model, damping: value("damping"), eccentricity: value("eccentricity"), half_backlash: value("half_backlash") };
-    for (const [name, usual] of Object.entries(USUAL_VALUES)) {
+    for (const [name, usual] of Object.entries(USUAL)) {
       if (ONLY_IN[name] === model && value(name) !== usual) oscillator[name] = value(name);
     }
     const harmonics = harmonicsOf(this.#field("harmonics").value);
@@ -196,7 +196,7 @@ export class Form {
   /** Request for another oscillator in the window of the form, or in the usual one while the form is empty. */
   requestFor(oscillator) {
     const { grid, iterations } = this.request();
-    return typeof iterations === "number" ? { oscillator, grid, iterations } : { ...USUAL, oscillator };
+    return typeof iterations === "number" ? { oscillator, grid, iterations } : { ...USUAL_REQUEST, oscillator };
   }
 
   /** Let the service check the request, show the outcome, and return whether it would be accepted. */
@@ -219,7 +219,7 @@ export class Form {
   /** Oscillator of the form if all its values are numbers; null otherwise. */
   oscillator() {
     const { oscillator } = this.request();
-    const numbers = OSCILLATOR.every((name) => oscillator[name] === undefined || typeof oscillator[name] === "number");
+    const numbers = NUMBERS.every((name) => oscillator[name] === undefined || typeof oscillator[name] === "number");
     return numbers && typeof oscillator.harmonics !== "string" ? oscillator : null;
   }
 
@@ -253,7 +253,7 @@ export class Form {
   /** What is wrong, without the words of types and of settings. */
   #words({ location, message }) {
     const input = this.#field(fieldOf(location) ?? "");
-    return NUMBERS.includes(input?.name) && typeof valueOf(input) !== "number" ? "not a valid number: write one as 0.6" : plainly(message);
+    return FIELDS.includes(input?.name) && typeof valueOf(input) !== "number" ? "not a valid number: write one as 0.6" : plainly(message);
   }
 
   /** Mark the field at fault; false if there is none. */
