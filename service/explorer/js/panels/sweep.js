@@ -138,8 +138,8 @@ export class Sweep {
     const most = Math.max(0, ...powers);
     const chart = new Chart(this.section.querySelector("#loudness"), {
       height: 130, x: [Math.min(...values), Math.max(...values)], y: [0, most > 0 ? 1.05 * most : 1],
-      xLabel: SYMBOLS[parameter], yLabel: "impact power",
-      label: `Expected impact power over ${SYMBOLS[parameter]}; a click opens the nearest basin`,
+      xLabel: parameterInWords(parameter), yLabel: "impact power",
+      label: `Expected impact power over ${parameterInWords(parameter)}; a click opens the nearest basin`,
     });
     chart.line(values, powers, { class: "line", stroke: "currentColor" });
     powers.forEach((power, i) => {
