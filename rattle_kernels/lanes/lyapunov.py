@@ -14,7 +14,7 @@ import numpy as np
 from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd
 from rattle_kernels.impact_map.jacobian import contact_jacobian, flight_jacobian
-from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, stay
+from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, is_elastic, stay
 from rattle_kernels.lanes.lane_fields import DROPS, DURATION, END_VELOCITY, FLIGHT_FIELDS, LANES, PHASE, VELOCITY
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.contact import slow_part
@@ -93,7 +93,7 @@ def _grow(oscillator, tables, impacts, t, v, growth, elapsed):
     """Follow at most LANES trajectories; t and v become where they end."""
     lanes, corners = np.zeros(FLIGHT_FIELDS * LANES), np.zeros(LANES, np.int64)
     tangents, left = np.zeros((2, t.size)), np.full(t.size, impacts + _ALIGNING)
-    stiff, slow = math.isfinite(oscillator.stiffness), slow_part(oscillator)
+    stiff, elastic, slow = math.isfinite(oscillator.stiffness), is_elastic(oscillator), slow_part(oscillator)
     for i in range(t.size):
         depart(lanes, i, t[i], v[i])
         tangents[0, i] = 1.0
@@ -105,7 +105,7 @@ def _grow(oscillator, tables, impacts, t, v, growth, elapsed):
         fly(lanes, corners, oscillator, tables)
         _turn_by_flights(lanes, oscillator, tangents, elapsed, left)
         begin_at_the_end(lanes)
-        if stiff or oscillator.restitution != 1.0:
+        if not elastic:
             stay(lanes, corners, oscillator, tables, slow)
             _turn_by_contacts(lanes, oscillator, tangents, elapsed, left, stiff)
             begin_at_the_end(lanes)
