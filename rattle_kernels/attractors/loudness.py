@@ -18,7 +18,7 @@ import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.impact_map.chatter import is_captured
-from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, is_elastic, stay
+from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, stay
 from rattle_kernels.lanes.lane_fields import (
     DROPS,
     DURATION,
@@ -63,7 +63,7 @@ _NOT_KNOWN = Loudness(*(math.nan,) * 5)
 def _listen(oscillator, tables, applications, t, v, heard):
     """Follow at most LANES departures; rows of ``heard`` become impacts, sum of squares, largest speed, and time."""
     lanes, corners = lane_buffer(FLIGHT_FIELDS), np.zeros(LANES, np.int64)
-    stiff, elastic, slow = math.isfinite(oscillator.stiffness), is_elastic(oscillator), slow_part(oscillator)
+    stiff, slow = math.isfinite(oscillator.stiffness), slow_part(oscillator)
     left = np.full(t.size, applications)
     for i in range(t.size):
         depart(lanes, i, t[i], v[i])
@@ -75,12 +75,12 @@ def _listen(oscillator, tables, applications, t, v, heard):
         fly(lanes, corners, oscillator, tables)
         for i in range(t.size):
             if left[i] > 0:
-                speed = abs(lanes[END_VELOCITY + i])
+                speed = abs(lanes[END_VELOCITY + i]) / oscillator.restitution
                 heard[i, 0] += 1.0
                 heard[i, 1] += speed * speed
                 heard[i, 2] = max(heard[i, 2], speed)
                 heard[i, 3] += lanes[DURATION + i]
-        if not elastic:
+        if stiff:
             stay(lanes, corners, oscillator, tables, slow)
         begin_at_the_end(lanes)
         for i in range(t.size):

@@ -5,8 +5,6 @@ together, for the loops that differ in what they do between: many applications (
 vectors (`lyapunov`).
 """
 
-import math
-
 from rattle_kernels.lanes.contact import follow_contacts_carefully, guess_contacts, refine_contacts
 from rattle_kernels.lanes.flight import fly_carefully, guess_durations, refine_durations
 from rattle_kernels.lanes.lane_fields import END_PHASE, END_VELOCITY, LANES, PHASE, VELOCITY
@@ -21,34 +19,15 @@ IDLE_SPEED = 1e6
 def fly(lanes, corners, oscillator, tables):
     """Fly every lane to the next wall; return how many took the careful path."""
     guess_durations(lanes, corners, tables, 2.0 * oscillator.half_backlash)
-    unsure = refine_durations(lanes, oscillator.damping, oscillator.eccentricity, oscillator.harmonics)
+    unsure = refine_durations(lanes, oscillator)
     if unsure > 0:
         fly_carefully(lanes, oscillator)
     return unsure
 
 
 @inlined
-def _rebound(lanes, restitution):
-    """Take from every lane the speed that an impact takes."""
-    for i in range(LANES):
-        lanes[END_VELOCITY + i] *= restitution
-
-
-@inlined
-def is_elastic(oscillator):
-    """Whether contacts only turn velocities round, which flights have done already: elastic impacts.
-
-    Asked once, before a loop: the compiler then makes a loop of its own without contacts, a tenth faster.
-    """
-    return math.isinf(oscillator.stiffness) and oscillator.restitution == 1.0
-
-
-@inlined
 def stay(lanes, corners, oscillator, tables, slow):
-    """Follow the contact of every lane after its flight; return how many took the careful path."""
-    if math.isinf(oscillator.stiffness):
-        _rebound(lanes, oscillator.restitution)
-        return 0
+    """Follow the contact of every lane after its flight (finite stiffness); return how many took the careful path."""
     guess_contacts(lanes, corners, tables)
     unsure = refine_contacts(lanes, oscillator.permanent_after, slow)
     if unsure > 0:

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from rattle_kernels.impact_map.chatter import is_captured, ringing_radian
-from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, is_elastic, stay
+from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, stay
 from rattle_kernels.lanes.lane_fields import DROPS, FLIGHT_FIELDS, LANES, PHASE, VELOCITY, lane_buffer
 from rattle_kernels.lanes.short_run import LONGEST_SHORT_RUN
 from rattle_kernels.lanes.shortcuts import (
@@ -81,10 +81,10 @@ def _look(oscillator, bound, around, lane, streak, candidate, t, v):
 
 
 @inlined
-def _advance(lanes, corners, oscillator, tables, elastic, slow):
+def _advance(lanes, corners, oscillator, tables, stiff, slow):
     """Move every lane to the end of a flight and of the contact after it."""
     fly(lanes, corners, oscillator, tables)
-    if not elastic:
+    if stiff:
         stay(lanes, corners, oscillator, tables, slow)
     begin_at_the_end(lanes)
 
@@ -109,7 +109,7 @@ def follow(oscillator, tables, around, looks, t, v, place):
     lanes, corners = lane_buffer(FLIGHT_FIELDS), np.zeros(LANES, np.int64)
     point, looked = np.full(LANES, _NOBODY), np.zeros(LANES, np.int64)
     streak, candidate = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
-    elastic, slow = is_elastic(oscillator), slow_part(oscillator)
+    stiff, slow = math.isfinite(oscillator.stiffness), slow_part(oscillator)
     next_point, flying = 0, LANES
     for i in range(LANES):
         idle(lanes, i, tables.largest_grazing_speed)
@@ -138,7 +138,7 @@ def follow(oscillator, tables, around, looks, t, v, place):
             if point[i] == _NOBODY:
                 idle(lanes, i, tables.largest_grazing_speed)
         if flying > 0:
-            _advance(lanes, corners, oscillator, tables, elastic, slow)
+            _advance(lanes, corners, oscillator, tables, stiff, slow)
 
 
 @inlined
@@ -177,7 +177,7 @@ def boxes_passed(oscillator, tables, rules, traps, t, v, returned, row, box):
     """
     lanes, corners = lane_buffer(RUN_FIELDS), np.zeros(LANES, np.int64)
     here = np.zeros(LANES, np.int64)
-    elastic, radian, slow = is_elastic(oscillator), ringing_radian(oscillator), slow_part(oscillator)
+    stiff, radian, slow = math.isfinite(oscillator.stiffness), ringing_radian(oscillator), slow_part(oscillator)
     top = tables.largest_grazing_speed
     for first in range(0, t.size, LANES):
         flying = min(LANES, t.size - first)
@@ -196,7 +196,7 @@ def boxes_passed(oscillator, tables, rules, traps, t, v, returned, row, box):
                 if lanes[POINT + i] == _NO_POINT:
                     idle(lanes, i, top)
             fly(lanes, corners, oscillator, tables)
-            if not elastic:
+            if stiff:
                 stay(lanes, corners, oscillator, tables, slow)
             events = note_events(lanes, rules.capture_bound, radian, rules.lock_tolerance, top)
             _note_boxes(lanes, top, here, first, row, box)

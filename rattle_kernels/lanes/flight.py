@@ -200,7 +200,7 @@ def _evaluate(lanes, d, e, harmonics):
 
 
 @inlined
-def refine_durations(lanes, d, e, harmonics):
+def refine_durations(lanes, oscillator):
     """Second pass: one evaluation of every flight, one step of fifth order, and the state at its end.
 
     Returns
@@ -208,6 +208,9 @@ def refine_durations(lanes, d, e, harmonics):
     int
         Number of lanes that are not sure.
     """
+    d, e, harmonics, restitution = (
+        oscillator.damping, oscillator.eccentricity, oscillator.harmonics, oscillator.restitution,
+    )  # fmt: skip
     # Three loops: in a single one, chains are so long that the processor waits for them.
     _expand(lanes, d)
     sum_over_flights(harmonics, 0.0, (lanes, d))
@@ -241,7 +244,8 @@ def refine_durations(lanes, d, e, harmonics):
         lanes[END_PHASE + i] = wrap(phase)
         velocity = w + d * (FOUR_PI * tau - target) + e * (d * dc - TWO_PI * ds)
         acceleration = FOUR_PI * d - TWO_PI * e * (TWO_PI * (c0 + dc) + d * (s0 + ds))
-        lanes[END_VELOCITY + i] = -plus_rate_after(harmonics, velocity, (lanes, i, step_))
+        # An elastic impact is the product with 1, which changes no bit.
+        lanes[END_VELOCITY + i] = -restitution * plus_rate_after(harmonics, velocity, (lanes, i, step_))
         lanes[END_ACCELERATION + i] = plus_acceleration_after(harmonics, acceleration, (lanes, i, step_))
     return count_set(lanes, UNSURE)
 
@@ -276,7 +280,8 @@ def fly_carefully(lanes, oscillator):
         lanes[DURATION + i] = end.duration
         lanes[END_PHASE + i] = phase if end.found else math.nan
         # The sign gives the wall that is left, even after an exact graze.
-        lanes[END_VELOCITY + i] = max(-end.velocity, _NO_SPEED) if end.wall == LOWER else -end.velocity
+        leaves = -oscillator.restitution * end.velocity
+        lanes[END_VELOCITY + i] = max(leaves, _NO_SPEED) if end.wall == LOWER else leaves
         lanes[DROPS + i] = 1.0 if end.wall == LOWER else 0.0
         angle = TWO_PI * phase
         forcing = TWO_PI * math.cos(angle) + oscillator.damping * math.sin(angle)

@@ -6,8 +6,8 @@ from rattle_kernels.numerics.jit import inlined
 
 LANES = 64
 
-# Fields of the buffer. A flight reads PHASE and VELOCITY. It writes END_PHASE, END_VELOCITY (after the wall has
-# reversed it) and DURATION. DROPS is 1.0 where it ended on -beta, UNSURE is 1.0 where the careful path must decide.
+# Fields of the buffer. A flight reads PHASE and VELOCITY. It writes END_PHASE, END_VELOCITY (after an impact with
+# the wall) and DURATION. DROPS is 1.0 where it ended on -beta, UNSURE is 1.0 where the careful path must decide.
 PHASE = 0 * LANES
 VELOCITY = 1 * LANES
 SINE = 2 * LANES

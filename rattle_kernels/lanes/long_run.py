@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.chatter import ringing_radian
-from rattle_kernels.lanes.advance import depart, fly, idle, is_elastic, stay
+from rattle_kernels.lanes.advance import depart, fly, idle, stay
 from rattle_kernels.lanes.batch import Batch, LaneRun, Rules
 from rattle_kernels.lanes.lane_fields import LANES, PHASE, VELOCITY, lane_buffer
 from rattle_kernels.lanes.short_run import LONGEST_SHORT_RUN
@@ -109,7 +109,7 @@ def _fly_leg(oscillator, tables, traps, rules, batch, flights):
         for i in range(LANES):
             next_point = _refill(lanes, i, rules, first_look, batch, next_point)
             flying += 1 if lanes[POINT + i] != _NO_POINT else 0
-    elastic, radian, slow = is_elastic(oscillator), ringing_radian(oscillator), slow_part(oscillator)
+    stiff, radian, slow = math.isfinite(oscillator.stiffness), ringing_radian(oscillator), slow_part(oscillator)
     nearest, top = traps.nearest, traps.top
     done = 0.0
     left = _FLIGHTS_A_LEG
@@ -117,7 +117,7 @@ def _fly_leg(oscillator, tables, traps, rules, batch, flights):
         if next_point == batch.t.size:
             _keep_idle(lanes, tables.largest_grazing_speed)
         carefully = fly(lanes, corners, oscillator, tables)
-        if not elastic:
+        if stiff:
             carefully += stay(lanes, corners, oscillator, tables, slow)
         careful += carefully
         left -= 1 + carefully

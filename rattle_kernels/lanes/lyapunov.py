@@ -14,7 +14,7 @@ import numpy as np
 from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd
 from rattle_kernels.impact_map.jacobian import contact_jacobian, flight_jacobian
-from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, is_elastic, stay
+from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, stay
 from rattle_kernels.lanes.lane_fields import DROPS, DURATION, END_VELOCITY, FLIGHT_FIELDS, LANES, PHASE, VELOCITY
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.contact import slow_part
@@ -67,21 +67,23 @@ def _turn(tangents, lane, jacobian):
 
 @inlined
 def _turn_by_flights(lanes, oscillator, tangents, elapsed, left):
-    """Carry the tangent vectors of the lanes that go on along their flights, and count the time."""
+    """Carry the tangent vectors of the lanes that go on along their flights and impacts, and count the time."""
     for i in range(left.size):
         if left[i] > 0:
             phase, duration = lanes[PHASE + i], lanes[DURATION + i]
-            end = FlightEnd(UPPER, phase + duration, duration, -lanes[END_VELOCITY + i], True)
+            arrives = -lanes[END_VELOCITY + i] / oscillator.restitution
+            end = FlightEnd(UPPER, phase + duration, duration, arrives, True)
             _turn(tangents, i, flight_jacobian(oscillator, phase, lanes[VELOCITY + i], end))
+            tangents[1, i] *= oscillator.restitution
             elapsed[i] += duration
 
 
 @inlined
-def _turn_by_contacts(lanes, oscillator, tangents, elapsed, left, stiff):
-    """Carry the tangent vectors of the lanes that go on through their contacts or impacts, and count the time."""
+def _turn_by_contacts(lanes, oscillator, tangents, elapsed, left):
+    """Carry the tangent vectors of the lanes that go on through their contacts, and count the time."""
     for i in range(left.size):
         if left[i] > 0:
-            velocity, duration = lanes[VELOCITY + i], lanes[DURATION + i] if stiff else 0.0
+            velocity, duration = lanes[VELOCITY + i], lanes[DURATION + i]
             side = LOWER if velocity > 0.0 else UPPER
             contact = Contact(duration, abs(lanes[END_VELOCITY + i]), OUTCOME_RETURNED)
             _turn(tangents, i, contact_jacobian(oscillator, side, lanes[PHASE + i], abs(velocity), contact))
@@ -93,7 +95,7 @@ def _grow(oscillator, tables, impacts, t, v, growth, elapsed):
     """Follow at most LANES trajectories; t and v become where they end."""
     lanes, corners = np.zeros(FLIGHT_FIELDS * LANES), np.zeros(LANES, np.int64)
     tangents, left = np.zeros((2, t.size)), np.full(t.size, impacts + _ALIGNING)
-    stiff, elastic, slow = math.isfinite(oscillator.stiffness), is_elastic(oscillator), slow_part(oscillator)
+    stiff, slow = math.isfinite(oscillator.stiffness), slow_part(oscillator)
     for i in range(t.size):
         depart(lanes, i, t[i], v[i])
         tangents[0, i] = 1.0
@@ -105,9 +107,9 @@ def _grow(oscillator, tables, impacts, t, v, growth, elapsed):
         fly(lanes, corners, oscillator, tables)
         _turn_by_flights(lanes, oscillator, tangents, elapsed, left)
         begin_at_the_end(lanes)
-        if not elastic:
+        if stiff:
             stay(lanes, corners, oscillator, tables, slow)
-            _turn_by_contacts(lanes, oscillator, tangents, elapsed, left, stiff)
+            _turn_by_contacts(lanes, oscillator, tangents, elapsed, left)
             begin_at_the_end(lanes)
         for i in range(t.size):
             found = lanes[PHASE + i] == lanes[PHASE + i]  # NaN where a root-finder gave up: that lane is done

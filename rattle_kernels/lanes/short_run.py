@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from rattle_kernels.impact_map.chatter import is_below, ringing_radian
-from rattle_kernels.lanes.advance import IDLE_SPEED, fly, idle, is_elastic, stay
+from rattle_kernels.lanes.advance import IDLE_SPEED, fly, idle, stay
 from rattle_kernels.lanes.batch import Batch, LaneRun, Rules
 from rattle_kernels.lanes.lane_fields import (
     DROPS,
@@ -142,7 +142,7 @@ def _fly_leg(oscillator, tables, rules, departures, batch, first, last):
     lanes, corners = lane_buffer(_FIELDS), np.zeros(LANES, np.int64)
     size = min(_CHUNK, last - first)
     numbers, waiting, left = np.arange(size).astype(np.uint32), np.zeros(size, np.uint32), np.zeros(size)
-    elastic, radian, slow = is_elastic(oscillator), ringing_radian(oscillator), slow_part(oscillator)
+    stiff, radian, slow = math.isfinite(oscillator.stiffness), ringing_radian(oscillator), slow_part(oscillator)
     flights, careful, top = 0, 0, tables.largest_grazing_speed
     for begin in range(first, last, _CHUNK):
         end = min(begin + _CHUNK, last)
@@ -160,7 +160,7 @@ def _fly_leg(oscillator, tables, rules, departures, batch, first, last):
                 else:
                     _depart(lanes, t0[head:stop], v0[head:stop], rules.applications, top)
                 careful += fly(lanes, corners, oscillator, tables)
-                if not elastic:
+                if stiff:
                     careful += stay(lanes, corners, oscillator, tables, slow)
                 _decide(lanes, rules.capture_bound, radian)
                 if departed:
