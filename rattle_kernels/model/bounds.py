@@ -30,9 +30,9 @@ def rest_acceleration_over_phases(oscillator: Oscillator) -> TrigonometricPolyno
     -------
     TrigonometricPolynomial
     """
-    order, phase, amplitude = _forcing(oscillator)
+    order, amplitude, phase = np.array(oscillator.all_harmonics).T
     rate = _TWO_PI * order
-    response = amplitude * np.exp(1j * phase) * (-rate * rate + 1j * rate * oscillator.damping)
+    response = amplitude * np.exp(1j * _TWO_PI * phase) * (-rate * rate + 1j * rate * oscillator.damping)
     return TrigonometricPolynomial(_FOUR_PI * oscillator.damping, order, response.real, -response.imag)
 
 
@@ -56,12 +56,6 @@ def quiet_depth_over_phases(oscillator: Oscillator) -> TrigonometricPolynomial:
     rate = _TWO_PI * felt.order
     depth = (felt.cosine - 1j * felt.sine) * square / (square - rate * rate + 1j * rate * drag)
     return felt._replace(cosine=depth.real, sine=-depth.imag)
-
-
-def _forcing(oscillator: Oscillator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Orders, angles and amplitudes of all harmonics, the first included."""
-    all_of_them = np.array([(1.0, oscillator.eccentricity, 0.0), *oscillator.harmonics], np.float64)
-    return all_of_them[:, 0], _TWO_PI * all_of_them[:, 2], all_of_them[:, 1]
 
 
 def _largest_eccentricity(oscillator: Oscillator, felt: Callable[[Oscillator], TrigonometricPolynomial]) -> float:

@@ -55,6 +55,11 @@ class Oscillator(NamedTuple):
         orders = [harmonic[0] for harmonic in self.harmonics]
         return (*PARAMETERS, *(f"{part}_{order:g}" for order in orders for part in ("amplitude", "phase")))
 
+    @property
+    def all_harmonics(self) -> tuple[Harmonic, ...]:
+        """All harmonics of the forcing; the first is the eccentricity, of phase 0."""
+        return (Harmonic(1.0, self.eccentricity, 0.0), *self.harmonics)
+
     def value_of(self, parameter: str) -> float:
         """Value of one of `parameters`.
 

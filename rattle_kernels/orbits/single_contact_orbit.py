@@ -110,14 +110,9 @@ def single_contact_orbits(oscillator: Oscillator, forcing_periods: int = 1) -> t
     return tuple(_at_phase(checked, forcing_periods, t) for t in (1.0 - turn, 0.5 + turn))
 
 
-def _forcing(oscillator: Oscillator) -> np.ndarray:
-    """Order, amplitude and phase of every harmonic, a row each."""
-    return np.array([(1.0, oscillator.eccentricity, 0.0), *oscillator.harmonics])
-
-
 def _phases_at_rate(oscillator: Oscillator, rate: float) -> list[float]:
     """Phases at which e'(t)/(2 pi) has a value, ascending; a pair closer than the mesh is not seen."""
-    order, amplitude, phase = _forcing(oscillator).T
+    order, amplitude, phase = np.array(oscillator.all_harmonics).T
 
     def above(t: np.ndarray) -> np.ndarray:
         return np.asarray(-np.sin(TWO_PI * (np.multiply.outer(t, order) + phase)) @ (order * amplitude) > rate)
@@ -138,7 +133,7 @@ def _at_phase(oscillator: Oscillator, forcing_periods: int, t: float) -> SingleC
     x, r = oscillator.damping * forcing_periods, oscillator.restitution
     v = FOUR_PI * x * r / (1.0 + r)
     stretch = -math.expm1(-x) / oscillator.damping
-    order, amplitude, phase = _forcing(oscillator).T
+    order, amplitude, phase = np.array(oscillator.all_harmonics).T
     fall = float(((TWO_PI * order) ** 2 * amplitude * np.cos(TWO_PI * (order * t + phase))).sum())
     trace = 1.0 + r * r * math.exp(-x) - r * (1.0 + r) * fall * stretch / v
     return SingleContactOrbit(forcing_periods, t, v, trace, v - float(grazing_velocity(oscillator, t)))

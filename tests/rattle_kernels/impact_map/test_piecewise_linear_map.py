@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from rattle_kernels import (
     Oscillator,
@@ -18,6 +17,7 @@ from rattle_kernels import (
 from rattle_kernels.impact_map.apply import LOWER, UPPER, next_impact
 from rattle_kernels.model.contact_end import follow_contact
 from rattle_kernels.numerics.jit import inlined
+from tests.rattle_kernels.impact_map.integrator import integrated_departure
 from tests.rattle_kernels.reference import entries, oscillator_of, phase_error, speed_error
 from tests.strategies import oscillators, phases
 
@@ -69,48 +69,6 @@ def test_next_departure_agrees_with_the_reference(entry, permanent_after, rule):
         assert speed_error(impact.v, entry["v1"]) <= 1e-12
 
 
-def _force(oscillator, time):
-    angle = 2.0 * math.pi * time
-    forcing = 4.0 * math.pi**2 * math.cos(angle) + 2.0 * math.pi * oscillator.damping * math.sin(angle)
-    return 4.0 * math.pi * oscillator.damping - oscillator.eccentricity * forcing
-
-
-def _integrate(oscillator, start, state, spring, crossings, longest):
-    """Follow Eq. (1) on one branch of Eq. (2) to the first of some crossings (level, direction), step by step."""
-
-    def motion(time, state):
-        restoring = 0.0 if spring is None else 2.0 * oscillator.stiffness * (state[0] - spring)
-        return [state[1], _force(oscillator, time) - oscillator.damping * state[1] - restoring]
-
-    def crossing(level, direction):
-        def event(_, state):
-            return state[0] - level
-
-        event.terminal, event.direction = True, direction
-        return event
-
-    events = [crossing(*each) for each in crossings]
-    scale = abs(state[1]) / math.sqrt(2.0 * oscillator.stiffness)
-    run = solve_ivp(
-        motion, (start, start + longest), state, "DOP853", events=events, rtol=1e-12, atol=1e-12 * min(scale, 1.0)
-    )  # fmt: skip
-    met = [i for i, times in enumerate(run.t_events) if times.size]
-    return run.t[-1], float(run.y[1, -1]), met[0] if met else None
-
-
-def _integrated_departure(oscillator, t, v, longest):
-    """One application of P by an ODE integrator, an oracle that shares nothing with the kernels; None: still inside."""
-    beta = oscillator.half_backlash
-    lower = 0
-    time, speed, met = _integrate(oscillator, t, [beta, -v], None, [(beta, 1.0), (-beta, -1.0)], 1e3)
-    if met == 1:
-        lower = 1
-        time, speed, _ = _integrate(oscillator, time, [-beta, speed], -beta, [(-beta, 1.0)], 1e3)
-        time, speed, _ = _integrate(oscillator, time, [-beta, speed], None, [(beta, 1.0)], 1e3)
-    time, speed, met = _integrate(oscillator, time, [beta, speed], beta, [(beta, -1.0)], longest)
-    return None if met is None else (time, -speed, lower)
-
-
 def _random_case(seed):
     rng = np.random.default_rng(seed)
     damping, stiffness = 10.0 ** rng.uniform(-2.0, 0.0), 10.0 ** rng.uniform(1.0, 5.0)
@@ -135,7 +93,7 @@ def test_next_departure_agrees_with_an_ode_integrator(seed):
     oscillator, t, v = _random_case(seed)
     impact = departure(oscillator, t, v)
     longest = 3.0 if impact.outcome == Outcome.PERMANENT_CONTACT else 1e3
-    integrated = _integrated_departure(oscillator, t, v, longest)
+    integrated = integrated_departure(oscillator, t, v, longest)
     if integrated is None:
         assert impact.outcome == Outcome.PERMANENT_CONTACT
         return

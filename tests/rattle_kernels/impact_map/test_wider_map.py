@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from rattle_kernels import Oscillator, Outcome, check_domain, grazing_velocity, previous_impacts
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
 from rattle_kernels.numerics.jit import inlined
+from tests.rattle_kernels.impact_map.integrator import integrated_departure
 from tests.rattle_kernels.reference import phase_error, speed_error
 from tests.strategies import phases, speeds, wider_oscillators, wider_stiff_oscillators
 
@@ -50,54 +50,6 @@ def test_next_departure_agrees_with_the_reference_and_back_again(entry):
     assert abs((float(before.t) - t + 0.5) % 1.0 - 0.5) <= 1e-11 and float(before.v) == pytest.approx(v, rel=1e-11)
 
 
-def _force(oscillator, time):
-    """Right side of Eq. (1), of a forcing with several orders."""
-    total = 4.0 * math.pi * oscillator.damping
-    for order, amplitude, phase in ((1.0, oscillator.eccentricity, 0.0), *oscillator.harmonics):
-        rate, angle = 2.0 * math.pi * order, 2.0 * math.pi * (order * time + phase)
-        total -= amplitude * rate * (rate * math.cos(angle) + oscillator.damping * math.sin(angle))
-    return total
-
-
-def _integrated(oscillator, time, state, spring, crossings, longest):
-    """Follow Eq. (1) on one branch to the first of some crossings (level, direction)."""
-    square = 2.0 * oscillator.stiffness
-    drag = oscillator.damping
-    if spring is not None:
-        drag += 2.0 * oscillator.contact_damping * math.sqrt(square)
-
-    def motion(time, state):
-        restoring = 0.0 if spring is None else square * (state[0] - spring)
-        return [state[1], _force(oscillator, time) - drag * state[1] - restoring]
-
-    def crossing(level, direction):
-        def event(_, state):
-            return state[0] - level
-
-        event.terminal, event.direction = True, direction
-        return event
-
-    events = [crossing(*each) for each in crossings]
-    small = min(abs(state[1]) / math.sqrt(square), 1.0)
-    run = solve_ivp(
-        motion, (time, time + longest), state, "DOP853", events=events, rtol=1e-12, atol=1e-12 * small, max_step=0.05
-    )
-    met = [i for i, times in enumerate(run.t_events) if times.size]
-    return run.t[-1], float(run.y[1, -1]), met[0] if met else None
-
-
-def _integrated_departure(oscillator, t, v, longest):
-    """One application of P by an ODE integrator; None where contact has not ended."""
-    beta, lower = oscillator.half_backlash, 0
-    time, speed, met = _integrated(oscillator, t, [beta, -v], None, [(beta, 1.0), (-beta, -1.0)], 1e3)
-    if met == 1:
-        lower = 1
-        time, speed, _ = _integrated(oscillator, time, [-beta, speed], -beta, [(-beta, 1.0)], 1e3)
-        time, speed, _ = _integrated(oscillator, time, [-beta, speed], None, [(beta, 1.0)], 1e3)
-    time, speed, met = _integrated(oscillator, time, [beta, speed], beta, [(beta, -1.0)], longest)
-    return None if met is None else (time, -speed, lower)
-
-
 def _random_case(seed):
     rng = np.random.default_rng(seed)
     damping = 10.0 ** rng.uniform(-1.5, 0.0)
@@ -128,7 +80,7 @@ def test_the_cases_for_the_integrator_end_in_every_way():
 def test_next_departure_of_the_stiff_model_agrees_with_an_ode_integrator(seed):
     oscillator, t, v = _random_case(seed)
     impact = departure(oscillator, t, v)
-    integrated = _integrated_departure(oscillator, t, v, 3.0 if impact.outcome == Outcome.PERMANENT_CONTACT else 1e3)
+    integrated = integrated_departure(oscillator, t, v, 3.0 if impact.outcome == Outcome.PERMANENT_CONTACT else 1e3)
     if integrated is None:
         assert impact.outcome == Outcome.PERMANENT_CONTACT
         return
