@@ -145,9 +145,19 @@ def inlined_in_lanes(function: Callable[..., Any]) -> Any:
     return numba.njit(nogil=True, error_model="numpy", fastmath=_LANES)(function)
 
 
+def inlined_as_written(function: Callable[..., Any]) -> Any:
+    """Compile a scalar piece in which each operation is rounded once, as written: bounds are proven for that."""
+    return numba.njit(nogil=True, error_model="numpy")(function)
+
+
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile an entry point called from Python, cached on disk."""
     return _cached(function, _CAREFUL)
+
+
+def kernel_as_written(function: Callable[..., Any]) -> Any:
+    """Compile an entry point of `inlined_as_written` pieces, cached on disk."""
+    return _cached(function, set())
 
 
 def lane_kernel(function: Callable[..., Any]) -> Any:

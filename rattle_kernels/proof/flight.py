@@ -1,0 +1,183 @@
+"""Enclosures of one flight: where and how fast all departures of a box arrive, and the derivative of that.
+
+With E = (1 - e^{-delta tau})/delta and D = e^{-delta tau} a flight that leaves a wall at time t with velocity w is, at
+time s = t + tau and counted from that wall,
+
+    y  = 4 pi tau + e(s) - e(t) + (w - 4 pi - e'(t)) E
+    y' = 4 pi + e'(s) + (w - 4 pi - e'(t)) D.
+
+It arrives where y is `height`: 0, or -+2 beta. The derivative of the arrival (s, y') by the departure (t, w) is
+
+    s_t = (w D + a(t) E)/y'                       s_w = -E/y'
+    w_t = (a(s) - delta y') s_t - (a(t) - delta w) D    w_w = (a(s) - delta y') s_w + D.
+
+First the arrival of the centre is enclosed by an interval Newton step. Then an interval S is found which the arrival
+cannot leave, however the departure moves through the box: the slopes over S and the box lead to its interior (theorem 2 of `docs/theory/proof.md`).
+"""
+
+import math
+from typing import NamedTuple
+
+from rattle_kernels.numerics.jit import inlined_as_written
+from rattle_kernels.numerics.enclosed_functions import decay, first_phi
+from rattle_kernels.numerics.interval import (
+    Interval,
+    add,
+    around,
+    divide,
+    lies_within,
+    multiply,
+    point,
+    reach,
+    subtract,
+    up,
+)
+from rattle_kernels.proof.machine import FOUR_PI, acceleration, error_at
+
+# Half-width in which the centre's arrival is sought, and how far the others' is widened at a try.
+_NEAR = 1e-9
+_TRIES = 6
+_WIDER = 1.3
+
+
+class Matrix(NamedTuple):
+    """Enclosure of a 2 x 2 matrix, of (time, velocity) by (time, velocity)."""
+
+    tt: Interval
+    tv: Interval
+    vt: Interval
+    vv: Interval
+
+
+class Box(NamedTuple):
+    """Departures: all times and signed velocities of two intervals."""
+
+    t: Interval
+    w: Interval
+
+
+class Arrivals(NamedTuple):
+    """Arrivals of a box: of its centre, derivative over the box, and of all; ``found`` says whether this is proven."""
+
+    found: bool
+    centre: Box
+    slope: Matrix
+    all: Box
+
+
+class Departure(NamedTuple):
+    """What does not change while the arrival is sought."""
+
+    t: Interval
+    w: Interval
+    error: tuple
+    felt: Interval
+    lag: Interval
+
+
+@inlined_as_written
+def leave(machine, t, w):
+    """What a departure knows of itself."""
+    error = error_at(machine, t)
+    lag = subtract(subtract(w, FOUR_PI), error.rate)
+    return Departure(t, w, error, acceleration(machine, error), lag)
+
+
+@inlined_as_written
+def fall_factors(machine, tau):
+    """E and D after tau, of which only what is not negative counts: no arrival comes before its departure."""
+    tau = Interval(max(tau.low, 0.0), tau.high)
+    x = multiply(machine.damping, tau)
+    return multiply(tau, first_phi(x)), decay(x)
+
+
+@inlined_as_written
+def displacement(machine, departure, s):
+    """y at all times of s."""
+    tau = subtract(s, departure.t)
+    reached, _ = fall_factors(machine, tau)
+    swing = subtract(error_at(machine, s).value, departure.error.value)
+    return add(add(multiply(FOUR_PI, tau), swing), multiply(departure.lag, reached))
+
+
+@inlined_as_written
+def no_arrivals():
+    """What is returned where nothing is proven."""
+    nothing = Interval(math.nan, math.nan)
+    box = Box(nothing, nothing)
+    return Arrivals(False, box, Matrix(nothing, nothing, nothing, nothing), box)
+
+
+@inlined_as_written
+def _slopes(machine, departure, s):
+    """Velocity on arrival within s, and the slopes of (s, w) there."""
+    tau = subtract(s, departure.t)
+    reached, left = fall_factors(machine, tau)
+    error = error_at(machine, s)
+    velocity = add(add(FOUR_PI, error.rate), multiply(departure.lag, left))
+    drag = subtract(acceleration(machine, error), multiply(machine.damping, velocity))
+    pushed = subtract(departure.felt, multiply(machine.damping, departure.w))
+    tt = divide(add(multiply(departure.w, left), multiply(departure.felt, reached)), velocity)
+    tv = divide(multiply(point(-1.0), reached), velocity)
+    vt = subtract(multiply(drag, tt), multiply(pushed, left))
+    return velocity, Matrix(tt, tv, vt, add(multiply(drag, tv), left))
+
+
+@inlined_as_written
+def spread(slope, dt, dw):
+    """Image of the differences dt, dw."""
+    return Box(add(multiply(slope.tt, dt), multiply(slope.tv, dw)), add(multiply(slope.vt, dt), multiply(slope.vv, dw)))
+
+
+@inlined_as_written
+def _time_spread(slope, dt, dw):
+    return add(multiply(slope.tt, dt), multiply(slope.tv, dw))
+
+
+@inlined_as_written
+def arrive(machine, centre, box, height, guess):
+    """Enclose the arrivals of a box at a height, given a guess of the centre's.
+
+    Parameters
+    ----------
+    machine : Machine
+        Eq. (8) holds for all of it.
+    centre, box : Box
+        The centre may be a small box; it lies within the other.
+    height : Interval
+        Where the flights arrive, counted from the wall they leave.
+    guess : float
+        Time of the centre's arrival, about. Nothing rests on it.
+
+    Returns
+    -------
+    Arrivals
+        The velocity has one sign at all of them. They come after the departures.
+    """
+    start = leave(machine, centre.t, centre.w)
+    near = around(guess, _NEAR)
+    velocity, _ = _slopes(machine, start, near)
+    missed = subtract(displacement(machine, start, point(guess)), height)
+    arrival = subtract(point(guess), divide(missed, velocity))
+    if reach(subtract(arrival, point(guess))) >= _NEAR:  # a wide centre: machines within tolerances
+        near = around(guess, 2.0 * reach(subtract(arrival, point(guess))))
+        velocity, _ = _slopes(machine, start, near)
+        arrival = subtract(point(guess), divide(missed, velocity))
+    if not lies_within(arrival, near):
+        return no_arrivals()
+    speed, slope = _slopes(machine, start, arrival)
+    dt, dw = subtract(box.t, centre.t), subtract(box.w, centre.w)
+    wide = leave(machine, box.t, box.w)
+    within = _time_spread(slope, dt, dw)
+    for _ in range(_TRIES):
+        grown = around(0.0, up(_WIDER * reach(within)) + 1e-12)
+        sought = add(arrival, grown)
+        velocity, over = _slopes(machine, wide, sought)
+        within = _time_spread(over, dt, dw)
+        times = add(arrival, within)
+        if lies_within(times, sought):
+            change = add(multiply(over.vt, dt), multiply(over.vv, dw))
+            speeds = add(speed, change)
+            both = Interval(max(speeds.low, velocity.low), min(speeds.high, velocity.high))
+            return Arrivals(True, Box(arrival, speed), over, Box(times, both))
+    return no_arrivals()

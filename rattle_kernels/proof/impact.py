@@ -1,0 +1,206 @@
+"""Enclosures of the impact map P of the impacting model: images of all departures of a box, and DP over it.
+
+The box is one of the three: all of it falls back to +beta (case a), all of it meets -beta (case b), or the grazing
+curve may run through it. In the third case P is still continuous. Its image is held by the hull of both branches: those
+that clear -beta fly on as if it were not there; those that meet it do so slowly, and late (theorem 3).
+"""
+
+import math
+from typing import NamedTuple
+
+from rattle_kernels.impact_map.flights import LOWER, UPPER, fly_over, next_contact
+from rattle_kernels.numerics.jit import inlined_as_written
+from rattle_kernels.proof.flight import Box, Matrix, arrive, no_arrivals
+from rattle_kernels.numerics.interval import (
+    Interval,
+    add,
+    hull,
+    middle,
+    multiply,
+    negative,
+    point,
+    root,
+    scale,
+    subtract,
+    up,
+)
+from rattle_kernels.proof.machine import acceleration, error_at
+from rattle_kernels.proof.turning_point import turning_points
+
+PROVEN = 0
+STRADDLES = 1
+LOST = 2
+
+
+class Image(NamedTuple):
+    """Image of a box under P: of its centre, the slope over it, and of all.
+
+    ``state`` is PROVEN, STRADDLES (only ``all`` means something) or LOST (nothing does). Velocities are speeds.
+    """
+
+    state: int
+    centre: Box
+    slope: Matrix
+    all: Box
+
+
+@inlined_as_written
+def product(a, b):
+    """Product of two matrices."""
+    return Matrix(
+        add(multiply(a.tt, b.tt), multiply(a.tv, b.vt)),
+        add(multiply(a.tt, b.tv), multiply(a.tv, b.vv)),
+        add(multiply(a.vt, b.tt), multiply(a.vv, b.vt)),
+        add(multiply(a.vt, b.tv), multiply(a.vv, b.vv)),
+    )
+
+
+@inlined_as_written
+def _impact(machine, arrivals):
+    """Departures after an impact with +beta or -beta: the velocity changes its sign and shrinks."""
+    kept = negative(machine.restitution)
+    slope = arrivals.slope
+    turned = Matrix(slope.tt, slope.tv, multiply(kept, slope.vt), multiply(kept, slope.vv))
+    centre = Box(arrivals.centre.t, multiply(kept, arrivals.centre.w))
+    return centre, turned, Box(arrivals.all.t, multiply(kept, arrivals.all.w))
+
+
+@inlined_as_written
+def by_speeds(slope):
+    """The slope in (time, speed) of one in (time, velocity), both departures from +beta."""
+    return Matrix(slope.tt, negative(slope.tv), negative(slope.vt), slope.vv)
+
+
+@inlined_as_written
+def downwards(box):
+    """Departures from +beta: their velocities from their speeds, or back."""
+    return Box(box.t, negative(box.w))
+
+
+@inlined_as_written
+def _lost():
+    arrivals = no_arrivals()
+    return Image(LOST, arrivals.centre, arrivals.slope, arrivals.all)
+
+
+@inlined_as_written
+def _return(machine, centre, box, guess):
+    """Case (a), -beta kept clear of or not there."""
+    arrivals = arrive(machine, centre, box, point(0.0), guess)
+    if not (arrivals.found and arrivals.all.w.low > 0.0):
+        return _lost()
+    middle_, slope, all_ = _impact(machine, arrivals)
+    return Image(PROVEN, downwards(middle_), by_speeds(slope), downwards(all_))
+
+
+@inlined_as_written
+def _rise(machine, oscillator, centre, box):
+    """From -beta to +beta; velocities from -beta are positive."""
+    speed = middle(centre.w)
+    guess = next_contact(oscillator, LOWER, middle(centre.t), speed, 1.0)
+    # The kernel reduces the phase at which it starts.
+    arrivals = arrive(machine, centre, box, scale(machine.half_backlash, 2.0), middle(centre.t) + guess.duration)
+    if not (arrivals.found and arrivals.all.w.low > 0.0):
+        return no_arrivals()
+    return arrivals
+
+
+@inlined_as_written
+def _by_way_of_lower(machine, oscillator, centre, box, guess):
+    """Case (b)."""
+    fall = arrive(machine, centre, box, scale(machine.half_backlash, -2.0), guess)
+    # A root of y + 2 beta on the way down is the first.
+    if not (fall.found and fall.all.w.high < 0.0):
+        return _lost()
+    middle_, slope, all_ = _impact(machine, fall)
+    rise = _rise(machine, oscillator, middle_, all_)
+    if not rise.found:
+        return _lost()
+    centre_, upper, whole = _impact(machine, rise)
+    return Image(PROVEN, downwards(centre_), by_speeds(product(upper, slope)), downwards(whole))
+
+
+@inlined_as_written
+def _slow_impacts(machine, box, turn):
+    """Impacts with -beta of those flights of a box that meet it: speeds up to one that the least height allows.
+
+    From the impact on until it turned, a flight without -beta would fall with an acceleration of at least a's least
+    value there, and fall no further than 2 beta less the least height. So it turns soon, and the impact was slow.
+    """
+    depth = subtract(negative(scale(machine.half_backlash, 2.0)), point(turn.height.low)).high
+    if not depth > 0.0:
+        depth = 0.0
+    times, before, most = turn.t, 0.0, 0.0
+    least = machine.least_acceleration
+    for _ in range(2):
+        # Until it turns the speed falls, so that y'' = a - delta y' is at least a.
+        before = root(Interval(0.0, up(2.0 * depth / least))).high
+        times = Interval(max(subtract(turn.t, point(before)).low, box.t.low), turn.t.high)
+        felt = acceleration(machine, error_at(machine, times))
+        least, most = max(felt.low, least), felt.high
+    # No flight is faster than when it left.
+    fastest = up(before * up(most + up(machine.damping.high * -box.w.low)))
+    return Box(times, multiply(machine.restitution, Interval(0.0, fastest)))
+
+
+@inlined_as_written
+def _straddling(machine, oscillator, centre, box, turn, guess):
+    """Both branches of a box through which the grazing curve may run."""
+    over = _return(machine, centre, box, guess)
+    if over.state == LOST:
+        return over
+    impacts = _slow_impacts(machine, box, turn)
+    centre_ = Box(point(middle(impacts.t)), point(middle(impacts.w)))
+    rise = _rise(machine, oscillator, centre_, impacts)
+    if not rise.found:
+        return _lost()
+    _, _, all_ = _impact(machine, rise)
+    below = downwards(all_)
+    both = Box(hull(over.all.t, below.t), hull(over.all.w, below.w))
+    return Image(STRADDLES, over.centre, over.slope, both)
+
+
+@inlined_as_written
+def _clears_lower(machine, centre, box, duration):
+    """Whether all of a box clears -beta, by its turning points; and those."""
+    turn = turning_points(machine, centre, box, 0.5 * duration)
+    return turn.found and turn.height.low > -scale(machine.half_backlash, 2.0).low, turn
+
+
+@inlined_as_written
+def image(machine, oscillator, centre, box):
+    """Enclose the image of a box of departures from +beta under P.
+
+    Parameters
+    ----------
+    machine : Machine
+    oscillator : Oscillator
+        One of them: where roots are sought first. Nothing rests on it.
+    centre, box : Box
+        Times and speeds; the centre lies within the box, and is a point or small.
+
+    Returns
+    -------
+    Image
+        Times are not reduced.
+    """
+    start, speeds = downwards(centre), downwards(box)
+    t, w = middle(start.t), middle(start.w)
+    if not box.w.low > 0.0:
+        return _lost()
+    contact = next_contact(oscillator, UPPER, t, w, 1.0)
+    if contact.wall == LOWER:
+        mapped = _by_way_of_lower(machine, oscillator, start, speeds, t + contact.duration)
+        if mapped.state == PROVEN:
+            return mapped
+        contact = fly_over(oscillator, t, w)
+        _, turn = _clears_lower(machine, start, speeds, contact.duration)
+    else:
+        if box.w.high <= machine.safe_speed:
+            return _return(machine, start, speeds, t + contact.duration)
+        clears, turn = _clears_lower(machine, start, speeds, contact.duration)
+        if clears:
+            return _return(machine, start, speeds, t + contact.duration)
+    if not turn.found:
+        return _lost()
+    return _straddling(machine, oscillator, start, speeds, turn, t + contact.duration)

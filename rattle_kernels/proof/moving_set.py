@@ -1,0 +1,88 @@
+"""A set of departures that moves under P as a parallelogram, held by enclosures.
+
+After n impacts the set is held by ``m + M xi + rest``: m is near the image of the first box's centre, M encloses the
+product of the slopes, xi runs through the first box less its centre, and the rest holds what was rounded. A hull is taken
+only to enclose DP over the set, so little is lost to wrapping.
+"""
+
+import math
+from typing import NamedTuple
+
+from rattle_kernels.numerics.interval import Interval, add, around, middle, point, subtract, up
+from rattle_kernels.numerics.jit import inlined_as_written
+from rattle_kernels.proof.flight import Box, Matrix, spread
+from rattle_kernels.proof.impact import LOST, STRADDLES, image, product
+
+
+class MovingSet(NamedTuple):
+    """A set, its hull ``all``, and whether it has met the grazing curve; then it is a box again."""
+
+    t: float
+    v: float
+    dt: Interval
+    dv: Interval
+    slope: Matrix
+    rest: Box
+    all: Box
+    grazed: bool
+
+
+@inlined_as_written
+def _half(a, centre):
+    return around(0.0, up(max(a.high - centre, centre - a.low)))
+
+
+@inlined_as_written
+def _both(a, b):
+    return Interval(max(a.low, b.low), min(a.high, b.high))
+
+
+@inlined_as_written
+def set_out(box, grazed):
+    """The set of all departures of a box."""
+    t, v = middle(box.t), middle(box.w)
+    identity = Matrix(point(1.0), point(0.0), point(0.0), point(1.0))
+    rest = Box(point(0.0), point(0.0))
+    return MovingSet(t, v, _half(box.t, t), _half(box.w, v), identity, rest, box, grazed)
+
+
+@inlined_as_written
+def _without_turns(moved):
+    """The set with its middle in [0, 1): whole turns are taken off without rounding."""
+    turns = math.floor(moved.t)
+    every = Box(subtract(moved.all.t, point(turns)), moved.all.w)
+    return MovingSet(
+        moved.t - turns, moved.v, moved.dt, moved.dv, moved.slope, moved.rest, every, moved.grazed
+    )
+
+
+@inlined_as_written
+def advance(machine, oscillator, moving):
+    """Image of a set under P.
+
+    Parameters
+    ----------
+    machine : Machine
+    oscillator : Oscillator
+        One of them: where roots are sought first. Nothing rests on it.
+    moving : MovingSet
+
+    Returns
+    -------
+    (bool, MovingSet)
+        Whether it is proven.
+    """
+    mapped = image(machine, oscillator, Box(point(moving.t), point(moving.v)), moving.all)
+    if mapped.state == LOST:
+        return False, moving
+    if mapped.state == STRADDLES:
+        return True, _without_turns(set_out(mapped.all, True))
+    t, v = middle(mapped.centre.t), middle(mapped.centre.w)
+    rest = spread(mapped.slope, moving.rest.t, moving.rest.w)
+    off_t, off_v = subtract(mapped.centre.t, point(t)), subtract(mapped.centre.w, point(v))
+    rest = Box(add(rest.t, off_t), add(rest.w, off_v))
+    slope = product(mapped.slope, moving.slope)
+    moved = spread(slope, moving.dt, moving.dv)
+    held_t, held_v = add(point(t), add(moved.t, rest.t)), add(point(v), add(moved.w, rest.w))
+    every = Box(_both(held_t, mapped.all.t), _both(held_v, mapped.all.w))
+    return True, _without_turns(MovingSet(t, v, moving.dt, moving.dv, slope, rest, every, moving.grazed))

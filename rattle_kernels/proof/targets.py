@@ -1,0 +1,157 @@
+"""Where motions are proven to end: the quiet core, discs around orbits, a set that rattles for ever; and what grows from them."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.attractors.attractor import Attractor, AttractorKind
+from rattle_kernels.model.grazing_curve import largest_grazing_speed
+from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.numerics.interval import add, down, multiply, point, square, subtract, up
+from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
+from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_kernels.proof.lattice import UNPROVEN, Lattice, box_at, empty_lattice, end_of
+from rattle_kernels.proof.machine import Machine, acceleration, error_at
+from rattle_kernels.proof.orbit_disc import OrbitDisc, orbit_disc
+from rattle_kernels.proof.quiet_core import quiet_level
+from rattle_kernels.proof.rattling_set import NOTHING_RATTLES, rattling_set
+
+_COLUMNS = 1024
+
+
+class Targets(NamedTuple):
+    """Proven places. An *end* is 1 + the number of a motion, UNPROVEN where there is none.
+
+    ``discs``, shape (discs, 8), has a row for each: its end, time, speed, the four numbers of its frame row by row, and
+    the square of its radius.
+    """
+
+    lattice: Lattice
+    rattling: Lattice
+    discs: np.ndarray
+
+
+class Certificate(NamedTuple):
+    """What was proven of an oscillator's motions.
+
+    ``level``: departures ``v^3 < level a(t)`` fall quiet. ``discs``: around orbits, by the number of the motion.
+    ``rattling``: number of the chaotic motion with a set that is never left, None if there is none.
+    """
+
+    level: float
+    discs: dict[int, OrbitDisc]
+    rattling: int | None
+    targets: Targets
+
+
+@inlined_as_written
+def _within_disc(disc, box):
+    """Whether a box lies within a disc: all of its corners do, and the disc is convex."""
+    dt = subtract(box.t, point(disc[1]))
+    if dt.low > 0.5:
+        dt = subtract(dt, point(1.0))
+    elif dt.high < -0.5:
+        dt = add(dt, point(1.0))
+    dv = subtract(box.w, point(disc[2]))
+    x = add(multiply(point(disc[3]), dt), multiply(point(disc[4]), dv))
+    y = add(multiply(point(disc[5]), dt), multiply(point(disc[6]), dv))
+    return add(square(x), square(y)).high < disc[7]
+
+
+@inlined_as_written
+def proven_end(targets, box):
+    """Where all departures of a box are proven to end, UNPROVEN where nothing is."""
+    end = end_of(targets.lattice, box)
+    if end != UNPROVEN:
+        return end
+    end = end_of(targets.rattling, box)
+    if end != UNPROVEN:
+        return end
+    for i in range(targets.discs.shape[0]):
+        if _within_disc(targets.discs[i], box):
+            return int(targets.discs[i, 0])
+    return UNPROVEN
+
+
+@kernel_as_written
+def _fill_core(machine, level, lattice, end):
+    rows, columns = lattice.ends.shape
+    for j in range(columns):
+        felt = acceleration(machine, error_at(machine, box_at(lattice, 0, j).t)).low
+        most = down(level * felt)
+        for i in range(rows):
+            high = box_at(lattice, i, j).w.high
+            if not up(up(high * high) * high) < most:
+                break
+            lattice.ends[i, j] = end
+
+
+def prove_targets(
+    machine: Machine, oscillator: Oscillator, attractors: Sequence[Attractor], pause: Pause = never_stopped
+) -> Certificate:
+    """Prove where the motions of a catalogue end, as far as that succeeds.
+
+    Parameters
+    ----------
+    machine : Machine
+    oscillator : Oscillator
+        One of them, whose catalogue it is.
+    attractors : sequence of Attractor
+        Where each stands is its number.
+    pause : callable
+        Called now and then; an exception raised there ends the work.
+
+    Returns
+    -------
+    Certificate
+        Its lattice holds the quiet core; `growth` lets it grow.
+    """
+    level = quiet_level(machine, oscillator)
+    pause()
+    quiet = [n for n, each in enumerate(attractors) if each.kind == AttractorKind.PERMANENT_CONTACT]
+    lattice = _lattice_for(oscillator, attractors)
+    if quiet:
+        _fill_core(machine, level, lattice, 1 + quiet[0])
+    discs = {}
+    for n, each in enumerate(attractors):
+        pause()
+        disc = orbit_disc(machine, oscillator, each) if each.kind == AttractorKind.PERIODIC else None
+        if disc is not None:
+            discs[n] = disc
+    rattling, chaos = NOTHING_RATTLES, None
+    for n, each in enumerate(attractors):
+        found = rattling_set(machine, oscillator, each, 1 + n, pause) if each.is_chaotic and chaos is None else None
+        if found is not None and _holds_no_other(machine, found, level, discs.values()):
+            rattling, chaos = found, n
+    rows = [[1.0 + n, d.t, d.v, *d.frame.ravel(), down(d.radius * d.radius)] for n, d in discs.items()]
+    targets = Targets(lattice, rattling, np.array(rows).reshape(-1, 8))
+    return Certificate(level, discs, chaos, targets)
+
+
+def _lattice_for(oscillator: Oscillator, attractors: Sequence[Attractor]) -> Lattice:
+    speeds = [float(each.velocity.max()) for each in attractors if each.velocity.size]
+    top = 1.05 * max([largest_grazing_speed(oscillator), *speeds])
+    return empty_lattice(0.0, top, _COLUMNS, 2.0 ** math.floor(math.log2(top / _COLUMNS)))
+
+
+def _holds_no_other(machine: Machine, rattling: Lattice, level: float, discs: Iterable[OrbitDisc]) -> bool:
+    """Whether a set that rattles for ever lies above the quiet core and clear of all discs.
+
+    A motion of the set that fell quiet would enter the core; one that came to an orbit would enter its disc.
+    """
+    rows, columns = np.nonzero(rattling.ends)
+    if rows.size == 0:
+        return False
+    lowest = (rattling.first + rows.min()) * rattling.height
+    if not down(down(lowest * lowest) * lowest) > up(level * machine.greatest_acceleration):
+        return False
+    for disc in discs:
+        near_t, near_v = disc.half_sides
+        distance = np.abs((columns + 0.5) / rattling.ends.shape[1] - disc.t)
+        apart_t = np.minimum(distance, 1.0 - distance) - 1.0 / rattling.ends.shape[1] > near_t
+        apart_v = np.abs((rattling.first + rows + 0.5) * rattling.height - disc.v) - rattling.height > near_v
+        if not (apart_t | apart_v).all():
+            return False
+    return True
