@@ -50,6 +50,8 @@ _SUMS = 8
 NEARLY = 0.5
 _NEAR = 1e4 * LAST_TERM
 
+_CROWDED = 3.0
+
 # Orders that are turned on from the one before, where evaluating polynomials takes as long.
 _LONGEST_WAY = 6.0
 
@@ -58,6 +60,21 @@ _LONGEST_WAY = 6.0
 def plus(terms, total, place):
     """Add a sum over the harmonics."""
     return total + place
+
+
+@summed_over_tuple
+def fall_divisor(terms, total, place):
+    """What the speed of a fall back is divided by; the total is v*, `place` the speed.
+
+    Slow falls bend most under higher orders, so the table's nodes lie three times as close at speed 0.
+    """
+    return place + (total - place) * (1.0 / _CROWDED)
+
+
+@summed_over_tuple
+def fall_speed(terms, total, place):
+    """Speed of a fall back at an abscissa, which is `place`; the total is v* times that."""
+    return total / (place + _CROWDED * (1.0 - place))  # v* itself at 1
 
 
 @summed_over_tuple

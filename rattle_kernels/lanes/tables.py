@@ -23,6 +23,7 @@ import numpy as np
 
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
 from rattle_kernels.impact_map.flights import LOWER, UPPER, leave_upper, next_contact
+from rattle_kernels.lanes.harmonics import fall_speed
 from rattle_kernels.model.contact import enter_contact
 from rattle_kernels.model.contact_end import follow_contact
 from rattle_kernels.model.contact_swings import ends_late_around
@@ -99,7 +100,7 @@ def _node(oscillator, largest_grazing_speed, grazes, kind, i, j):
     phase, abscissa = (i % PHASES) / PHASES, j / ABSCISSAE
     graze_speed, graze_duration, _ = grazes[0]
     if kind == FALL_BACK:
-        speed = graze_speed * abscissa
+        speed = fall_speed(oscillator.harmonics, graze_speed * abscissa, abscissa)
         if j == 0:
             return 2.0 / rest_acceleration(oscillator, phase)
         return leave_upper(oscillator, part_turn(phase), -speed, 1.0, grazes[1]).duration / speed
