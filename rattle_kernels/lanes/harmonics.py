@@ -50,9 +50,10 @@ _SUMS = 8
 NEARLY = 0.5
 _NEAR = 1e4 * LAST_TERM
 
+# How many times as close as in the middle nodes of falls back lie at speed 0, and how many times as wide at v*.
 _CROWDED = 3.0
 
-# Orders that are turned on from the one before, where evaluating polynomials takes as long.
+# Further from the order before than this, the angles of an order are evaluated by polynomials: that takes as long.
 _LONGEST_WAY = 6.0
 
 
@@ -64,9 +65,9 @@ def plus(terms, total, place):
 
 @summed_over_tuple
 def fall_divisor(terms, total, place):
-    """What the speed of a fall back is divided by; the total is v*, `place` the speed.
+    """What the speed of a fall back is divided by for its abscissa; the total is v*, `place` the speed.
 
-    Slow falls bend most under higher orders, so the table's nodes lie three times as close at speed 0.
+    Under higher orders slow falls bend most, so the table's nodes crowd at speed 0.
     """
     return place + (total - place) * (1.0 / _CROWDED)
 
@@ -89,9 +90,8 @@ def highest_order(terms, total, place):
 def doubt(terms, total, place):
     """How unsure a flight is whose guess was off by too much; `place` is (unsure so far, last term, duration).
 
-    Orders beside the first bend the tables of guesses, so one flight in two hundred is off. Most of these are near
-    enough
-    for Newton's method (NEARLY), and need no search for a bracket.
+    Orders beside the first bend the tables of guesses. Of the flights that are off most are near enough for Newton's
+    method (NEARLY), and need no search for a bracket.
     """
     unsure, last, tau = place
     return max(unsure, NEARLY if abs(last) <= _NEAR * tau else total)
@@ -113,12 +113,16 @@ def _forget(lanes):
 
 
 @inlined
-def _begin_with_the_first(lanes):
-    """The angles of order 1, which the first harmonic has computed."""
+def _double(lanes):
+    """The angles of order 2, twice those that the first harmonic has computed."""
     for i in range(LANES):
-        lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i] = lanes[SINE + i], lanes[COSINE + i]
-        lanes[ORDER_HALF_SINE + i], lanes[ORDER_HALF_COSINE + i] = lanes[HALF_SINE + i], lanes[HALF_COSINE + i]
-        lanes[ORDER_CUBIC + i] = lanes[CUBIC + i]
+        s, c = lanes[SINE + i], lanes[COSINE + i]
+        lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i] = 2.0 * s * c, c * c - s * s
+        s, c = lanes[HALF_SINE + i], lanes[HALF_COSINE + i]
+        double = 2.0 * s * c
+        lanes[ORDER_HALF_SINE + i], lanes[ORDER_HALF_COSINE + i] = double, c * c - s * s
+        # 2 h - sin 2 h, in terms that have one sign where h is small; so in `_turn_on`.
+        lanes[ORDER_CUBIC + i] = 2.0 * lanes[CUBIC + i] + 4.0 * s * s * double
 
 
 @inlined
@@ -131,7 +135,6 @@ def _turn_on(lanes):
         s1, c1 = lanes[HALF_SINE + i], lanes[HALF_COSINE + i]
         next_ = s * c1 + c * s1
         lanes[ORDER_HALF_SINE + i], lanes[ORDER_HALF_COSINE + i] = next_, c * c1 - s * s1
-        # (n + 1) h - sin (n + 1) h, in terms that have one sign where h is small.
         lanes[ORDER_CUBIC + i] += lanes[CUBIC + i] + 4.0 * s1 * s * next_
 
 
@@ -148,13 +151,18 @@ def _turn_to(lanes, order):
         lanes[ORDER_CUBIC + i] = TWO_PI * (turns - r) + 2.0 * (math.pi * r * versine - rest * (1.0 - versine))
 
 
+@inlined
+def _add(lanes, at, term, more):
+    """Add to a sum, or begin it."""
+    lanes[at] = (lanes[at] if more else 0.0) + term
+
+
 @summed_over_tuple
 def sum_over_flights(terms, total, place):
     """Evaluate the harmonics at the guessed end of every flight; `place` is (lanes, delta). The total is not used."""
     lanes, damping = place
-    _forget(lanes)
-    _begin_with_the_first(lanes)
-    reached = 1.0
+    _double(lanes)
+    reached = 2.0
     for harmonic in terms:
         order, amplitude = harmonic.order, harmonic.amplitude
         if order - reached > _LONGEST_WAY:
@@ -165,6 +173,7 @@ def sum_over_flights(terms, total, place):
             reached += 1.0
         rate, angle = TWO_PI * order, TWO_PI * part_turn(harmonic.phase)
         square, turn_sine, turn_cosine = rate * rate, math.sin(angle), math.cos(angle)
+        more = order > terms[0].order  # the first one begins the sums
         for i in range(LANES):
             s, c, sh, ch = (
                 lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i], lanes[ORDER_HALF_SINE + i],
@@ -174,16 +183,16 @@ def sum_over_flights(terms, total, place):
             tau = lanes[DURATION + i]
             ds, dc = 2.0 * sh * (c0 * ch - s0 * sh), -2.0 * sh * (s0 * ch + c0 * sh)
             held = rate * damping * tau * tau * lanes[PHI2 + i]
-            lanes[FORCED + i] += amplitude * (s0 * (lanes[ORDER_CUBIC + i] - held) - 2.0 * c0 * sh * sh)
-            lanes[RATE_0 + i] += amplitude * (damping * dc - rate * ds)
+            _add(lanes, FORCED + i, amplitude * (s0 * (lanes[ORDER_CUBIC + i] - held) - 2.0 * c0 * sh * sh), more)
+            _add(lanes, RATE_0 + i, amplitude * (damping * dc - rate * ds), more)
             s, c = s0 + ds, c0 + dc
             p, q = amplitude * rate * (rate * c + damping * s), amplitude * square * (rate * s - damping * c)
-            lanes[RATE_1 + i] -= p
-            lanes[RATE_2 + i] += q
-            lanes[RATE_3 + i] += square * p
-            lanes[RATE_4 + i] -= square * q
-            lanes[RATE_5 + i] -= square * square * p
-            lanes[RATE_6 + i] += square * square * q
+            _add(lanes, RATE_1 + i, -p, more)
+            _add(lanes, RATE_2 + i, q, more)
+            _add(lanes, RATE_3 + i, square * p, more)
+            _add(lanes, RATE_4 + i, -square * q, more)
+            _add(lanes, RATE_5 + i, -square * square * p, more)
+            _add(lanes, RATE_6 + i, square * square * q, more)
     return total
 
 
