@@ -149,6 +149,10 @@ class BasinStore(SolutionArrays):
         for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True):
             self._write(variable, values, *self.job.place_of(basin), slice(values.size))
 
+    def read_solution(self, basin: int) -> np.ndarray:
+        """Read the solution of every cell or point of a basin."""
+        return self._read(self.places.solution, *self.job.place_of(basin), ...)
+
     def read_groups(self, basin: int) -> CellGroups:
         """Read Hsu's numbers on a basin's image set."""
         members = self.read_image_words(basin)
