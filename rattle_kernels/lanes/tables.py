@@ -11,6 +11,7 @@ root removes the singularity at grazing):
     CONTACT_ABOVE  tau                   u / (u + u_con)         half a swing at the upper end
     CONTACT_BELOW  tau (u + u_con)/u     u / (u + u_con)         from rest  ...  half a swing
 
+Under several harmonics the abscissa of FALL_BACK is 3 v/(v* + 2 v), whose nodes crowd at speed 0 (`fall_divisor`).
 Here u_ref is the largest v*, and u_con = 4 pi delta/sqrt(2 kappa). Only the piecewise linear model has contacts. One
 above may last for several swings (`contact_swings`), or for ever, and its duration jumps. There the table holds NaN.
 """
