@@ -89,7 +89,7 @@ def _as_option(argument: Argument) -> inspect.Parameter:
     details = {"help": argument.text or None, "min": argument.least}
     if is_parameter(argument.name) and argument.default is not None:
         # None tells what was not given: beside a measured curve an eccentricity is refused, the default one, too.
-        details["show_default"] = f"{argument.default:g}"
+        details["help"] = rf"{argument.text} \[default: {argument.default}]"
         return option(argument.name, argument.kind | None, None, *flags, **details)
     return option(argument.name, argument.kind, argument.default, *flags, **details)
 
