@@ -16,7 +16,7 @@ const DRAG_PIXELS = 6;
 /** Where a range ends that begins at 0. */
 const LITTLE = 0.02;
 
-/** Parameters of an oscillator that a diagram may go over. */
+/** Parameters that a diagram may go over. @param {Oscillator} oscillator that is seen */
 function parametersOf({ model, harmonics }) {
   const own = NUMBERS.filter((name) => (ONLY_IN[name] ?? model) === model);
   return [...own, ...harmonicParameters(harmonics)];
