@@ -111,4 +111,4 @@ class Slurm:
 
 def environment_of_jobs(root):
     """What a user has in the environment who submits jobs."""
-    return {"PATH": os.environ["PATH"], "HOME": os.environ["HOME"], "PYTHONPATH": str(root), "LANG": "C.UTF-8"}
+    return {"PATH": os.environ["PATH"] + ":/usr/sbin", "HOME": os.environ["HOME"], "PYTHONPATH": str(root), "LANG": "C.UTF-8"}

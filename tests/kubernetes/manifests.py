@@ -15,19 +15,24 @@ PASSWORDS = {"database": {"DATABASE_PASSWORD": "secret-1"},
              "objects": {"AWS_ACCESS_KEY_ID": "access-1", "AWS_SECRET_ACCESS_KEY": "secret-2"}}  # fmt: skip
 
 
-def built(folder, components=COMPONENTS):
-    """Objects of a deployment of these components, with secrets made up; `folder` is for a copy of the files."""
-    for name in ("kubernetes", "proxy"):
-        shutil.copytree(DOCKER / name, folder / name, ignore=shutil.ignore_patterns("secrets"))
-    root = folder / "kubernetes"
-    kustomization = yaml.safe_load((root / "kustomization.yaml").read_text())
-    (root / "kustomization.yaml").write_text(yaml.safe_dump(kustomization | {"components": list(components)}))
+def make_up_secrets(root):
+    """What `docker/kubernetes/secrets` holds; the tests know the passwords."""
     secrets = root / "secrets"
     secrets.mkdir()
     for name in ("ca.pem", "rattle.pem", "rattle-key.pem", "site.pem", "site-key.pem"):
         (secrets / name).write_text("made up\n")
     for name, variables in PASSWORDS.items():
         (secrets / f"{name}.env").write_text("".join(f"{key}={value}\n" for key, value in variables.items()))
+
+
+def built(folder, components=COMPONENTS, make_secrets=make_up_secrets):
+    """Objects of a deployment of these components; `folder` is for a copy of the files, and `make_secrets` adds to it."""
+    for name in ("kubernetes", "proxy"):
+        shutil.copytree(DOCKER / name, folder / name, ignore=shutil.ignore_patterns("secrets"))
+    root = folder / "kubernetes"
+    kustomization = yaml.safe_load((root / "kustomization.yaml").read_text())
+    (root / "kustomization.yaml").write_text(yaml.safe_dump(kustomization | {"components": list(components)}))
+    make_secrets(root)
     answer = subprocess.run([KUBECTL, "kustomize", root], capture_output=True, text=True, timeout=60)
     assert (answer.returncode, answer.stderr) == (0, "")
     return [each for each in yaml.safe_load_all(answer.stdout) if each]

@@ -3,17 +3,21 @@
 import base64
 import json
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
 import kubernetes_validate
 import pytest
 import yaml
+from cryptography import x509
 from jsonschema import Draft202012Validator
 
 from service.routes import health
 from service.settings import Settings
 from tests.kubernetes.manifests import COMPONENTS, DOCKER, WITH_OPERATOR, built, containers, named, pods
+from tests.kubernetes.policies import allowed
 
 HERE = Path(__file__).parent
 # The oldest that has what is used (preStop's sleep, from 1.30 without asking), and the newest that is known here.
@@ -140,42 +144,30 @@ def test_secrets_are_in_secrets_alone(objects):
         assert ("Secret", name) in there
 
 
-def allowed(objects):
-    """What the policies let through: component of the client, component of the server, port."""
-    policies = [each["spec"] for each in objects if each["kind"] == "NetworkPolicy"]
-    return {
-        way: {
-            (component, peer, port)
-            for policy in policies
-            for component in components_of(policy["podSelector"])
-            for rule in policy.get(way, [])
-            for selector in rule.get("from", rule.get("to", []))
-            for peer in components_of(selector.get("podSelector", {}))
-            for ports in rule["ports"]
-            for port in range(ports["port"], ports.get("endPort", ports["port"]) + 1)
-        }
-        for way in ("ingress", "egress")
-    }
+def test_the_documented_lines_make_every_secret(tmp_path):
+    text = (DOCKER.parent / "docs" / "operations" / "clusters.md").read_text()
+    lines = re.search(r"umask 077\n(.*?)kubectl apply", text, re.DOTALL)[1]
+    programs = f"PATH={Path(sys.executable).parent}:$PATH\n"
 
+    def as_documented(root):
+        subprocess.run(["bash", "-e", "-c", programs + lines], cwd=root, check=True, capture_output=True, timeout=60)
 
-def components_of(selector):
-    """Values of the component's label that a selector takes."""
-    wanted = selector.get("matchLabels", {}).get("app.kubernetes.io/component")
-    values = [value for each in selector.get("matchExpressions", []) for value in each["values"]]
-    return [wanted] if wanted else values
+    objects = built(tmp_path, make_secrets=as_documented)
+    made = {name: base64.b64decode(value) for kind in ("certificates", "site", "database", "objects")
+            for name, value in named(objects, "Secret", kind)["data"].items()}  # fmt: skip
+    for name in ("ca", "certificate", "site_certificate"):
+        x509.load_pem_x509_certificate(made[name])
+    assert made["key"] != made["site_key"] and made["DATABASE_PASSWORD"] != made["AWS_SECRET_ACCESS_KEY"]
 
 
 def test_a_connection_that_one_end_may_open_the_other_may_take(objects):
-    ways = allowed(objects)
-    assert {(client, server, port) for server, client, port in ways["ingress"]} == ways["egress"]
+    taken = {(client, server, port) for server, client, port in allowed(objects, "ingress")}
+    assert taken == allowed(objects, "egress")
     nothing = named(objects, "NetworkPolicy", "nothing-else")["spec"]
     assert nothing == {"podSelector": {}, "policyTypes": ["Ingress", "Egress"]}
-    for _, pod in pods(objects).values():
-        ports = {port["containerPort"] for container in pod["containers"] for port in container.get("ports", [])}
-        assert all(isinstance(port, int) for port in ports)
     opened = {labels["app.kubernetes.io/component"]: {port["containerPort"] for port in pod["containers"][0]["ports"]}
               for labels, pod in pods(objects).values() if "ports" in pod["containers"][0]}  # fmt: skip
-    assert all(port in opened[server] for _, server, port in ways["egress"])
+    assert all(port in opened[server] for _, server, port in taken)
 
 
 def test_workers_follow_metrics_that_the_service_has_and_are_counted_by_nobody_else(deployed):
