@@ -1,4 +1,4 @@
-"""Parts of a deployment on hosts of a network, a database and an object store beside them, and a client of the service."""
+"""Parts of a deployment on hosts of a network, with a database and an object store, and a client of the service."""
 
 import contextlib
 import os

@@ -57,21 +57,28 @@ class Slurm:
         (self._folder / "slurm.conf").write_text(text)
         # Hosts of this kind have no control groups; this plugin takes that.
         (self._folder / "cgroup.conf").write_text("CgroupPlugin=cgroup/v1\n")
-        self._start(self._head, ["slurmctld", "-D"])
-        for node in self._nodes:
-            (self._folder / f"spool-{node}").mkdir()
-            self._start(node, ["slurmd", "-D", "-N", node])
-        self._wait_for(lambda: self.call("sinfo", "--noheader", "--format", "%T").split() == ["idle"])
+        try:
+            self._start(self._head, ["slurmctld", "-D"])
+            for node in self._nodes:
+                (self._folder / f"spool-{node}").mkdir()
+                self._start(node, ["slurmd", "-D", "-N", node])
+            self._wait_for(lambda: self.call("sinfo", "--noheader", "--format", "%T", check=False) == "idle")
+        except BaseException:
+            self._kill()
+            raise
         return self
 
     def __exit__(self, *_):
-        self.call("scancel", "--user", "root")
         try:
+            self.call("scancel", "--user", "root")
             self._wait_for(lambda: not self.call("squeue", "--noheader"))
         finally:
-            for daemon in self._daemons:
-                daemon.kill()
-                daemon.wait(10)
+            self._kill()
+
+    def _kill(self):
+        for daemon in self._daemons:
+            daemon.kill()
+            daemon.wait(10)
 
     def _start(self, host, command):
         with (self._folder / f"{host}.out").open("wb") as log:
@@ -86,13 +93,13 @@ class Slurm:
             assert time.monotonic() < patience, (self._folder / "slurmctld.log").read_text()[-3000:]
             time.sleep(0.3)
 
-    def call(self, *command, host=None):
-        """Output of a command, on the controller's host where no other is named."""
+    def call(self, *command, host=None, check=True):
+        """Output of a command, on the controller's host where no other is named; fails where the command does."""
         command = self._network.on(host or self._head, command)
         answer = subprocess.run(
             command, env=self._environment, cwd=self._folder, capture_output=True, text=True, timeout=120
         )
-        assert answer.returncode == 0, answer.stdout + answer.stderr
+        assert not check or answer.returncode == 0, answer.stdout + answer.stderr
         return answer.stdout.strip()
 
     def submit(self, *arguments):
@@ -111,4 +118,9 @@ class Slurm:
 
 def environment_of_jobs(root):
     """What a user has in the environment who submits jobs."""
-    return {"PATH": os.environ["PATH"] + ":/usr/sbin", "HOME": os.environ["HOME"], "PYTHONPATH": str(root), "LANG": "C.UTF-8"}
+    return {
+        "PATH": os.environ["PATH"] + ":/usr/sbin",
+        "HOME": os.environ["HOME"],
+        "PYTHONPATH": str(root),
+        "LANG": "C.UTF-8",
+    }

@@ -1,4 +1,4 @@
-"""The commands of the Kubernetes manifests on hosts of a network: probes, keys, a worker's end, policies, the same bytes."""
+"""The Kubernetes manifests' commands on hosts of a network: probes, keys, a worker's end, policies, the same bytes."""
 
 import ipaddress
 import os
@@ -52,9 +52,7 @@ def _wait_for_the_first_key(cluster, container):
         waiting.kill()
 
 
-def test_a_worker_that_is_asked_to_end_leaves_in_time_and_the_result_is_that_of_one_machine(
-    cluster, objects, tmp_path
-):
+def test_a_worker_that_is_asked_to_end_leaves_in_time_and_the_result_is_that_of_one_machine(cluster, objects, tmp_path):
     job = cluster.submit()
     cluster.wait("tiles are done", lambda: (cluster.job(job)["progress"] or {}).get("tiles_done", 0) >= 2)
     grace = pods(objects)["gear-rattle-worker"][1]["terminationGracePeriodSeconds"]

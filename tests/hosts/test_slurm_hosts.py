@@ -1,4 +1,4 @@
-"""The scripts of docker/slurm under Slurm itself, on hosts of a network: a basin outlives its workers and its service."""
+"""The scripts of docker/slurm under Slurm, on hosts of a network: a basin outlives its workers and its service."""
 
 import contextlib
 import json
@@ -38,7 +38,9 @@ class Cluster:
         add_key = ["env", f"RATTLE_DATA={folder / 'data'}", folder / "venv/bin/rattle", "keys", "add", "tests"]
         self.key = slurm.call(*add_key).split()[-1]
         self.services = [slurm.submit(*SERVICE, SCRIPTS / "service.sbatch", folder) for _ in range(2)]
-        self.workers = slurm.submit(*WORKERS, f"--dependency=after:{self.services[0]}", SCRIPTS / "workers.sbatch", folder)
+        self.workers = slurm.submit(
+            *WORKERS, f"--dependency=after:{self.services[0]}", SCRIPTS / "workers.sbatch", folder
+        )
 
     def request(self, method, path, body=None):
         """Answer of the service, asked on its own node, as through a tunnel."""
@@ -64,9 +66,7 @@ class Cluster:
 
     def task(self):
         """The array's task that runs."""
-        return self.slurm.call(
-            "squeue", "--noheader", "--states", "running", "--format", "%i", "--jobs", self.workers
-        )
+        return self.slurm.call("squeue", "--noheader", "--states", "running", "--format", "%i", "--jobs", self.workers)
 
     def job(self, job_id):
         """State of a job of the service."""

@@ -26,7 +26,7 @@ def make_up_secrets(root):
 
 
 def built(folder, components=COMPONENTS, make_secrets=make_up_secrets):
-    """Objects of a deployment of these components; `folder` is for a copy of the files, and `make_secrets` adds to it."""
+    """Objects of a deployment of these components; `folder` is for a copy, to which `make_secrets` adds."""
     for name in ("kubernetes", "proxy"):
         shutil.copytree(DOCKER / name, folder / name, ignore=shutil.ignore_patterns("secrets"))
     root = folder / "kubernetes"
@@ -48,7 +48,7 @@ def named(objects, kind, name):
 
 
 def pods(objects):
-    """Labels and specification of every pod, by a name: those of Deployments, StatefulSets and Jobs, and a DaskCluster's."""
+    """Labels and specification of the pods of each Deployment, StatefulSet, Job and DaskCluster, by name."""
     found = {}
     for each in objects:
         name, spec = each["metadata"]["name"], each.get("spec", {})

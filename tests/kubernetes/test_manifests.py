@@ -67,11 +67,11 @@ def test_every_object_is_of_its_schema(objects):
 def test_a_word_that_no_schema_knows_is_refused(objects):
     cluster = [each for each in objects if each["kind"] in ("DaskCluster", "ScaledObject")]
     for each in cluster:
-        wrong = each | {"spec": each["spec"] | {"wrokers": 1}}
+        wrong = each | {"spec": each["spec"] | {"pods": 1}}
         assert not Draft202012Validator(schema_of(each["kind"])).is_valid(wrong)
     service = named(objects, "Deployment", "service")
     with pytest.raises(kubernetes_validate.ValidationError):
-        kubernetes_validate.validate(service | {"spec": service["spec"] | {"replica": 1}}, VERSIONS[0], strict=True)
+        kubernetes_validate.validate(service | {"spec": service["spec"] | {"copies": 1}}, VERSIONS[0], strict=True)
 
 
 def test_every_pod_may_run_in_a_restricted_namespace(objects):
@@ -96,6 +96,12 @@ def test_every_container_has_requests_limits_and_a_version(objects):
             for bounds in (container["resources"]["requests"], container["resources"]["limits"]):
                 assert bounds.keys() == {"cpu", "memory", "ephemeral-storage"}
             assert re.search(r":v?\d+\.\d+(\.\d+)?[-\w]*$", container["image"]), container["image"]
+
+
+def test_our_image_runs_where_it_was_built_for(objects):
+    for name, (_, pod) in pods(objects).items():
+        if any(container["image"].startswith("gear-rattle:") for container in containers(pod)):
+            assert pod["nodeSelector"] == {"kubernetes.io/arch": "amd64"}, name
 
 
 def test_versions_are_the_projects_and_the_compose_files(deployed):
