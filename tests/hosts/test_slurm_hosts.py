@@ -128,7 +128,7 @@ def test_a_basin_outlives_its_worker_and_the_next_task_of_the_array_goes_on(clus
     assert cluster.result(job) == expected
 
 
-def test_a_service_that_is_cancelled_is_followed_by_the_next_and_the_job_goes_on(cluster, expected):
+def test_a_service_whose_time_is_up_is_followed_by_the_next_and_the_job_goes_on(cluster, expected):
     cluster.wait("there is a worker", cluster.ready)
     for old in cluster.request("GET", "/v1/jobs")["jobs"]:
         cluster.request("DELETE", f"/v1/jobs/{old['id']}")
@@ -137,12 +137,22 @@ def test_a_service_that_is_cancelled_is_followed_by_the_next_and_the_job_goes_on
     address = (cluster.folder / "scheduler").read_text()
     first, second = cluster.services
     assert cluster.slurm.state(second) == "PENDING"
-    cluster.slurm.call("scancel", first)
+    cluster.slurm.call("scancel", "--batch", "--signal=USR1", first)  # as Slurm does itself, a minute before the end
     cluster.wait("the second runs", lambda: cluster.slurm.state(second) == "RUNNING")
-    assert cluster.slurm.state(first) == "CANCELLED"
+    assert cluster.slurm.state(first) == "COMPLETED"
     cluster.wait("it has a worker", cluster.ready)
     assert (cluster.folder / "scheduler").read_text() != address
     assert cluster.result(job) == expected
+
+
+def test_workers_and_a_service_that_are_cancelled_put_things_in_order(cluster):
+    cluster.wait("there is a worker", cluster.ready)
+    for running, last in ((cluster.task(), "End worker"), (cluster.services[1], "End scheduler")):
+        cluster.slurm.call("scancel", running)
+        cluster.wait("it has ended", lambda job=running: cluster.slurm.state(job) == "CANCELLED")
+        [log] = (cluster.folder / "slurm").glob(f"rattle-*-{running}.log")
+        assert last in log.read_text()
+    assert not (cluster.folder / "scheduler").exists()
 
 
 @pytest.mark.parametrize("script", ["service.sbatch", "workers.sbatch"])
