@@ -69,9 +69,11 @@ test-containers: $(READY)  ## build the image and run it, without an engine; as 
 	@command -v buildah podman runc debootstrap >/dev/null || $(call install,buildah podman runc debootstrap)
 	$(BIN)/python -m pytest tests/containers -m containers --timeout 5400
 
-test-hosts: $(READY)  ## the compose file's commands as hosts of a network, and hostile clients of its proxy
+test-hosts: $(READY)  ## compose file, Kubernetes manifests and Slurm's scripts on hosts of a network; hostile clients
 	@command -v initdb >/dev/null || ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || $(call install,postgresql)
 	@command -v nginx >/dev/null || ls /usr/sbin/nginx >/dev/null 2>&1 || $(call install,nginx-light)
+	@command -v curl >/dev/null || $(call install,curl)
+	@ls /usr/sbin/slurmctld /usr/sbin/slurmd /usr/bin/sbatch >/dev/null 2>&1 || $(call install,slurmctld slurmd slurm-client)
 	$(BIN)/python -m pytest tests/hosts -m hosts --timeout 1200
 
 # A process of their own, so that kernels are compiled before the first service starts.
