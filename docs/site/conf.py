@@ -1,0 +1,55 @@
+"""The documentation site: README, docs/ and notebooks/ as they lie, with pages made from the code (`make docs`)."""
+
+import sys
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+
+project = "gear-rattle"
+author = copyright = "The gear-rattle developers"
+release = version = version_of(project)
+
+extensions = [
+    "myst_nb",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "chapters",
+    "public_names",
+    "shell_commands",
+    "rest_routes",
+]
+root_doc = "README"
+include_patterns = ["*.md", "docs/**.md", "notebooks/*"]
+exclude_patterns = [".*", "node_modules", "screenshots", "dist", "build", "demo", "tests", "service", "worker"]
+highlight_language = "text"
+
+# A reference that leads nowhere is a warning, and `make docs` makes warnings errors. Names of other projects are left
+# out: their inventories are elsewhere, and the site is built without a network.
+nitpicky = True
+default_role = "py:obj"
+
+myst_heading_anchors = 4
+nb_execution_mode = "off"
+nb_merge_streams = True
+
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+autosummary_generate = False
+numpydoc_show_class_members = False
+numpydoc_validation_checks = {"GL08", "SS01"}
+
+html_theme = "pydata_sphinx_theme"
+html_title = "gear-rattle"
+html_static_path = [str(HERE / "static")]
+html_css_files = ["site.css"]
+html_show_sourcelink = html_copy_source = False
+html_theme_options = {
+    "header_links_before_dropdown": 7,
+    "navbar_align": "left",
+    "footer_start": ["copyright"],
+    "footer_end": [],
+    "show_toc_level": 2,
+}

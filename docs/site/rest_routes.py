@@ -1,0 +1,122 @@
+"""The directives ``{rest-routes}`` and ``{rest-schemas}``: what docs/openapi.yaml says, as Markdown."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import yaml
+from docutils.nodes import Node
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+_OPENAPI = Path(__file__).parents[1] / "openapi.yaml"
+
+Schema = dict[str, Any]
+
+
+class _OfTheApi(SphinxDirective):
+    def run(self) -> list[Node]:
+        self.env.note_dependency(str(_OPENAPI))
+        api = yaml.safe_load(_OPENAPI.read_text())
+        return self.parse_text_to_nodes("\n".join(self.lines_of(api)), allow_section_headings=True)
+
+    def lines_of(self, api: Schema) -> Iterator[str]:
+        raise NotImplementedError
+
+
+class Routes(_OfTheApi):
+    """Every route: what it does, takes and answers."""
+
+    def lines_of(self, api: Schema) -> Iterator[str]:
+        """The routes in the document's order."""
+        for path, operations in api["paths"].items():
+            for method, operation in operations.items():
+                yield from _route(f"{method.upper()} {path}", operation)
+
+
+class Schemas(_OfTheApi):
+    """Every body: its fields."""
+
+    def lines_of(self, api: Schema) -> Iterator[str]:
+        """The bodies in alphabetical order."""
+        for name, schema in sorted(api["components"]["schemas"].items()):
+            yield from _body(name, schema)
+
+
+def _route(title: str, operation: Schema) -> Iterator[str]:
+    yield from ("", f"## {title}", "", f"*{operation['summary']}.* {operation.get('description', '')}", "")
+    for content in operation.get("requestBody", {}).get("content", {}).values():
+        yield from (f"Body: {_kind(content['schema'])}.", "")
+    if parameters := operation.get("parameters"):
+        yield from ("| parameter | in | type | meaning |", "|---|---|---|---|")
+        for each in parameters:
+            meaning = _cell(each.get("description", each["schema"].get("description", "")) + _default(each["schema"]))
+            yield f"| `{each['name']}` | {each['in']} | {_kind(each['schema'])} | {meaning} |"
+        yield ""
+    yield from ("| status | body | meaning |", "|---|---|---|")
+    for status, answer in sorted(operation["responses"].items()):
+        yield f"| {status} | {_kinds(answer.get('content', {}))} | {_cell(answer['description'])} |"
+
+
+def _body(name: str, schema: Schema) -> Iterator[str]:
+    yield from ("", f"({_target(name)})=", f"## {name}", "", schema.get("description", ""), "")
+    if "properties" not in schema:
+        yield f"{_kind(schema)}"
+        return
+    yield from ("| field | type | meaning |", "|---|---|---|")
+    for field, of in schema["properties"].items():
+        required = "**required** " if field in schema.get("required", ()) else ""
+        yield f"| `{field}` | {_kind(of)} | {required}{_cell(of.get('description', '') + _default(of))} |"
+
+
+def _kinds(contents: Schema) -> str:
+    """Media types, and what each holds where that has a schema."""
+    return ", ".join(
+        f"`{media}`" + (f" {_kind(content['schema'])}" if content.get("schema") else "")
+        for media, content in contents.items()
+    )
+
+
+def _kind(schema: Schema) -> str:
+    """Kind of value in words; a body by its name, as a link to its fields."""
+    if reference := schema.get("$ref"):
+        name = reference.rpartition("/")[2]
+        return f"[{name}](#{_target(name)})"
+    for several in ("anyOf", "oneOf"):
+        if several in schema:
+            return " or ".join(_kind(each) for each in schema[several])
+    if "const" in schema:
+        return f"`{json.dumps(schema['const'])}`"
+    if "enum" in schema:
+        return ", ".join(f"`{json.dumps(value)}`" for value in schema["enum"])
+    if schema.get("type") == "array":
+        held = schema.get("prefixItems", [schema.get("items", {})])
+        return "list of " + ", ".join(_kind(each) for each in held)
+    return str(schema.get("type", "any")) + _bounds(schema)
+
+
+def _bounds(schema: Schema) -> str:
+    words = {
+        "minimum": "≥ ", "exclusiveMinimum": "> ", "maximum": "≤ ", "exclusiveMaximum": "< ",
+    }  # fmt: skip
+    return "".join(f" {sign}{schema[bound]:g}" for bound, sign in words.items() if bound in schema)
+
+
+def _default(schema: Schema) -> str:
+    return f" (default `{json.dumps(schema['default'])}`)" if "default" in schema else ""
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.replace("|", r"\|").split())
+
+
+def _target(name: str) -> str:
+    return f"body-{name.lower()}"
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Connect to Sphinx."""
+    app.add_directive("rest-routes", Routes)
+    app.add_directive("rest-schemas", Schemas)
+    return {"parallel_read_safe": True}
