@@ -7,6 +7,9 @@ from pathlib import Path
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 
+from numpydoc.xref import DEFAULT_LINKS  # noqa: E402
+from public_names import class_names  # noqa: E402
+
 project = "gear-rattle"
 author = copyright = "The gear-rattle developers"
 release = version = version_of(project)
@@ -17,6 +20,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "chapters",
+    "mathml",
     "public_names",
     "shell_commands",
     "rest_routes",
@@ -31,6 +35,7 @@ highlight_language = "text"
 nitpicky = True
 default_role = "py:obj"
 
+myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 nb_execution_mode = "off"
 nb_merge_streams = True
@@ -38,9 +43,15 @@ nb_merge_streams = True
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 autosummary_generate = False
+# Types of parameters lead to classes of ours; words such as float stay words.
+numpydoc_xref_param_type = True
+numpydoc_xref_ignore = "all"
+numpydoc_xref_aliases = {word: word for word in DEFAULT_LINKS} | class_names()
 numpydoc_show_class_members = False
 numpydoc_validation_checks = {"GL08", "SS01"}
 
+html_math_renderer = "mathml"
+html_context = {"default_mode": "auto"}
 html_theme = "pydata_sphinx_theme"
 html_title = "gear-rattle"
 html_static_path = [str(HERE / "static")]

@@ -31,9 +31,16 @@ class Names(SphinxDirective):
         module, names = self.arguments[0], " ".join(self.content).split()
         # Of a constant autosummary would show what its type is.
         callables = [name for name in names if callable(getattr(import_module(module), name))]
-        table = [f".. currentmodule:: {module}", "", ".. autosummary::", "", *(f"   {name}" for name in callables), ""]
+        table = [f".. currentmodule:: {module}", "", ".. autosummary::", "   :nosignatures:", "", *(f"   {name}" for name in callables), ""]
         entries = [line for name in names for line in _entry(module, name)]
         return self.parse_text_to_nodes("\n".join(["```{eval-rst}", *table, *entries, "```"]))
+
+
+def class_names() -> dict[str, str]:
+    """Public classes by their short names."""
+    faces = [import_module(module) for module in _MODULES]
+    names = ((face, name) for face in faces for name in face.__all__ if inspect.isclass(getattr(face, name)))
+    return {name: f"{face.__name__}.{name}" for face, name in names}
 
 
 def _entry(module: str, name: str) -> list[str]:

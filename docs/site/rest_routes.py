@@ -71,9 +71,9 @@ def _body(name: str, schema: Schema) -> Iterator[str]:
 
 
 def _kinds(contents: Schema) -> str:
-    """Media types, and what each holds where that has a schema."""
+    """What is answered: a body by its name, where it is JSON; anything else by its media type."""
     return ", ".join(
-        f"`{media}`" + (f" {_kind(content['schema'])}" if content.get("schema") else "")
+        _kind(content["schema"]) if "json" in media and content.get("schema") else f"`{media}`"
         for media, content in contents.items()
     )
 
