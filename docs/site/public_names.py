@@ -31,7 +31,15 @@ class Names(SphinxDirective):
         module, names = self.arguments[0], " ".join(self.content).split()
         # Of a constant autosummary would show what its type is.
         callables = [name for name in names if callable(getattr(import_module(module), name))]
-        table = [f".. currentmodule:: {module}", "", ".. autosummary::", "   :nosignatures:", "", *(f"   {name}" for name in callables), ""]
+        table = [
+            f".. currentmodule:: {module}",
+            "",
+            ".. autosummary::",
+            "   :nosignatures:",
+            "",
+            *(f"   {name}" for name in callables),
+            "",
+        ]
         entries = [line for name in names for line in _entry(module, name)]
         return self.parse_text_to_nodes("\n".join(["```{eval-rst}", *table, *entries, "```"]))
 
@@ -56,7 +64,10 @@ def _entry(module: str, name: str) -> list[str]:
 
 
 def _constant(module: str, name: str, value: Any) -> list[str]:
-    """A constant of the current module with the docstring that follows it in the module that defines it, which autodoc does not look for."""
+    """A constant of the current module.
+
+    Its docstring follows it in the module that defines it, where autodoc does not look.
+    """
     written = ModuleAnalyzer.for_module(_home_of(module, name)).find_attr_docs().get(("", name), [])
     if not any(written):
         _LOGGER.warning("%s.%s has no docstring", module, name)
