@@ -1,13 +1,11 @@
 """The site is built from the pages as they are, needs no network, and is not built from pages with faults."""
 
 import re
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from tests.documents.site import ROOT, build
+
 FAULTY = """
 # A page
 
@@ -29,17 +27,10 @@ def misleading():
 FETCHED = re.compile(r"<(?:script|img|iframe)[^>]*\bsrc=\"https?:|<link[^>]*rel=\"(?:stylesheet|preload)\"[^>]*https?:")
 
 
-def build(source, target):
-    """As `make docs` does."""
-    options = ["--quiet", "--fail-on-warning", "--fresh-env", "--conf-dir", ROOT / "docs" / "site"]
-    command = [sys.executable, "-m", "sphinx", *options, "--doctree-dir", target / "doctrees", source, target / "site"]
-    return subprocess.run(command, cwd=source, capture_output=True, text=True, timeout=300)
-
-
 @pytest.mark.slow
 @pytest.mark.timeout(300)
 def test_the_site_is_built_without_a_warning_and_fetches_nothing(tmp_path):
-    done = build(ROOT, tmp_path)
+    done = build(tmp_path)
     assert done.returncode == 0, done.stderr
     pages = sorted((tmp_path / "site").rglob("*.html"))
     assert len(pages) > len(list((ROOT / "docs").rglob("*.md")))
@@ -54,7 +45,7 @@ def test_the_site_is_built_without_a_warning_and_fetches_nothing(tmp_path):
 def test_faults_are_named_and_end_the_build(tmp_path):
     (tmp_path / "README.md").write_text(FAULTY)
     (tmp_path / "faulty.py").write_text(MODULE)
-    done = build(tmp_path, tmp_path / "built")
+    done = build(tmp_path / "built", source=tmp_path)
     assert done.returncode != 0
     for fault in ("nowhere.md", "no-heading", "faulty.undocumented", "nothing_of_this_name", "no page of docs/api"):
         assert fault in done.stderr
