@@ -104,14 +104,17 @@ def _find_in_public_modules(app: Sphinx, env: BuildEnvironment, node: Any, shown
 
 
 def _check_all_are_there(app: Sphinx, env: BuildEnvironment) -> None:
-    """Every public name has an entry, if under the name of another public module that has it, too."""
+    for module in _MODULES:
+        for name in import_module(module).__all__:
+            if not _is_documented(env, getattr(import_module(module), name), name):
+                _LOGGER.warning("no page of docs/api documents %s.%s", module, name)
+
+
+def _is_documented(env: BuildEnvironment, value: Any, name: str) -> bool:
+    """Whether it has an entry, if under the same name of another public module."""
     objects = env.domains.python_domain.objects
-    faces = [import_module(module) for module in _MODULES]
-    there = {id(getattr(face, name)) for face in faces for name in face.__all__ if f"{face.__name__}.{name}" in objects}
-    for face in faces:
-        for name in face.__all__:
-            if id(getattr(face, name)) not in there:
-                _LOGGER.warning("no page of docs/api documents %s.%s", face.__name__, name)
+    homes = [module for module in _MODULES if f"{module}.{name}" in objects]
+    return any(getattr(import_module(module), name, None) is value for module in homes)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

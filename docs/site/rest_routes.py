@@ -1,7 +1,7 @@
 """The directives ``{rest-routes}`` and ``{rest-schemas}``: what docs/openapi.yaml says, as Markdown."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -10,38 +10,35 @@ from docutils.nodes import Node
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-_OPENAPI = Path(__file__).parents[1] / "openapi.yaml"
+_API = yaml.safe_load((Path(__file__).parents[1] / "openapi.yaml").read_text())
 
 Schema = dict[str, Any]
 
 
-class _OfTheApi(SphinxDirective):
+class Routes(SphinxDirective):
+    """Every route: what it does, takes and answers, in the document's order."""
+
     def run(self) -> list[Node]:
-        self.env.note_dependency(str(_OPENAPI))
-        api = yaml.safe_load(_OPENAPI.read_text())
-        return self.parse_text_to_nodes("\n".join(self.lines_of(api)), allow_section_headings=True)
-
-    def lines_of(self, api: Schema) -> Iterator[str]:
-        raise NotImplementedError
-
-
-class Routes(_OfTheApi):
-    """Every route: what it does, takes and answers."""
-
-    def lines_of(self, api: Schema) -> Iterator[str]:
-        """The routes in the document's order."""
-        for path, operations in api["paths"].items():
-            for method, operation in operations.items():
-                yield from _route(f"{method.upper()} {path}", operation)
+        """Write Markdown."""
+        operations = [
+            (f"{method.upper()} {path}", operation)
+            for path, by_method in _API["paths"].items()
+            for method, operation in by_method.items()
+        ]
+        return _parsed(self, (line for title, operation in operations for line in _route(title, operation)))
 
 
-class Schemas(_OfTheApi):
-    """Every body: its fields."""
+class Schemas(SphinxDirective):
+    """Every body: its fields, in alphabetical order."""
 
-    def lines_of(self, api: Schema) -> Iterator[str]:
-        """The bodies in alphabetical order."""
-        for name, schema in sorted(api["components"]["schemas"].items()):
-            yield from _body(name, schema)
+    def run(self) -> list[Node]:
+        """Write Markdown."""
+        bodies = sorted(_API["components"]["schemas"].items())
+        return _parsed(self, (line for name, schema in bodies for line in _body(name, schema)))
+
+
+def _parsed(directive: SphinxDirective, lines: Iterable[str]) -> list[Node]:
+    return directive.parse_text_to_nodes("\n".join(lines), allow_section_headings=True)
 
 
 def _route(title: str, operation: Schema) -> Iterator[str]:
