@@ -99,7 +99,7 @@ def find_groups(members: ImageSet, place: np.ndarray) -> CellGroups:
     members : ImageSet
         The distinct images of all cells, without reserved images; fewer than 2e9.
     place : ndarray of int32, shape (members.size,)
-        For each member, the place of its image among the members, or its reserved image (`image_set.place_images`).
+        For each member, the place of its image among the members, or its reserved image (``image_set.place_images``).
         Overwritten, since touching another 400 MB, with 1e8 members, costs as much as the work itself.
 
     Returns
