@@ -9,6 +9,9 @@ over HTTP, which cannot list a folder, always see everything.
 
 import json
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,6 +29,9 @@ from worker.stores.opening import create_unless_there, demand_same_request, open
 from worker.stores.solution_arrays import SolutionArrays
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tile
+
+# Chunks are encoded without the GIL, and other workers may wait for this one.
+_WRITERS = 2
 
 
 class BasinStore(SolutionArrays):
@@ -146,20 +152,43 @@ class BasinStore(SolutionArrays):
 
     def write_groups(self, basin: int, groups: CellGroups) -> None:
         """Write Hsu's numbers on a basin's image set, for tiles to look up."""
-        for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True):
-            self._write(variable, values, *self.job.place_of(basin), slice(values.size))
+        place = self.job.place_of(basin)
+        with ThreadPoolExecutor(_WRITERS) as writers:
+            # In the caller's context, as in Zarr's own threads.
+            written = [
+                writers.submit(copy_context().run, partial(self._write, variable, values[chunk], *place, chunk))
+                for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True)
+                for chunk in self._chunks(variable, values.size)
+            ]
+        for each in written:
+            each.result()
 
     def read_solution(self, basin: int) -> np.ndarray:
         """Read the solution of every cell or point of a basin."""
         return self._read(self.places.solution, *self.job.place_of(basin), ...)
 
     def read_groups(self, basin: int) -> CellGroups:
-        """Read Hsu's numbers on a basin's image set."""
+        """Read Hsu's numbers on a basin's image set: as int16 if all groups and steps fit, which halves the memory."""
         members = self.read_image_words(basin)
         place = self.job.place_of(basin)
-        group, step = (self._read(each, *place, slice(members.size)) for each in layout.IMAGE_SET[:2])
+        group, step = (self._read_small(each, members.size, *place) for each in layout.IMAGE_SET[:2])
         period = self._read(layout.IMAGE_SET[2], *place, slice(int(group.max(initial=0)) + 1))
-        return CellGroups(members, group, step, period)
+        both = np.result_type(group, step)
+        return CellGroups(members, group.astype(both, copy=False), step.astype(both, copy=False), period)
+
+    def _read_small(self, variable: Variable, size: int, *place: int) -> np.ndarray:
+        """The first numbers of an array of int32, as int16 if all of them fit."""
+        values = np.empty(size, np.int16)
+        for chunk in self._chunks(variable, size):
+            numbers = self._read(variable, *place, chunk)
+            values = values.astype(np.result_type(values, np.min_scalar_type(-1 - int(numbers.max()))), copy=False)
+            values[chunk] = numbers
+        return values
+
+    def _chunks(self, variable: Variable, size: int) -> list[slice]:
+        """The first numbers of an array, chunk by chunk. Zarr copies what it reads or writes of several at once."""
+        length = self._kept(variable).chunks[-1]
+        return [slice(start, min(start + length, size)) for start in range(0, size, length)]
 
     def write_grazing_velocity(self, basin: int, velocity: np.ndarray) -> None:
         """Write the grazing curve of a basin."""
