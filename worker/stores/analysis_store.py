@@ -16,8 +16,9 @@ from worker.errors import StoreConflict, StoreFailed, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob
 from worker.rounding import demand_same_rounding
+from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import Columns, Variable
-from worker.stores.new_store import CONFIG, birth_certificate, consolidate, now
+from worker.stores.new_store import CODECS, CONFIG, birth_certificate, consolidate, now
 from worker.stores.opening import (
     create_unless_there,
     demand_same_request,
@@ -101,9 +102,10 @@ class AnalysisStore:
     def write_part(self, name: str, columns: Columns) -> None:
         """Write the columns of a part, and mark it complete."""
         with as_store_failure(self.location):
-            part = self._group.create_group(f"{_PARTS}/{name}", overwrite=True)
-            for column, values in columns.items():
-                _write(part, column, np.asarray(values), (), {})
+            with synced_together():
+                part = self._group.create_group(f"{_PARTS}/{name}", overwrite=True)
+                for column, values in columns.items():
+                    _write(part, column, np.asarray(values), (), {})
             part.attrs[_WHOLE] = True
 
     def read_part(self, name: str) -> Columns:
@@ -140,11 +142,12 @@ class AnalysisStore:
         """Write the tables in place of the existing ones (driver only)."""
         self._fence()
         with as_store_failure(self.location):
-            for variable in variables:
-                if variable.name in self._group:
-                    del self._group[variable.name]
-                values = np.asarray(columns[variable.name])
-                _write(self._group, variable.name, values, variable.dims, variable.attrs(), variable)
+            with synced_together():
+                for variable in variables:
+                    if variable.name in self._group:
+                        del self._group[variable.name]
+                    values = np.asarray(columns[variable.name])
+                    _write(self._group, variable.name, values, variable.dims, variable.attrs(), variable)
             consolidate(self.location, self._fence)
 
     def read_tables(self) -> Columns:
@@ -226,7 +229,7 @@ def _write(
     kind = str if text else values.dtype if variable is None else variable.dtype
     array = group.create_array(
         name, shape=values.shape, chunks=_chunks(values.shape), dtype=kind, config=CONFIG, attributes=attributes,
-        dimension_names=dims or None, fill_value=variable.fill if variable else None,
+        dimension_names=dims or None, fill_value=variable.fill if variable else None, compressors=CODECS,
     )  # fmt: skip
     if values.size:
         array[...] = np.array(values.tolist(), np.dtypes.StringDType()) if text else values.astype(kind)

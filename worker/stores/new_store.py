@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import zarr
+from zarr.codecs import Crc32cCodec, ZstdCodec
 from zarr.errors import ZarrUserWarning
 
 from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
@@ -18,12 +19,15 @@ from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob
 from worker.rounding import FUSED
 from worker.stores import layout
+from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import Places, TileState, Variable
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tiling, cut, cut_row
 
 # Zarr does not store this: a handle opened without it would delete chunks that equal the fill value.
 CONFIG = {"write_empty_chunks": True}
+# The checksum is of the compressed bytes, as they lie on the disk.
+CODECS = (ZstdCodec(level=0), Crc32cCodec())
 # Arrays that are written whole are small, except the image set of a map of 1e8 cells.
 _LONGEST_CHUNK = 1 << 22
 # Chunks of a basin's attractors.
@@ -73,13 +77,24 @@ def create_array(
     return group.create_array(
         variable.path, shape=basins + shape, chunks=of_basins + own, dtype=variable.dtype, fill_value=variable.fill,
         dimension_names=tuple(swept.parameter for swept in job.vary if variable.per_basin) + variable.dims,
-        attributes=variable.attrs(), config=CONFIG,
+        attributes=variable.attrs(), config=CONFIG, compressors=CODECS,
     )  # fmt: skip
 
 
 def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     """Create a new store. The attributes that identify it as a store are written last."""
     group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
+    with synced_together():
+        tile = _create_arrays(group, job)
+    title = "Basins of attraction of a rattling gear pair"
+    born = birth_certificate(title, job.request(), job.digest)
+    # In one write: `attrs.update` writes once per attribute.
+    group.update_attributes(born | {"tile_cells": list(tile)})
+    consolidate(location, fence)
+
+
+def _create_arrays(group: Any, job: BasinJob) -> tuple[int, ...]:
+    """Create all arrays. Return the shape of a tile."""
     tiling, places = tiling_of(job), places_of(job)
     sampled = job.sample is not None
     shape: tuple[int, ...] = (job.grid.time_cells,) if sampled else job.grid.shape
@@ -91,11 +106,7 @@ def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     _create_coordinates(group, job, tiling)
     _create_assembly(group, job)
     _create_solutions(group, job)
-    title = "Basins of attraction of a rattling gear pair"
-    born = birth_certificate(title, job.request(), job.digest)
-    # In one write: `attrs.update` writes once per attribute.
-    group.update_attributes(born | {"tile_cells": list(tile)})
-    consolidate(location, fence)
+    return tile
 
 
 def _create_coordinates(group: Any, job: BasinJob, tiling: Tiling) -> None:
@@ -133,7 +144,7 @@ def _create_solutions(group: Any, job: BasinJob) -> None:
         basins = job.sweep_shape if variable.per_basin else ()
         group.create_array(
             variable.path, shape=(*basins, 0), chunks=(*basins, _ATTRACTORS_A_CHUNK), dtype=variable.dtype,
-            fill_value=variable.fill, attributes=variable.attrs(), config=CONFIG,
+            fill_value=variable.fill, attributes=variable.attrs(), config=CONFIG, compressors=CODECS,
             dimension_names=tuple(swept.parameter for swept in job.vary if variable.per_basin) + variable.dims,
         )  # fmt: skip
     for variable in layout.POINTS:

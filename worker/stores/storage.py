@@ -16,6 +16,7 @@ from typing import Any, Protocol
 
 from worker.errors import StoreFailed
 from worker.fence import Fence, unfenced
+from worker.stores.files.synced_files import SyncedFiles
 
 _S3 = "s3://"
 
@@ -98,7 +99,7 @@ class _Folder:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.zarr = str(path)
+        self.zarr = SyncedFiles(path)
 
     def check(self) -> None:
         pass  # a folder is made with its store
