@@ -38,6 +38,10 @@ _OTHER_COMMANDS = {
     "fetch": ("remote", "Copy the result of a job that has ended into a folder here, to the byte."),
     "cancel": ("remote", "Stop a job; what it has computed stays readable."),
     "delete": ("remote", "Stop a job, and delete it with its result."),
+    "check": (
+        "check",
+        "Read every file of a store; compute anew what is damaged or missing, to the same bytes.",
+    ),
     "keys": ("guard.keys", "Make, list and revoke the API keys of a service."),
     "certs": ("guard.certs", "Make certificates for the parts of a Dask cluster."),
     "plot": (
@@ -51,7 +55,7 @@ _OTHER_COMMANDS = {
 }
 """Module of each command, and what ``rattle --help`` says of it. The others compute a kind of `worker.kinds`."""
 
-_WITH_KERNELS = ("serve", "trajectory", "paper")
+_WITH_KERNELS = ("serve", "trajectory", "paper", "check")
 """Those of them that run kernels, or start processes that do."""
 
 

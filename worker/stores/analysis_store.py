@@ -18,7 +18,7 @@ from worker.jobs.job import AnalysisJob
 from worker.rounding import demand_same_rounding
 from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import Columns, Variable
-from worker.stores.new_store import CODECS, CONFIG, birth_certificate, consolidate, now
+from worker.stores.new_store import CODECS, CONFIG, consolidate
 from worker.stores.opening import (
     create_unless_there,
     demand_same_request,
@@ -26,9 +26,12 @@ from worker.stores.opening import (
     open_group,
     open_store_at,
 )
+from worker.stores.provenance import birth_certificate, now
 from worker.stores.storage import place_at
 
-ANALYSIS_LAYOUT_VERSION = 1
+ANALYSIS_LAYOUT_VERSION = 2
+# Chunks of layout 1 have no checksums.
+_READABLE_LAYOUTS = (1, ANALYSIS_LAYOUT_VERSION)
 _PARTS = "parts"
 _WHOLE = "whole"
 _LONGEST_CHUNK = 1 << 20
@@ -57,7 +60,7 @@ class AnalysisStore:
         self._group = open_store_at(location, "store", fence)
         if "kind" not in self._group.attrs:
             raise StoreConflict(f"{location} holds no analysis")
-        if self._group.attrs["layout_version"] != ANALYSIS_LAYOUT_VERSION:
+        if self._group.attrs["layout_version"] not in _READABLE_LAYOUTS:
             raise StoreConflict(f"{location} is no analysis of layout {ANALYSIS_LAYOUT_VERSION}")
 
     @classmethod
@@ -161,6 +164,13 @@ class AnalysisStore:
         with as_store_failure(self.location):
             self._group.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
         self.remove_parts()
+
+    def take_back(self) -> None:
+        """Make the store unfinished again, so that the same job computes its tables anew."""
+        self._fence()
+        with as_store_failure(self.location):
+            self._group.update_attributes({"complete": False, "finished": None})
+            consolidate(self.location, self._fence)
 
     def remove_parts(self) -> None:
         """Remove the parts of a store whose tables are complete (driver only)."""

@@ -116,14 +116,22 @@ class _Objects:
             once = S3Store(bucket, prefix=prefix, region=region, retry_config=_ONCE, client_options=hurry)
             self.zarr = _FencedObjects(self._store, location, once, fence)
 
-    def _paths(self) -> list[str]:
-        return [found["path"] for batch in obstore.list(self._store) for found in batch]
+    def write(self, path: str, content: bytes) -> None:
+        obstore.put(self._store, path, content, use_multipart=False)
+
+    def paths(self) -> list[str]:
+        return sorted(found["path"] for batch in obstore.list(self._store) for found in batch)
+
+    def discard(self, paths: Sequence[str]) -> None:
+        there = sorted(set(paths).intersection(self.paths()))
+        if there:
+            obstore.delete(self._store, there)
 
     def check(self) -> None:
         next(obstore.list(self._store, chunk_size=1), None)
 
     def taken(self) -> bool:
-        paths = self._paths()
+        paths = self.paths()
         return bool(paths) and "zarr.json" not in paths
 
     def read(self, path: str, part: Part) -> StoredFile | None:
@@ -145,7 +153,7 @@ class _Objects:
         """Do nothing: objects appear as a whole or not at all."""
 
     def remove(self) -> None:
-        obstore.delete(self._store, self._paths())
+        obstore.delete(self._store, self.paths())
 
 
 def _variable(names: Sequence[str]) -> str:

@@ -80,6 +80,16 @@ class SolutionArrays:
                 self._array(variable).resize((*self.job.sweep_shape, *room))
             consolidate(self.location, self._fence)
 
+    def empty_solutions(self) -> None:
+        """Forget all solutions, as in a new store (driver only)."""
+        for variable in layout.POINTS:
+            self._array(variable).resize((*self.job.sweep_shape, 0, 0))
+        for variable in self._measured():
+            self._array(variable).resize((*self.job.sweep_shape, 0))
+        for variable in layout.MOTIONS:
+            self._array(variable).resize((0,))
+        self._handles.clear()
+
     def _measured(self) -> tuple[Variable, ...]:
         return layout.measured(self.job.sample.scramblings if self.job.sample else None)
 
