@@ -18,7 +18,7 @@ from rattle.processor import use_whole_registers
 
 _HOMES = {
     "rattle.verbs": ("basin", "sweep", "bifurcation", "orbits", "manifolds", "grazing_curve", "trajectory", "compute"),
-    "rattle.checking": ("check",),
+    "rattle.stores.checking": ("check",),
     "rattle.results.opening": ("open",),
     "rattle.remote.verbs": ("connect", "Service"),
     "rattle.remote.job": ("RemoteJob",),

@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
-from rattle.checking import Check
-from rattle.checking import check as check_and_mend
 from rattle.cli.console import give_up, out, progress_line
+from rattle.stores.checking import Check
+from rattle.stores.checking import check as check_and_mend
 from worker.errors import JobCancelled, WorkerError
 
 _MOST_LISTED = 40

@@ -32,7 +32,12 @@ def expected_chunks(location: str, arrays: dict[str, Any]) -> Iterator[Chunk]:
     states = readable_ledger(store)
     swept = [swept.parameter for swept in store.job.vary]
     whole = [variable.path for variable in (places.ledger, *places.coordinates, layout.IMAGE_COUNTS)]
-    tables = [*layout.MOTIONS, *layout.MEASURED, *(layout.CHANGES if store.job.vary else ())]
+    sample = store.job.sample
+    tables = [
+        *layout.MOTIONS,
+        *layout.measured(sample.scramblings if sample else None),
+        *(layout.CHANGES if store.job.vary else ()),
+    ]
     whole += [variable.path for variable in tables if store.complete]
     for path in (*whole, *swept):
         if path in arrays and arrays[path].size:
@@ -85,6 +90,14 @@ def _of_basin(store: BasinStore, basin: int, table: SolutionTable) -> Iterator[C
     for row in sorted({number // ATTRACTORS_A_CHUNK for number in with_points}):
         yield from ((variable.path, (*place, row, 0)) for variable in layout.POINTS)
     if store.job.sample is None:
-        yield from (
-            (variable.path, (*place, 0)) for variable in (layout.GRAZING, layout.IMAGE_WORDS, *layout.IMAGE_SET)
-        )
+        labels = layout.IMAGE_SET[:2] if _has_images(store, basin) else ()
+        found = (layout.GRAZING, layout.IMAGE_WORDS, layout.IMAGE_SET[2], *labels)
+        yield from ((variable.path, (*place, 0)) for variable in found)
+
+
+def _has_images(store: BasinStore, basin: int) -> bool:
+    """Whether any image lies in the window, so that there are groups to look up."""
+    try:
+        return bool(store.read_image_words(basin).size)
+    except DamagedChunk:
+        return True
