@@ -42,6 +42,10 @@ _OTHER_COMMANDS = {
         "check",
         "Read every file of a store; compute anew what is damaged or missing, to the same bytes.",
     ),
+    "export": (
+        "export",
+        "Write a finished result as a zipped RO-Crate: its request, versions, tables and pictures.",
+    ),
     "keys": ("guard.keys", "Make, list and revoke the API keys of a service."),
     "certs": ("guard.certs", "Make certificates for the parts of a Dask cluster."),
     "plot": (
@@ -145,7 +149,8 @@ _HELP = (
     "Alone: `rattle basin` computes one here, `rattle sweep` many, `rattle plot` draws them; "
     "`rattle bifurcation`, `rattle orbits`, `rattle manifold` and `rattle grazing-curve` explain them; "
     "`rattle trajectory` follows one motion, `rattle transmission-error` makes harmonics of a measured curve, "
-    "`rattle paper` recomputes a figure of the paper. "
+    "`rattle paper` recomputes a figure of the paper; "
+    "`rattle check` checks and mends a result, `rattle export` writes it down to hand on. "
     "With a service: `rattle serve` starts one, "
     "`rattle submit` sends it a request, `rattle jobs` and `rattle status` follow what it does, "
     "`rattle cancel` and `rattle delete` stop and remove it; "
