@@ -39,11 +39,11 @@ _OTHER_COMMANDS = {
     "cancel": ("remote", "Stop a job; what it has computed stays readable."),
     "delete": ("remote", "Stop a job, and delete it with its result."),
     "check": (
-        "check",
+        "stores.check",
         "Read every file of a store; compute anew what is damaged or missing, to the same bytes.",
     ),
     "export": (
-        "export",
+        "stores.export",
         "Write a finished result as a zipped RO-Crate: its request, versions, tables and pictures.",
     ),
     "keys": ("guard.keys", "Make, list and revoke the API keys of a service."),

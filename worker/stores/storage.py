@@ -94,7 +94,7 @@ def place_at(location: str, fence: Fence = unfenced) -> Place:
         if not bucket or not prefix.strip("/"):
             raise StoreFailed(f"{location} is no place for stores: write s3://bucket/prefix")
         try:
-            from worker.stores.object_storage import objects_at
+            from worker.stores.files.object_storage import objects_at
         except ModuleNotFoundError as error:
             raise StoreFailed(f"stores in S3 need {error.name}: pip install 'gear-rattle[s3]'") from error
         return objects_at(location, bucket, prefix.strip("/"), fence)

@@ -1,5 +1,6 @@
 """A check names what is damaged in a store, and what is computed anew is the same to the byte."""
 
+import hashlib
 import json
 import shutil
 
@@ -7,6 +8,7 @@ import pytest
 
 import rattle
 from rattle_kernels import CellGrid
+from tests.object_store import BUCKET
 from tests.store_content import content
 from tests.worker.stores.test_flipped_bits import flip
 from worker.errors import JobCancelled, StoreConflict
@@ -15,6 +17,7 @@ from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
 from worker.kinds import KINDS
 from worker.stores.basin_store import BasinStore
+from worker.stores.storage import place_at, whole
 
 GRID = CellGrid(time_cells=100, velocity_cells=100)
 SMALL = CellGrid(time_cells=24, velocity_cells=24)
@@ -141,6 +144,21 @@ def test_an_unfinished_store_loses_what_is_damaged_and_is_not_finished(finished,
     assert rattle.check(tmp_path / "begun").damages == () and not BasinStore(str(tmp_path / "begun")).complete
     rattle.compute(JOBS["basin"], store=tmp_path / "begun", progress=False)
     assert content(tmp_path / "begun") == content(finished / "basin")
+
+
+def test_a_store_in_s3_is_checked_and_mended(object_store, finished):
+    location = f"s3://{BUCKET}/worker/checked.zarr"
+    rattle.compute(JOBS["sweep"], store=location, progress=False)
+    assert rattle.check(location).damages == ()
+    place = place_at(location)
+    content_of_chunk = place.read("solution/c/1/0/0", whole).content
+    place.write("solution/c/1/0/0", content_of_chunk[:9] + bytes([content_of_chunk[9] ^ 1]) + content_of_chunk[10:])
+    place.discard(["group/c/2/0/0", "period/zarr.json"])
+    found = rattle.check(location)
+    assert {each.path for each in found.damages} == {"solution/c/1/0/0", "group/c/2/0/0", "period/zarr.json"}
+    assert rattle.check(location).damages == ()
+    whole_files = content(finished / "sweep")
+    assert {path: hashlib.sha256(place.read(path, whole).content).hexdigest() for path in whole_files} == whole_files
 
 
 def test_a_lost_request_cannot_be_mended(finished, tmp_path):

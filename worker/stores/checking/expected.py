@@ -16,6 +16,8 @@ from worker.stores.summary import WITHOUT_POINTS
 
 Chunk = tuple[str, tuple[int, ...]]
 """Path of an array, and numbers of a chunk along each dimension."""
+# A damaged chunk; metadata that are missing; metadata that are no JSON, or not Zarr's.
+_UNREADABLE = (DamagedChunk, KeyError, ValueError)
 
 
 def expected_chunks(location: str, arrays: dict[str, Any]) -> Iterator[Chunk]:
@@ -57,7 +59,7 @@ def readable_ledger(store: BasinStore) -> np.ndarray:
     try:
         states = store.read_ledger()
         return np.where(states == 0, _unreadable(store), states)
-    except DamagedChunk:
+    except _UNREADABLE:
         return np.full(store.tiling.tiles, _unreadable(store), np.uint8)
 
 
@@ -80,7 +82,7 @@ def _readable_table(store: BasinStore) -> SolutionTable:
     """The table of solutions; an empty one if it cannot be read, as all is written anew then."""
     try:
         return store.read_solutions()
-    except DamagedChunk:
+    except _UNREADABLE:
         return SolutionTable.empty(store.job)
 
 
@@ -99,5 +101,5 @@ def _has_images(store: BasinStore, basin: int) -> bool:
     """Whether any image lies in the window, so that there are groups to look up."""
     try:
         return bool(store.read_image_words(basin).size)
-    except DamagedChunk:
+    except _UNREADABLE:
         return True
