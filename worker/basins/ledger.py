@@ -93,7 +93,7 @@ class Ledger:
 
     def save(self) -> None:
         """Write everything."""
-        with synced_together():
+        with synced_together(self._store.location):
             self._store.write_image_counts(self._image_counts)
             self._store.write_solutions(self.table)
         self._store.write_ledger(self.states)

@@ -7,6 +7,7 @@ completed in order. After any crash the same call computes only what is missing,
 
 import contextlib
 import threading
+from functools import partial
 
 from worker.basins.ledger import Ledger
 from worker.basins.pace import Pace
@@ -62,7 +63,8 @@ def run_basin(
     pace = Pace(store, ledger, schedule)
     report(pace.progress())
     try:
-        tasks = driver.run_tasks((location, store.digest), schedule.next_task, cancel, within=synced_together)
+        within = partial(synced_together, location)
+        tasks = driver.run_tasks((location, store.digest), schedule.next_task, cancel, within=within)
         with contextlib.closing(tasks) as done:
             for task, receipt in done:
                 schedule.take(task, receipt)

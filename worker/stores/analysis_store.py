@@ -32,7 +32,8 @@ from worker.stores.storage import place_at
 ANALYSIS_LAYOUT_VERSION = 2
 # Chunks of layout 1 have no checksums.
 _READABLE_LAYOUTS = (1, ANALYSIS_LAYOUT_VERSION)
-_PARTS = "parts"
+PARTS = "parts"
+"""Group of the parts of an unfinished analysis."""
 _WHOLE = "whole"
 _LONGEST_CHUNK = 1 << 20
 
@@ -105,8 +106,8 @@ class AnalysisStore:
     def write_part(self, name: str, columns: Columns) -> None:
         """Write the columns of a part, and mark it complete."""
         with as_store_failure(self.location):
-            with synced_together():
-                part = self._group.create_group(f"{_PARTS}/{name}", overwrite=True)
+            with synced_together(self.location):
+                part = self._group.create_group(f"{PARTS}/{name}", overwrite=True)
                 for column, values in columns.items():
                     _write(part, column, np.asarray(values), (), {})
             part.attrs[_WHOLE] = True
@@ -129,7 +130,7 @@ class AnalysisStore:
         """Group of a part, None if it is missing."""
         with as_store_failure(self.location):
             try:
-                return self._group[f"{_PARTS}/{name}"]
+                return self._group[f"{PARTS}/{name}"]
             except KeyError:
                 return None
 
@@ -137,7 +138,7 @@ class AnalysisStore:
         """Completed parts."""
         # Zarr's own list of groups would warn of temporary files that writers of other parts have open.
         with as_store_failure(self.location):
-            names = place_at(self.location).folders(_PARTS)
+            names = place_at(self.location).folders(PARTS)
         found = {name: self._part(name) for name in names}
         return StoredParts(self, [name for name, part in found.items() if part is not None and part.attrs.get(_WHOLE)])
 
@@ -145,7 +146,7 @@ class AnalysisStore:
         """Write the tables in place of the existing ones (driver only)."""
         self._fence()
         with as_store_failure(self.location):
-            with synced_together():
+            with synced_together(self.location):
                 for variable in variables:
                     if variable.name in self._group:
                         del self._group[variable.name]
@@ -176,8 +177,8 @@ class AnalysisStore:
         """Remove the parts of a store whose tables are complete (driver only)."""
         self._fence()
         with as_store_failure(self.location):
-            if _PARTS in self._group:
-                del self._group[_PARTS]
+            if PARTS in self._group:
+                del self._group[PARTS]
             consolidate(self.location, self._fence)
 
 

@@ -71,7 +71,7 @@ def create_array(
 def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     """Create a new store. The attributes that identify it as a store are written last."""
     group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
-    with synced_together():
+    with synced_together(location):
         tile = _create_arrays(group, job)
     title = "Basins of attraction of a rattling gear pair"
     born = birth_certificate(title, job.request(), job.digest)

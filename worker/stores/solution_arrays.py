@@ -64,7 +64,7 @@ class SolutionArrays:
                 return
             names = [motion.name for motion in table.motions]
             columns = [np.array(column) for column in zip(*table.motions, strict=True)]
-            with synced_together():
+            with synced_together(self.location):
                 for variable in self._measured():
                     self._array(variable).resize((*self.job.sweep_shape, room[0]))
                 for variable, values in zip(

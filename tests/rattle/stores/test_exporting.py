@@ -22,7 +22,7 @@ RUNS = {
 assert RUNS.keys() == KINDS.keys()
 
 
-FAST = {"basin", "grazing_curve"}
+FAST = {"basin"}
 
 
 @pytest.fixture(

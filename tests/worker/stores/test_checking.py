@@ -88,7 +88,10 @@ def test_any_one_damage_is_mended(store, how):
         assert name in mended(copy, whole, lambda path=path: flip(path) if how == "flipped" else path.unlink())
 
 
-@pytest.mark.parametrize("array", ["solution", "landing_time", "share", "tile_state", "attractor_time"])
+@pytest.mark.parametrize(
+    "array",
+    ["solution", "share", *(pytest.param(name, marks=pytest.mark.slow) for name in ("landing_time", "attractor_time"))],
+)
 def test_one_damage_of_a_sweep_is_mended(finished, tmp_path, array):
     copy = shutil.copytree(finished / "sweep", tmp_path / "store")
     path = sorted((copy / array / "c").rglob("*"))[-1]
@@ -159,6 +162,25 @@ def test_a_store_in_s3_is_checked_and_mended(object_store, finished):
     assert rattle.check(location).damages == ()
     whole_files = content(finished / "sweep")
     assert {path: hashlib.sha256(place.read(path, whole).content).hexdigest() for path in whole_files} == whole_files
+
+
+def test_a_damaged_part_of_an_unfinished_analysis_is_computed_again(finished, tmp_path):
+    parts = []
+
+    def stop(progress):
+        parts.extend(sorted((tmp_path / "begun" / "parts").glob("*/*/c/0")))
+        if parts:
+            raise JobCancelled("enough")
+
+    with pytest.raises(JobCancelled):
+        rattle.compute(JOBS["grazing"], store=tmp_path / "begun", progress=stop, workers=1)
+    assert rattle.check(tmp_path / "begun").damages == ()
+    flip(parts[0])
+    found = rattle.check(tmp_path / "begun")
+    assert not found.complete and [tmp_path / "begun" / each.path for each in found.damages] == parts[:1]
+    assert rattle.check(tmp_path / "begun").damages == ()
+    rattle.compute(JOBS["grazing"], store=tmp_path / "begun", progress=False)
+    assert content(tmp_path / "begun") == content(finished / "grazing")
 
 
 def test_a_lost_request_cannot_be_mended(finished, tmp_path):

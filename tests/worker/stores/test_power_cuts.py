@@ -79,7 +79,10 @@ def claimed_tiles_are_there(location):
     return int((states >= TileState.COMPUTED).sum())
 
 
-@pytest.mark.parametrize("name", JOBS)
+@pytest.mark.parametrize(
+    "name",
+    ["basin", pytest.param("sweep", marks=pytest.mark.slow), pytest.param("grazing curve", marks=pytest.mark.slow)],
+)
 def test_what_a_power_cut_leaves_is_gone_on_with_to_the_same_bytes(name, disk, threads, tmp_path):
     job, folder = JOBS[name], tmp_path / "left"
     folder.mkdir()
@@ -127,7 +130,7 @@ def test_the_disk_forgets_what_is_not_synced(disk, tmp_path):
 
 
 @contextlib.contextmanager
-def never_synced():
+def never_synced(location):
     """In place of `synced_together`: new files wait for a sync that never comes."""
     token = synced_files._together.set(synced_files.Unsynced())
     yield
@@ -153,7 +156,7 @@ def test_a_store_whose_tiles_are_not_synced_loses_some_that_its_ledger_claims(di
 def test_new_files_of_a_block_are_synced_at_its_end_and_others_at_once(disk):
     write_file(disk.root, "ledger", b"old")
     assert b"old" in disk.contents.values()
-    with synced_together():
+    with synced_together("store"):
         write_file(disk.root, "array/c/0/1", b"new")
         write_file(disk.root, "ledger", b"newer")
         assert b"newer" in disk.contents.values() and b"new" not in disk.contents.values()
@@ -164,7 +167,7 @@ def test_a_failed_sync_is_an_error_of_those_who_wrote(disk, monkeypatch):
     def fails(opened):
         raise OSError(5, "Input/output error")
 
-    with pytest.raises(OSError, match="Input/output"), synced_together():
+    with pytest.raises(StoreFailed, match="the store store cannot .* Input/output"), synced_together("store"):
         write_file(disk.root, "array/c/0", b"lost")
         monkeypatch.setattr(os, "fsync", fails)
 

@@ -9,7 +9,7 @@ from typing import Any
 from worker.errors import DamagedChunk, StoreConflict, as_store_failure
 from worker.jobs.job import Job
 from worker.kinds import KINDS
-from worker.stores.analysis_store import kind_of_store
+from worker.stores.analysis_store import PARTS, AnalysisStore, kind_of_store
 from worker.stores.checking.expected import expected_chunks
 from worker.stores.files.checked_chunks import CHUNKS, METADATA
 from worker.stores.opening import open_group
@@ -100,6 +100,7 @@ def check_store(location: str, report: Report = lambda done, total: None) -> Fin
     job, complete = _job_of(location, kind, root.attrs), bool(root.attrs["complete"])
     damages = list(_damaged_metadata(location, nodes, complete))
     arrays = {path: root[path] for path, node in nodes.items() if node["node_type"] == "array"}
+    arrays |= _arrays_of_parts(location, paths)
     chunks = [chunk for path in paths if (chunk := _chunk_of(path)) is not None and chunk[0] in arrays]
     for done, (array, numbers) in enumerate(chunks):
         report(done, len(chunks))
@@ -110,6 +111,18 @@ def check_store(location: str, report: Report = lambda done, total: None) -> Fin
     damages += [Damage(*chunk, "it is missing") for chunk in expected if chunk not in there]
     report(len(chunks), len(chunks))
     return Findings(location, job, complete, len(paths), tuple(damages))
+
+
+def _arrays_of_parts(location: str, paths: list[str]) -> dict[str, Any]:
+    """Arrays of the parts that an unfinished analysis has completed. Its root does not list them."""
+    files = [path for path in paths if path.startswith(f"{PARTS}/") and path.endswith(f"/{METADATA}")]
+    if not files:
+        return {}
+    names = set(AnalysisStore(location).parts())
+    with as_store_failure(location):
+        root = open_group(location, "r")
+        arrays = [path.removesuffix(f"/{METADATA}") for path in files if path.count("/") == 3]
+        return {array: root[array] for array in arrays if array.split("/")[1] in names}
 
 
 def _job_of(location: str, kind: str, attributes: Any) -> Job:
@@ -126,7 +139,7 @@ def _job_of(location: str, kind: str, attributes: Any) -> Job:
 
 
 def nodes_of(location: str) -> dict[str, Any]:
-    """Metadata of every array and group by its path, as the root says them once more.
+    """Metadata of every array and group by its path, as the root says them once more; without parts, which pass.
 
     Parameters
     ----------
@@ -139,8 +152,9 @@ def nodes_of(location: str) -> dict[str, Any]:
     with as_store_failure(location):
         file = place_at(location).read(METADATA, whole)
     nodes = json.loads(file.content)["consolidated_metadata"]["metadata"] if file else {}
+    lasting = {path: node for path, node in nodes.items() if path.split("/")[0] != PARTS}
     return {
-        path: {name: node[name] for name in node if name != "consolidated_metadata"} for path, node in nodes.items()
+        path: {name: node[name] for name in node if name != "consolidated_metadata"} for path, node in lasting.items()
     }
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from worker.errors import as_store_failure
 from worker.stores import layout
-from worker.stores.analysis_store import AnalysisStore, kind_of_store
+from worker.stores.analysis_store import PARTS, AnalysisStore, kind_of_store
 from worker.stores.basin_store import BasinStore
 from worker.stores.checking.damage import Damage, Findings, nodes_of
 from worker.stores.checking.expected import readable_ledger
@@ -32,8 +32,8 @@ def take_back(found: Findings) -> None:
     """
     _restore_metadata(found)
     if kind_of_store(found.location) != "basin":
-        analysis = AnalysisStore(found.location)
-        analysis.take_back()
+        if found.complete:
+            AnalysisStore(found.location).take_back()
         _discard(found)
         return
     store = BasinStore(found.location)
@@ -51,8 +51,12 @@ def take_back(found: Findings) -> None:
 
 
 def _discard(found: Findings) -> None:
+    """Remove the damaged chunks, and of parts what marks them complete."""
+    chunks = [damage for damage in found.damages if damage.chunk]
+    parts = {damage.array.split("/")[1] for damage in chunks if damage.array.startswith(f"{PARTS}/")}
+    marks = [f"{PARTS}/{name}/{METADATA}" for name in sorted(parts)]
     with as_store_failure(found.location):
-        place_at(found.location).discard([damage.path for damage in found.damages if damage.chunk])
+        place_at(found.location).discard([*marks, *(damage.path for damage in chunks)])
 
 
 def _restore_metadata(found: Findings) -> None:

@@ -20,6 +20,7 @@ from typing import Any
 
 from zarr.storage import LocalStore
 
+from worker.errors import as_store_failure
 from worker.stores.files.checked_chunks import CHUNKS, METADATA, ChecksChunks
 
 # A journal takes what is synced at the same time in one go.
@@ -47,14 +48,19 @@ _together: ContextVar[Unsynced | None] = ContextVar("together", default=None)
 
 
 @contextmanager
-def synced_together() -> Iterator[None]:
+def synced_together(location: str) -> Iterator[None]:
     """Sync the new files that are written inside at the end, all at once.
 
     If the block raises, nothing is synced and nothing is promised. A block within another syncs what is written in it.
 
+    Parameters
+    ----------
+    location : str
+        The store, as errors name it.
+
     Raises
     ------
-    OSError
+    StoreFailed
         If the disk does not take them.
     """
     unsynced = Unsynced()
@@ -63,7 +69,8 @@ def synced_together() -> Iterator[None]:
         yield
     finally:
         _together.reset(token)
-    unsynced.sync()
+    with as_store_failure(location):
+        unsynced.sync()
 
 
 class SyncedFiles(ChecksChunks, LocalStore):
