@@ -24,8 +24,9 @@ from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
 from worker.stores import layout
 from worker.stores.layout import Variable
-from worker.stores.new_store import consolidate, create_store, now, places_of, tiling_of
+from worker.stores.new_store import consolidate, create_store, places_of, tiling_of, write_coordinates
 from worker.stores.opening import create_unless_there, demand_same_request, open_group, open_store_at
+from worker.stores.provenance import now
 from worker.stores.solution_arrays import SolutionArrays
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tile
@@ -57,7 +58,7 @@ class BasinStore(SolutionArrays):
         self._group = open_store_at(location, "basin store", fence)
         if "kind" in self._group.attrs:
             raise StoreConflict(f"{location} is no basin store: it is one of kind {self._group.attrs['kind']}")
-        if self._group.attrs.get("layout_version") != layout.LAYOUT_VERSION:
+        if self._group.attrs.get("layout_version") not in layout.READABLE_LAYOUTS:
             raise StoreConflict(f"{location} is no basin store of layout {layout.LAYOUT_VERSION}")
         self.job = basin_job(json.loads(str(self._group.attrs["request"])))
         self.digest = self.job.digest
@@ -211,6 +212,26 @@ class BasinStore(SolutionArrays):
             # One write, with the consolidated metadata: a complete store is complete for every reader.
             whole = open_group(self.location, "r+", consolidated=True, fence=self._fence)
             whole.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
+
+    def take_back(self, states: np.ndarray, *, tables: bool) -> None:
+        """Make the store unfinished again, so that the same job computes anew what the ledger no longer claims.
+
+        Parameters
+        ----------
+        states : ndarray of uint8
+            The new ledger.
+        tables : bool
+            Whether the tables of solutions are emptied, too. No basin may be assembled then.
+        """
+        self._fence()
+        with as_store_failure(self.location):
+            self._group.update_attributes({"complete": False, "finished": None})
+            self.write_ledger(states)
+            write_coordinates(self._group, self.job)
+            if tables:
+                self.empty_solutions()
+                self._write(layout.IMAGE_COUNTS, np.array(layout.IMAGE_COUNTS.fill), ...)
+            consolidate(self.location, self._fence)
 
     @property
     def attributes(self) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from worker.stores.layout import ChangeKind, TileState
 from worker.stores.solution_table import SolutionTable, shares_of_sets
 
 _EXPECTATIONS_KEPT = 1 << 14
-_WITHOUT_POINTS = AttractorKind.PERMANENT_CONTACT, AttractorKind.UNDECIDED
+WITHOUT_POINTS = AttractorKind.PERMANENT_CONTACT, AttractorKind.UNDECIDED
 _expectations: OrderedDict[tuple[str, int, bytes], ExpectedLoudness] = OrderedDict()
 
 
@@ -185,7 +185,7 @@ def expected_in(store: BasinStore, table: SolutionTable, basin: int) -> Expected
     key = store.location, basin, table.share[basin].tobytes()
     if key not in _expectations:
         oscillator, catalogue = store.job.oscillator_of(basin), store.read_catalogue(basin, table, numbers)
-        if not all(each.time.size or each.kind in _WITHOUT_POINTS for each in catalogue):
+        if not all(each.time.size or each.kind in WITHOUT_POINTS for each in catalogue):
             return None  # points are still being written
         heard = [loudness(oscillator, each) for each in catalogue]
         sample = store.job.sample
