@@ -18,6 +18,8 @@ from rattle.processor import use_whole_registers
 
 _HOMES = {
     "rattle.verbs": ("basin", "sweep", "bifurcation", "orbits", "manifolds", "grazing_curve", "trajectory", "compute"),
+    "rattle.stores.checking": ("check",),
+    "rattle.stores.exporting": ("export",),
     "rattle.results.opening": ("open",),
     "rattle.remote.verbs": ("connect", "Service"),
     "rattle.remote.job": ("RemoteJob",),

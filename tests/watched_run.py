@@ -57,10 +57,11 @@ class InThisThread:
     def __init__(self, watch):
         self.watch = watch
 
-    def run_tasks(self, address, next_task, cancel):
+    def run_tasks(self, address, next_task, cancel, within=contextlib.nullcontext):
         while (task := next_task()) is not None:
             self.watch.begin()
-            receipt = task.function(*address, task.number, *task.arguments)
+            with within():
+                receipt = task.function(*address, task.number, *task.arguments)
             self.watch.look(f"at the end of {task}")
             yield task, receipt
 

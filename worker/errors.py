@@ -138,6 +138,36 @@ class StoreFailed(WorkerError):
     """
 
 
+class DamagedChunk(StoreFailed, OSError):
+    """A chunk of a store does not hold the bytes that were written: its checksum is another.
+
+    Parameters
+    ----------
+    store : str
+        Location of the store.
+    array : str
+        Path of the array within the store.
+    chunk : str
+        Numbers of the chunk along each dimension. One tile is one chunk.
+
+    Examples
+    --------
+    >>> from worker.errors import DamagedChunk
+    >>> print(DamagedChunk("basin.zarr", "solution", "3/0"))
+    the store basin.zarr is damaged: tile 3/0 of solution does not have its checksum; `rattle check` mends it
+    """
+
+    def __init__(self, store: str, array: str, chunk: str) -> None:
+        super().__init__(store, array, chunk)
+        self.store, self.array, self.chunk = store, array, chunk
+
+    def __str__(self) -> str:
+        return (
+            f"the store {self.store} is damaged: tile {self.chunk} of {self.array} does not have its checksum; "
+            "`rattle check` mends it"
+        )
+
+
 class TileFailed(WorkerError):
     """A tile failed more often than retries allow."""
 
@@ -179,6 +209,8 @@ def as_store_failure(location: str) -> Iterator[None]:
     """Say of any failure of the system which store it befell."""
     try:
         yield
+    except DamagedChunk:
+        raise
     except _failures() as error:
         raise StoreFailed(f"the store {location} cannot be read or written: {_reason(error)}") from error
 

@@ -38,6 +38,14 @@ _OTHER_COMMANDS = {
     "fetch": ("remote", "Copy the result of a job that has ended into a folder here, to the byte."),
     "cancel": ("remote", "Stop a job; what it has computed stays readable."),
     "delete": ("remote", "Stop a job, and delete it with its result."),
+    "check": (
+        "stores.check",
+        "Read every file of a store; compute anew what is damaged or missing, to the same bytes.",
+    ),
+    "export": (
+        "stores.export",
+        "Write a finished result as a zipped RO-Crate: its request, versions, tables and pictures.",
+    ),
     "keys": ("guard.keys", "Make, list and revoke the API keys of a service."),
     "certs": ("guard.certs", "Make certificates for the parts of a Dask cluster."),
     "plot": (
@@ -51,7 +59,7 @@ _OTHER_COMMANDS = {
 }
 """Module of each command, and what ``rattle --help`` says of it. The others compute a kind of `worker.kinds`."""
 
-_WITH_KERNELS = ("serve", "trajectory", "paper")
+_WITH_KERNELS = ("serve", "trajectory", "paper", "check")
 """Those of them that run kernels, or start processes that do."""
 
 
@@ -141,7 +149,8 @@ _HELP = (
     "Alone: `rattle basin` computes one here, `rattle sweep` many, `rattle plot` draws them; "
     "`rattle bifurcation`, `rattle orbits`, `rattle manifold` and `rattle grazing-curve` explain them; "
     "`rattle trajectory` follows one motion, `rattle transmission-error` makes harmonics of a measured curve, "
-    "`rattle paper` recomputes a figure of the paper. "
+    "`rattle paper` recomputes a figure of the paper; "
+    "`rattle check` checks and mends a result, `rattle export` writes it down to hand on. "
     "With a service: `rattle serve` starts one, "
     "`rattle submit` sends it a request, `rattle jobs` and `rattle status` follow what it does, "
     "`rattle cancel` and `rattle delete` stop and remove it; "

@@ -9,7 +9,7 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
-from rattle.argument import Argument
+from rattle.argument import Argument, is_parameter
 from rattle.arguments import arguments_of
 from rattle.cli.texts import continuation_of, departure_of, harmonic_of, measured_of, orbit_seed_of, saddle_of, swept_of
 from worker.jobs.basin_job import SweepJob
@@ -87,6 +87,10 @@ def _as_option(argument: Argument) -> inspect.Parameter:
     # A switch has no `--no-` form.
     flags = [f"--{argument.name.replace('_', '-')}"] if argument.kind is bool else []
     details = {"help": argument.text or None, "min": argument.least}
+    if is_parameter(argument.name) and argument.default is not None:
+        # None tells what was not given: beside a measured curve an eccentricity is refused, the default one, too.
+        details["help"] = rf"{argument.text} \[default: {argument.default}]"
+        return option(argument.name, argument.kind | None, None, *flags, **details)
     return option(argument.name, argument.kind, argument.default, *flags, **details)
 
 
@@ -107,8 +111,25 @@ def job_options(job_class: type[Job]) -> list[inspect.Parameter]:
     return options_of(as_they_are) + texts
 
 
+def given_of(arguments: Sequence[Argument], values: Values) -> Values:
+    """Values of the options of `options_of` that were given: numbers of the oscillator, and what is no default.
+
+    Parameters
+    ----------
+    arguments : sequence of Argument
+    values : dict
+        Of all options, by name.
+
+    Returns
+    -------
+    dict
+    """
+    without = {each.name: (None, None if is_parameter(each.name) else each.default) for each in arguments}
+    return {name: value for name, value in values.items() if name in without and value not in without[name]}
+
+
 def arguments_from(job_class: type[Job], values: Values) -> Values:
-    """Arguments of the verb, from the options that differ from their defaults.
+    """Arguments of the verb, from the options that were given.
 
     Parameters
     ----------
@@ -125,11 +146,7 @@ def arguments_from(job_class: type[Job], values: Values) -> Values:
         If an option that is written as text cannot be read.
     """
     written = {each.name: each for each in _written(job_class).values()}
-    defaults = {each.name: each.default for each in arguments_of(job_class)}
-    given: Values = {}
-    for name, value in values.items():
-        if name not in written and value != defaults[name]:
-            given[name] = value
+    given = given_of([each for each in arguments_of(job_class) if each.name not in written], values)
     for name, each in written.items():
         if values[name]:
             read = each.read(values[name])

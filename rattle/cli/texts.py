@@ -161,16 +161,18 @@ def measured_of(text: str) -> TransmissionError:
     InvalidJob
         If it has another form, or the curve cannot be used.
     """
-    path, *settings = text.split(",")
+    # Settings are the last parts that have "=": a file's name may have commas.
+    parts = text.split(",")
+    named = next((place for place in range(len(parts), 1, -1) if "=" not in parts[place - 1]), 1)
     options: dict[str, Any] = {}
-    for setting in settings:
+    for setting in parts[named:]:
         name, _, value = setting.partition("=")
         try:
             options[name] = _MEASURED[name](value)
         except (KeyError, ValueError) as error:
             forms = "write te.csv,unit=degrees,scale=0.01,explained=0.99, or some of these"
             raise InvalidJob(f"--transmission-error {text}: {forms}") from error
-    return transmission_error(path, **options)
+    return transmission_error(",".join(parts[:named]), **options)
 
 
 def continuation_of(text: str, option: str) -> dict[str, Any]:

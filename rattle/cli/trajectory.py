@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from rattle.cli.console import announced_compiling, give_up, out
-from rattle.cli.options import FORCING, option, options_of, with_options
+from rattle.cli.options import FORCING, given_of, option, options_of, with_options
 from rattle.oscillator_arguments import oscillator_group
 from rattle.results.trajectories import trajectory_request
 from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory
@@ -23,7 +23,6 @@ _OUTCOMES = {
 }
 _MOST_SAMPLES = 2_000_000
 _OSCILLATOR = [each for each in oscillator_group().arguments if each.name not in FORCING]
-_DEFAULTS: dict[str, Any] = {each.name: each.default for each in _OSCILLATOR}
 _START, _FIELDS = StartRequest.model_fields, TrajectoryRequest.model_fields
 
 
@@ -70,7 +69,7 @@ def trajectory(
         give_up(f"{periods * samples_per_period:.0f} samples are more than the limit of {_MOST_SAMPLES}", 2)
     start = {"time": time, "velocity": velocity, "displacement": displacement}
     try:
-        given = {name: values[name] for name, default in _DEFAULTS.items() if values[name] != default}
+        given = given_of(_OSCILLATOR, values)
         for each in FORCING.values():
             if written := values[each.name]:
                 given |= each.read(written)

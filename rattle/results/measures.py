@@ -21,7 +21,7 @@ class Measures(Motions):
         Returns
         -------
         xarray.Dataset
-            As `worker.views.measures.measure_basins` describes it.
+            As ``worker.views.measures.measure_basins`` describes it.
 
         Raises
         ------
@@ -45,7 +45,7 @@ class Measures(Motions):
         Returns
         -------
         xarray.Dataset
-            As `worker.views.loudness.measure_loudness` describes it.
+            As ``worker.views.loudness.measure_loudness`` describes it.
 
         Raises
         ------

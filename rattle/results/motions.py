@@ -32,7 +32,7 @@ class Motions(Described):
         return attractors
 
     def catalogue(self) -> tuple[Attractor, ...]:
-        """The motions of a basin as `rattle_kernels` has them, for its functions; ``solution`` indexes them.
+        """The motions of a basin as ``rattle_kernels`` has them, for its functions; ``solution`` indexes them.
 
         Returns
         -------

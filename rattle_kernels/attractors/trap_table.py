@@ -79,7 +79,7 @@ def _gather(oscillator: Oscillator, traps: Sequence[Trap], scale: float) -> Lane
         orbit=np.repeat(np.arange(len(traps)), periods),
         place=np.concatenate([np.arange(period) for period in periods]),
         time=time, speed=speed, stretch=np.concatenate(stretches), first=first, period=periods,
-        rate=np.array([-REQUIRED_DESCENT * oscillator.damping * trap.orbit.forcing_periods for trap in traps]),
+        rate=np.array([-REQUIRED_DESCENT * trap.rate for trap in traps]),
         frame=np.array([trap.frame.ravel() for trap in traps]),
         radius=radius,
         level=np.array([trap.level for trap in traps]),

@@ -9,19 +9,20 @@ circles by far more than one turn contracts them. So levels of a polynomial repl
 
     V = |z|^2 + sum c_jk z^j conj(z)^k,   3 <= j + k <= 8, j > k,
 
-It is fitted to ``V(P^p z) = e^{-delta m} V(z)``, which is linear in c (Birkhoff's normal form, by least squares). The
-levels follow the invariant curves of the undamped map through most of the island.
+It is fitted to ``V(P^p z) = D V(z)``, where D is the determinant of DP^p: e^{-delta m}, and less where impacts or
+contacts lose energy, too. That is linear in c (Birkhoff's normal form, by least squares). The levels follow the
+invariant curves of the undamped map through most of the island.
 
 A fit proves nothing. The trap is the region V < level within a disc |z| <= radius that passes three tests:
 
 1. The outer circle stays on the orbit's side of the grazing curve at every impact of a turn, with a margin from node to
    node. P maps the disc inside the circle to the disc inside its image, so no flight from inside grazes.
-2. The descent ``(change of ln V)/(delta m)``, -1 at the centre, is at most -1/2 at all nodes of a polar mesh and
+2. The descent ``(change of ln V)/(-ln D)``, -1 at the centre, is at most -1/2 at all nodes of a polar mesh and
    differs by less than 1/4 between neighbours.
 3. V is above the level on the outer circle. The image of the trap is connected and contains the centre, so it cannot
    leave the disc.
 
-Hence every turn multiplies V by e^{-delta m/2} at most.
+Hence every turn multiplies V by sqrt(D) at most.
 """
 
 import math
@@ -45,7 +46,10 @@ _TEST_RADII, _TEST_ANGLES = 16, 64
 
 
 class Trap(NamedTuple):
-    """Region around the slowest point of an orbit: |z| <= radius, V < level; z = frame (dt, dv), V >= floor |z|^2."""
+    """Region around the slowest point of an orbit: |z| <= radius, V < level; z = frame (dt, dv), V >= floor |z|^2.
+
+    `rate` is -ln D, by which a turn lowers ln V at the centre.
+    """
 
     orbit: PeriodicOrbit
     frame: np.ndarray
@@ -53,6 +57,14 @@ class Trap(NamedTuple):
     level: float
     floor: float
     coefficients: np.ndarray
+    rate: float
+
+
+def _lost_in_a_turn(oscillator: Oscillator, orbit: PeriodicOrbit) -> float:
+    """-ln D: delta m exactly, unless contacts lose energy, too."""
+    if oscillator.restitution == 1.0 and oscillator.contact_damping == 0.0:
+        return oscillator.damping * orbit.forcing_periods
+    return -math.log(np.linalg.det(orbit.jacobians[0]))
 
 
 def _eigenframe(orbit: PeriodicOrbit, scale: float) -> np.ndarray | None:
@@ -153,7 +165,7 @@ def _trap_within(turn: _Turn, radius: float, rate: float) -> Trap | None:
     edge = before[-1]
     level = float(edge.min() - np.abs(np.diff(edge, append=edge[:1])).max())
     floor = float(0.5 * (before / np.abs(z) ** 2).min())
-    return Trap(turn.orbit, turn.frame, radius, level, floor, fitted) if level > 0.0 else None
+    return Trap(turn.orbit, turn.frame, radius, level, floor, fitted, rate) if level > 0.0 else None
 
 
 def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float, pause: Pause = never_stopped) -> Trap | None:
@@ -179,7 +191,7 @@ def find_trap(oscillator: Oscillator, orbit: PeriodicOrbit, scale: float, pause:
     if frame is None or not orbit.attracts:
         return None
     turn = _Turn(oscillator, orbit, frame)
-    rate = oscillator.damping * orbit.forcing_periods
+    rate = _lost_in_a_turn(oscillator, orbit)
     radius = _LARGEST
     while radius > _SMALLEST:
         pause()

@@ -24,7 +24,10 @@ class ExpectedLoudness(NamedTuple):
 
 
 def expected_loudness(
-    shares: np.typing.ArrayLike, motions: Sequence[Loudness], points: int | None = None
+    shares: np.typing.ArrayLike,
+    motions: Sequence[Loudness],
+    points: int | None = None,
+    shares_of_sets: np.typing.ArrayLike | None = None,
 ) -> ExpectedLoudness:
     """Mean loudness of a basin picture.
 
@@ -36,13 +39,16 @@ def expected_loudness(
         From `loudness`.
     points : int, optional
         Number of independent points from which the shares are known, if they are of a sample.
+    shares_of_sets : array_like, shape (sets, motions), optional
+        Shares in each of the sample's scrambled sets, two or more of the same size: they measure the error.
 
     Returns
     -------
     ExpectedLoudness
         Errors come from those of chaotic motions. Those of a sample come from its shares, too: from what these may be
-        once so many points are known (Laplace's rule of succession, for as many motions as there are). NaN where no
-        share is known.
+        once so many points are known (Laplace's rule of succession, for as many motions as there are). Of several sets
+        it is the standard error of the mean of their expectations; where all agree, their scatter says nothing, and
+        Laplace's stays. NaN where no share is known.
 
     Examples
     --------
@@ -61,5 +67,10 @@ def expected_loudness(
     square = (share**2) @ own_error**2
     if points is not None:
         likely = (share * points + 1.0) / (points + share.size)
-        square += (likely @ severity**2 - (likely @ severity) ** 2) / (points + share.size + 1.0)
+        variance = (likely @ severity**2 - (likely @ severity) ** 2) / (points + share.size + 1.0)
+        if shares_of_sets is not None:
+            expected = np.asarray(shares_of_sets, np.float64)[:, there] @ severity
+            scatter = expected.var(axis=0, ddof=1) / len(expected)
+            variance = np.where(np.ptp(expected, axis=0) > 0.0, scatter, variance)
+        square += variance
     return ExpectedLoudness._make([*(share @ severity).tolist(), *np.sqrt(square).tolist(), float(share[~known].sum())])

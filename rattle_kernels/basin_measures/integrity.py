@@ -193,7 +193,7 @@ def local_integrity_measure(
     grid : CellGrid
         The window. If it spans a whole period, discs reach round the cylinder.
     attractors : sequence of Attractor
-        The catalogue that `solution` indexes.
+        The catalogue that ``solution`` indexes.
     index : int
         The motion; 0 is permanent contact.
     velocity_scale : float

@@ -63,7 +63,7 @@ def least_disturbance(
     oscillator : Oscillator
         Either model.
     attractors : sequence of Attractor
-        The catalogue that `solution` indexes: permanent contact first.
+        The catalogue that ``solution`` indexes: permanent contact first.
     solution : array_like of int, shape (velocity cells, time cells)
         Index of the motion that each cell ends in; none negative.
     grid : CellGrid

@@ -18,10 +18,10 @@ from rattle_kernels.numerics.jit import kernel
 class CellGroups(NamedTuple):
     """Hsu's numbers on the image set.
 
-    ``members`` is the image set R. ``group`` and ``step`` (int32) have an entry for each member, in ascending order.
-    ``group`` is 1, 2, ... in the order of each cycle's lowest cell number, 0 for the sink, -1 for permanent contact, -2
-    for undecided. ``step`` is the number of applications to the cycle (0 on it) or to the reserved image.
-    ``period_of_group`` (int32) is the length of each group's cycle, 0 for entry 0.
+    ``members`` is the image set R. ``group`` and ``step`` (int32, or both int16) have an entry for each member, in
+    ascending order. ``group`` is 1, 2, ... in the order of each cycle's lowest cell number, 0 for the sink, -1 for
+    permanent contact, -2 for undecided. ``step`` is the number of applications to the cycle (0 on it) or to the
+    reserved image. ``period_of_group`` (int32) is the length of each group's cycle, 0 for entry 0.
     """
 
     members: ImageSet
@@ -99,7 +99,7 @@ def find_groups(members: ImageSet, place: np.ndarray) -> CellGroups:
     members : ImageSet
         The distinct images of all cells, without reserved images; fewer than 2e9.
     place : ndarray of int32, shape (members.size,)
-        For each member, the place of its image among the members, or its reserved image (`image_set.place_images`).
+        For each member, the place of its image among the members, or its reserved image (``image_set.place_images``).
         Overwritten, since touching another 400 MB, with 1e8 members, costs as much as the work itself.
 
     Returns

@@ -20,7 +20,10 @@ from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
 PERMANENT_CONTACT = -2
+"""Image of a cell that ends in permanent contact."""
+
 UNDECIDED = -3
+"""Image of a cell whose flights could not be followed; none is expected."""
 
 
 class CellImages(NamedTuple):
@@ -76,10 +79,10 @@ def map_cells(
     rows, columns : (int, int)
         Start and stop of the rectangle along velocity and along time.
     shortcuts : bool
-        Whether to use lock and capture (`lanes.run`). Without them every cell takes all k applications. Only
+        Whether to use lock and capture (``lanes.run``). Without them every cell takes all k applications. Only
         images of chaotic trajectories depend on them.
     traps : LaneTraps
-        Traps of attractors known beforehand (`build_trap_table`), another shortcut.
+        Traps of attractors known beforehand (``build_trap_table``), another shortcut.
     pause : callable
         Called several times a second; an exception raised there ends the work.
 
@@ -92,7 +95,7 @@ def map_cells(
     OutsideDomain
         If the oscillator's parameters lie outside the domain of the map.
     ValueError
-        If the grid or `iterations` is not valid.
+        If the grid or ``iterations`` is not valid.
     """
     check_grid(grid)
     times, velocities = grid.time_centres()[slice(*columns)], grid.velocity_centres()[slice(*rows)]
@@ -143,7 +146,7 @@ def map_points(
     OutsideDomain
         If the oscillator's parameters lie outside the domain of the map.
     ValueError
-        If `iterations` is not valid.
+        If ``iterations`` is not valid.
     """
     checked = check_domain(oscillator)
     check_iterations(iterations)

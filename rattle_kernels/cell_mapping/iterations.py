@@ -96,7 +96,7 @@ def expected_applications(damping: float, iterations: int) -> float:
     Returns
     -------
     float
-        At most `iterations`.
+        At most ``iterations``.
     """
     if damping > _WEAK_DAMPING:
         return float(iterations)

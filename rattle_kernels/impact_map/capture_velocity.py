@@ -29,7 +29,7 @@ def capture_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarr
 
     Returns
     -------
-    ndarray of float64, shape of `t`
+    ndarray of float64, shape of ``t``
         0 where nothing is proven.
 
     Raises

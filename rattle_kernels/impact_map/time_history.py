@@ -228,7 +228,7 @@ def time_history(
         Initial condition: t (forcing periods), Phi and the signed velocity Phi'. A departure from +beta of speed v is
         ``(t, +beta, -v)``. A start on a wall is no contact, except one of the impacting model that moves into it.
     periods : float
-        Span to follow, forcing periods. It may be infinite where `departures` ends the history.
+        Span to follow, forcing periods. It may be infinite where ``departures`` ends the history.
     departures : int, optional
         The history ends with this many departures from +beta, unless the span ends before. Without a span it also
         ends where a contact begins that never ends.

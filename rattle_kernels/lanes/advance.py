@@ -18,7 +18,7 @@ IDLE_SPEED = 1e6
 @inlined
 def fly(lanes, corners, oscillator, tables):
     """Fly every lane to the next wall; return how many took the careful path."""
-    guess_durations(lanes, corners, tables, 2.0 * oscillator.half_backlash)
+    guess_durations(lanes, corners, oscillator, tables)
     unsure = refine_durations(lanes, oscillator)
     if unsure > 0:
         fly_carefully(lanes, oscillator)

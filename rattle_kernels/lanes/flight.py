@@ -23,6 +23,7 @@ from rattle_kernels.lanes.harmonics import (
     RATE_2,
     RATE_3,
     doubt,
+    fall_divisor,
     highest_order,
     plus,
     plus_acceleration_after,
@@ -117,7 +118,7 @@ def _graze_speeds(lanes, corners, graze_speed):
 
 
 @inlined
-def _classify(lanes, corners, tables, two_beta):
+def _classify(lanes, corners, tables, two_beta, harmonics):
     """Kind of each flight, its target, and the node of its guess in the tables; selects only, no branch."""
     for i in range(LANES):
         velocity = lanes[VELOCITY + i]
@@ -126,7 +127,7 @@ def _classify(lanes, corners, tables, two_beta):
         drops = (speed > graze) & (not rises)
         falls = not (rises | drops)
         divisor = speed + tables.largest_grazing_speed if rises else speed
-        inverse = 1.0 / (graze if falls else divisor)
+        inverse = 1.0 / (fall_divisor(harmonics, graze, speed) if falls else divisor)
         root = math.sqrt(max(1.0 - graze * inverse, 0.0))
         abscissa = root if drops else speed * inverse
         lanes[DURATION + i] = speed if falls else inverse
@@ -160,11 +161,11 @@ def look_up(lanes, corners, guess):
 
 
 @inlined
-def guess_durations(lanes, corners, tables, two_beta):
+def guess_durations(lanes, corners, oscillator, tables):
     """First pass: kind of flight, target and first guess."""
     turn_phases(lanes, PHASE)
     _graze_speeds(lanes, corners, tables.graze_speed)
-    _classify(lanes, corners, tables, two_beta)
+    _classify(lanes, corners, tables, 2.0 * oscillator.half_backlash, oscillator.harmonics)
     look_up(lanes, corners, tables.guess)
 
 

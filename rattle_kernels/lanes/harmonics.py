@@ -11,7 +11,25 @@ harmonic's own part.
 
 import math
 
-from rattle_kernels.lanes.lane_fields import DURATION, END_PHASE, LANES, LAST_TERM, PHASE, PHI2, SUMS
+from rattle_kernels.lanes.lane_fields import (
+    COSINE,
+    CUBIC,
+    DURATION,
+    END_PHASE,
+    HALF_COSINE,
+    HALF_SINE,
+    LANES,
+    LAST_TERM,
+    ORDER_COSINE,
+    ORDER_CUBIC,
+    ORDER_HALF_COSINE,
+    ORDER_HALF_SINE,
+    ORDER_SINE,
+    PHASE,
+    PHI2,
+    SINE,
+    SUMS,
+)
 from rattle_kernels.model.harmonics import TWO_PI
 from rattle_kernels.numerics.jit import inlined, summed_over_tuple
 from rattle_kernels.numerics.phase import part_turn
@@ -32,11 +50,32 @@ _SUMS = 8
 NEARLY = 0.5
 _NEAR = 1e4 * LAST_TERM
 
+# How many times as close as in the middle nodes of falls back lie at speed 0, and how many times as wide at v*.
+_CROWDED = 3.0
+
+# Further from the order before than this, the angles of an order are evaluated by polynomials: that takes as long.
+_LONGEST_WAY = 6.0
+
 
 @summed_over_tuple
 def plus(terms, total, place):
     """Add a sum over the harmonics."""
     return total + place
+
+
+@summed_over_tuple
+def fall_divisor(terms, total, place):
+    """What the speed of a fall back is divided by for its abscissa; the total is v*, `place` the speed.
+
+    Under higher orders slow falls bend most, so the table's nodes crowd at speed 0.
+    """
+    return place + (total - place) * (1.0 / _CROWDED)
+
+
+@summed_over_tuple
+def fall_speed(terms, total, place):
+    """Speed of a fall back at an abscissa, which is `place`; the total is v* times that."""
+    return total / (place + _CROWDED * (1.0 - place))  # v* itself at 1
 
 
 @summed_over_tuple
@@ -51,9 +90,8 @@ def highest_order(terms, total, place):
 def doubt(terms, total, place):
     """How unsure a flight is whose guess was off by too much; `place` is (unsure so far, last term, duration).
 
-    Orders beside the first bend the tables of guesses, so one flight in two hundred is off. Most of these are near
-    enough
-    for Newton's method (NEARLY), and need no search for a bracket.
+    Orders beside the first bend the tables of guesses. Of the flights that are off most are near enough for Newton's
+    method (NEARLY), and need no search for a bracket.
     """
     unsure, last, tau = place
     return max(unsure, NEARLY if abs(last) <= _NEAR * tau else total)
@@ -74,36 +112,87 @@ def _forget(lanes):
         lanes[SUMS + i] = 0.0
 
 
+@inlined
+def _double(lanes):
+    """The angles of order 2, twice those that the first harmonic has computed."""
+    for i in range(LANES):
+        s, c = lanes[SINE + i], lanes[COSINE + i]
+        lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i] = 2.0 * s * c, c * c - s * s
+        s, c = lanes[HALF_SINE + i], lanes[HALF_COSINE + i]
+        double = 2.0 * s * c
+        lanes[ORDER_HALF_SINE + i], lanes[ORDER_HALF_COSINE + i] = double, c * c - s * s
+        # 2 h - sin 2 h, in terms that have one sign where h is small; so in `_turn_on`.
+        lanes[ORDER_CUBIC + i] = 2.0 * lanes[CUBIC + i] + 4.0 * s * s * double
+
+
+@inlined
+def _turn_on(lanes):
+    """Go on to the angles of the next order: they are those of this one and of order 1 together."""
+    for i in range(LANES):
+        s, c, s1, c1 = lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i], lanes[SINE + i], lanes[COSINE + i]
+        lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i] = s * c1 + c * s1, c * c1 - s * s1
+        s, c = lanes[ORDER_HALF_SINE + i], lanes[ORDER_HALF_COSINE + i]
+        s1, c1 = lanes[HALF_SINE + i], lanes[HALF_COSINE + i]
+        next_ = s * c1 + c * s1
+        lanes[ORDER_HALF_SINE + i], lanes[ORDER_HALF_COSINE + i] = next_, c * c1 - s * s1
+        lanes[ORDER_CUBIC + i] += lanes[CUBIC + i] + 4.0 * s1 * s * next_
+
+
+@inlined
+def _turn_to(lanes, order):
+    """The angles of an order, without those before it."""
+    for i in range(LANES):
+        lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i] = _turn(part_turn(order * lanes[PHASE + i]))
+        turns = order * lanes[DURATION + i]
+        r = part_turn(turns)
+        rest, versine = sine_rest_of_half_turns(r), versine_of_half_turns(r)
+        lanes[ORDER_HALF_SINE + i], lanes[ORDER_HALF_COSINE + i] = math.pi * r + rest, 1.0 - versine
+        # h - sin h for h = 2 pi n tau, in terms of one sign.
+        lanes[ORDER_CUBIC + i] = TWO_PI * (turns - r) + 2.0 * (math.pi * r * versine - rest * (1.0 - versine))
+
+
+@inlined
+def _add(lanes, at, term, more):
+    """Add to a sum, or begin it."""
+    lanes[at] = (lanes[at] if more else 0.0) + term
+
+
 @summed_over_tuple
 def sum_over_flights(terms, total, place):
     """Evaluate the harmonics at the guessed end of every flight; `place` is (lanes, delta). The total is not used."""
     lanes, damping = place
-    _forget(lanes)
+    _double(lanes)
+    reached = 2.0
     for harmonic in terms:
         order, amplitude = harmonic.order, harmonic.amplitude
-        rate, shift = TWO_PI * order, part_turn(harmonic.phase)
-        square = rate * rate
+        if order - reached > _LONGEST_WAY:
+            _turn_to(lanes, order)
+            reached = order
+        while reached < order:
+            _turn_on(lanes)
+            reached += 1.0
+        rate, angle = TWO_PI * order, TWO_PI * part_turn(harmonic.phase)
+        square, turn_sine, turn_cosine = rate * rate, math.sin(angle), math.cos(angle)
+        more = order > terms[0].order  # the first one begins the sums
         for i in range(LANES):
+            s, c, sh, ch = (
+                lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i], lanes[ORDER_HALF_SINE + i],
+                lanes[ORDER_HALF_COSINE + i],
+            )  # fmt: skip
+            s0, c0 = s * turn_cosine + c * turn_sine, c * turn_cosine - s * turn_sine
             tau = lanes[DURATION + i]
-            s0, c0 = _turn(part_turn(order * lanes[PHASE + i] + shift))
-            turns = order * tau
-            r = part_turn(turns)
-            rest, versine = sine_rest_of_half_turns(r), versine_of_half_turns(r)
-            sh, ch = math.pi * r + rest, 1.0 - versine
-            # h - sin h for h = 2 pi n tau, in terms of one sign.
-            cubic = TWO_PI * (turns - r) + 2.0 * (math.pi * r * versine - rest * ch)
             ds, dc = 2.0 * sh * (c0 * ch - s0 * sh), -2.0 * sh * (s0 * ch + c0 * sh)
             held = rate * damping * tau * tau * lanes[PHI2 + i]
-            lanes[FORCED + i] += amplitude * (s0 * (cubic - held) - 2.0 * c0 * sh * sh)
-            lanes[RATE_0 + i] += amplitude * (damping * dc - rate * ds)
+            _add(lanes, FORCED + i, amplitude * (s0 * (lanes[ORDER_CUBIC + i] - held) - 2.0 * c0 * sh * sh), more)
+            _add(lanes, RATE_0 + i, amplitude * (damping * dc - rate * ds), more)
             s, c = s0 + ds, c0 + dc
             p, q = amplitude * rate * (rate * c + damping * s), amplitude * square * (rate * s - damping * c)
-            lanes[RATE_1 + i] -= p
-            lanes[RATE_2 + i] += q
-            lanes[RATE_3 + i] += square * p
-            lanes[RATE_4 + i] -= square * q
-            lanes[RATE_5 + i] -= square * square * p
-            lanes[RATE_6 + i] += square * square * q
+            _add(lanes, RATE_1 + i, -p, more)
+            _add(lanes, RATE_2 + i, q, more)
+            _add(lanes, RATE_3 + i, square * p, more)
+            _add(lanes, RATE_4 + i, -square * q, more)
+            _add(lanes, RATE_5 + i, -square * square * p, more)
+            _add(lanes, RATE_6 + i, square * square * q, more)
     return total
 
 

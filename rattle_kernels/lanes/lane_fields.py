@@ -38,6 +38,11 @@ COSINE_CHANGE = 27 * LANES
 # Sums over harmonics beside the first (`harmonics`): eight of a flight, then eight of the contact after it.
 SUMS = 28 * LANES
 FLIGHT_FIELDS = 36
+# The angles of one order at a time: sine and cosine of the phase's, of half the duration's, and h - sin h of that.
+# They lie where the nodes of the guess were, which are not read again.
+ORDER_CUBIC = COLUMN_PART
+ORDER_SINE, ORDER_COSINE = LOW_PAIR, LOW_PAIR + LANES
+ORDER_HALF_SINE, ORDER_HALF_COSINE = HIGH_PAIR, HIGH_PAIR + LANES
 
 # A flight is sure when the last term of its step, 5 r^4 or so for a guess off by the part r, is below this part of the
 # duration: r < 1.4e-3, and what the series leaves out, 14 r^5, below 1e-13.

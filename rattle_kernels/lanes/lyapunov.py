@@ -153,7 +153,7 @@ def tangent_growth(
     OutsideDomain
         If the oscillator's parameters lie outside the domain of the map.
     ValueError
-        If `impacts` is below 1.
+        If ``impacts`` is below 1.
 
     Examples
     --------

@@ -103,7 +103,7 @@ def next_impacts(
     OutsideDomain
         Where the oscillator's parameters lie outside the domain of the map.
     ValueError
-        Where `applications` is below 1.
+        Where ``applications`` is below 1.
 
     Examples
     --------

@@ -11,6 +11,7 @@ root removes the singularity at grazing):
     CONTACT_ABOVE  tau                   u / (u + u_con)         half a swing at the upper end
     CONTACT_BELOW  tau (u + u_con)/u     u / (u + u_con)         from rest  ...  half a swing
 
+Under several harmonics the abscissa of FALL_BACK is 3 v/(v* + 2 v), whose nodes crowd at speed 0 (`fall_divisor`).
 Here u_ref is the largest v*, and u_con = 4 pi delta/sqrt(2 kappa). Only the piecewise linear model has contacts. One
 above may last for several swings (`contact_swings`), or for ever, and its duration jumps. There the table holds NaN.
 """
@@ -23,6 +24,7 @@ import numpy as np
 
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
 from rattle_kernels.impact_map.flights import LOWER, UPPER, leave_upper, next_contact
+from rattle_kernels.lanes.harmonics import fall_speed
 from rattle_kernels.model.contact import enter_contact
 from rattle_kernels.model.contact_end import follow_contact
 from rattle_kernels.model.contact_swings import ends_late_around
@@ -99,7 +101,7 @@ def _node(oscillator, largest_grazing_speed, grazes, kind, i, j):
     phase, abscissa = (i % PHASES) / PHASES, j / ABSCISSAE
     graze_speed, graze_duration, _ = grazes[0]
     if kind == FALL_BACK:
-        speed = graze_speed * abscissa
+        speed = fall_speed(oscillator.harmonics, graze_speed * abscissa, abscissa)
         if j == 0:
             return 2.0 / rest_acceleration(oscillator, phase)
         return leave_upper(oscillator, part_turn(phase), -speed, 1.0, grazes[1]).duration / speed

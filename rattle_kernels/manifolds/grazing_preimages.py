@@ -110,15 +110,15 @@ def grazing_preimages(
     Returns
     -------
     tuple of tuple of Piece
-        Pieces of each order, 0 to `order`. Phases are unwrapped along each piece and start in [0, 1);
-        `polyline.split_at_wrap` makes them ready for drawing.
+        Pieces of each order, 0 to ``order``. Phases are unwrapped along each piece and start in [0, 1);
+        ``polyline.split_at_wrap`` makes them ready for drawing.
 
     Raises
     ------
     OutsideDomain
         If the oscillator's parameters lie outside the domain of the map, or its stiffness is finite.
     TooManyPoints
-        If a pre-image needs more points than `most_points`.
+        If a pre-image needs more points than ``most_points``.
     ValueError
         If another argument is not valid.
 

@@ -115,8 +115,8 @@ def grazing_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarr
 
     Returns
     -------
-    ndarray of float64, shape of `t`
-        Positive; NaN where `t` is not finite.
+    ndarray of float64, shape of ``t``
+        Positive; NaN where ``t`` is not finite.
 
     Raises
     ------

@@ -143,7 +143,7 @@ def continue_special_point(
     Raises
     ------
     ValueError
-        If `second` is not a parameter, or is the first one.
+        If ``second`` is not a parameter, or is the first one.
     """
     parameters = point.oscillator.parameters
     if second not in parameters or second == point.parameter:

@@ -219,7 +219,7 @@ def continue_orbit(
     oscillator : Oscillator
         Either model: the oscillator of the given orbit.
     orbit : PeriodicOrbit
-        From `find_orbits` or `find_periodic_orbit`.
+        From `find_orbits` or ``find_periodic_orbit``.
     parameter : str
         ``damping``, ``eccentricity``, ``half_backlash`` or ``stiffness``.
     bounds : (float, float)
@@ -243,7 +243,7 @@ def continue_orbit(
     OutsideDomain
         If the oscillator's parameters lie outside the domain of the map.
     ValueError
-        If `parameter` or `direction` is not one of those named, `bounds` exclude the orbit, or it grazes.
+        If ``parameter`` or ``direction`` is not one of those named, ``bounds`` exclude the orbit, or it grazes.
     """
     checked = check_domain(oscillator)
     value = checked.value_of(parameter)

@@ -50,7 +50,7 @@ class FoundOrbit(NamedTuple):
 
     @property
     def grazing_distance(self) -> float:
-        """Smallest |v - v*| of the departures: 0 where the orbit grazes."""
+        """Smallest ``|v - v*|`` of the departures: 0 where the orbit grazes."""
         return float(np.abs(self.grazing_margin).min())
 
 
@@ -122,7 +122,7 @@ def find_orbits(
     *,
     pause: Pause = never_stopped,
 ) -> tuple[FoundOrbit, ...]:
-    """Periodic orbits of impact period up to `longest` with a departure in a region of the (t, v) plane.
+    """Periodic orbits of impact period up to ``longest`` with a departure in a region of the (t, v) plane.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def find_orbits(
     cells : int
         The search starts from the centres of ``cells x cells`` cells over it.
     rows : (int, int), optional
-        Range of rows of cells to start from, the last excluded: a part of the search. `merge_orbits` combines the
+        Range of rows of cells to start from, the last excluded: a part of the search. ``merge_orbits`` combines the
         parts. All rows by default.
     pause : callable
         Called several times a second; an exception raised there ends the search.
@@ -150,7 +150,7 @@ def find_orbits(
     OutsideDomain
         If the oscillator's parameters lie outside the domain of the map.
     ValueError
-        If `longest` or `cells` is not positive.
+        If ``longest`` or ``cells`` is not positive.
     """
     checked = check_domain(oscillator)
     if longest < 1 or cells < 1:

@@ -30,7 +30,7 @@ class PeriodicOrbit(NamedTuple):
     """A periodic orbit to which Newton's method has converged.
 
     ``t``, ``v`` (shape (upper_contacts,)) are its departures from +beta in order of time, the slowest first.
-    ``jacobians`` (shape (upper_contacts, 2, 2)) are DP^p at each of them. ``residual`` is |P^p(x) - x|.
+    ``jacobians`` (shape (upper_contacts, 2, 2)) are DP^p at each of them. ``residual`` is ``|P^p(x) - x|``.
     """
 
     t: np.ndarray

@@ -88,8 +88,8 @@ def single_contact_orbits(oscillator: Oscillator, forcing_periods: int = 1) -> t
     Returns
     -------
     tuple of SingleContactOrbit
-        Under one harmonic the attracting orbit first, then the saddle; under several by phase. `exists` says whether an
-        orbit stays clear of -beta.
+        Under one harmonic the attracting orbit first, then the saddle; under several by phase. ``exists`` says whether
+        an orbit stays clear of -beta.
 
     Raises
     ------

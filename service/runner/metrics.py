@@ -1,6 +1,6 @@
 """Metrics of the runner process, for Prometheus. The service passes them on with its own."""
 
-from prometheus_client import CollectorRegistry, Counter, Histogram, generate_latest
+from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, generate_latest
 from prometheus_client.process_collector import ProcessCollector
 
 from service.records.job_record import JobState
@@ -15,6 +15,7 @@ _WAIT = Histogram(
 _TILES = Counter("rattle_tiles", "Tiles done by jobs that run from here", ["stage"], registry=_REGISTRY)
 _CELLS = Counter("rattle_cells", "Cells mapped by jobs that run from here", registry=_REGISTRY)
 _ENDED = Counter("rattle_jobs_ended", "Jobs that have ended here", ["state"], registry=_REGISTRY)
+_LEFT = Gauge("rattle_tiles_left", "Tiles that jobs running here have left in their stage", registry=_REGISTRY)
 _RETRIES = Counter("rattle_task_retries", "Tasks submitted again after they were lost", registry=_REGISTRY)
 _LEASES = Counter("rattle_leases_lost", "Jobs that another replica took over from this one", registry=_REGISTRY)
 
@@ -45,19 +46,29 @@ def exposition() -> bytes:
 
 
 class Pace:
-    """Counts the tiles and cells of one run of a job, from its progress reports.
+    """Counts the tiles and cells of one run of a job, done and left, from its progress reports.
 
-    Tiles that a resumed job finds in its store are in its first report and are not counted.
+    Tiles that a resumed job finds in its store are in its first report and are not counted as done.
     """
 
     def __init__(self) -> None:
         self._last: Progress | None = None
+        self._left = 0
 
     def __call__(self, progress: Progress) -> None:
         """Count the tiles and cells since the last report."""
         last, self._last = self._last, progress
+        self._leave(progress.tiles_total - progress.tiles_done)
         if last is None or last.stage != progress.stage:
             return
         _TILES.labels(progress.stage).inc(max(0, progress.tiles_done - last.tiles_done))
         if progress.stage is Stage.MAPPING:
             _CELLS.inc(max(0, progress.cells_done - last.cells_done))
+
+    def end(self) -> None:
+        """Count no tile as left: the run is over, whether or not the job is."""
+        self._leave(0)
+
+    def _leave(self, left: int) -> None:
+        _LEFT.inc(left - self._left)
+        self._left = left

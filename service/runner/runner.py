@@ -208,6 +208,8 @@ class Runner:
                 _log.exception("job failed")
             detail = str(error) if isinstance(error, WorkerError) else repr(error)
             return _FAILED, {"error": {"kind": kind_of(error), "detail": without_paths(detail, self.results)}}
+        finally:
+            report.pace.end()
         return _SUCCEEDED, {}
 
     def _may_retry(self, job_id: str, advanced: bool) -> bool:

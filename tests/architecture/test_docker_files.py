@@ -71,7 +71,23 @@ def test_secrets_come_from_outside_and_are_demanded():
 
 @pytest.mark.parametrize("script", ["start.sh", "processor.sh", "slim.sh"])
 def test_scripts_are_of_the_plain_shell(script):
-    subprocess.run(["sh", "-n", DOCKER / script], check=True)
+    assert linted("shellcheck", "--shell", "sh", DOCKER / script) == (0, "")
+
+
+@pytest.mark.parametrize("script", ["service.sbatch", "workers.sbatch"])
+def test_scripts_for_slurm_pass_their_linter(script):
+    assert linted("shellcheck", DOCKER / "slurm" / script) == (0, "")
+
+
+def test_parts_have_the_same_settings_on_slurm_as_in_the_compose_file():
+    for part, script in (("scheduler", "service.sbatch"), ("worker", "workers.sbatch")):
+        text = (DOCKER / "slurm" / script).read_text()
+        exported = dict(re.findall(r"\b((?:DASK|MALLOC)_\w+)=(\S+)", text))
+        variables = COMPOSE["services"][part]["environment"]
+        theirs = {name: value for name, value in variables.items() if name.startswith(("DASK_", "MALLOC_"))}
+        if part == "worker":
+            theirs = {name: value for name, value in theirs.items() if "SCHEDULER" not in name}
+        assert exported == theirs
 
 
 def test_a_processor_is_told_and_kept_where_it_is_given():

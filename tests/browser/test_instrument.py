@@ -325,6 +325,41 @@ def test_a_bifurcation_diagram_is_a_live_chart(opened):
     expect(page.locator("#shown")).to_contain_text("δ = 0.5")
 
 
+def test_diagrams_go_over_restitution_and_harmonics_too(opened):
+    page = opened.page
+    buttons = page.locator("#diagrams button")
+    expect(buttons).to_have_text(
+        ["Over damping δ", "Over eccentricity ε", "Over half backlash β", "Over restitution r"]
+    )
+    opened.fill(harmonics="2: 0.008, 0.3")
+    expect(buttons).to_have_text(
+        ["Over damping δ", "Over eccentricity ε", "Over half backlash β", "Over restitution r", "Over amplitude ε₂",
+         "Over phase φ₂"],
+        timeout=120_000,  # kernels for one more harmonic may have to be compiled
+    )  # fmt: skip
+    page.locator("[data-diagram=restitution]").click()
+    expect(page.locator("#diagram-note")).to_contain_text("Click to look", timeout=120_000)
+    expect(page.locator("#diagram-title")).to_have_text("Bifurcation diagram over restitution r")
+    expect(page.locator("#diagram .here")).to_have_attribute("visibility", "visible")
+    with page.expect_request("**/v1/bifurcations") as asked:
+        page.locator("[data-diagram=phase_2]").click()
+    assert asked.value.post_data_json["vary"] == {"parameter": "phase_2", "start": 0, "stop": 1, "count": 300}
+
+
+def test_a_diagram_over_a_phase_turns_the_harmonic(explorer, service):
+    oscillator = {"harmonics": [{"order": 2, "amplitude": 0.008, "phase": 0.3}]}
+    vary = {"parameter": "phase_2", "start": 0, "stop": 1, "count": 9}
+    body = {"oscillator": oscillator, "vary": vary, "transient": 50, "kept": 4}
+    job = service.request("POST", "/v1/bifurcations", json=body).json()
+    service.wait(job["id"])
+    explorer.visit(f"?job={job['id']}")
+    page = explorer.page
+    expect(page.locator("#diagram-note")).to_contain_text("Click to look", timeout=60_000)
+    page.locator("#diagram .target").click(position={"x": 200, "y": 60})
+    expect(page.locator("[name=harmonics]")).to_have_value(re.compile(r"^2: 0\.008, 0\.\d+$"))
+    assert page.locator("[name=harmonics]").input_value() != "2: 0.008, 0.3"
+
+
 def test_a_bifurcation_opened_by_its_address_is_a_chart_too(explorer, service):
     body = {"vary": {"parameter": "damping", "start": 0.55, "stop": 0.6, "count": 20}, "transient": 200, "kept": 4}
     job = service.request("POST", "/v1/bifurcations", json=body).json()

@@ -15,12 +15,13 @@ def test_the_guides_python_runs(service, tmp_path, monkeypatch):
     small = 'rattle.BasinJob(grid={"time": {"cells": 20}, "velocity": {"cells": 20}})'
     others = {"http://127.0.0.1:8000": service.url, "cells=4000": "cells=40", "rattle.BasinJob()": small}
     blocks, names = re.findall(r"```python\n(.*?)```", DOCUMENT, re.DOTALL), {}
-    assert len(blocks) == 3
+    assert len(blocks) == 4
     for block in blocks:
         for shown, here in others.items():
             block = block.replace(shown, here)
         exec(compile(block, "python.md", "exec"), names)
     assert names["job"].state == "succeeded" and names["basin"].rattle.complete
+    assert Path("basin.zip").read_bytes().startswith(b"PK")
     assert Path("mine.pdf").read_bytes().startswith(b"%PDF")
     assert [axes.get_legend() is not None for axes in names["figure"].axes] == [False, False, True]
     plt.close("all")

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import zarr
 
-VARIES = {"started", "finished", "seconds", "versions", "git_revision", "fused_multiply_add"}
+VARIES = {"started", "finished", "seconds", "versions", "git_revision", "fused_multiply_add", "history", "source"}
 """Attributes that depend on the run: times, versions, the revision, the processor."""
 METADATA = "zarr.json"
 ENCODING = ("zarr_format", "node_type", "chunk_key_encoding", "codecs", "storage_transformers")

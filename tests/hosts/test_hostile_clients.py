@@ -34,10 +34,10 @@ def service(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def proxy(service, tmp_path_factory):
-    """Port of the proxy, as `docker/nginx.conf` has it but for addresses, files and shorter times."""
+    """Port of the proxy, as `docker/proxy/nginx.conf` has it but for addresses, files and shorter times."""
     folder, port = tmp_path_factory.mktemp("proxy"), free_port()
     certificates = make_certificates(folder / "certs", 1)
-    text = (ROOT / "docker" / "nginx.conf").read_text()
+    text = (ROOT / "docker" / "proxy" / "nginx.conf").read_text()
     for old, new in (
         ("30s", f"{SECONDS:g}s"), ("limit_conn clients 100", "limit_conn clients 10"),
         ("listen 8443", f"listen 127.0.0.1:{port}"), ("/tmp/", f"{folder}/"),

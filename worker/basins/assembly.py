@@ -5,10 +5,10 @@ contains every cycle. So tiles report their images, the map is read on R alone, 
 Then every tile labels its own cells by look-up. No process ever holds an array of all cells.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 
@@ -19,9 +19,8 @@ from worker.stores.layout import MAPPED
 from worker.stores.tiles import Tile
 
 _IMAGE_CELL = MAPPED[:1]
-# Chunks are decoded without the GIL, and other workers may wait for this one. At most 128 MB of images are held.
+# Chunks are decoded without the GIL, and other workers may wait for this one.
 _READERS = 2
-_READ_AHEAD = 16
 
 
 def _tiles_with_members(store: BasinStore, basin: int, members: ImageSet) -> list[Tile]:
@@ -29,22 +28,22 @@ def _tiles_with_members(store: BasinStore, basin: int, members: ImageSet) -> lis
     return [tile for tile in tiles if has_members(members, tile.rows, tile.columns, store.job.grid.time_cells)]
 
 
-def _read_images(store: BasinStore, tiles: list[Tile]) -> Iterator[tuple[Tile, np.ndarray]]:
-    with ThreadPoolExecutor(_READERS) as readers:
-        for first in range(0, len(tiles), _READ_AHEAD):
-            ahead = tiles[first : first + _READ_AHEAD]
-            for tile, (images,) in zip(ahead, readers.map(partial(store.read_tile, _IMAGE_CELL), ahead), strict=True):
-                yield tile, images
-
-
 def places_of_images(
     store: BasinStore, basin: int, members: ImageSet, pause: Callable[[], None] = lambda: None
 ) -> np.ndarray:
     """Index of each member's image. Only tiles that hold members are read; `pause` is called after each."""
     place = np.empty(members.size, np.int32)
-    for tile, images in _read_images(store, _tiles_with_members(store, basin, members)):
+
+    def place_tile(tile: Tile) -> None:
+        (images,) = store.read_tile(_IMAGE_CELL, tile)
         place_images(members, (tile.rows[0], tile.columns[0]), store.job.grid.time_cells, images, place)
-        pause()
+
+    readers = ThreadPoolExecutor(_READERS)
+    try:
+        for _ in readers.map(place_tile, _tiles_with_members(store, basin, members)):
+            pause()
+    finally:
+        readers.shutdown(cancel_futures=True)
     return place
 
 

@@ -1,11 +1,13 @@
 """From a job to a complete store: each basin is mapped, assembled and labelled, and solutions are numbered in order.
 
-The store is authoritative: a tile is done if the ledger says so, and the ledger is written after the tile. Basins are
+The store is authoritative: a tile is done if the ledger says so, and the ledger is written after the tile is on the
+disk, since its receipt is sent after that. Basins are
 completed in order. After any crash the same call computes only what is missing, and the result is the same to the byte.
 """
 
 import contextlib
 import threading
+from functools import partial
 
 from worker.basins.ledger import Ledger
 from worker.basins.pace import Pace
@@ -16,6 +18,7 @@ from worker.jobs.basin_job import BasinJob
 from worker.progress import Report, Stage
 from worker.stores.basin_store import BasinStore
 from worker.stores.changes import list_changes
+from worker.stores.files.synced_files import synced_together
 
 # Basins in progress for each task in flight. A slow basin delays the numbering of the next ones, whose results wait in
 # memory.
@@ -60,7 +63,9 @@ def run_basin(
     pace = Pace(store, ledger, schedule)
     report(pace.progress())
     try:
-        with contextlib.closing(driver.run_tasks((location, store.digest), schedule.next_task, cancel)) as done:
+        within = partial(synced_together, location)
+        tasks = driver.run_tasks((location, store.digest), schedule.next_task, cancel, within=within)
+        with contextlib.closing(tasks) as done:
             for task, receipt in done:
                 schedule.take(task, receipt)
                 ledger.save_sometimes()

@@ -59,6 +59,8 @@ class Schedule:
 
     def next_task(self) -> Task | None:
         """The next task, from the first basin that has one or from a basin that begins. None if there is none yet."""
+        if not self._ready:
+            self._catch_up()
         if not self._ready and self._admitted < self._store.job.basins and len(self.basins) < self._most_basins:
             self._begin(self._admitted)
             self._admitted += 1
@@ -75,14 +77,22 @@ class Schedule:
 
     def take(self, task: Task, receipt: Any) -> None:
         """Take the receipt of a task, and queue the tasks that it makes possible."""
+        self._catch_up()
         self._push(task.then(task.number, receipt))
-        self._number()
-        self._complete()
 
     def _solved(self, number: int, receipt: BasinReceipt) -> Iterable[Task]:
         self._ledger.reach(number, TileState.COMPUTED)
         self.basins[number].adopt(receipt.attractors, receipt.counts, receipt.reserved, receipt.seconds)
         return ()
+
+    def _catch_up(self) -> None:
+        """Number and complete the basins that the receipts taken so far allow to.
+
+        Where the store has to grow for new solutions, this takes tens of milliseconds. So it waits until the next
+        receipt comes or no task is ready. Meanwhile the workers have the tasks that a receipt made possible.
+        """
+        self._number()
+        self._complete()
 
     def _number(self) -> None:
         """Number the solutions of each basin, once it and all basins before it are solved.

@@ -6,9 +6,10 @@ the worker checks it. A check of the list of workers would miss those that join 
 
 import time
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from typing import Any, NamedTuple
 
-from distributed import get_worker
+from distributed import get_worker, secede
 
 from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 from worker.cluster.task import stop_if_cancelled
@@ -19,7 +20,8 @@ from worker.rounding import with_or_without
 class Call(NamedTuple):
     """Tasks of one function that travel to a worker together.
 
-    ``fused`` is whether the driver computes with FMA. Each of ``tasks`` holds a number and further arguments.
+    ``fused`` is whether the driver computes with FMA. Each of ``tasks`` holds a number and further arguments. All run
+    inside ``within()``.
     """
 
     fused: bool
@@ -27,6 +29,7 @@ class Call(NamedTuple):
     location: str
     digest: str
     tasks: Sequence[tuple[Any, ...]]
+    within: Callable[[], AbstractContextManager[None]]
 
 
 class Receipts(NamedTuple):
@@ -59,7 +62,11 @@ def compute_alike(call: Call) -> Receipts:
         )
     begin = time.perf_counter()
     values = []
-    for task in call.tasks:
-        stop_if_cancelled()
-        values.append(call.function(call.location, call.digest, *task))
-    return Receipts(values, time.perf_counter() - begin)
+    with call.within():
+        for task in call.tasks:
+            stop_if_cancelled()
+            values.append(call.function(call.location, call.digest, *task))
+        seconds = time.perf_counter() - begin
+        # What is left to do is to wait for the disk. This thread's place is free meanwhile for the next call.
+        secede()
+    return Receipts(values, seconds)

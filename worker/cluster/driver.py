@@ -21,6 +21,7 @@ import time
 import uuid
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, NamedTuple, cast
 
 from distributed import Client, Future
@@ -101,7 +102,11 @@ class Driver:
             self._jobs += more
 
     def run_tasks(
-        self, address: tuple[str, str], next_task: Callable[[], Task | None], cancel: threading.Event
+        self,
+        address: tuple[str, str],
+        next_task: Callable[[], Task | None],
+        cancel: threading.Event,
+        within: Callable[[], AbstractContextManager[None]] = nullcontext,
     ) -> Generator[tuple[Task, Any], None, None]:
         """Run the tasks of one job, and yield each with its receipt as it completes.
 
@@ -113,6 +118,9 @@ class Driver:
             Returns the next task. None means that there is none, at least until another one has completed.
         cancel : threading.Event
             Set it to stop the work.
+        within : callable
+            Makes the context that a worker runs tasks in, those of one call together. When it has been left, their
+            receipts are sent.
 
         Yields
         ------
@@ -124,7 +132,7 @@ class Driver:
         JobCancelled, TileFailed, ClusterFailed, or the WorkerError of a task
             Tasks still in flight have then been cancelled.
         """
-        window = _Window(self, address)
+        window = _Window(self, address, within)
         last_seen = time.monotonic()
         try:
             while True:
@@ -160,8 +168,13 @@ class _Sent(NamedTuple):
 class _Window:
     """A job's calls in flight: the tasks of each future; and tasks that wait to join a call."""
 
-    def __init__(self, driver: Driver, address: tuple[str, str]) -> None:
-        self.driver, self.client, self.address = driver, driver.client, address
+    def __init__(
+        self,
+        driver: Driver,
+        address: tuple[str, str],
+        within: Callable[[], AbstractContextManager[None]] = nullcontext,
+    ) -> None:
+        self.driver, self.client, self.address, self.within = driver, driver.client, address, within
         self.size = driver.window_size
         self.run = uuid.uuid4().hex[:12]
         self.submitted = 0
@@ -204,7 +217,7 @@ class _Window:
             first = tasks[0]
             keys.append(f"{first.function.__name__}-{self.run}-{first.number}-{self.submitted}-a{attempt}")
             own = [(task.number, *task.arguments) for task in tasks]
-            arguments.append(Call(fuses_multiply_add(), first.function, *self.address, own))
+            arguments.append(Call(fuses_multiply_add(), first.function, *self.address, own, self.within))
         futures = self.client.map(compute_alike, arguments, key=keys, pure=False)
         for future, each in zip(futures, calls, strict=True):
             self.calls[future] = each

@@ -144,7 +144,7 @@ def paint_cells(
     solution, group : array_like of int, one shape
         Solution and group of each cell; a cell with a negative solution is missing.
     attractors : tuple of Attractor
-        The catalogue that `solution` indexes.
+        The catalogue that ``solution`` indexes.
     palette : Palette
 
     Returns

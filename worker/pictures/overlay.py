@@ -42,7 +42,7 @@ class Lines(NamedTuple):
     style: str = "-"
 
     def draw(self, axes: Axes, time_start: float = 0.0) -> None:
-        """Draw them on axes that show one period from `time_start` on."""
+        """Draw them on axes that show one period from ``time_start`` on."""
         parts = split_at_wrap(Piece(piece.t - time_start, piece.v) for piece in self.pieces)
         # One line with gaps draws thousands of pieces as fast as one.
         gap = np.array([np.nan])
@@ -75,7 +75,7 @@ class Marks(NamedTuple):
     size: float = 7.0
 
     def draw(self, axes: Axes, time_start: float = 0.0) -> None:
-        """Draw them on axes that show one period from `time_start` on."""
+        """Draw them on axes that show one period from ``time_start`` on."""
         t = time_start + (self.t - time_start) % 1.0
         axes.plot(
             t, self.v, self.marker, color=self.colour, markersize=self.size,
@@ -84,6 +84,7 @@ class Marks(NamedTuple):
 
 
 Overlay = Lines | Marks
+"""What can be laid over a basin: curves or marks."""
 
 
 def attractor_marks(attractors: Iterable[Attractor], colour: str = "white") -> tuple[Marks, ...]:

@@ -8,6 +8,8 @@ SYMBOLS = {
     "damping": "δ", "eccentricity": "ε", "half_backlash": "β", "stiffness": "κ", "restitution": "r",
     "contact_damping": "ζ",
 }  # fmt: skip
+"""Symbol of each parameter of an oscillator in pictures."""
+
 _OF_HARMONICS = {"amplitude": "ε", "phase": "φ"}
 _BELOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 # Not worth a word where they are what the paper has.

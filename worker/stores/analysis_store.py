@@ -16,8 +16,9 @@ from worker.errors import StoreConflict, StoreFailed, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob
 from worker.rounding import demand_same_rounding
+from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import Columns, Variable
-from worker.stores.new_store import CONFIG, birth_certificate, consolidate, now
+from worker.stores.new_store import CODECS, CONFIG, consolidate
 from worker.stores.opening import (
     create_unless_there,
     demand_same_request,
@@ -25,10 +26,14 @@ from worker.stores.opening import (
     open_group,
     open_store_at,
 )
+from worker.stores.provenance import birth_certificate, now
 from worker.stores.storage import place_at
 
-ANALYSIS_LAYOUT_VERSION = 1
-_PARTS = "parts"
+ANALYSIS_LAYOUT_VERSION = 2
+# Chunks of layout 1 have no checksums.
+_READABLE_LAYOUTS = (1, ANALYSIS_LAYOUT_VERSION)
+PARTS = "parts"
+"""Group of the parts of an unfinished analysis."""
 _WHOLE = "whole"
 _LONGEST_CHUNK = 1 << 20
 
@@ -56,7 +61,7 @@ class AnalysisStore:
         self._group = open_store_at(location, "store", fence)
         if "kind" not in self._group.attrs:
             raise StoreConflict(f"{location} holds no analysis")
-        if self._group.attrs["layout_version"] != ANALYSIS_LAYOUT_VERSION:
+        if self._group.attrs["layout_version"] not in _READABLE_LAYOUTS:
             raise StoreConflict(f"{location} is no analysis of layout {ANALYSIS_LAYOUT_VERSION}")
 
     @classmethod
@@ -101,9 +106,10 @@ class AnalysisStore:
     def write_part(self, name: str, columns: Columns) -> None:
         """Write the columns of a part, and mark it complete."""
         with as_store_failure(self.location):
-            part = self._group.create_group(f"{_PARTS}/{name}", overwrite=True)
-            for column, values in columns.items():
-                _write(part, column, np.asarray(values), (), {})
+            with synced_together(self.location):
+                part = self._group.create_group(f"{PARTS}/{name}", overwrite=True)
+                for column, values in columns.items():
+                    _write(part, column, np.asarray(values), (), {})
             part.attrs[_WHOLE] = True
 
     def read_part(self, name: str) -> Columns:
@@ -124,7 +130,7 @@ class AnalysisStore:
         """Group of a part, None if it is missing."""
         with as_store_failure(self.location):
             try:
-                return self._group[f"{_PARTS}/{name}"]
+                return self._group[f"{PARTS}/{name}"]
             except KeyError:
                 return None
 
@@ -132,7 +138,7 @@ class AnalysisStore:
         """Completed parts."""
         # Zarr's own list of groups would warn of temporary files that writers of other parts have open.
         with as_store_failure(self.location):
-            names = place_at(self.location).folders(_PARTS)
+            names = place_at(self.location).folders(PARTS)
         found = {name: self._part(name) for name in names}
         return StoredParts(self, [name for name, part in found.items() if part is not None and part.attrs.get(_WHOLE)])
 
@@ -140,11 +146,12 @@ class AnalysisStore:
         """Write the tables in place of the existing ones (driver only)."""
         self._fence()
         with as_store_failure(self.location):
-            for variable in variables:
-                if variable.name in self._group:
-                    del self._group[variable.name]
-                values = np.asarray(columns[variable.name])
-                _write(self._group, variable.name, values, variable.dims, variable.attrs(), variable)
+            with synced_together(self.location):
+                for variable in variables:
+                    if variable.name in self._group:
+                        del self._group[variable.name]
+                    values = np.asarray(columns[variable.name])
+                    _write(self._group, variable.name, values, variable.dims, variable.attrs(), variable)
             consolidate(self.location, self._fence)
 
     def read_tables(self) -> Columns:
@@ -159,12 +166,19 @@ class AnalysisStore:
             self._group.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
         self.remove_parts()
 
+    def take_back(self) -> None:
+        """Make the store unfinished again, so that the same job computes its tables anew."""
+        self._fence()
+        with as_store_failure(self.location):
+            self._group.update_attributes({"complete": False, "finished": None})
+            consolidate(self.location, self._fence)
+
     def remove_parts(self) -> None:
         """Remove the parts of a store whose tables are complete (driver only)."""
         self._fence()
         with as_store_failure(self.location):
-            if _PARTS in self._group:
-                del self._group[_PARTS]
+            if PARTS in self._group:
+                del self._group[PARTS]
             consolidate(self.location, self._fence)
 
 
@@ -226,7 +240,7 @@ def _write(
     kind = str if text else values.dtype if variable is None else variable.dtype
     array = group.create_array(
         name, shape=values.shape, chunks=_chunks(values.shape), dtype=kind, config=CONFIG, attributes=attributes,
-        dimension_names=dims or None, fill_value=variable.fill if variable else None,
+        dimension_names=dims or None, fill_value=variable.fill if variable else None, compressors=CODECS,
     )  # fmt: skip
     if values.size:
         array[...] = np.array(values.tolist(), np.dtypes.StringDType()) if text else values.astype(kind)

@@ -9,6 +9,9 @@ over HTTP, which cannot list a folder, always see everything.
 
 import json
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,11 +24,15 @@ from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
 from worker.stores import layout
 from worker.stores.layout import Variable
-from worker.stores.new_store import consolidate, create_store, now, places_of, tiling_of
+from worker.stores.new_store import consolidate, create_store, places_of, tiling_of, write_coordinates
 from worker.stores.opening import create_unless_there, demand_same_request, open_group, open_store_at
+from worker.stores.provenance import now
 from worker.stores.solution_arrays import SolutionArrays
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tile
+
+# Chunks are encoded without the GIL, and other workers may wait for this one.
+_WRITERS = 2
 
 
 class BasinStore(SolutionArrays):
@@ -51,7 +58,7 @@ class BasinStore(SolutionArrays):
         self._group = open_store_at(location, "basin store", fence)
         if "kind" in self._group.attrs:
             raise StoreConflict(f"{location} is no basin store: it is one of kind {self._group.attrs['kind']}")
-        if self._group.attrs.get("layout_version") != layout.LAYOUT_VERSION:
+        if self._group.attrs.get("layout_version") not in layout.READABLE_LAYOUTS:
             raise StoreConflict(f"{location} is no basin store of layout {layout.LAYOUT_VERSION}")
         self.job = basin_job(json.loads(str(self._group.attrs["request"])))
         self.digest = self.job.digest
@@ -146,16 +153,43 @@ class BasinStore(SolutionArrays):
 
     def write_groups(self, basin: int, groups: CellGroups) -> None:
         """Write Hsu's numbers on a basin's image set, for tiles to look up."""
-        for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True):
-            self._write(variable, values, *self.job.place_of(basin), slice(values.size))
+        place = self.job.place_of(basin)
+        with ThreadPoolExecutor(_WRITERS) as writers:
+            # In the caller's context, as in Zarr's own threads.
+            written = [
+                writers.submit(copy_context().run, partial(self._write, variable, values[chunk], *place, chunk))
+                for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True)
+                for chunk in self._chunks(variable, values.size)
+            ]
+        for each in written:
+            each.result()
+
+    def read_solution(self, basin: int) -> np.ndarray:
+        """Read the solution of every cell or point of a basin."""
+        return self._read(self.places.solution, *self.job.place_of(basin), ...)
 
     def read_groups(self, basin: int) -> CellGroups:
-        """Read Hsu's numbers on a basin's image set."""
+        """Read Hsu's numbers on a basin's image set: as int16 if all groups and steps fit, which halves the memory."""
         members = self.read_image_words(basin)
         place = self.job.place_of(basin)
-        group, step = (self._read(each, *place, slice(members.size)) for each in layout.IMAGE_SET[:2])
+        group, step = (self._read_small(each, members.size, *place) for each in layout.IMAGE_SET[:2])
         period = self._read(layout.IMAGE_SET[2], *place, slice(int(group.max(initial=0)) + 1))
-        return CellGroups(members, group, step, period)
+        both = np.result_type(group, step)
+        return CellGroups(members, group.astype(both, copy=False), step.astype(both, copy=False), period)
+
+    def _read_small(self, variable: Variable, size: int, *place: int) -> np.ndarray:
+        """The first numbers of an array of int32, as int16 if all of them fit."""
+        values = np.empty(size, np.int16)
+        for chunk in self._chunks(variable, size):
+            numbers = self._read(variable, *place, chunk)
+            values = values.astype(np.result_type(values, np.min_scalar_type(-1 - int(numbers.max()))), copy=False)
+            values[chunk] = numbers
+        return values
+
+    def _chunks(self, variable: Variable, size: int) -> list[slice]:
+        """The first numbers of an array, chunk by chunk. Zarr copies what it reads or writes of several at once."""
+        length = self._kept(variable).chunks[-1]
+        return [slice(start, min(start + length, size)) for start in range(0, size, length)]
 
     def write_grazing_velocity(self, basin: int, velocity: np.ndarray) -> None:
         """Write the grazing curve of a basin."""
@@ -178,6 +212,26 @@ class BasinStore(SolutionArrays):
             # One write, with the consolidated metadata: a complete store is complete for every reader.
             whole = open_group(self.location, "r+", consolidated=True, fence=self._fence)
             whole.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
+
+    def take_back(self, states: np.ndarray, *, tables: bool) -> None:
+        """Make the store unfinished again, so that the same job computes anew what the ledger no longer claims.
+
+        Parameters
+        ----------
+        states : ndarray of uint8
+            The new ledger.
+        tables : bool
+            Whether the tables of solutions are emptied, too. No basin may be assembled then.
+        """
+        self._fence()
+        with as_store_failure(self.location):
+            self._group.update_attributes({"complete": False, "finished": None})
+            self.write_ledger(states)
+            write_coordinates(self._group, self.job)
+            if tables:
+                self.empty_solutions()
+                self._write(layout.IMAGE_COUNTS, np.array(layout.IMAGE_COUNTS.fill), ...)
+            consolidate(self.location, self._fence)
 
     @property
     def attributes(self) -> dict[str, Any]:

@@ -16,7 +16,9 @@ from rattle_kernels import AttractorKind
 Columns = dict[str, np.ndarray]
 """Arrays by name."""
 
-LAYOUT_VERSION = 3
+LAYOUT_VERSION = 4
+READABLE_LAYOUTS = (3, LAYOUT_VERSION)
+"""Chunks of layout 3 have no checksums."""
 MISSING = -9
 """Fill value of all integer arrays: no cell number, group, period, step or index."""
 

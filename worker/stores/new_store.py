@@ -1,39 +1,30 @@
 """Layout of a new store: every array at full length, except those of solutions, whose number is not known yet."""
 
-import json
-import subprocess
 import warnings
-from datetime import UTC, datetime
-from functools import cache
-from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import zarr
+from zarr.codecs import Crc32cCodec, ZstdCodec
 from zarr.errors import ZarrUserWarning
 
-from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob
-from worker.rounding import FUSED
 from worker.stores import layout
+from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import Places, TileState, Variable
+from worker.stores.provenance import birth_certificate
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tiling, cut, cut_row
 
 # Zarr does not store this: a handle opened without it would delete chunks that equal the fill value.
 CONFIG = {"write_empty_chunks": True}
+# The checksum is of the compressed bytes, as they lie on the disk.
+CODECS = (ZstdCodec(level=0), Crc32cCodec())
 # Arrays that are written whole are small, except the image set of a map of 1e8 cells.
 _LONGEST_CHUNK = 1 << 22
 # Chunks of a basin's attractors.
-_ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK = 32, 4096
-_PACKAGES = ("gear-rattle", "numpy", "numba", "scipy", "zarr", "dask", "distributed")
-
-
-def now() -> str:
-    """Current time as text, for attributes."""
-    return datetime.now(UTC).isoformat(timespec="milliseconds")
+ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK = 32, 4096
 
 
 def places_of(job: BasinJob) -> Places:
@@ -73,13 +64,24 @@ def create_array(
     return group.create_array(
         variable.path, shape=basins + shape, chunks=of_basins + own, dtype=variable.dtype, fill_value=variable.fill,
         dimension_names=tuple(swept.parameter for swept in job.vary if variable.per_basin) + variable.dims,
-        attributes=variable.attrs(), config=CONFIG,
+        attributes=variable.attrs(), config=CONFIG, compressors=CODECS,
     )  # fmt: skip
 
 
 def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     """Create a new store. The attributes that identify it as a store are written last."""
     group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
+    with synced_together(location):
+        tile = _create_arrays(group, job)
+    title = "Basins of attraction of a rattling gear pair"
+    born = birth_certificate(title, job.request(), job.digest)
+    # In one write: `attrs.update` writes once per attribute.
+    group.update_attributes(born | {"tile_cells": list(tile)})
+    consolidate(location, fence)
+
+
+def _create_arrays(group: Any, job: BasinJob) -> tuple[int, ...]:
+    """Create all arrays. Return the shape of a tile."""
     tiling, places = tiling_of(job), places_of(job)
     sampled = job.sample is not None
     shape: tuple[int, ...] = (job.grid.time_cells,) if sampled else job.grid.shape
@@ -91,31 +93,37 @@ def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     _create_coordinates(group, job, tiling)
     _create_assembly(group, job)
     _create_solutions(group, job)
-    title = "Basins of attraction of a rattling gear pair"
-    born = birth_certificate(title, job.request(), job.digest)
-    # In one write: `attrs.update` writes once per attribute.
-    group.update_attributes(born | {"tile_cells": list(tile)})
-    consolidate(location, fence)
+    return tile
 
 
 def _create_coordinates(group: Any, job: BasinJob, tiling: Tiling) -> None:
     for swept in job.vary:
         named = Variable(swept.parameter, (swept.parameter,), np.float64, np.inf, "swept parameter", {}, False)
-        create_array(group, job, named, (len(swept.values),))[...] = np.array(swept.values)
+        create_array(group, job, named, (len(swept.values),))
     if job.sample is not None:
-        arrays = [
+        for variable in layout.SAMPLE_COORDINATES:
             create_array(group, job, variable, (job.sample.points,), (tiling.tile_columns,))
-            for variable in layout.SAMPLE_COORDINATES
-        ]
-        for number in tiling.numbers_of(0):
-            columns = tiling.tile(number).columns
-            for array, values in zip(arrays, job.sample.departures(job.grid, *columns), strict=True):
-                array[slice(*columns)] = values
+    else:
+        for variable, cells in zip(layout.COORDINATES, (job.grid.time_cells, job.grid.velocity_cells), strict=True):
+            create_array(group, job, variable, (cells,))
+        create_array(group, job, layout.GRAZING, (job.grid.time_cells,), (job.grid.time_cells,))
+    write_coordinates(group, job)
+
+
+def write_coordinates(group: Any, job: BasinJob) -> None:
+    """Write what follows from the request alone: values of swept parameters, and coordinates of cells or points."""
+    for swept in job.vary:
+        group[swept.parameter][...] = np.array(swept.values)
+    if job.sample is None:
+        centres = job.grid.time_centres(), job.grid.velocity_centres()
+        for variable, values in zip(layout.COORDINATES, centres, strict=True):
+            group[variable.path][...] = values
         return
-    centres = job.grid.time_centres(), job.grid.velocity_centres()
-    for variable, values in zip(layout.COORDINATES, centres, strict=True):
-        create_array(group, job, variable, values.shape)[...] = values
-    create_array(group, job, layout.GRAZING, (job.grid.time_cells,), (job.grid.time_cells,))
+    arrays, tiling = [group[variable.path] for variable in layout.SAMPLE_COORDINATES], tiling_of(job)
+    for number in tiling.numbers_of(0):
+        columns = tiling.tile(number).columns
+        for array, values in zip(arrays, job.sample.departures(job.grid, *columns), strict=True):
+            array[slice(*columns)] = values
 
 
 def _create_assembly(group: Any, job: BasinJob) -> None:
@@ -132,41 +140,9 @@ def _create_solutions(group: Any, job: BasinJob) -> None:
     for variable in layout.MOTIONS + layout.measured(job.sample.scramblings if job.sample else None):
         basins = job.sweep_shape if variable.per_basin else ()
         group.create_array(
-            variable.path, shape=(*basins, 0), chunks=(*basins, _ATTRACTORS_A_CHUNK), dtype=variable.dtype,
-            fill_value=variable.fill, attributes=variable.attrs(), config=CONFIG,
+            variable.path, shape=(*basins, 0), chunks=(*basins, ATTRACTORS_A_CHUNK), dtype=variable.dtype,
+            fill_value=variable.fill, attributes=variable.attrs(), config=CONFIG, compressors=CODECS,
             dimension_names=tuple(swept.parameter for swept in job.vary if variable.per_basin) + variable.dims,
         )  # fmt: skip
     for variable in layout.POINTS:
-        create_array(group, job, variable, (0, 0), (_ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK))
-
-
-def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[str, Any]:
-    """Attributes of every new store: title, request, versions of the packages, and time of creation."""
-    return {
-        "Conventions": "CF-1.11",
-        "title": title,
-        "request": json.dumps(request),
-        "request_sha256": digest,
-        "layout_version": layout.LAYOUT_VERSION,
-        "versions": _versions(),
-        "git_revision": _git_revision(),
-        FUSED: fuses_multiply_add(),
-        "started": now(),
-        "finished": None,
-        "complete": False,
-    }
-
-
-@cache
-def _versions() -> dict[str, str]:
-    return {package: version(package) for package in _PACKAGES}
-
-
-@cache
-def _git_revision() -> str | None:
-    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=5)
-    except (OSError, subprocess.SubprocessError):
-        return None
-    return done.stdout.strip()
+        create_array(group, job, variable, (0, 0), (ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK))

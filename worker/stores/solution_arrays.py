@@ -14,6 +14,7 @@ from worker.errors import as_store_failure
 from worker.fence import Fence
 from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
+from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import Places, Variable
 from worker.stores.new_store import CONFIG, consolidate, create_array
 from worker.stores.solution_table import Motion, SolutionTable
@@ -63,20 +64,31 @@ class SolutionArrays:
                 return
             names = [motion.name for motion in table.motions]
             columns = [np.array(column) for column in zip(*table.motions, strict=True)]
-            for variable in self._measured():
-                self._array(variable).resize((*self.job.sweep_shape, room[0]))
-            for variable, values in zip(
-                layout.MOTIONS, (*columns, np.array(names, np.dtypes.StringDType())), strict=True
-            ):
-                array = self._array(variable)
-                array.resize(room[:1])
-                array[: len(names)] = values
-            flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
-            self._group[self.places.solution.path].update_attributes(flags)
+            with synced_together(self.location):
+                for variable in self._measured():
+                    self._array(variable).resize((*self.job.sweep_shape, room[0]))
+                for variable, values in zip(
+                    layout.MOTIONS, (*columns, np.array(names, np.dtypes.StringDType())), strict=True
+                ):
+                    array = self._array(variable)
+                    array.resize(room[:1])
+                    array[: len(names)] = values
+                flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
+                self._group[self.places.solution.path].update_attributes(flags)
             # Points come last, because their shape says how much room there is. A driver killed earlier starts over.
             for variable in reversed(layout.POINTS):
                 self._array(variable).resize((*self.job.sweep_shape, *room))
             consolidate(self.location, self._fence)
+
+    def empty_solutions(self) -> None:
+        """Forget all solutions, as in a new store (driver only)."""
+        for variable in layout.POINTS:
+            self._array(variable).resize((*self.job.sweep_shape, 0, 0))
+        for variable in self._measured():
+            self._array(variable).resize((*self.job.sweep_shape, 0))
+        for variable in layout.MOTIONS:
+            self._array(variable).resize((0,))
+        self._handles.clear()
 
     def _measured(self) -> tuple[Variable, ...]:
         return layout.measured(self.job.sample.scramblings if self.job.sample else None)

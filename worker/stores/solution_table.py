@@ -1,5 +1,6 @@
 """The solutions of all basins: the motion of each number, and its properties in each basin."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind
 from worker.jobs.basin_job import BasinJob
+from worker.jobs.sample import Sample
 
 
 class Motion(NamedTuple):
@@ -62,6 +64,28 @@ def share_error(counts: np.ndarray, points: int) -> np.ndarray:
         return laplace
     scatter = np.std(counts / (points / sets), axis=0, ddof=1) / sets**0.5
     return np.where(np.ptp(counts, axis=0) > 0, scatter, laplace)
+
+
+def shares_of_sets(solution: np.ndarray, numbers: Sequence[int], sample: Sample | None) -> np.ndarray | None:
+    """Share of each motion in each scrambled set of a sample; None where there are not several.
+
+    Parameters
+    ----------
+    solution : ndarray of int, shape (points,)
+        Motion of each point.
+    numbers : sequence of int
+        The motions.
+    sample : Sample, optional
+
+    Returns
+    -------
+    ndarray of float64, shape (sets, motions), or None
+    """
+    if sample is None or sample.scramblings == 1:
+        return None
+    of_set = sample.set_of(0, solution.size)
+    counts = [np.bincount(of_set[solution == number], minlength=sample.scramblings) for number in numbers]
+    return np.stack(counts, axis=1) * (sample.scramblings / sample.points)
 
 
 @dataclass

@@ -9,13 +9,14 @@ because locations are logged and sent to workers.
 
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 from worker.errors import StoreFailed
 from worker.fence import Fence, unfenced
+from worker.stores.files.synced_files import SyncedFiles, write_file
 
 _S3 = "s3://"
 
@@ -58,6 +59,15 @@ class Place(Protocol):
     def folders(self, path: str) -> list[str]:
         """Names of the folders below a path of the store, ascending."""
 
+    def write(self, path: str, content: bytes) -> None:
+        """Write a file."""
+
+    def paths(self) -> list[str]:
+        """Paths of all files of the store, ascending."""
+
+    def discard(self, paths: Sequence[str]) -> None:
+        """Remove some files, if they are there."""
+
     def sweep(self) -> None:
         """Remove files that killed writers have left."""
 
@@ -84,7 +94,7 @@ def place_at(location: str, fence: Fence = unfenced) -> Place:
         if not bucket or not prefix.strip("/"):
             raise StoreFailed(f"{location} is no place for stores: write s3://bucket/prefix")
         try:
-            from worker.stores.object_storage import objects_at
+            from worker.stores.files.object_storage import objects_at
         except ModuleNotFoundError as error:
             raise StoreFailed(f"stores in S3 need {error.name}: pip install 'gear-rattle[s3]'") from error
         return objects_at(location, bucket, prefix.strip("/"), fence)
@@ -98,7 +108,7 @@ class _Folder:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.zarr = str(path)
+        self.zarr = SyncedFiles(path)
 
     def check(self) -> None:
         pass  # a folder is made with its store
@@ -130,6 +140,16 @@ class _Folder:
                 return sorted(each.name for each in found if each.is_dir())
         except FileNotFoundError:
             return []
+
+    def write(self, path: str, content: bytes) -> None:
+        write_file(self.path, path, content)
+
+    def paths(self) -> list[str]:
+        return sorted(path.relative_to(self.path).as_posix() for path in self.path.rglob("*") if path.is_file())
+
+    def discard(self, paths: Sequence[str]) -> None:
+        for path in paths:
+            (self.path / path).unlink(missing_ok=True)
 
     def sweep(self) -> None:
         for orphan in self.path.rglob("*.partial"):

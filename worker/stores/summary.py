@@ -12,10 +12,10 @@ from rattle_kernels import Attractor, AttractorKind, ExpectedLoudness, Loudness,
 from worker.stores.basin_store import BasinStore
 from worker.stores.changes import list_changes
 from worker.stores.layout import ChangeKind, TileState
-from worker.stores.solution_table import SolutionTable
+from worker.stores.solution_table import SolutionTable, shares_of_sets
 
 _EXPECTATIONS_KEPT = 1 << 14
-_WITHOUT_POINTS = AttractorKind.PERMANENT_CONTACT, AttractorKind.UNDECIDED
+WITHOUT_POINTS = AttractorKind.PERMANENT_CONTACT, AttractorKind.UNDECIDED
 _expectations: OrderedDict[tuple[str, int, bytes], ExpectedLoudness] = OrderedDict()
 
 
@@ -185,11 +185,15 @@ def expected_in(store: BasinStore, table: SolutionTable, basin: int) -> Expected
     key = store.location, basin, table.share[basin].tobytes()
     if key not in _expectations:
         oscillator, catalogue = store.job.oscillator_of(basin), store.read_catalogue(basin, table, numbers)
-        if not all(each.time.size or each.kind in _WITHOUT_POINTS for each in catalogue):
+        if not all(each.time.size or each.kind in WITHOUT_POINTS for each in catalogue):
             return None  # points are still being written
         heard = [loudness(oscillator, each) for each in catalogue]
-        points = store.job.sample.points if store.job.sample is not None else None
-        _expectations[key] = expected_loudness(table.share[basin, numbers], heard, points)
+        sample = store.job.sample
+        points = None if sample is None else sample.points
+        of_sets = None
+        if sample is not None and sample.scramblings > 1:
+            of_sets = shares_of_sets(store.read_solution(basin), numbers, sample)
+        _expectations[key] = expected_loudness(table.share[basin, numbers], heard, points, of_sets)
         while len(_expectations) > _EXPECTATIONS_KEPT:
             _expectations.popitem(last=False)
     return _expectations[key]

@@ -9,6 +9,7 @@ import xarray as xr
 from rattle_kernels import ExpectedLoudness, Loudness, expected_loudness, loudness
 from worker.jobs.basin_job import BasinJob
 from worker.stores.layout import SPEED
+from worker.stores.solution_table import shares_of_sets
 from worker.views.reading import attractors_of, basin_of, job_of
 
 WINDOW = "window"
@@ -67,8 +68,13 @@ def _heard(dataset: xr.Dataset, job: BasinJob, number: int) -> tuple[list[Loudne
     """Loudness of the motions of one basin, and its mean."""
     basin = basin_of(dataset, **job.values_of(number))
     heard = [loudness(job.oscillator_of(number), each) for each in attractors_of(basin)]
-    points = job.sample.points if job.sample is not None else None
-    return heard, expected_loudness(basin.share.values if heard else [], heard, points)
+    if not heard:
+        return heard, expected_loudness([], [])
+    points, of_sets = None, None
+    if job.sample is not None:
+        points = job.sample.points
+        of_sets = shares_of_sets(basin.solution.values, range(len(heard)), job.sample)
+    return heard, expected_loudness(basin.share.values, heard, points, of_sets)
 
 
 def _variable(dims: tuple[str, ...], values: np.ndarray, attributes: dict[str, str]) -> xr.Variable:

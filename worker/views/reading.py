@@ -22,7 +22,8 @@ from rattle_kernels import Attractor, AttractorKind
 from worker.errors import InvalidJob, StoreConflict, as_store_failure
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.jobs.swept_parameter import SweptParameter
-from worker.stores.layout import LAYOUT_VERSION, MEASURED, MOTIONS
+from worker.stores.files.served_files import files_at
+from worker.stores.layout import LAYOUT_VERSION, MEASURED, MOTIONS, READABLE_LAYOUTS
 from worker.stores.storage import place_at
 
 # Largest result, in bytes, whose arrays are read in one piece. A larger one has Dask arrays, whose library takes a
@@ -52,7 +53,7 @@ def open_basin(location: str | Path) -> xr.Dataset:
         If an address does not answer.
     """
     dataset = open_store(location)
-    if dataset.attrs.get("layout_version") != LAYOUT_VERSION:
+    if dataset.attrs.get("layout_version") not in READABLE_LAYOUTS:
         raise StoreConflict(f"{location} is no basin store of layout {LAYOUT_VERSION}")
     return dataset
 
@@ -137,17 +138,16 @@ def _as_refusal(address: str) -> Iterator[None]:
 
 
 def _open(location: str, storage_options: dict[str, Any] | None) -> xr.Dataset:
-    store = location if is_address(location) else place_at(location).zarr
-    options: dict[str, Any] = {"storage_options": storage_options} if is_address(location) and storage_options else {}
-    dataset = _opened(store, chunks=None, **options)
-    return dataset if dataset.nbytes <= _ONE_PIECE else _opened(store, chunks={}, **options)
+    store = files_at(location, storage_options) if is_address(location) else place_at(location).zarr
+    dataset = _opened(store, None)
+    return dataset if dataset.nbytes <= _ONE_PIECE else _opened(store, {})
 
 
-def _opened(store: Any, **options: Any) -> xr.Dataset:
+def _opened(store: Any, chunks: dict[str, int] | None) -> xr.Dataset:
     try:
-        return xr.open_zarr(store, consolidated=True, **options)
+        return xr.open_zarr(store, consolidated=True, chunks=chunks)
     except ValueError:  # plain metadata: slower, one request an array
-        return xr.open_zarr(store, consolidated=False, **options)
+        return xr.open_zarr(store, consolidated=False, chunks=chunks)
 
 
 def job_of(dataset: xr.Dataset) -> BasinJob:

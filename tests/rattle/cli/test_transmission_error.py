@@ -64,7 +64,8 @@ def test_fewer_orders_are_kept_if_that_is_asked_for_and_json_has_all_numbers(fil
 
 def test_every_command_that_names_an_oscillator_takes_a_curve(file):
     values = {each.name: each.default for each in job_options(BasinJob)}
-    values["transmission_error"] = f"{file},unit=degrees,scale=0.01,explained=0.9"
+    with_commas = file.rename(file.with_name("1,000 rpm=slow,te.csv"))
+    values["transmission_error"] = f"{with_commas},unit=degrees,scale=0.01,explained=0.9"
     job = job_of(BasinJob, arguments_from(BasinJob, values), "basin")
     assert job.digest == job_of(BasinJob, {"eccentricity": 0.1}, "basin").digest
     for command in ("basin", "sweep", "bifurcation", "orbits", "manifold", "grazing-curve", "trajectory"):
@@ -90,6 +91,11 @@ def test_every_command_that_names_an_oscillator_takes_a_curve(file):
              "--eccentricity", "0.05"],
             "the forcing is given twice",
         ),
+        # The default eccentricity was given, too.
+        *((
+            [*words, "--transmission-error", "FILE,unit=degrees", "--eccentricity", "0.1"], "the forcing is given twice"
+        ) for words in (["basin", "--out", "b.zarr"], ["trajectory", "--velocity", "4", "--out", "b.csv"])),
+        (["basin", "--out", "b.zarr", "--transmission-error", "a,b.csv,unit=degrees"], "a,b.csv cannot be read"),
         (["basin", "--out", "b.zarr", "--transmission-error", "FILE,unit=degrees"], "Eq. 8"),
     ],
 )  # fmt: skip

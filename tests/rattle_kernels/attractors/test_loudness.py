@@ -163,3 +163,10 @@ def test_expectations_of_a_sample_have_the_errors_of_its_shares(share):
     counts = np.array([[100 - round(100 * share), round(100 * share)]])
     assert told.impact_power_error == pytest.approx(share_error(counts, 100)[1], rel=1e-12)
     assert expected_loudness([1.0 - share, share], [SILENT, LOUD]).impact_power_error == 0.0
+
+
+def test_expectations_of_scrambled_sets_have_the_error_of_their_scatter():
+    told = expected_loudness([0.7, 0.3], [SILENT, LOUD], 100, [[0.68, 0.32], [0.72, 0.28]])
+    assert told.impact_power_error == pytest.approx(np.std([0.32, 0.28], ddof=1) / math.sqrt(2.0), rel=1e-12)
+    agree = expected_loudness([0.7, 0.3], [SILENT, LOUD], 100, [[0.7, 0.3], [0.7, 0.3]])
+    assert agree == expected_loudness([0.7, 0.3], [SILENT, LOUD], 100)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rattle_kernels import CellGrid, Oscillator, find_attractors, map_points
+from rattle_kernels import CellGrid, Oscillator, check_domain, find_attractors, map_points
 from rattle_kernels.attractors.trap_table import build_trap_table
 from rattle_kernels.attractors.trapping_region import find_trap
 from rattle_kernels.cell_mapping.iterations import settled_iterations
@@ -14,6 +14,13 @@ from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 from tests.rattle_kernels.machine import MACHINE, attractor_of, orbit_near
 
 ROAD = [Oscillator(0.06, 0.01, 0.06), Oscillator(6e-3, 1e-3, 6e-3), Oscillator(6e-3, 1e-3, 6e-3, stiffness=1000.0)]
+_TWO = ((2, 1e-4, 0.3), (3, 3e-5, 0.1))
+WIDER = [
+    Oscillator(6e-3, 1e-3, 6e-3, restitution=0.9995),
+    Oscillator(6e-3, 8e-4, 6e-3, restitution=0.999, harmonics=_TWO),
+    pytest.param(Oscillator(6e-3, 1e-3, 6e-3, harmonics=_TWO), marks=pytest.mark.slow),
+    pytest.param(Oscillator(6e-3, 1e-3, 6e-3, 1000.0, contact_damping=1e-4, harmonics=_TWO), marks=pytest.mark.slow),
+]
 ITERATIONS = 60_013
 
 
@@ -28,8 +35,9 @@ def known_attractors(oscillator, count=150):
     return find_attractors(oscillator, settled.t[left], settled.v[left])
 
 
-@pytest.mark.parametrize("oscillator", ROAD, ids=str)
+@pytest.mark.parametrize("oscillator", [*ROAD, *WIDER], ids=str)
 def test_images_are_those_of_the_plain_loop(oscillator):
+    oscillator = check_domain(oscillator)
     grid = CellGrid(0.0, 1.0, 1000, 0.0, 12.0 * oscillator.damping, 1000)
     traps = build_trap_table(oscillator, known_attractors(oscillator))
     t, v = points(oscillator, 150)
@@ -39,6 +47,19 @@ def test_images_are_those_of_the_plain_loop(oscillator):
     apart = caught.landing_time - plain.landing_time
     assert np.nanmax(np.abs(apart - np.rint(apart))) < 1e-8
     assert caught.applications < 0.8 * map_points(oscillator, grid, ITERATIONS, t, v).applications
+
+
+def test_levels_fall_by_what_impacts_lose_too():
+    oscillator = Oscillator(6e-3, 1e-3, 6e-3, restitution=0.9995)
+    traps = build_trap_table(oscillator, known_attractors(oscillator))
+    assert traps.first.size >= 5
+    orbits = [find_periodic_orbit(oscillator, traps.time[first], traps.speed[first], int(period), 0.1)
+              for first, period in zip(traps.first, traps.period, strict=True)]  # fmt: skip
+    lost = [
+        6e-3 * orbit.forcing_periods - 2.0 * (orbit.upper_contacts + orbit.lower_contacts) * np.log(0.9995)
+        for orbit in orbits
+    ]
+    np.testing.assert_allclose(traps.rate, 0.5 * np.array(lost), rtol=1e-9)
 
 
 @pytest.mark.slow

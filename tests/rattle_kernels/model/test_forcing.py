@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from rattle_kernels import Harmonic, Oscillator, eccentric_gears, time_history, torque_ripple
+from rattle_kernels import Harmonic, Oscillator, eccentric_gears, next_impacts, time_history, torque_ripple
 from rattle_kernels.model.forcing import shifted_forcing
 
 TWO_PI = 2.0 * math.pi
@@ -46,6 +46,44 @@ def test_two_gears_are_the_orders_by_which_they_turn():
     opposed = eccentric_gears(1, 1, 0.1, 0.06, 0.25)
     assert eccentric_gears(1, 1, 0.1, 0.1, 0.5) == {"eccentricity": 0.0, "harmonics": ()}
     assert opposed["eccentricity"] == pytest.approx(math.hypot(0.1, 0.06), rel=1e-11) and opposed["harmonics"] == ()
+
+
+@pytest.mark.parametrize(("p", "q", "assembly"), [(3, 2, 0.3), (2, 5, 0.85), (5, 3, 0.0)])
+def test_two_gears_in_the_units_of_one_turn_of_the_first_are_the_same_machine(p, q, assembly):
+    """A flight by DOP853 as one turn of the first gear tells time; its forcing is the way that both centres move."""
+    damping, first, second, half_backlash = 0.25, 0.03, 0.004, 0.4
+    line_of_action = np.array([math.cos(0.35), math.sin(0.35)])
+
+    def along(length, turns):
+        """Where a gear's centre is along the line of action, its speed and its acceleration, per turn of the first."""
+        place = [np.array([math.cos(TWO_PI * turn + 0.35), math.sin(TWO_PI * turn + 0.35)]) for turn in turns]
+        return length * np.array([line_of_action @ each for each in place])
+
+    # A quarter of a turn ahead is the derivative, per radian.
+    def motion(time, state):
+        total = 4.0 * math.pi * damping
+        for length, ratio, lead in ((first, 1.0, 0.0), (second, q / p, assembly)):
+            turn, rate = ratio * time + lead, TWO_PI * ratio
+            _, speed, acceleration = along(length, [turn, turn + 0.25, turn + 0.5]) * [1.0, rate, rate**2]
+            total += acceleration + damping * speed
+        return [state[1], total - damping * state[1]]
+
+    def back(time, state):
+        return state[0] - half_backlash
+
+    back.terminal, back.direction = True, 1.0
+    start, speed = 0.7, 1.1
+    flight = solve_ivp(
+        motion, (start, start + 20), [half_backlash, -speed], method="DOP853", rtol=1e-12, atol=1e-12, events=back
+    )
+    assert flight.y[0].min() > -half_backlash
+    oscillator = Oscillator(
+        p * damping, half_backlash=half_backlash / p, **eccentric_gears(p, q, first / p, second / p, assembly)
+    )
+    # Speeds are lengths a period: both are p times as long, so they stay.
+    impact = next_impacts(oscillator, start / p, speed)
+    assert float(impact.t) == pytest.approx(flight.t[-1] / p % 1.0, abs=1e-9)
+    assert float(impact.v) == pytest.approx(flight.y[1, -1], rel=1e-8) and impact.lower_impacts == 0
 
 
 @pytest.mark.parametrize(("p", "q"), [(2, 4), (0, 1), (1.5, 1), (-1, 2)])

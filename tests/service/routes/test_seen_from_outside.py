@@ -59,6 +59,21 @@ def test_metrics_count_what_a_run_does_and_not_what_was_there_before(service):
     assert sample(service, 'rattle_tiles_total{stage="labelling"}') >= 2
 
 
+def test_metrics_say_how_many_tiles_the_runs_of_a_replica_have_left(service):
+    one, other = run_metrics.Pace(), run_metrics.Pace()
+    before, left = sample(service, "rattle_tiles_left"), []
+    for report in (
+        lambda: one(progress(Stage.MAPPING, 4, 40)),
+        lambda: other(progress(Stage.MAPPING, 9, 90)),
+        lambda: one(progress(Stage.LABELLING, 0, 100)),
+        one.end,
+        other.end,
+    ):
+        report()
+        left.append(sample(service, "rattle_tiles_left") - before)
+    assert left == [6, 7, 11, 1, 0]
+
+
 def test_metrics_time_requests_by_route_and_not_by_path(service):
     for number in range(3):
         service.request("GET", f"/v1/jobs/{number:032x}")

@@ -1,13 +1,14 @@
 """Assembly over tiles against Hsu on the whole map, for random maps written into stores."""
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rattle_kernels import CellGrid, CellImages, find_groups, label_cells
-from rattle_kernels.cell_mapping.image_set import members_of, unite
+from rattle_kernels import CellGrid, CellGroups, CellImages, find_groups, label_cells
+from rattle_kernels.cell_mapping.image_set import members_of, unite, with_counts
 from tests.rattle_kernels.cell_mapping.test_cell_groups import direct_hsu
-from worker.basins.assembly import _kept_groups, assemble_groups, groups_of
+from worker.basins.assembly import _kept_groups, assemble_groups, groups_of, places_of_images
 from worker.basins.tasks import _images, map_tile, survey_tile
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
@@ -45,16 +46,16 @@ def test_assembly_is_hsus_whatever_the_tiling(tmp_path_factory, image, tile_rows
     receipts = [_receipt_of(store, number) for number in range(tiling.tiles)]
     words = unite(_GRID.cells, [receipt.image_set for receipt in receipts]).words
     store.write_image_words(0, words)
-    groups = assemble_groups(store, 0)
-    labels = [np.empty(_GRID.shape, np.int32) for _ in range(3)]
-    for number in range(tiling.tiles):
-        tile = tiling.tile(number)
-        inside = slice(*tile.rows), slice(*tile.columns)
-        own = np.arange(_GRID.cells).reshape(_GRID.shape)[inside]
-        for whole, part in zip(labels, label_cells(groups, own, image[inside]), strict=True):
-            whole[inside] = part
-    for ours, direct in zip(labels, direct_hsu(image.ravel().tolist()), strict=True):
-        np.testing.assert_array_equal(ours.ravel(), direct)
+    for groups in assemble_groups(store, 0), store.read_groups(0):
+        labels = [np.empty(_GRID.shape, np.int32) for _ in range(3)]
+        for number in range(tiling.tiles):
+            tile = tiling.tile(number)
+            inside = slice(*tile.rows), slice(*tile.columns)
+            own = np.arange(_GRID.cells).reshape(_GRID.shape)[inside]
+            for whole, part in zip(labels, label_cells(groups, own, image[inside]), strict=True):
+                whole[inside] = part
+        for ours, direct in zip(labels, direct_hsu(image.ravel().tolist()), strict=True):
+            np.testing.assert_array_equal(ours.ravel(), direct)
 
 
 def _receipt_of(store, number):
@@ -91,6 +92,38 @@ def test_who_found_the_groups_reads_them_no_more_and_others_read_the_same(tmp_pa
     assert read is not found and groups_of(store, 0) is read
     for one, other in zip((*found.members, *found[1:]), (*read.members, *read[1:]), strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize(("group", "step", "kept"), [(1, 7, np.int16), (32767, 32768, np.int32), (32768, 7, np.int32)])
+def test_groups_are_read_as_written_in_half_of_the_memory_where_they_fit(tmp_path, group, step, kept):
+    grid = CellGrid(time_cells=2112, velocity_cells=2112)
+    store = BasinStore.create_or_resume(str(tmp_path / "map.zarr"), BasinJob(grid=grid, iterations=1))
+    members = with_counts(np.full(grid.cells // 64, ~np.uint64(0)))
+    assert members.size > (1 << 22)  # more than one chunk, and the last one holds the largest
+    numbers = np.full((2, members.size), [[-2], [0]], np.int32)
+    numbers[:, -1] = group, step
+    written = CellGroups(members, *numbers, np.arange(group + 1, dtype=np.int32))
+    store.write_image_words(0, members.words)
+    store.write_groups(0, written)
+    read = store.read_groups(0)
+    assert read.group.dtype == read.step.dtype == kept
+    for one, other in zip(written[1:], read[1:], strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_who_stops_while_images_are_read_reads_no_more_tiles(tmp_path, monkeypatch):
+    image = np.arange(_GRID.cells).reshape(_GRID.shape)
+    store = _stored(tmp_path / "map.zarr", image, Tiling(_GRID, 1, 1))
+    members = unite(_GRID.cells, [_receipt_of(store, number).image_set for number in range(store.tiling.tiles)])
+    read = []
+    monkeypatch.setattr(BasinStore, "read_tile", lambda self, *what: read.append(what) or _READ_TILE(self, *what))
+
+    def stop():
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        places_of_images(store, 0, members, stop)
+    assert 0 < len(read) < store.tiling.tiles
 
 
 def test_a_basin_of_one_tile_is_labelled_without_reading_it_once(tmp_path, monkeypatch):

@@ -213,7 +213,7 @@ def test_a_server_that_is_gone_is_told(monkeypatch):
 
 def test_a_driver_that_waits_for_a_server_sends_nothing_more_once_its_job_is_anothers(object_store, monkeypatch):
     """The server hangs: requests are given up, and sent again only while the fence lets them through."""
-    monkeypatch.setattr("worker.stores.object_storage._HURRY", {"connect_timeout": "2s", "timeout": "300ms"})
+    monkeypatch.setattr("worker.stores.files.object_storage._HURRY", {"connect_timeout": "2s", "timeout": "300ms"})
     asked = []
 
     def fence():

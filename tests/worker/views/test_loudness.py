@@ -102,6 +102,24 @@ def test_expectations_of_samples_have_errors_of_their_shares(client, tmp_path):
     assert heard.expected_largest_impact_speed_error[0] > 0.0
 
 
+def test_expectations_of_scrambled_sets_have_the_error_of_their_scatter(client, tmp_path):
+    location, sets = tmp_path / "sets.zarr", 8
+    run(BasinJob(grid=GRID, sample=Sample(512, 1, sets)), location, client)
+    with open_basin(location) as dataset:
+        heard = measure_loudness(dataset).load()
+        solution = dataset.solution.values
+    told = summarise(str(location)).basins[0].expected
+    for measure in MEASURES:
+        own = heard[measure].values
+        expected = [own[solution[number::sets]].mean() for number in range(sets)]
+        scatter = np.std(expected, ddof=1) / np.sqrt(sets)
+        # Chaos has an error of its own, here some hundredth of the scatter's.
+        assert float(heard[f"expected_{measure}_error"][0]) == pytest.approx(scatter, rel=0.01)
+        assert getattr(told, f"{measure}_error") == pytest.approx(
+            float(heard[f"expected_{measure}_error"][0]), rel=1e-14
+        )
+
+
 def test_undecided_cells_are_named_and_count_as_silent(tmp_path):
     store = BasinStore.create_or_resume(
         str(tmp_path / "new.zarr"), BasinJob(grid=CellGrid(time_cells=16, velocity_cells=16))

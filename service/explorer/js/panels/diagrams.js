@@ -7,16 +7,26 @@ import { get, post } from "../net/api.js";
 import { follow } from "../net/follow.js";
 import { by } from "../page/by.js";
 import { inWords } from "../page/say.js";
-import { parameterInWords } from "../state/oscillator.js";
+import { harmonicParameters, NUMBERS, ONLY_IN, parameterInWords, valueIn } from "../state/oscillator.js";
 
-const PARAMETERS = ["damping", "eccentricity", "half_backlash", "stiffness"];
 const VALUES = 300;
 const KEPT = 12;
 const REACH = 0.15;
 const DRAG_PIXELS = 6;
+/** Where a range ends that begins at 0. */
+const LITTLE = 0.02;
 
-/** Range of a parameter around its value. */
-function around(value) {
+/** Parameters that a diagram may go over. @param {Oscillator} oscillator that is seen */
+function parametersOf({ model, harmonics }) {
+  const own = NUMBERS.filter((name) => (ONLY_IN[name] ?? model) === model);
+  return [...own, ...harmonicParameters(harmonics)];
+}
+
+/** Range of a parameter around its value: a phase goes once around, and no loss is more than all or less than none. */
+function around(parameter, value) {
+  if (parameter.startsWith("phase")) return [0, 1];
+  if (parameter === "restitution") return [value * (1 - REACH), Math.min(value * (1 + REACH), 1)];
+  if (value === 0) return [0, LITTLE];
   return [value * (1 - REACH), value * (1 + REACH)];
 }
 
@@ -45,15 +55,23 @@ export class Diagrams {
     this.following = new AbortController();
     /** @type {{parameter: string, range: number[], motions: Map<string, any[]>}|null} */
     this.shown = null;
-    for (const parameter of PARAMETERS) {
+    new ResizeObserver(() => this.shown && this.draw()).observe(by("diagram-chart"));
+  }
+
+  /** Offer a diagram over each parameter of the oscillator that is seen. */
+  #offer() {
+    const oscillator = this.page.oscillator();
+    const parameters = oscillator ? parametersOf(oscillator) : [];
+    if (String(parameters) === this.offered) return;
+    this.offered = String(parameters);
+    by("diagrams").replaceChildren(...parameters.map((parameter) => {
       const symbol = parameterInWords(parameter);
       const button = Object.assign(document.createElement("button"), { type: "button", textContent: `Over ${symbol}` });
       button.title = `Bifurcation diagram over ${symbol}: which motions there are at each value`;
       button.dataset.diagram = parameter;
-      button.addEventListener("click", () => this.ask(parameter, around(page.oscillator()[parameter])));
-      by("explain").append(button);
-    }
-    new ResizeObserver(() => this.shown && this.draw()).observe(by("diagram-chart"));
+      button.addEventListener("click", () => this.ask(parameter, around(parameter, valueIn(this.page.oscillator(), parameter))));
+      return button;
+    }));
   }
 
   /**
@@ -123,9 +141,11 @@ export class Diagrams {
     this.#listen(chart, range);
   }
 
-  /** Move the line to the value that is seen. */
+  /** Offer what the oscillator that is seen has, and move the line to its value. */
   follow() {
-    const value = this.shown && this.page.oscillator()?.[this.shown.parameter];
+    this.#offer();
+    const oscillator = this.page.oscillator();
+    const value = this.shown && oscillator && valueIn(oscillator, this.shown.parameter);
     if (!this.chart || typeof value !== "number") return;
     const [from, to] = this.shown.range;
     const inside = value >= from && value <= to;

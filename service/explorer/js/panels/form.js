@@ -2,7 +2,7 @@
 
 import { by } from "../page/by.js";
 import { post, Unreachable } from "../net/api.js";
-import { harmonicParameters, harmonicsOf, harmonicsText, NUMBERS, ONLY_IN, parameterInWords, USUAL } from "../state/oscillator.js";
+import { harmonicParameters, harmonicsOf, harmonicsText, NUMBERS, ONLY_IN, parameterInWords, USUAL, withValues } from "../state/oscillator.js";
 
 const GRID = ["time.start", "time.stop", "time.cells", "velocity.start", "velocity.stop", "velocity.cells"];
 const CELLS = 500;
@@ -90,11 +90,17 @@ export class Form {
     this.tell.edited();
   }
 
-  /** Set one number of the oscillator, as a slider does. */
+  /** Set one number of the oscillator, as a slider or a diagram does. */
   set(name, value) {
     if (this.#field("vary").value === name) this.#field("vary").value = "";
-    this.#field(name).value = value;
+    if (NUMBERS.includes(name)) this.#field(name).value = value;
+    else this.#setHarmonic(name, value);
     this.#edited();
+  }
+
+  #setHarmonic(name, value) {
+    const field = this.#field("harmonics");
+    field.value = harmonicsText(withValues({ harmonics: harmonicsOf(field.value) }, { [name]: value }).harmonics);
   }
 
   /** Show the window that is looked at. */

@@ -48,6 +48,13 @@ export function harmonicParameters(harmonics) {
   return Array.isArray(harmonics) ? harmonics.flatMap(({ order }) => [`amplitude_${order}`, `phase_${order}`]) : [];
 }
 
+/** The value that an oscillator has of a parameter. */
+export function valueIn(oscillator, parameter) {
+  if (NUMBERS.includes(parameter)) return oscillator[parameter] ?? USUAL[parameter];
+  const [part, order] = parameter.split("_");
+  return oscillator.harmonics?.find((harmonic) => harmonic.order === Number(order))?.[part];
+}
+
 /** An oscillator with other values of some parameters. */
 export function withValues(oscillator, values) {
   const own = Object.fromEntries(Object.entries(values).filter(([name]) => NUMBERS.includes(name)));

@@ -15,6 +15,7 @@ from obstore.store import S3Store
 from zarr.storage import ObjectStore
 
 from worker.fence import Fence, unfenced
+from worker.stores.files.checked_chunks import ChecksChunks
 from worker.stores.storage import Part, Place, StoredFile
 
 if TYPE_CHECKING:  # not available at run time
@@ -45,8 +46,18 @@ def objects_at(location: str, bucket: str, prefix: str, fence: Fence) -> Place:
     return _Objects(location, bucket, prefix, fence)
 
 
-class _WholeObjects(ObjectStore):
-    """Objects written in one request each, so a killed writer leaves the old object or the new one, never a part."""
+class _WholeObjects(ChecksChunks, ObjectStore):
+    """Objects written in one request each, so a killed writer leaves the old object or the new one, never a part.
+
+    Nothing has to be synced: S3 answers a PUT when the object is stored.
+    """
+
+    def __init__(self, store: Any, name: str, *, read_only: bool = False) -> None:
+        super().__init__(store, read_only=read_only)
+        self.name = name
+
+    def with_read_only(self, read_only: bool = False) -> "_WholeObjects":
+        return type(self)(self.store, self.name, read_only=read_only)
 
     async def set(self, key: str, value: Any) -> None:
         self._check_writable()
@@ -60,12 +71,12 @@ class _FencedObjects(_WholeObjects):
     server that hangs accepts none of them later. A failed request is sent again after another check.
     """
 
-    def __init__(self, store: Any, hurried: Any, fence: Fence, *, read_only: bool = False) -> None:
-        super().__init__(store, read_only=read_only)
+    def __init__(self, store: Any, name: str, hurried: Any, fence: Fence, *, read_only: bool = False) -> None:
+        super().__init__(store, name, read_only=read_only)
         self.hurried, self.fence = hurried, fence
 
     def with_read_only(self, read_only: bool = False) -> "_FencedObjects":
-        return type(self)(self.store, self.hurried, self.fence, read_only=read_only)
+        return type(self)(self.store, self.name, self.hurried, self.fence, read_only=read_only)
 
     async def set(self, key: str, value: Any) -> None:
         self._check_writable()
@@ -99,20 +110,28 @@ class _Objects:
         options: ClientConfig = {**_TIMEOUTS, "allow_http": _variable(_ENDPOINTS).startswith("http://")}
         region = _variable(_REGIONS) or _DEFAULT_REGION
         self._store = S3Store(bucket, prefix=prefix, region=region, retry_config=_RETRIES, client_options=options)
-        self.zarr = _WholeObjects(self._store)
+        self.zarr = _WholeObjects(self._store, location)
         if fence is not unfenced:
             hurry: ClientConfig = {**options, **_HURRY}
             once = S3Store(bucket, prefix=prefix, region=region, retry_config=_ONCE, client_options=hurry)
-            self.zarr = _FencedObjects(self._store, once, fence)
+            self.zarr = _FencedObjects(self._store, location, once, fence)
 
-    def _paths(self) -> list[str]:
-        return [found["path"] for batch in obstore.list(self._store) for found in batch]
+    def write(self, path: str, content: bytes) -> None:
+        obstore.put(self._store, path, content, use_multipart=False)
+
+    def paths(self) -> list[str]:
+        return sorted(found["path"] for batch in obstore.list(self._store) for found in batch)
+
+    def discard(self, paths: Sequence[str]) -> None:
+        there = sorted(set(paths).intersection(self.paths()))
+        if there:
+            obstore.delete(self._store, there)
 
     def check(self) -> None:
         next(obstore.list(self._store, chunk_size=1), None)
 
     def taken(self) -> bool:
-        paths = self._paths()
+        paths = self.paths()
         return bool(paths) and "zarr.json" not in paths
 
     def read(self, path: str, part: Part) -> StoredFile | None:
@@ -134,7 +153,7 @@ class _Objects:
         """Do nothing: objects appear as a whole or not at all."""
 
     def remove(self) -> None:
-        obstore.delete(self._store, self._paths())
+        obstore.delete(self._store, self.paths())
 
 
 def _variable(names: Sequence[str]) -> str:

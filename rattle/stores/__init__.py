@@ -1,0 +1,1 @@
+"""What is done with whole stores: they are checked, and taken away."""

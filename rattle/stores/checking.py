@@ -1,0 +1,103 @@
+"""A store is read whole, and what is damaged is computed anew."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from rattle.loading import without_collections
+from worker.progress import Report
+from worker.stores.checking.damage import Damage, Findings, check_store
+from worker.stores.checking.taking_back import take_back
+
+Counting = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Check:
+    """What a check of a store has found.
+
+    Parameters
+    ----------
+    store : str
+    files : int
+        Files that were read.
+    damages : tuple of Damage
+        What was damaged or missing: each has an ``array``, a ``chunk`` (one tile is one chunk) and ``what``.
+    mended : bool
+        Whether nothing is damaged any more.
+    complete : bool
+        Whether the job has finished. An unfinished one goes on with the call that began it.
+    """
+
+    store: str
+    files: int
+    damages: tuple[Damage, ...]
+    mended: bool
+    complete: bool
+
+
+def check(
+    store: str | Path,
+    *,
+    dry_run: bool = False,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    reading: Counting = lambda done, total: None,
+    computing: Report = lambda progress: None,
+) -> Check:
+    """Read every file of a store, and compute anew what is damaged or missing, to the bytes that were there.
+
+    A chunk is damaged if its checksum is wrong, metadata if they are not those that the root says once more. The store
+    becomes unfinished first: if the work is interrupted, the next check goes on with it. Nobody else may write to it
+    meanwhile. A store that was not finished before is not finished here, but what is damaged is taken out.
+
+    Parameters
+    ----------
+    store : str or path
+        A folder, or ``s3://bucket/prefix``.
+    dry_run : bool
+        Whether everything stays as it is.
+    workers : int, optional
+        Threads that compute; by default one for each core.
+    scheduler : str, optional
+        Address of a Dask scheduler, in place of threads.
+    reading : callable
+        Called with the number of chunks that have been read, and of all.
+    computing : callable
+        Called with each `Progress`, in another thread.
+
+    Returns
+    -------
+    Check
+
+    Raises
+    ------
+    StoreConflict
+        If there is no store, or its request is lost, so that nothing tells what it held.
+    StoreFailed
+        If it cannot be read or written.
+    JobCancelled
+        If it was interrupted.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> basin = rattle.basin(cells=20, store="checked.zarr", progress=False)
+    >>> rattle.check("checked.zarr").damages
+    ()
+    """
+    found = check_store(str(store), reading)
+    mended = not found.damages
+    if found.damages and not dry_run:
+        _mend(found, workers, scheduler, computing)
+        mended = True
+    return Check(found.location, found.files, found.damages, mended, found.complete)
+
+
+def _mend(found: Findings, workers: int | None, scheduler: str | None, computing: Report) -> None:
+    take_back(found)
+    if not found.complete:
+        return
+    with without_collections():
+        from rattle.here import run_here  # loads Dask, which a store without damage does without
+    run_here(found.job, found.location, computing, workers=workers, scheduler=scheduler)

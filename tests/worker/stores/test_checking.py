@@ -1,0 +1,194 @@
+"""A check names what is damaged in a store, and what is computed anew is the same to the byte."""
+
+import hashlib
+import json
+import shutil
+
+import pytest
+
+import rattle
+from rattle_kernels import CellGrid
+from tests.object_store import BUCKET
+from tests.store_content import content
+from tests.worker.stores.test_flipped_bits import flip
+from worker.errors import JobCancelled, StoreConflict
+from worker.jobs.basin_job import BasinJob, SweepJob
+from worker.jobs.sample import Sample
+from worker.jobs.swept_parameter import SweptParameter
+from worker.kinds import KINDS
+from worker.stores.basin_store import BasinStore
+from worker.stores.storage import place_at, whole
+
+GRID = CellGrid(time_cells=100, velocity_cells=100)
+SMALL = CellGrid(time_cells=24, velocity_cells=24)
+JOBS = {
+    "basin": BasinJob(grid=GRID, iterations=101),
+    "sweep": SweepJob(grid=SMALL, iterations=101, vary=(SweptParameter("damping", (0.7, 0.65, 0.6)),)),
+    "sample": BasinJob(grid=SMALL, iterations=101, sample=Sample(points=512)),
+    "grazing": KINDS["grazing_curve"].job_class(order=1),
+}
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("finished")
+    for name, job in JOBS.items():
+        rattle.compute(job, store=folder / name, progress=False, workers=2)
+    return folder
+
+
+@pytest.fixture(params=JOBS)
+def store(request, finished, tmp_path):
+    """A copy of a store, and the store."""
+    return shutil.copytree(finished / request.param, tmp_path / "store"), finished / request.param
+
+
+def chunks(store):
+    return sorted(path for path in store.rglob("*") if path.is_file() and path.name != "zarr.json")
+
+
+def mended(store, whole, damage):
+    """Check a damaged store; it becomes the whole one again."""
+    damage()
+    dry = rattle.check(store, dry_run=True)
+    found = rattle.check(store, workers=2)
+    assert found.damages == dry.damages != () and found.mended and not dry.mended
+    assert content(store) == content(whole)
+    assert rattle.open(store).drop_attrs(deep=False).identical(rattle.open(whole).drop_attrs(deep=False))
+    assert rattle.check(store).damages == () and rattle.open(store).rattle.complete
+    return {str(each.path) for each in found.damages}
+
+
+def test_a_whole_store_has_no_damage_and_is_not_touched(store):
+    copy, whole = store
+    before = {path: path.stat().st_mtime_ns for path in copy.rglob("*")}
+    found = rattle.check(copy)
+    assert found.damages == () and found.mended and found.complete
+    assert found.files == sum(path.is_file() for path in copy.rglob("*")) > 5
+    assert before == {path: path.stat().st_mtime_ns for path in copy.rglob("*")}
+
+
+def test_all_damages_at_once_are_mended(store):
+    copy, whole = store
+    named = mended(copy, whole, lambda: [flip(path) for path in chunks(copy)])
+    assert named == {path.relative_to(whole).as_posix() for path in chunks(whole)}
+
+
+def _one_of_each_array(store):
+    return {path.relative_to(store).parts[:2]: path for path in chunks(store)}.values()
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("how", ["flipped", "removed"])
+def test_any_one_damage_is_mended(store, how):
+    copy, whole = store
+    for path in _one_of_each_array(copy):
+        name = path.relative_to(copy).as_posix()
+        assert name in mended(copy, whole, lambda path=path: flip(path) if how == "flipped" else path.unlink())
+
+
+@pytest.mark.parametrize(
+    "array",
+    ["solution", "share", *(pytest.param(name, marks=pytest.mark.slow) for name in ("landing_time", "attractor_time"))],
+)
+def test_one_damage_of_a_sweep_is_mended(finished, tmp_path, array):
+    copy = shutil.copytree(finished / "sweep", tmp_path / "store")
+    path = sorted((copy / array / "c").rglob("*"))[-1]
+    assert mended(copy, finished / "sweep", lambda: flip(path)) == {path.relative_to(copy).as_posix()}
+
+
+def test_only_what_is_damaged_is_computed_anew(finished, tmp_path):
+    copy = shutil.copytree(finished / "basin", tmp_path / "store")
+    flip(copy / "image_cell" / "c" / "0" / "1")
+    seen = []
+    rattle.check(copy, workers=1, computing=seen.append)
+    assert (seen[0].tiles_done, seen[0].tiles_total) == (3, 4) and content(copy) == content(finished / "basin")
+
+
+def test_missing_chunks_and_metadata_are_told_and_mended(finished, tmp_path):
+    copy = shutil.copytree(finished / "basin", tmp_path / "store")
+
+    def damage():
+        (copy / "solution" / "c" / "1" / "0").unlink()
+        (copy / "period" / "zarr.json").write_text("{")
+        (copy / "assembly" / "words" / "zarr.json").unlink()
+
+    assert mended(copy, finished / "basin", damage) == {
+        "solution/c/1/0", "period/zarr.json", "assembly/words/zarr.json"
+    }  # fmt: skip
+
+
+def test_an_interrupted_mending_goes_on(finished, tmp_path):
+    copy = shutil.copytree(finished / "basin", tmp_path / "store")
+    flip(copy / "image_cell" / "c" / "0" / "1")
+
+    def stop(progress):
+        raise JobCancelled("enough")
+
+    with pytest.raises(JobCancelled):
+        rattle.check(copy, computing=stop)
+    assert not BasinStore(str(copy)).complete
+    rattle.compute(JOBS["basin"], store=copy, progress=False)
+    assert content(copy) == content(finished / "basin")
+
+
+def test_an_unfinished_store_loses_what_is_damaged_and_is_not_finished(finished, tmp_path):
+    def stop(progress):
+        if progress.tiles_done == 2:
+            raise JobCancelled("enough")
+
+    with pytest.raises(JobCancelled):
+        rattle.compute(JOBS["basin"], store=tmp_path / "begun", progress=stop, workers=1)
+    claimed = sorted((tmp_path / "begun" / "image_cell" / "c").rglob("?/?"))
+    flip(claimed[-1])
+    found = rattle.check(tmp_path / "begun")
+    assert not found.complete and found.mended and [each.array for each in found.damages] == ["image_cell"]
+    assert rattle.check(tmp_path / "begun").damages == () and not BasinStore(str(tmp_path / "begun")).complete
+    rattle.compute(JOBS["basin"], store=tmp_path / "begun", progress=False)
+    assert content(tmp_path / "begun") == content(finished / "basin")
+
+
+def test_a_store_in_s3_is_checked_and_mended(object_store, finished):
+    location = f"s3://{BUCKET}/worker/checked.zarr"
+    rattle.compute(JOBS["sweep"], store=location, progress=False)
+    assert rattle.check(location).damages == ()
+    place = place_at(location)
+    content_of_chunk = place.read("solution/c/1/0/0", whole).content
+    place.write("solution/c/1/0/0", content_of_chunk[:9] + bytes([content_of_chunk[9] ^ 1]) + content_of_chunk[10:])
+    place.discard(["group/c/2/0/0", "period/zarr.json"])
+    found = rattle.check(location)
+    assert {each.path for each in found.damages} == {"solution/c/1/0/0", "group/c/2/0/0", "period/zarr.json"}
+    assert rattle.check(location).damages == ()
+    whole_files = content(finished / "sweep")
+    assert {path: hashlib.sha256(place.read(path, whole).content).hexdigest() for path in whole_files} == whole_files
+
+
+def test_a_damaged_part_of_an_unfinished_analysis_is_computed_again(finished, tmp_path):
+    parts = []
+
+    def stop(progress):
+        parts.extend(sorted((tmp_path / "begun" / "parts").glob("*/*/c/0")))
+        if parts:
+            raise JobCancelled("enough")
+
+    with pytest.raises(JobCancelled):
+        rattle.compute(JOBS["grazing"], store=tmp_path / "begun", progress=stop, workers=1)
+    assert rattle.check(tmp_path / "begun").damages == ()
+    flip(parts[0])
+    found = rattle.check(tmp_path / "begun")
+    assert not found.complete and [tmp_path / "begun" / each.path for each in found.damages] == parts[:1]
+    assert rattle.check(tmp_path / "begun").damages == ()
+    rattle.compute(JOBS["grazing"], store=tmp_path / "begun", progress=False)
+    assert content(tmp_path / "begun") == content(finished / "grazing")
+
+
+def test_a_lost_request_cannot_be_mended(finished, tmp_path):
+    copy = shutil.copytree(finished / "basin", tmp_path / "store")
+    root = json.loads((copy / "zarr.json").read_text())
+    root["attributes"]["request"] = root["attributes"]["request"].replace("101", "103")
+    (copy / "zarr.json").write_text(json.dumps(root))
+    with pytest.raises(StoreConflict, match="has lost its request"):
+        rattle.check(copy)
+    with pytest.raises(StoreConflict, match="nothing there"):
+        rattle.check(tmp_path / "nowhere")

@@ -1,0 +1,184 @@
+"""A power cut takes all that is not on the disk, or any part of it: the same job goes on to the same bytes."""
+
+import contextlib
+import os
+import threading
+
+import pytest
+
+from rattle_kernels import CellGrid
+from tests.forgetful_disk import ForgetfulDisk
+from tests.store_content import content
+from worker.basins import pipeline
+from worker.basins.pipeline import run_basin
+from worker.cluster.connection import thread_cluster
+from worker.cluster.driver import Driver
+from worker.errors import StoreFailed
+from worker.jobs.basin_job import BasinJob, SweepJob
+from worker.jobs.swept_parameter import SweptParameter
+from worker.kinds import KINDS
+from worker.stores.basin_store import BasinStore
+from worker.stores.files import synced_files
+from worker.stores.files.synced_files import SyncedFiles, synced_together, write_file
+from worker.stores.layout import TileState
+from worker.stores.opening import holds_store
+
+BASIN = BasinJob(grid=CellGrid(time_cells=128, velocity_cells=128), iterations=499)
+SWEEP = SweepJob(
+    grid=CellGrid(time_cells=24, velocity_cells=24), iterations=101, vary=(SweptParameter("damping", (0.7, 0.65, 0.6)),)
+)
+GRAZING = KINDS["grazing_curve"].job_class(order=1)
+JOBS = {"basin": BASIN, "sweep": SWEEP, "grazing curve": GRAZING}
+# Nothing that was not synced survives; all of it does; and three mixtures.
+CHANCES = (0.0, 1.0, 0.3, 0.5, 0.9)
+
+
+@pytest.fixture(scope="module")
+def threads():
+    """A cluster of this process, in which every sync is seen."""
+    with thread_cluster(2) as client:
+        yield client
+
+
+@pytest.fixture
+def disk(tmp_path, monkeypatch):
+    root = tmp_path / "disk"
+    root.mkdir()
+    disk = ForgetfulDisk(root, monkeypatch)
+    yield disk
+    disk.close()
+
+
+def run(job, location, client, report=lambda progress: None):
+    KINDS[job.kind].run(job, str(location), Driver(client), report=report, cancel=threading.Event(), fence=lambda: None)
+
+
+def cut_at_every_report(job, disk, client, folder):
+    """Run a job whose power is cut whenever it reports progress, once for each chance. Return what is left."""
+    left = []
+
+    def cut(progress):
+        for seed, chance in enumerate(CHANCES):
+            left.append(folder / f"{len(left)}")
+            disk.power_cut(left[-1], chance, seed=1000 * len(left) + seed)
+
+    run(job, disk.root / "store.zarr", client, cut)
+    return left
+
+
+def claimed_tiles_are_there(location):
+    """Number of tiles that the ledger speaks of; each of them is read whole."""
+    store = BasinStore(str(location))
+    states = store.read_ledger()
+    for number, state in enumerate(states.tolist()):
+        tile = store.tiling.tile(number)
+        if state >= TileState.COMPUTED:
+            store.read_tile(store.places.mapped, tile)
+        if state >= TileState.ASSEMBLED:
+            store.read_tile((*store.places.labelled, store.places.solution), tile)
+    return int((states >= TileState.COMPUTED).sum())
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["basin", pytest.param("sweep", marks=pytest.mark.slow), pytest.param("grazing curve", marks=pytest.mark.slow)],
+)
+def test_what_a_power_cut_leaves_is_gone_on_with_to_the_same_bytes(name, disk, threads, tmp_path):
+    job, folder = JOBS[name], tmp_path / "left"
+    folder.mkdir()
+    left = cut_at_every_report(job, disk, threads, folder)
+    undisturbed = content(disk.root / "store.zarr")
+    assert len(left) >= 5 * len(CHANCES) and len(undisturbed) > 5
+    claimed = []
+    for place in left:
+        location = place / "store.zarr"
+        if job is not GRAZING and holds_store(str(location)):
+            claimed.append(claimed_tiles_are_there(location))
+    assert job is GRAZING or max(claimed) > 0
+    # Every one would take minutes: some early and some late, of different chances.
+    for place in left[:: len(left) // 5] + left[-len(CHANCES) :: 3]:
+        location = place / "store.zarr"
+        run(job, location, threads)
+        assert content(location) == undisturbed, place
+
+
+def test_a_finished_store_survives_whole(disk, threads, tmp_path):
+    run(SWEEP, disk.root / "store.zarr", threads)
+    disk.power_cut(tmp_path / "left", chance=0.0)
+    finished, left = disk.root / "store.zarr", tmp_path / "left" / "store.zarr"
+    assert content(left) == content(finished)
+    metadata = [path.relative_to(finished) for path in finished.rglob("zarr.json")]
+    assert all((left / path).read_bytes() == (finished / path).read_bytes() for path in metadata)
+    assert BasinStore(str(left)).complete
+
+
+def test_the_disk_forgets_what_is_not_synced(disk, tmp_path):
+    """Shows that the other tests would see it."""
+    (disk.root / "named.txt").write_text("never synced")
+    with (disk.root / "synced.txt").open("w") as file:
+        file.write("synced, without its name")
+        file.flush()
+        os.fsync(file.fileno())
+    disk.power_cut(tmp_path / "nothing", chance=0.0)
+    assert not list((tmp_path / "nothing").iterdir())
+    opened = os.open(disk.root, os.O_RDONLY)
+    os.fsync(opened)
+    os.close(opened)
+    disk.power_cut(tmp_path / "names", chance=0.0)
+    assert (tmp_path / "names" / "named.txt").read_text() == ""
+    assert (tmp_path / "names" / "synced.txt").read_text() == "synced, without its name"
+
+
+@contextlib.contextmanager
+def never_synced(location):
+    """In place of `synced_together`: new files wait for a sync that never comes."""
+    token = synced_files._together.set(synced_files.Unsynced())
+    yield
+    synced_files._together.reset(token)
+
+
+def test_a_store_whose_tiles_are_not_synced_loses_some_that_its_ledger_claims(disk, threads, tmp_path, monkeypatch):
+    """Shows that the other tests would see it."""
+    monkeypatch.setattr(pipeline, "synced_together", never_synced)
+    left = []
+
+    def cut(progress):
+        left.append(tmp_path / f"left{len(left)}")
+        disk.power_cut(left[-1], chance=0.5, seed=len(left))
+
+    run_basin(BASIN, str(disk.root / "store.zarr"), Driver(threads), report=cut, cancel=threading.Event())
+    with pytest.raises(StoreFailed, match="has lost a part|damaged"):
+        for place in left:
+            if holds_store(str(place / "store.zarr")):
+                claimed_tiles_are_there(place / "store.zarr")
+
+
+def test_new_files_of_a_block_are_synced_at_its_end_and_others_at_once(disk):
+    write_file(disk.root, "ledger", b"old")
+    assert b"old" in disk.contents.values()
+    with synced_together("store"):
+        write_file(disk.root, "array/c/0/1", b"new")
+        write_file(disk.root, "ledger", b"newer")
+        assert b"newer" in disk.contents.values() and b"new" not in disk.contents.values()
+    assert b"new" in disk.contents.values()
+
+
+def test_a_failed_sync_is_an_error_of_those_who_wrote(disk, monkeypatch):
+    def fails(opened):
+        raise OSError(5, "Input/output error")
+
+    with pytest.raises(StoreFailed, match="the store store cannot .* Input/output"), synced_together("store"):
+        write_file(disk.root, "array/c/0", b"lost")
+        monkeypatch.setattr(os, "fsync", fails)
+
+
+def test_a_killed_writer_leaves_no_half_file(disk, monkeypatch):
+    def fails(opened):
+        raise OSError(28, "No space left on device")
+
+    write_file(disk.root, "ledger", b"old")
+    monkeypatch.setattr(os, "fsync", fails)
+    with pytest.raises(OSError, match="No space"):
+        write_file(disk.root, "ledger", b"newer")
+    assert [path.name for path in disk.root.iterdir()] == ["ledger"] and SyncedFiles(disk.root).name == str(disk.root)
+    assert (disk.root / "ledger").read_bytes() == b"old"

@@ -1,0 +1,206 @@
+"""What is damaged or missing in a store of any kind: every file is read."""
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from worker.errors import DamagedChunk, StoreConflict, as_store_failure
+from worker.jobs.job import Job
+from worker.kinds import KINDS
+from worker.stores.analysis_store import PARTS, AnalysisStore, kind_of_store
+from worker.stores.checking.expected import expected_chunks
+from worker.stores.files.checked_chunks import CHUNKS, METADATA
+from worker.stores.opening import open_group
+from worker.stores.storage import place_at, whole
+
+Report = Callable[[int, int], None]
+"""Called with the number of files that have been read, and of all."""
+
+
+@dataclass(frozen=True)
+class Damage:
+    """A file of a store that is damaged or missing.
+
+    Parameters
+    ----------
+    array : str
+        Path of the array; empty for the root's own metadata.
+    chunk : tuple of int
+        Numbers of the chunk along each dimension: one tile is one chunk. Empty for metadata.
+    what : str
+        What is wrong with it, in words.
+    """
+
+    array: str
+    chunk: tuple[int, ...]
+    what: str
+
+    @property
+    def path(self) -> str:
+        """Path of the file within the store."""
+        if not self.chunk:
+            return f"{self.array}/{METADATA}"
+        return "/".join([self.array, CHUNKS, *map(str, self.chunk)])
+
+    def __str__(self) -> str:
+        tile = "/".join(map(str, self.chunk))
+        return f"{self.array}, tile {tile}: {self.what}" if tile else f"{self.array}, metadata: {self.what}"
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a check of a store has found.
+
+    Parameters
+    ----------
+    location : str
+    job : Job
+        What the store holds, or is to hold.
+    complete : bool
+        Whether the job had finished.
+    files : int
+        Files that were read.
+    damages : tuple of Damage
+    """
+
+    location: str
+    job: Job
+    complete: bool
+    files: int
+    damages: tuple[Damage, ...]
+
+
+def check_store(location: str, report: Report = lambda done, total: None) -> Findings:
+    """Read every file of a store.
+
+    Parameters
+    ----------
+    location : str
+        As in `worker.stores.storage`.
+    report : callable
+
+    Returns
+    -------
+    Findings
+
+    Raises
+    ------
+    StoreConflict
+        If there is no store, or its request is lost.
+    StoreFailed
+        If it cannot be read.
+    """
+    kind = kind_of_store(location)
+    with as_store_failure(location):
+        root = open_group(location, "r", consolidated=True)
+        paths = place_at(location).paths()
+    nodes = nodes_of(location)
+    job, complete = _job_of(location, kind, root.attrs), bool(root.attrs["complete"])
+    damages = list(_damaged_metadata(location, nodes, complete))
+    arrays = {path: root[path] for path, node in nodes.items() if node["node_type"] == "array"}
+    arrays |= _arrays_of_parts(location, paths)
+    chunks = [chunk for path in paths if (chunk := _chunk_of(path)) is not None and chunk[0] in arrays]
+    for done, (array, numbers) in enumerate(chunks):
+        report(done, len(chunks))
+        if what := _damage_of(arrays[array], numbers):
+            damages.append(Damage(array, numbers, what))
+    there = set(chunks)
+    expected = expected_chunks(location, arrays) if kind == "basin" else _all_chunks(arrays)
+    damages += [Damage(*chunk, "it is missing") for chunk in expected if chunk not in there]
+    report(len(chunks), len(chunks))
+    return Findings(location, job, complete, len(paths), tuple(damages))
+
+
+def _arrays_of_parts(location: str, paths: list[str]) -> dict[str, Any]:
+    """Arrays of the parts that an unfinished analysis has completed. Its root does not list them."""
+    files = [path for path in paths if path.startswith(f"{PARTS}/") and path.endswith(f"/{METADATA}")]
+    if not files:
+        return {}
+    names = set(AnalysisStore(location).parts())
+    with as_store_failure(location):
+        root = open_group(location, "r")
+        arrays = [path.removesuffix(f"/{METADATA}") for path in files if path.count("/") == 3]
+        return {array: root[array] for array in arrays if array.split("/")[1] in names}
+
+
+def _job_of(location: str, kind: str, attributes: Any) -> Job:
+    """The job of a store, if its request is what it was."""
+    try:
+        request = json.loads(str(attributes["request"]))
+        kind = "sweep" if kind == "basin" and request.get("vary") else kind
+        job: Job = KINDS[kind].job_class.from_request(request)
+    except (KeyError, ValueError) as error:
+        raise StoreConflict(f"{location} has lost its request, so nothing can be computed anew: {error}") from error
+    if job.digest != attributes["request_sha256"]:
+        raise StoreConflict(f"{location} has lost its request: it does not have the digest that it was stored with")
+    return job
+
+
+def nodes_of(location: str) -> dict[str, Any]:
+    """Metadata of every array and group by its path, as the root says them once more; without parts, which pass.
+
+    Parameters
+    ----------
+    location : str
+
+    Returns
+    -------
+    dict of str to dict
+    """
+    with as_store_failure(location):
+        file = place_at(location).read(METADATA, whole)
+    nodes = json.loads(file.content)["consolidated_metadata"]["metadata"] if file else {}
+    lasting = {path: node for path, node in nodes.items() if path.split("/")[0] != PARTS}
+    return {
+        path: {name: node[name] for name in node if name != "consolidated_metadata"} for path, node in lasting.items()
+    }
+
+
+def _damaged_metadata(location: str, nodes: dict[str, Any], complete: bool) -> Iterator[Damage]:
+    """Arrays and groups whose own metadata are not those that the root says once more.
+
+    Those of an unfinished store may differ: a driver may have been stopped between the two.
+    """
+    for path, node in nodes.items():
+        with as_store_failure(location):
+            file = place_at(location).read(f"{path}/{METADATA}", whole)
+        try:
+            own = None if file is None else json.loads(file.content)
+        except ValueError:
+            own = {}
+        if own is None:
+            yield Damage(path, (), "they are missing")
+        elif not own or (complete and {name: own.get(name) for name in node} != node):
+            yield Damage(path, (), "they are not those that the root has")
+
+
+def _chunk_of(path: str) -> tuple[str, tuple[int, ...]] | None:
+    """Array and numbers of a chunk by the path of its file; None for other files."""
+    array, is_chunk, numbers = path.rpartition(f"/{CHUNKS}/")
+    if not is_chunk or not all(number.isdigit() for number in numbers.split("/")):
+        return None
+    return array, tuple(map(int, numbers.split("/")))
+
+
+def _damage_of(array: Any, chunk: tuple[int, ...]) -> str:
+    """What is wrong with a chunk; nothing if it can be read."""
+    try:
+        array.get_block_selection(chunk)
+    except DamagedChunk:
+        return "its checksum is wrong"
+    except FileNotFoundError:
+        return "it is missing"
+    except OSError:
+        raise
+    except (IndexError, ValueError, RuntimeError) as error:  # of a store without checksums
+        return f"it cannot be decoded: {error}"
+    return ""
+
+
+def _all_chunks(arrays: Any) -> Iterator[tuple[str, tuple[int, ...]]]:
+    """Every chunk of tables."""
+    for path, array in arrays.items():
+        if array.size:
+            yield from ((path, chunk) for chunk in product(*map(range, array.cdata_shape)))

@@ -1,0 +1,57 @@
+"""Chunks are checked when they are read: a flipped bit is an error that names the store, the array and the tile.
+
+Every chunk ends in the CRC-32C of its other bytes (Zarr's codec ``crc32c``). Zarr checks it, too, but says neither in
+which store nor in which chunk it fails. Arrays of older stores have no checksums, and are read without a check.
+"""
+
+import json
+from typing import Any
+
+import google_crc32c
+import numpy as np
+from zarr.abc.store import Store
+from zarr.core.buffer import default_buffer_prototype
+
+from worker.errors import DamagedChunk
+
+_CHECKSUM = 4
+METADATA = "zarr.json"
+"""Name of the file of each array and each group."""
+CHUNKS = "c"
+"""Folder of an array's chunks."""
+
+
+class ChecksChunks(Store):
+    """A Zarr store that names a chunk whose checksum is wrong. Mixed into a store that reads.
+
+    Attributes
+    ----------
+    name : str
+        Name of the store in messages.
+    """
+
+    name: str
+
+    async def get(self, key: str, prototype: Any = None, byte_range: Any = None) -> Any:
+        """Read a file, and check it if it is a chunk with a checksum."""
+        prototype = prototype or default_buffer_prototype()
+        found = await super().get(key, prototype, byte_range)
+        array, is_chunk, chunk = key.rpartition(f"/{CHUNKS}/")
+        if found is None or byte_range is not None or not is_chunk or has_checksum(found.as_numpy_array()):
+            return found
+        metadata = await super().get(f"{array}/{METADATA}", prototype)
+        if metadata is None or not is_checked(json.loads(metadata.to_bytes())):
+            return found
+        raise DamagedChunk(self.name, array, chunk)
+
+
+def has_checksum(content: np.ndarray) -> bool:
+    """Whether bytes end in the CRC-32C of the others."""
+    inner, checksum = content[:-_CHECKSUM], content[-_CHECKSUM:]
+    computed: int = google_crc32c.value(inner)
+    return computed.to_bytes(_CHECKSUM, "little") == checksum.tobytes()
+
+
+def is_checked(metadata: dict[str, Any]) -> bool:
+    """Whether the chunks of an array have checksums, from its ``zarr.json``."""
+    return any(codec["name"] == "crc32c" for codec in metadata.get("codecs", []))
