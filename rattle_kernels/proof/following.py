@@ -5,7 +5,7 @@ from typing import NamedTuple
 from rattle_kernels.numerics.interval import width
 from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_kernels.proof.lattice import UNPROVEN
-from rattle_kernels.proof.moving_set import advance, set_out
+from rattle_kernels.proof.moving_set import advance, set_out, strip_of
 from rattle_kernels.proof.targets import proven_end
 
 # Why a box is not proven.
@@ -45,7 +45,7 @@ def follow(machine, oscillator, targets, box, impacts):
     """
     moving = set_out(box, False)
     for n in range(impacts + 1):
-        end = proven_end(targets, moving.all)
+        end = proven_end(targets, moving, strip_of(moving))
         if end != UNPROVEN:
             return Followed(end, 0, n)
         if n == impacts:

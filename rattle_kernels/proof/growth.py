@@ -6,20 +6,58 @@ only at trails. A box is proven from boxes of earlier rounds, so no proof rests 
 
 import numpy as np
 
-from rattle_kernels.numerics.interval import width
-from rattle_kernels.numerics.jit import kernel_as_written
+from rattle_kernels.numerics.interval import Interval, down, up, width
+from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.proof.following import WIDEST
-from rattle_kernels.proof.lattice import UNPROVEN, Span, box_at, end_of_span, span_of
-from rattle_kernels.proof.moving_set import advance, set_out
+from rattle_kernels.proof.lattice import UNPROVEN, Lattice, Strip, box_at, find_end
+from rattle_kernels.proof.moving_set import advance, set_out, strip_of
 from rattle_kernels.proof.targets import proven_end
 
 IMPACTS = 4
 """Length of a trail."""
 
 
+# Rows of boxes that are missing: none would help, and not known yet.
+_HOPELESS, _NOT_LOOKED_UP = -1, -2
+_OUTWARDS = 2.0**-22
+_LEAST = 2.0**-100
+
+
+def empty_trails(boxes: int) -> np.ndarray:
+    """Trails of as many boxes, to be filled by `follow_boxes`."""
+    return np.empty((boxes, IMPACTS, 7), np.float32)
+
+
+@inlined_as_written
+def _wider(a):
+    """An interval a little wider, for single precision to hold."""
+    return Interval(a.low - abs(a.low) * _OUTWARDS - _LEAST, a.high + abs(a.high) * _OUTWARDS + _LEAST)
+
+
+@inlined_as_written
+def _in_rows(lattice, a):
+    return _wider(Interval(down(a.low / lattice.height - lattice.first), up(a.high / lattice.height - lattice.first)))
+
+
+@inlined_as_written
+def _write(trail, lattice, strip):
+    """Keep a strip in rows of the lattice."""
+    trail[0], trail[1] = _wider(strip.t)
+    trail[2], trail[3] = _in_rows(lattice, strip.v)
+    trail[4], trail[5] = _in_rows(lattice, strip.offset)
+    trail[6] = strip.slope / lattice.height
+
+
+@inlined_as_written
+def _read(trail):
+    """A strip over a lattice with rows of height 1 from 0 on."""
+    times, rows = Interval(float(trail[0]), float(trail[1])), Interval(float(trail[2]), float(trail[3]))
+    return Strip(times, rows, float(trail[6]), Interval(float(trail[4]), float(trail[5])))
+
+
 @kernel_as_written
-def follow_boxes(machine, oscillator, targets, first, ends, trails):
-    """Follow the boxes of some rows of the lattice that are not proven.
+def follow_boxes(machine, oscillator, targets, boxes, ends, trails):
+    """Follow boxes of the lattice.
 
     Parameters
     ----------
@@ -28,79 +66,73 @@ def follow_boxes(machine, oscillator, targets, first, ends, trails):
         One of them: where roots are sought first. Nothing rests on it.
     targets : Targets
         What is proven before the first round.
-    first : int
-        The first of the rows.
-    ends : ndarray of uint16, shape (rows, columns)
+    boxes : ndarray of int32, shape (boxes, 2)
+        Their rows and columns.
+    ends : ndarray of uint16, shape (boxes,)
         Filled with the ends of boxes that come to a target at once.
-    trails : ndarray of int16, shape (rows, columns, IMPACTS, 4)
-        Filled with the spans touched; where one is not known, its top lies below its bottom.
+    trails : ndarray
+        Of `empty_trails`. Filled with the strips that hold the images; not numbers where one is not known.
     """
-    trails[:, :, :, 0], trails[:, :, :, 1] = 0, -1
-    for i in range(ends.shape[0]):
-        for j in range(ends.shape[1]):
-            moving = set_out(box_at(targets.lattice, first + i, j), False)
-            ends[i, j] = proven_end(targets, moving.all)
-            for n in range(IMPACTS):
-                if ends[i, j] != UNPROVEN:
-                    break
-                proven, moving = advance(machine, oscillator, moving)
-                if not (proven and width(moving.all.t) < WIDEST):
-                    break
-                ends[i, j] = proven_end(targets, moving.all)
-                span = span_of(targets.lattice, moving.all)
-                trails[i, j, n, 0], trails[i, j, n, 1] = span.bottom, span.top
-                trails[i, j, n, 2], trails[i, j, n, 3] = span.left, span.right
+    trails[:] = np.nan
+    for k in range(boxes.shape[0]):
+        moving = set_out(box_at(targets.lattice, int(boxes[k, 0]), int(boxes[k, 1])), False)
+        ends[k] = proven_end(targets, moving, strip_of(moving))
+        for n in range(IMPACTS):
+            if ends[k] != UNPROVEN:
+                break
+            proven, moving = advance(machine, oscillator, moving)
+            if not (proven and width(moving.all.t) < WIDEST):
+                break
+            strip = strip_of(moving)
+            ends[k] = proven_end(targets, moving, strip)
+            _write(trails[k, n], targets.lattice, strip)
 
 
 @kernel_as_written
-def grow(ends, rounds, trails, this_round, found):
+def _grow(ends, boxes, trails, missing, found):
     """One round: write into `found` the ends of boxes that come to boxes proven before; how many.
 
-    Parameters
-    ----------
-    ends, found : ndarray of uint16, shape (rows, columns)
-        What is proven; what is proven after the round.
-    rounds : ndarray of uint16, shape (rows, columns)
-        In which round each box was proven; the new ones get `this_round`.
-    trails : ndarray of int16, shape (rows, columns, IMPACTS, 4)
-    this_round : int
-
-    Returns
-    -------
-    int
+    ``missing`` has a box without a proof for each strip of a trail: as long as that has none, nothing is looked up.
     """
-    new = 0
-    for i in range(ends.shape[0]):
-        for j in range(ends.shape[1]):
-            found[i, j] = ends[i, j]
-            for n in range(IMPACTS):
-                if found[i, j] != UNPROVEN:
-                    break
-                trail = trails[i, j, n]
-                end = end_of_span(ends, Span(int(trail[0]), int(trail[1]), int(trail[2]), int(trail[3])))
-                if end != UNPROVEN:
-                    found[i, j], rounds[i, j] = end, this_round
-                    new += 1
+    new, lattice = 0, Lattice(1.0, 0, ends)
+    for k in range(boxes.shape[0]):
+        found[k] = UNPROVEN
+        for n in range(IMPACTS):
+            row, column = missing[k, n, 0], missing[k, n, 1]
+            if row == _HOPELESS or (row >= 0 and ends[row, column] == UNPROVEN):
+                continue
+            look = find_end(lattice, _read(trails[k, n]))
+            missing[k, n, 0], missing[k, n, 1] = look.row, look.column
+            if look.end != UNPROVEN:
+                found[k] = look.end
+                new += 1
+                break
     return new
 
 
-def grow_all(ends: np.ndarray, rounds: np.ndarray, trails: np.ndarray) -> np.ndarray:
+def grow_all(ends: np.ndarray, rounds: np.ndarray, boxes: np.ndarray, trails: np.ndarray) -> None:
     """All rounds, until one proves nothing new.
 
     Parameters
     ----------
     ends : ndarray of uint16, shape (rows, columns)
-        What is proven before the first round.
+        What is proven; more of it afterwards.
     rounds : ndarray of uint16, shape (rows, columns)
-        Filled with the round in which each box was proven.
-    trails : ndarray of int16, shape (rows, columns, IMPACTS, 4)
-
-    Returns
-    -------
-    ndarray of uint16, shape (rows, columns)
+        In which round each box was proven; filled for the new ones.
+    boxes : ndarray of int32, shape (boxes, 2)
+        Rows and columns of those that were followed.
+    trails : ndarray
+        Of those.
     """
-    this_round, found = 1, np.empty_like(ends)
-    while grow(ends, rounds, trails, this_round, found):
-        ends, found = found, np.empty_like(ends)
+    this_round = int(rounds.max())
+    missing = np.full((len(boxes), IMPACTS, 2), _NOT_LOOKED_UP, np.int32)
+    while True:
+        left = ends[boxes[:, 0], boxes[:, 1]] == UNPROVEN
+        boxes, trails, missing = boxes[left], trails[left], missing[left]
+        found = np.empty(len(boxes), np.uint16)
+        if not _grow(ends, boxes, trails, missing, found):
+            return
         this_round += 1
-    return ends
+        new = found != UNPROVEN
+        rows, columns = boxes[new].T
+        ends[rows, columns], rounds[rows, columns] = found[new], this_round

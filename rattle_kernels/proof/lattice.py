@@ -9,12 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.numerics.interval import Interval
+from rattle_kernels.numerics.interval import Interval, down, up
 from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_kernels.proof.flight import Box
 
 UNPROVEN = 0
 """What a box without a proof carries."""
+# In time: of what is looked up.
+_WIDEST, _FURTHEST = 0.9, 2.0**20
 
 
 class Lattice(NamedTuple):
@@ -37,6 +39,15 @@ class Span(NamedTuple):
     right: int
 
 
+class Strip(NamedTuple):
+    """Departures at times t and speeds v of two intervals, with ``v - slope t`` in `offset`."""
+
+    t: Interval
+    v: Interval
+    slope: float
+    offset: Interval
+
+
 def empty_lattice(bottom: float, top: float, columns: int, height: float) -> Lattice:
     """Lattice of boxes that are not proven.
 
@@ -57,6 +68,11 @@ def empty_lattice(bottom: float, top: float, columns: int, height: float) -> Lat
     return Lattice(height, first, np.zeros((max(math.ceil(top / height) - first, 1), columns), np.uint16))
 
 
+def refined(lattice: Lattice) -> Lattice:
+    """The same lattice with every box cut into four."""
+    return Lattice(lattice.height / 2, 2 * lattice.first, lattice.ends.repeat(2, 0).repeat(2, 1))
+
+
 @inlined_as_written
 def box_at(lattice, i, j):
     """Departures of a box of the lattice."""
@@ -69,30 +85,61 @@ def box_at(lattice, i, j):
 def span_of(lattice, box):
     """Boxes that a box of departures touches; none of the lattice, as top < bottom, if they cannot be told."""
     rows, columns = lattice.ends.shape
-    bottom, top = math.floor(box.w.low / lattice.height), math.floor(box.w.high / lattice.height)
-    left, right = math.floor(box.t.low * columns), math.floor(box.t.high * columns)
-    if not (bottom >= lattice.first and top < lattice.first + rows and right - left < columns and abs(left) < 2.0**40):
+    low, high, early, late = box.w.low / lattice.height, box.w.high / lattice.height, box.t.low, box.t.high
+    # In this form NaN is outside, too.
+    if not (low >= lattice.first and high < lattice.first + rows and late - early < _WIDEST and abs(early) < _FURTHEST):
         return Span(0, -1, 0, -1)
-    return Span(int(bottom) - lattice.first, int(top) - lattice.first, int(left), int(right))
+    bottom, top = math.floor(low) - lattice.first, math.floor(high) - lattice.first
+    return Span(bottom, top, math.floor(early * columns), math.floor(late * columns))
+
+
+class Found(NamedTuple):
+    """The end of a strip. If it is UNPROVEN, the first box found without a proof; its row is -1 if no proof can help."""
+
+    end: int
+    row: int
+    column: int
 
 
 @inlined_as_written
-def end_of_span(ends, span):
-    """The end that all boxes of a span carry, UNPROVEN where they differ or where there are none."""
-    columns = ends.shape[1]
-    if span.top < span.bottom:
-        return UNPROVEN
-    end = int(ends[span.bottom, span.left % columns])
-    if end == UNPROVEN:
-        return UNPROVEN
-    for i in range(span.bottom, span.top + 1):
-        for j in range(span.left, span.right + 1):
-            if ends[i, j % columns] != end:
-                return UNPROVEN
-    return end
+def _rows_of(lattice, strip, j):
+    """The first and the last row that a strip touches in a column: none if the last comes first."""
+    columns = lattice.ends.shape[1]
+    early, late = max(j / columns, strip.t.low), min((j + 1) / columns, strip.t.high)
+    first, last = strip.slope * early, strip.slope * late
+    low = max(down(down(min(first, last)) + strip.offset.low), strip.v.low)
+    high = min(up(up(max(first, last)) + strip.offset.high), strip.v.high)
+    if high < low:
+        return 0, -1
+    low, high = low / lattice.height, high / lattice.height
+    # In this form NaN is outside, too.
+    if not (low >= lattice.first and high < lattice.first + lattice.ends.shape[0]):
+        return -1, -1
+    return math.floor(low) - lattice.first, math.floor(high) - lattice.first
 
 
 @inlined_as_written
-def end_of(lattice, box):
-    """The end of all departures of a box, UNPROVEN where the lattice does not know it."""
-    return end_of_span(lattice.ends, span_of(lattice, box))
+def find_end(lattice, strip):
+    """The end of all departures of a strip, as far as the lattice knows it."""
+    columns = lattice.ends.shape[1]
+    if not (strip.t.high - strip.t.low < _WIDEST and abs(strip.t.low) < _FURTHEST):
+        return Found(UNPROVEN, -1, -1)
+    end = UNPROVEN
+    for j in range(math.floor(strip.t.low * columns), math.floor(strip.t.high * columns) + 1):
+        bottom, top = _rows_of(lattice, strip, j)
+        if bottom < 0:
+            return Found(UNPROVEN, -1, -1)
+        for i in range(bottom, top + 1):
+            here = int(lattice.ends[i, j % columns])
+            if here == UNPROVEN:
+                return Found(UNPROVEN, i, j % columns)
+            if end != UNPROVEN and here != end:
+                return Found(UNPROVEN, -1, -1)
+            end = here
+    return Found(end, -1, -1)
+
+
+@inlined_as_written
+def end_of(lattice, strip):
+    """The end of all departures of a strip, UNPROVEN where the lattice does not know it."""
+    return find_end(lattice, strip).end

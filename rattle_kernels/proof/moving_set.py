@@ -8,10 +8,15 @@ only to enclose DP over the set, so little is lost to wrapping.
 import math
 from typing import NamedTuple
 
-from rattle_kernels.numerics.interval import Interval, add, around, middle, point, subtract, up
+import numpy as np
+
+from rattle_kernels.numerics.interval import Interval, add, around, middle, multiply, point, scale, subtract, up
 from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_kernels.proof.flight import Box, Matrix, spread
 from rattle_kernels.proof.impact import LOST, STRADDLES, image, product
+from rattle_kernels.proof.lattice import Strip
+
+STEEPEST = 4096.0
 
 
 class MovingSet(NamedTuple):
@@ -86,3 +91,27 @@ def advance(machine, oscillator, moving):
     held_t, held_v = add(point(t), add(moved.t, rest.t)), add(point(v), add(moved.w, rest.w))
     every = Box(_both(held_t, mapped.all.t), _both(held_v, mapped.all.w))
     return True, _without_turns(MovingSet(t, v, moving.dt, moving.dv, slope, rest, every, moving.grazed))
+
+
+@inlined_as_written
+def _offset(moving, slope):
+    """``v - slope t`` over a set."""
+    by_t = subtract(moving.slope.vt, scale(moving.slope.tt, slope))
+    by_v = subtract(moving.slope.vv, scale(moving.slope.tv, slope))
+    start = subtract(point(moving.v), scale(point(moving.t), slope))
+    moved = add(multiply(by_t, moving.dt), multiply(by_v, moving.dv))
+    return add(add(start, moved), subtract(moving.rest.w, scale(moving.rest.t, slope)))
+
+
+@inlined_as_written
+def strip_of(moving):
+    """The strip along one side of the parallelogram, or level, that holds a set: the narrowest of the three."""
+    best = Strip(moving.all.t, moving.all.w, 0.0, moving.all.w)
+    m = moving.slope
+    for up_, along in ((middle(m.vt), middle(m.tt)), (middle(m.vv), middle(m.tv))):
+        # A slope of few digits: single precision holds it.
+        slope = float(np.float32(up_ / along)) if abs(along) * STEEPEST > abs(up_) else 0.0
+        offset = _offset(moving, slope)
+        if offset.high - offset.low < best.offset.high - best.offset.low:
+            best = Strip(moving.all.t, moving.all.w, slope, offset)
+    return best

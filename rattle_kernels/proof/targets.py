@@ -9,9 +9,11 @@ import numpy as np
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
-from rattle_kernels.numerics.interval import add, down, multiply, point, square, subtract, up
+from rattle_kernels.numerics.interval import add, down, middle, point, square, subtract, up
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_kernels.proof.flight import Matrix, spread
+from rattle_kernels.proof.impact import product
 from rattle_kernels.proof.lattice import UNPROVEN, Lattice, box_at, empty_lattice, end_of
 from rattle_kernels.proof.machine import Machine, acceleration, error_at
 from rattle_kernels.proof.orbit_disc import OrbitDisc, orbit_disc
@@ -47,30 +49,27 @@ class Certificate(NamedTuple):
 
 
 @inlined_as_written
-def _within_disc(disc, box):
-    """Whether a box lies within a disc: all of its corners do, and the disc is convex."""
-    dt = subtract(box.t, point(disc[1]))
-    if dt.low > 0.5:
-        dt = subtract(dt, point(1.0))
-    elif dt.high < -0.5:
-        dt = add(dt, point(1.0))
-    dv = subtract(box.w, point(disc[2]))
-    x = add(multiply(point(disc[3]), dt), multiply(point(disc[4]), dv))
-    y = add(multiply(point(disc[5]), dt), multiply(point(disc[6]), dv))
-    return add(square(x), square(y)).high < disc[7]
+def _within_disc(disc, moving):
+    """Whether a set lies within a disc."""
+    frame = Matrix(point(disc[3]), point(disc[4]), point(disc[5]), point(disc[6]))
+    off_t, off_v = subtract(point(moving.t), point(disc[1])), subtract(point(moving.v), point(disc[2]))
+    off_t = subtract(off_t, point(math.floor(middle(off_t) + 0.5)))
+    moved = spread(product(frame, moving.slope), moving.dt, moving.dv)
+    rest = spread(frame, add(off_t, moving.rest.t), add(off_v, moving.rest.w))
+    return add(square(add(moved.t, rest.t)), square(add(moved.w, rest.w))).high < disc[7]
 
 
 @inlined_as_written
-def proven_end(targets, box):
-    """Where all departures of a box are proven to end, UNPROVEN where nothing is."""
-    end = end_of(targets.lattice, box)
+def proven_end(targets, moving, strip):
+    """Where all departures of a set, held by a strip too, are proven to end, UNPROVEN where nothing is."""
+    end = end_of(targets.lattice, strip)
     if end != UNPROVEN:
         return end
-    end = end_of(targets.rattling, box)
+    end = end_of(targets.rattling, strip)
     if end != UNPROVEN:
         return end
     for i in range(targets.discs.shape[0]):
-        if _within_disc(targets.discs[i], box):
+        if _within_disc(targets.discs[i], moving):
             return int(targets.discs[i, 0])
     return UNPROVEN
 
@@ -89,7 +88,11 @@ def _fill_core(machine, level, lattice, end):
 
 
 def prove_targets(
-    machine: Machine, oscillator: Oscillator, attractors: Sequence[Attractor], pause: Pause = never_stopped
+    machine: Machine,
+    oscillator: Oscillator,
+    attractors: Sequence[Attractor],
+    pause: Pause = never_stopped,
+    fastest: float = 0.0,
 ) -> Certificate:
     """Prove where the motions of a catalogue end, as far as that succeeds.
 
@@ -102,6 +105,8 @@ def prove_targets(
         Where each stands is its number.
     pause : callable
         Called now and then; an exception raised there ends the work.
+    fastest : float
+        Speed up to which the lattice reaches at least.
 
     Returns
     -------
@@ -111,7 +116,7 @@ def prove_targets(
     level = quiet_level(machine, oscillator)
     pause()
     quiet = [n for n, each in enumerate(attractors) if each.kind == AttractorKind.PERMANENT_CONTACT]
-    lattice = _lattice_for(oscillator, attractors)
+    lattice = _lattice_for(oscillator, attractors, fastest)
     if quiet:
         _fill_core(machine, level, lattice, 1 + quiet[0])
     discs = {}
@@ -130,10 +135,11 @@ def prove_targets(
     return Certificate(level, discs, chaos, targets)
 
 
-def _lattice_for(oscillator: Oscillator, attractors: Sequence[Attractor]) -> Lattice:
+def _lattice_for(oscillator: Oscillator, attractors: Sequence[Attractor], fastest: float) -> Lattice:
     speeds = [float(each.velocity.max()) for each in attractors if each.velocity.size]
-    top = 1.05 * max([largest_grazing_speed(oscillator), *speeds])
-    return empty_lattice(0.0, top, _COLUMNS, 2.0 ** math.floor(math.log2(top / _COLUMNS)))
+    usual = 1.05 * max([largest_grazing_speed(oscillator), *speeds])
+    top = max(usual, fastest)
+    return empty_lattice(0.0, top, _COLUMNS, 2.0 ** math.floor(math.log2(usual / _COLUMNS)))
 
 
 def _holds_no_other(machine: Machine, rattling: Lattice, level: float, discs: Iterable[OrbitDisc]) -> bool:
