@@ -28,10 +28,13 @@ export class Mask {
   }
 }
 
-function linesOf(context, ratio) {
+/** The veil with its lines, as crisp as the screen. */
+function hatchOf(context, ratio) {
   const size = Math.round(APART * ratio);
   const tile = Object.assign(document.createElement("canvas"), { width: size, height: size });
   const pen = tile.getContext("2d");
+  pen.fillStyle = VEIL;
+  pen.fillRect(0, 0, size, size);
   pen.strokeStyle = LINES;
   pen.lineWidth = ratio;
   pen.beginPath();
@@ -44,27 +47,24 @@ function linesOf(context, ratio) {
 }
 
 /**
- * Lay a veil and lines over what is not proven of a picture; over all of it where nothing was tried.
+ * Lay the veil over what is not proven of a picture; over all of it where nothing was tried.
  * @param {import("./plot.js").Plot} plot
  * @param {import("./picture.js").Picture} picture
  */
 export function hatchUnproven(plot, picture) {
-  const { canvas } = plot.context;
-  const ratio = canvas.width / plot.size.width;
-  [stage.width, stage.height] = [canvas.width, canvas.height];
+  const { width, height } = plot.context.canvas;
+  const ratio = width / plot.size.width;
   const pen = stage.getContext("2d");
-  for (const fill of [VEIL, linesOf(pen, ratio)]) {
-    pen.globalCompositeOperation = "copy";
-    pen.fillStyle = "transparent";
-    pen.fillRect(0, 0, stage.width, stage.height);
-    pen.globalCompositeOperation = "source-over";
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.imageSmoothingEnabled = false;
-    picture.lay(plot, picture.mask?.canvas ?? picture.canvas, pen);
-    pen.resetTransform();
-    pen.globalCompositeOperation = "source-in";
-    pen.fillStyle = fill;
-    pen.fillRect(0, 0, stage.width, stage.height);
-    plot.context.drawImage(stage, 0, 0, plot.size.width, plot.size.height);
-  }
+  // Another size empties the canvas, and takes a while.
+  if (stage.width !== width || stage.height !== height) [stage.width, stage.height] = [width, height];
+  else pen.clearRect(0, 0, width, height);
+  pen.globalCompositeOperation = "source-over";
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.imageSmoothingEnabled = false;
+  picture.lay(plot, picture.mask?.canvas ?? picture.canvas, pen);
+  pen.resetTransform();
+  pen.globalCompositeOperation = "source-in";
+  pen.fillStyle = hatchOf(pen, ratio);
+  pen.fillRect(0, 0, width, height);
+  plot.context.drawImage(stage, 0, 0, plot.size.width, plot.size.height);
 }
