@@ -94,9 +94,7 @@ def demand_proof(there: bool) -> None:
 
 def _outline(part: np.ndarray, extent: Extent) -> Path:
     """Blocks of cells that are hatched, as rectangles: one for each run of a row."""
-    down, across = (
-        np.append(np.arange(0, cells, math.ceil(cells / _MOST_BLOCKS)), cells) for cells in part.shape
-    )
+    down, across = (np.append(np.arange(0, cells, math.ceil(cells / _MOST_BLOCKS)), cells) for cells in part.shape)
     sums = np.add.reduceat(np.add.reduceat(part, down[:-1], axis=0), across[:-1], axis=1)
     marked = sums >= _HATCHED * np.outer(np.diff(down), np.diff(across))
     edges = np.diff(np.pad(marked, ((0, 0), (1, 1))).astype(np.int8), axis=1)

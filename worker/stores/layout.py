@@ -114,7 +114,6 @@ SOLUTION = Variable("solution", _CELLS, np.int16, MISSING, _ENDS_IN)
 """Written tile by tile once the solutions of the basin have their numbers."""
 
 
-
 class Unproven(IntEnum):
     """Why not all of a cell is proven to end as it is coloured."""
 
@@ -128,7 +127,11 @@ class Unproven(IntEnum):
 
 
 PROVEN = Variable(
-    "proven", _CELLS, np.uint8, NOT_THERE, "sixty-fourths of the cell of which every departure ends as the solution says"
+    "proven",
+    _CELLS,
+    np.uint8,
+    NOT_THERE,
+    "sixty-fourths of the cell of which every departure ends as the solution says",
 )
 UNPROVEN_REASON = Variable(
     "unproven_reason", _CELLS, np.uint8, NOT_THERE, "why not all of the cell is proven", flags(Unproven)
