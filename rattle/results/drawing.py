@@ -19,8 +19,9 @@ from worker.pictures.history_picture import draw_history
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
 from worker.pictures.picture import legend_patches
 from worker.pictures.share_chart import SHARES_SIZE, draw_lines, draw_shares
+from worker.stores.layout import PROVEN
 from worker.views import reading
-from worker.views.basin_plot import plot_basin
+from worker.views.basin_plot import lay_unproven, plot_basin
 from worker.views.loudness import expected_of
 
 _BASINS_ACROSS = 3
@@ -104,6 +105,8 @@ def draw_over(dataset: xr.Dataset, kind: str, job: Any, names: Collection[str], 
     if kind == "basin":
         window = job.grid.velocity_start, job.grid.velocity_stop
         overlays = overlays_for(names or list(OverlayKind), job.oscillator, reading.attractors_of(dataset), window)
+        if OverlayKind.PROVEN in names or (not names and PROVEN.name in dataset):
+            lay_unproven(dataset, axes)
     else:
         overlays = tuple(curves_of(dataset, kind))
     for each in overlays:

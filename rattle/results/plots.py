@@ -23,8 +23,8 @@ class Plots(Described):
         Parameters
         ----------
         *kinds : str
-            Of a basin: some of ``grazing``, ``preimages``, ``manifolds``, ``attractors``, ``saddles``; by default all.
-            Of manifolds and grazing curves none: all of their curves are drawn.
+            Of a basin: some of ``proven``, ``grazing``, ``preimages``, ``manifolds``, ``attractors``, ``saddles``; by
+            default all that there are. Of manifolds and grazing curves none: all of their curves are drawn.
         ax : matplotlib.axes.Axes, optional
             By default the current axes.
 
@@ -35,7 +35,7 @@ class Plots(Described):
         Raises
         ------
         InvalidJob
-            If an overlay is not known.
+            If an overlay is not known, or nothing is proven.
 
         Examples
         --------
@@ -57,8 +57,8 @@ class Plots(Described):
         ax : matplotlib.axes.Axes, optional
             Where to draw one basin. By default, and for everything else, on a new figure.
         overlays : collection of str, optional
-            What is laid over basins: some of ``grazing``, ``preimages``, ``manifolds``, ``attractors``, ``saddles``; by
-            default the grazing curve and the attractors.
+            What is laid over basins: some of ``proven``, ``grazing``, ``preimages``, ``manifolds``, ``attractors``,
+            ``saddles``; by default the grazing curve and the attractors. ``proven`` hatches what is not.
         legend : bool
             Whether the motions are listed beside the basins.
 
@@ -70,7 +70,7 @@ class Plots(Described):
         Raises
         ------
         InvalidJob
-            If an overlay is not known for the model.
+            If an overlay is not known for the model, or nothing is proven.
 
         Examples
         --------

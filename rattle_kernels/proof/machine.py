@@ -116,5 +116,3 @@ def machine_of(oscillator: Oscillator, tolerances: dict[str, tuple[float, float]
         greatest_acceleration=greatest,
         safe_speed=down(math.sqrt(deepest)),
     )
-
-

@@ -56,9 +56,7 @@ def _without_turns(moved):
     """The set with its middle in [0, 1): whole turns are taken off without rounding."""
     turns = math.floor(moved.t)
     every = Box(subtract(moved.all.t, point(turns)), moved.all.w)
-    return MovingSet(
-        moved.t - turns, moved.v, moved.dt, moved.dv, moved.slope, moved.rest, every, moved.grazed
-    )
+    return MovingSet(moved.t - turns, moved.v, moved.dt, moved.dv, moved.slope, moved.rest, every, moved.grazed)
 
 
 @inlined_as_written

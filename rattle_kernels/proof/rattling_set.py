@@ -73,9 +73,7 @@ def _closed(
         pause()
         marked = np.zeros_like(held)
         rows, columns = np.nonzero(new)
-        if held.mean() > _LARGEST_SHARE or not _mark_images(
-            machine, oscillator, lattice, rows, columns, parts, marked
-        ):
+        if held.mean() > _LARGEST_SHARE or not _mark_images(machine, oscillator, lattice, rows, columns, parts, marked):
             return None
         new = marked & ~held
         held = held | new

@@ -78,6 +78,7 @@ interface Outline {
   velocity: Axis;
   tiles: { rows: number; columns: number; down: number; across: number; first: number; states: number[] };
   complete: boolean;
+  proof?: boolean;
   solutions: Solution[];
   expected: Expected | null;
   speckle: number[];
@@ -98,8 +99,11 @@ interface PreviewAnswer {
 
 interface Departure { t: number; v: number }
 
-/** What is known of a place: the motion it ends in, where a motion from there starts, and Hsu's numbers. */
-interface Known extends Departure { solution: Solution; step?: number; group?: number; period?: number }
+/** How many of a cell's 64 parts are proven, and why not all; a reason of null where it was not tried yet. */
+interface Proven { parts: number; reason: number | null }
+
+/** What is known of a place: the motion it ends in, where a motion from there starts, Hsu's numbers, and what is proven. */
+interface Known extends Departure { solution: Solution; step?: number; group?: number; period?: number; proven?: Proven }
 
 interface TimeHistory {
   time: number[];

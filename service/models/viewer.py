@@ -128,6 +128,10 @@ class OutlineView(BaseModel):
     velocity: WindowView
     tiles: TilingView
     complete: bool
+    proof: bool = Field(
+        False, exclude_if=lambda there: not there,
+        description="Whether a proof was asked for, so that tiles say what is proven; left out where not",
+    )  # fmt: skip
     solutions: list[DrawnSolution] = Field(description="By number; those of the whole job")
     expected: ExpectedView | None = Field(description="Mean loudness over the window; null until it is complete")
     missing_colour: str
@@ -147,7 +151,7 @@ class OutlineView(BaseModel):
                 rows=tiling.tile_rows, columns=tiling.tile_columns, down=down, across=across,
                 first=outline.first_tile, states=list(outline.states),
             ),
-            complete=outline.complete, solutions=drawn(outline.solutions, outline.loudness, outline.shares),
+            complete=outline.complete, proof=outline.proof, solutions=drawn(outline.solutions, outline.loudness, outline.shares),
             expected=outline.expected and ExpectedView(**outline.expected._asdict()),
             missing_colour=in_hex(MISSING), speckle=list(SPECKLE),
             grazing=PolylineView(time=outline.curve[0].tolist(), velocity=outline.curve[1].tolist()),

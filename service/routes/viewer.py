@@ -110,7 +110,9 @@ def get_tile(
 ) -> Response:
     """Step, group and period as int32, then solution as int16: little endian, each row by row from the lowest speed.
 
-    The header `rattle-shape` holds the numbers of rows and columns.
+    Where the tile has a proof, two arrays of uint8 follow: the sixty-fourths of each cell of which every departure is
+    proven to end as the solution says, and why not all are (0 all are, 1 arrives nowhere, 2 spreads too wide, 3
+    straddles grazing, 4 a part ends otherwise). The header `rattle-shape` holds the numbers of rows and columns.
     """
     labels = read_tile_labels(_location_of_basins(job_id, jobs, settings, "tiles"), number, every)
     if labels is None:

@@ -34,7 +34,7 @@ test("links of earlier versions are read: a job, a basin of a sweep, a window", 
 test("what is usual is not written, and no overlays are something else than the usual ones", () => {
   const usual = decode("");
   assert.equal(encode(usual), "");
-  assert.deepEqual(usual.overlays, ["grazing", "attractors"]);
+  assert.deepEqual(usual.overlays, ["proven", "grazing", "attractors"]);
   assert.deepEqual(decode(encode({ request: REQUEST, overlays: [] })).overlays, []);
 });
 

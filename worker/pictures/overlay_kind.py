@@ -27,6 +27,7 @@ _MANIFOLD_COLOURS = ("magenta", "lime", "darkorange", "cyan")
 class OverlayKind(StrEnum):
     """What is laid over a picture, in the order of drawing."""
 
+    PROVEN = "proven"
     GRAZING = "grazing"
     PREIMAGES = "preimages"
     MANIFOLDS = "manifolds"
@@ -62,7 +63,7 @@ def overlays_for(
     Parameters
     ----------
     kinds : collection of str
-        Names of `OverlayKind`.
+        Names of `OverlayKind`. What is proven is not computed, but stored: `unproven` draws it.
     oscillator : Oscillator
         Either model. Pre-images and manifolds exist for the impacting model only.
     attractors : tuple of Attractor

@@ -1,7 +1,7 @@
 """Picture of one basin in the paper's axes and colours (Figs. 6 to 16), complete or not."""
 
 import itertools
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -13,10 +13,12 @@ from matplotlib.patches import Rectangle
 from rattle_kernels import Attractor
 from worker.pictures import colours
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
+from worker.pictures.unproven import demand_proof, draw_unproven, share_unproven
 from worker.pictures.window import Window, whole_window
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MISSING, SAMPLE_COORDINATES, TileState
 from worker.stores.solution_table import SolutionTable
+from worker.stores.tiles import Tile
 
 # Most points of a sample. The first ones of a Sobol sequence cover the window evenly, every second one only half of it.
 _MOST_POINTS = 20_000
@@ -115,21 +117,21 @@ class PanelPicture:
         """Most cells that are shown each way."""
         return max(stop - start for period in self.periods for start, stop in self.window.cells_of(self.grid, period))
 
-    def _read(self, layer: Layer, rows: tuple[int, int], columns: tuple[int, int]) -> np.ndarray:
-        """Part of a layer, read tile by tile and thinned if it is very large. It begins at thinned cells."""
+    def _read(
+        self, read: Callable[[Tile], np.ndarray | None], rows: tuple[int, int], columns: tuple[int, int]
+    ) -> np.ndarray:
+        """Part of what the tiles hold, read tile by tile and thinned if it is very large. It begins at thinned cells."""
         every = self.every
         first_row, first_column = rows[0] // every, columns[0] // every
         shape = -(-rows[1] // every) - first_row, -(-columns[1] // every) - first_column
         picture = np.full(shape, MISSING, np.int64)
-        places = self.store.places
-        variable = tuple(each for each in (*places.labelled, places.solution) if each.name == layer)
         for number in np.array(self.tiles)[self.states == TileState.ASSEMBLED].tolist():
             tile = self.store.tiling.tile(number)
             lines = _shared(tile.rows, rows, every)
             strips = _shared(tile.columns, columns, every)
-            if not (lines and strips):
+            values = read(tile) if lines and strips else None
+            if values is None:
                 continue
-            (values,) = self.store.read_tile(variable, tile)
             part = values[
                 lines.start * every - tile.rows[0] : tile.rows[1] - tile.rows[0] : every,
                 strips.start * every - tile.columns[0] : tile.columns[1] - tile.columns[0] : every,
@@ -137,6 +139,15 @@ class PanelPicture:
             row, column = lines.start - first_row, strips.start - first_column
             picture[row : row + part.shape[0], column : column + part.shape[1]] = part
         return picture
+
+    def _of_layer(self, layer: Layer) -> Callable[[Tile], np.ndarray]:
+        places = self.store.places
+        variable = tuple(each for each in (*places.labelled, places.solution) if each.name == layer)
+        return lambda tile: self.store.read_tile(variable, tile)[0]
+
+    def _proven(self, tile: Tile) -> np.ndarray | None:
+        proof = self.store.read_proof(tile)
+        return None if proof is None else proof[0]
 
     def _parts(self) -> Iterator[tuple[tuple[int, int], tuple[int, int], tuple[float, float, float, float]]]:
         """Rows and columns of cells that are shown, with their place; twice where the window crosses the grid's end."""
@@ -164,12 +175,14 @@ class PanelPicture:
             self._draw_points(axes)
             return
         for rows, columns, place in self._parts():
-            solution, group = (self._read(layer, rows, columns) for layer in (Layer.SOLUTION, Layer.GROUP))
+            solution, group = (
+                self._read(self._of_layer(layer), rows, columns) for layer in (Layer.SOLUTION, Layer.GROUP)
+            )
             image = colours.paint_cells(solution, group, self.solutions, self.look.palette)
             axes.imshow(image, origin="lower", extent=place, aspect="auto", interpolation="nearest")
 
     def _draw_points(self, axes: Axes) -> None:
-        solution = self._read(Layer.SOLUTION, (0, 1), (0, self.grid.time_cells))[0, :_MOST_POINTS]
+        solution = self._read(self._of_layer(Layer.SOLUTION), (0, 1), (0, self.grid.time_cells))[0, :_MOST_POINTS]
         t, v = (values[:_MOST_POINTS] for values in self.store.read_whole(SAMPLE_COORDINATES))
         known = solution >= 0
         for period in self.periods:
@@ -187,11 +200,26 @@ class PanelPicture:
         axes.set_facecolor(colours.MISSING)
         return [
             axes.imshow(
-                np.ma.masked_equal(self._read(layer, rows, columns), MISSING), origin="lower", extent=place,
+                np.ma.masked_equal(self._read(self._of_layer(layer), rows, columns), MISSING), origin="lower", extent=place,
                 aspect="auto", interpolation="nearest", cmap="turbo",
             )
             for rows, columns, place in self._parts()
         ]  # fmt: skip
+
+    def draw_unproven(self, axes: Axes) -> None:
+        """Hatch what is not proven, if that is asked for.
+
+        Raises
+        ------
+        InvalidJob
+            If nothing is proven of the store.
+        """
+        if OverlayKind.PROVEN not in self.look.overlays:
+            return
+        demand_proof(self.store.holds_proof)
+        share = share_unproven(self._proven(self.store.tiling.tile(number)) for number in self.tiles)
+        for rows, columns, place in self._parts():
+            draw_unproven(axes, self._read(self._proven, rows, columns), place, share)
 
     def hatch_missing(self, axes: Axes) -> None:
         """Hatch the tiles that are not labelled yet, densely if even their images are missing."""

@@ -6,15 +6,17 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, PathPatch
 from matplotlib.ticker import MaxNLocator
 
 from rattle_kernels import Attractor
 from worker.errors import InvalidJob
 from worker.pictures import colours
 from worker.pictures.figure_file import new_figure
+from worker.pictures.overlay_kind import OverlayKind
 from worker.pictures.panel_picture import USUAL_LOOK, Layer, Look, PanelPicture
 from worker.pictures.symbols import oscillator_text, symbol_of
+from worker.pictures.unproven import label_of, unproven_patch
 from worker.pictures.window import demand_overlap
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
@@ -30,16 +32,16 @@ _SPECKLED = "chaos is speckled by Hsu's groups"
 
 
 def _legend(
-    figure: Figure, axes: Axes, store: BasinStore, table: SolutionTable, solutions: tuple[Attractor, ...],
-    palette: colours.Palette,
+    figure: Figure, axes: Axes, store: BasinStore, table: SolutionTable, solutions: tuple[Attractor, ...], look: Look
 ) -> None:  # fmt: skip
     shares = np.nanmean(table.share, axis=0) if store.complete else np.full(len(solutions), np.nan)
     if store.job.vary:
         labels = [f"{i}: {solution.name}" for i, solution in enumerate(solutions)]
-        handles = legend_patches(solutions, shares, labels, palette)
+        handles = legend_patches(solutions, shares, labels, look.palette)
+        handles += [unproven_patch(label_of(None))] if OverlayKind.PROVEN in look.overlays else []
         figure.legend(handles=handles, loc="outside right upper", frameon=False)
     else:
-        draw_legend(axes, solutions, shares, palette)
+        draw_legend(axes, solutions, shares, look.palette)
 
 
 def legend_patches(
@@ -72,11 +74,17 @@ def draw_legend(
     """List solutions with colours and shares beside the axes; NaN is a share not known yet."""
     told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
     labels = [f"{solution.label}   {share}" for solution, share in zip(solutions, told, strict=True)]
-    handles = [*legend_patches(solutions, shares, labels, palette), *_lines_of(axes)]
+    handles = [*legend_patches(solutions, shares, labels, palette), *_unproven_of(axes), *_lines_of(axes)]
     axes.legend(
         handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0,
         title=_SPECKLED if any(each.is_chaotic for each in solutions) else None, title_fontsize="x-small",
     )  # fmt: skip
+
+
+def _unproven_of(axes: Axes) -> list[Patch]:
+    """Legend entry of what is not proven, where that is drawn."""
+    names = {str(patch.get_label()) for patch in axes.patches if isinstance(patch, PathPatch)}
+    return [unproven_patch(name) for name in names]
 
 
 def _lines_of(axes: Axes) -> list[Line2D]:
@@ -185,6 +193,7 @@ def _draw_panels(figure: Figure, axes: np.ndarray, store: BasinStore, rows: list
             panel.draw_solutions(place)
         else:
             images += panel.draw_numbers(place, look.layer)
+        panel.draw_unproven(place)
         panel.hatch_missing(place)
         panel.draw_overlays(place)
         values = store.job.values_of(panel.panel).items()
@@ -192,7 +201,7 @@ def _draw_panels(figure: Figure, axes: np.ndarray, store: BasinStore, rows: list
     if images:
         _draw_scale(figure, axes, images, f"Hsu's {look.layer}")
     elif solutions:
-        _legend(figure, axes[0, -1], store, table, solutions, look.palette)
+        _legend(figure, axes[0, -1], store, table, solutions, look)
 
 
 def _draw_scale(figure: Figure, axes: np.ndarray, images: list[AxesImage], label: str) -> None:

@@ -118,6 +118,20 @@ class BasinStore(SolutionArrays):
                 raise StoreFailed(f"the store {self.location} has lost a part of {variable.path}: {tile}")
         return values
 
+    @property
+    def holds_proof(self) -> bool:
+        """Whether a proof was asked for: what is proven of cells is there, or comes."""
+        with as_store_failure(self.location):
+            return layout.PROVEN.path in self._group
+
+    def read_proof(self, tile: Tile) -> tuple[np.ndarray, np.ndarray] | None:
+        """Read what is proven of a tile's cells, and why not all is; None until both are written."""
+        with as_store_failure(self.location):
+            proven, reason = (
+                np.asarray(self._kept(each)[self._region(tile)]) for each in (layout.PROVEN, layout.UNPROVEN_REASON)
+            )
+        return None if (proven == layout.NOT_THERE).any() or (reason == layout.NOT_THERE).any() else (proven, reason)
+
     def read_whole(self, variables: Sequence[Variable]) -> tuple[np.ndarray, ...]:
         """Read some variables whole."""
         with as_store_failure(self.location):

@@ -21,6 +21,8 @@ READABLE_LAYOUTS = (3, LAYOUT_VERSION)
 """Chunks of layout 3 have no checksums."""
 MISSING = -9
 """Fill value of all integer arrays: no cell number, group, period, step or index."""
+NOT_THERE = 255
+"""Fill value of arrays of bytes."""
 
 
 class TileState(IntEnum):
@@ -110,6 +112,31 @@ LABELLED = (
 _ENDS_IN = "motion that it ends in: index into the dimension attractor"
 SOLUTION = Variable("solution", _CELLS, np.int16, MISSING, _ENDS_IN)
 """Written tile by tile once the solutions of the basin have their numbers."""
+
+
+class Unproven(IntEnum):
+    """Why not all of a cell is proven to end as it is coloured."""
+
+    PROVEN = 0
+    """All of it is."""
+    ARRIVES_NOWHERE = 1
+    SPREADS = 2
+    GRAZES = 3
+    ENDS_ELSEWHERE = 4
+    """Some of it is proven to end otherwise."""
+
+
+PROVEN = Variable(
+    "proven",
+    _CELLS,
+    np.uint8,
+    NOT_THERE,
+    "sixty-fourths of the cell of which every departure ends as the solution says",
+)
+UNPROVEN_REASON = Variable(
+    "unproven_reason", _CELLS, np.uint8, NOT_THERE, "why not all of the cell is proven", flags(Unproven)
+)
+"""Written tile by tile after the solution, where a proof was asked for."""
 
 LEDGER = Variable(
     "tile_state", ("tile_velocity", "tile_time"), np.uint8, 0, "what is in the store, tile by tile", flags(TileState)

@@ -12,6 +12,8 @@ from worker.pictures import colours
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
 from worker.pictures.panel_picture import frame
 from worker.pictures.picture import draw_legend
+from worker.pictures.unproven import demand_proof, draw_unproven, share_unproven
+from worker.stores.layout import PROVEN
 from worker.views.reading import attractors_of, job_of, thinned
 
 
@@ -26,6 +28,27 @@ def _extent(dataset: xr.Dataset) -> tuple[float, float, float, float]:
     width = (grid.time_stop - grid.time_start) / grid.time_cells
     height = (grid.velocity_stop - grid.velocity_start) / grid.velocity_cells
     return *_edges(dataset.time.values, width), *_edges(dataset.velocity.values, height)
+
+
+def lay_unproven(dataset: xr.Dataset, axes: Axes) -> None:
+    """Hatch on axes what is not proven of a basin.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `open_basin`, whole or in part.
+    axes : matplotlib.axes.Axes
+        Of the (t, v) plane.
+
+    Raises
+    ------
+    InvalidJob
+        If nothing is proven of it.
+    """
+    demand_proof(PROVEN.name in dataset)
+    whole = dataset.proven.shape == job_of(dataset).grid.shape
+    share = share_unproven([dataset.proven.values]) if whole else None
+    draw_unproven(axes, thinned(dataset).proven.values, _extent(dataset), share)
 
 
 def plot_basin(
@@ -43,7 +66,7 @@ def plot_basin(
     legend : bool
         Whether to list the motions beside the axes, with their shares of all cells.
     overlays : collection of OverlayKind
-        Any of ``("grazing", "preimages", "manifolds", "attractors", "saddles")``. For others, call ``draw`` of an
+        Any of ``("proven", "grazing", "preimages", "manifolds", "attractors", "saddles")``. For others, call ``draw`` of an
         `Overlay` from `worker.pictures.overlay` on the axes.
 
     Returns
@@ -53,7 +76,7 @@ def plot_basin(
     Raises
     ------
     InvalidJob
-        If the model lacks an overlay.
+        If the model lacks an overlay, or nothing is proven.
 
     Notes
     -----
@@ -70,6 +93,8 @@ def plot_basin(
     shown = thinned(dataset)
     image = colours.paint_cells(shown.solution, shown.group, attractors)
     axes.imshow(image, origin="lower", extent=extent, aspect="auto", interpolation="nearest")
+    if OverlayKind.PROVEN in overlays:
+        lay_unproven(dataset, axes)
     for overlay in overlays_for(overlays, job_of(dataset).oscillator, attractors, extent[2:]):
         overlay.draw(axes, extent[0])
     if legend and attractors:

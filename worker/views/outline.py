@@ -24,7 +24,7 @@ class PanelOutline:
     ``solutions`` are those of the whole store, by number, with this basin's own points (none if it lacks the solution)
     and ``shares`` (NaN until the basin is complete), and their ``loudness`` here. ``expected`` is its mean over the
     window, None until the basin is complete. ``states`` are `TileState` codes of the basin's tiles, numbered from
-    ``first_tile``. ``curve`` holds phases and speeds of the grazing curve.
+    ``first_tile``. ``proof`` says whether a proof was asked for. ``curve`` holds phases and speeds of the grazing curve.
     """
 
     values: dict[str, float]
@@ -33,6 +33,7 @@ class PanelOutline:
     first_tile: int
     states: tuple[int, ...]
     complete: bool
+    proof: bool
     solutions: tuple[Attractor, ...]
     shares: tuple[float, ...]
     loudness: tuple[Loudness, ...]
@@ -90,6 +91,7 @@ def outline_basin(location: str, basin: int) -> PanelOutline:
         first_tile=tiles.start,
         states=tuple(states.tolist()),
         complete=bool((states == TileState.ASSEMBLED).all()),
+        proof=store.holds_proof,
         solutions=tuple(_thinned(each) for each in solutions),
         shares=tuple(table.share[basin].tolist()),
         loudness=tuple(loudness(oscillator, each) for each in solutions),

@@ -1,5 +1,6 @@
 """Overlays of a basin of a store, computed from its oscillator and its catalogue."""
 
+from worker.errors import InvalidJob
 from worker.pictures.overlay import Overlay
 from worker.pictures.overlay_kind import OverlayKind, overlays_for
 from worker.views.outline import catalogue_of, open_cells
@@ -22,10 +23,12 @@ def overlay_basin(location: str, basin: int, kind: OverlayKind) -> tuple[Overlay
     Raises
     ------
     InvalidJob
-        If there is no such basin, or its model lacks the overlay.
+        If there is no such basin, or its model lacks the overlay; or if cells have it, which come tile by tile.
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
+    if kind == OverlayKind.PROVEN:
+        raise InvalidJob("what is proven comes with the cells, tile by tile: see tiles")
     store = open_cells(location, basin)
     catalogue = catalogue_of(store, store.read_solutions(), basin)
     attractors = tuple(catalogue[number] for number in sorted(catalogue))

@@ -14,7 +14,7 @@ _ORDER = tuple(_BY_NAME[name] for name in ("step", "group", "period", "solution"
 class TileLabels:
     """Step, group and period as int32, then solution as int16: little endian, row by row from the lowest speed.
 
-    ``final`` is true if they will never change, because the job is complete.
+    Where the tile has a proof, sixty-fourths proven and the reason why not all is follow as uint8. ``final`` is true if they will never change, because the job is complete.
     """
 
     content: bytes
@@ -48,7 +48,8 @@ def read_tile_labels(location: str, number: int, every: int = 1) -> TileLabels |
         return None
     tile = store.tiling.tile(number)
     kept = tuple(slice(-start % every, None, every) for start in (tile.rows[0], tile.columns[0]))
-    labels = [values[kept] for values in store.read_tile(_ORDER, tile)]
+    proof = store.read_proof(tile) if store.holds_proof else None
+    labels = [values[kept] for values in (*store.read_tile(_ORDER, tile), *(proof or ()))]
     content = b"".join(values.astype(values.dtype.newbyteorder("<")).tobytes() for values in labels)
     rows, columns = labels[0].shape
     return TileLabels(content, rows, columns, final)

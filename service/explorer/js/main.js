@@ -192,6 +192,7 @@ function openPanel(panel) {
 // What is seen.
 
 function pictureChanged() {
+  overlays.offer("proven", Boolean(plane.picture?.proof));
   charts.bifurcation.follow();
   legend();
   hover.read();

@@ -94,7 +94,7 @@ def test_names_of_overlays_are_read_and_others_refused():
     assert parse_overlays("grazing, saddles") == (OverlayKind.GRAZING, OverlayKind.SADDLES)
     assert parse_overlays("") == ()
     for wrong in (lambda: parse_overlays("grazin"), lambda: overlays_for(["grazin"], OSCILLATOR, (), (0.0, 7.0))):
-        with pytest.raises(InvalidJob, match="no overlay 'grazin'; choose among grazing,preimages,manifolds"):
+        with pytest.raises(InvalidJob, match="no overlay 'grazin'; choose among proven,grazing,preimages,manifolds"):
             wrong()
 
 

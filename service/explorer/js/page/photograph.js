@@ -7,6 +7,15 @@ const SCALE = 2;
 const ROW = 20;
 const FONT = '13px system-ui, "DejaVu Sans", sans-serif';
 
+const UNPROVEN = "#d9d9d9";
+
+/** What is not proven, where it is hatched. */
+function unprovenOf({ picture, hatches }) {
+  if (!picture.proof || !hatches) return [];
+  const { proven } = picture.proof.shares(picture.solution, picture.outline.solutions.length);
+  return [{ name: "not proven (hatched)", colour: UNPROVEN, share: 1 - proven.reduce((sum, each) => sum + each, 0) }];
+}
+
 function legendOf({ picture, look }) {
   if (look.layer !== "solution") return [];
   const shares = picture.shares();
@@ -23,7 +32,7 @@ function legendOf({ picture, look }) {
  */
 export function pictureOf(plane, caption) {
   const { width, height } = plane.plot.size;
-  const legend = legendOf(plane);
+  const legend = [...legendOf(plane), ...unprovenOf(plane)];
   const canvas = document.createElement("canvas");
   const below = ROW * (Math.ceil(legend.length / 3) + 2);
   [canvas.width, canvas.height] = [SCALE * width, SCALE * (height + below)];

@@ -2,7 +2,7 @@
 
 import { Latest } from "../net/latest.js";
 import { briefMotion } from "../net/motion.js";
-import { solutionInWords } from "../look/explain.js";
+import { proofInWords, solutionInWords } from "../look/explain.js";
 import { reading } from "../charts/ticks.js";
 
 const REST_MS = 30;
@@ -49,6 +49,7 @@ export class Hover {
     const where = `t = ${reading(phase, t1 - t0)}   v = ${reading(place.v, v1 - v0)}`;
     const numbers = known?.step === undefined ? "" : `   step ${known.step}, group ${known.group}, period ${known.period}`;
     this.lines.reading.textContent = where + (known ? `   ${known.solution.name}${numbers}` : "   not known yet");
-    this.lines.sentence.textContent = known ? solutionInWords(known.solution) : "";
+    const proof = known?.proven ? ` ${proofInWords(known.proven, known.solution)}` : "";
+    this.lines.sentence.textContent = known ? solutionInWords(known.solution) + proof : "";
   }
 }

@@ -4,18 +4,14 @@ import { element } from "../charts/chart.js";
 import { expectedInWords, loudnessInWords, solutionInWords } from "../look/explain.js";
 import { keyOf, scaleColour } from "../plane/palette.js";
 import { grouped, percent } from "../charts/ticks.js";
+import { proofLines } from "./proven.js";
+import { swatch } from "./swatch.js";
 
 const MEANINGS = {
   step: "Hsu's step: applications of P^k until the cycle of cells is reached.",
   group: "Hsu's group: the cycle of cells that is reached, by number.",
   period: "Hsu's period: cells in that cycle; 0 where there is none.",
 };
-
-function swatch(colour) {
-  const drawn = element("svg", { class: "swatch", viewBox: "0 0 16 16", "aria-hidden": "true" });
-  drawn.append(element("rect", { width: 16, height: 16, rx: 3, fill: colour, stroke: "rgb(128 128 128)" }));
-  return drawn;
-}
 
 function chaosInWords({ lyapunov_exponent, mean_life, mean_life_error, kind }) {
   if (lyapunov_exponent === null || !kind.startsWith("chaotic")) return "";
@@ -86,7 +82,9 @@ export function showLegend(place, picture, look, pick) {
   const focused = place.contains(active) ? active.dataset.solution : null;
   if (!picture) place.replaceChildren();
   else if (picture.empty) place.textContent = "No solutions are known yet.";
-  else if (look.layer === "solution" || picture.isPreview) place.replaceChildren(listSolutions(picture, look, pick), ...averageOf(picture.outline));
-  else place.replaceChildren(...describeScale(picture, look.layer));
+  else if (look.layer === "solution" || picture.isPreview) {
+    place.replaceChildren(listSolutions(picture, look, pick), ...averageOf(picture.outline), ...proofLines(picture, look));
+  }
+  else place.replaceChildren(...describeScale(picture, look.layer), ...proofLines(picture, look));
   if (focused) Array.from(place.querySelectorAll("button")).find((each) => each.dataset.solution === focused)?.focus();
 }

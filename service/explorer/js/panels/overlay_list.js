@@ -29,6 +29,8 @@ export class OverlayList {
     this.plane = plane;
     this.source = null;
     this.boxes = new Map();
+    /** Names of those that what is seen does not have. */
+    this.lacking = new Set();
     for (const overlay of OVERLAYS) {
       const line = document.createElement("label");
       line.title = MARKS[overlay.name];
@@ -43,6 +45,7 @@ export class OverlayList {
       line.append(box, signOf(overlay.sign), overlay.label);
       place.append(line, overlay.note);
     }
+    this.offer("proven", false);
     this.#show();
   }
 
@@ -53,7 +56,14 @@ export class OverlayList {
 
   /** Names of those that are drawn: some come later, and some models lack some. */
   get drawn() {
-    return OVERLAYS.filter(({ on, fetched }) => on && fetched?.length !== 0).map(({ name }) => name);
+    return OVERLAYS.filter(({ name, on, fetched }) => on && fetched?.length !== 0 && !this.lacking.has(name)).map(({ name }) => name);
+  }
+
+  /** Offer an overlay, or not where what is seen does not have it. */
+  offer(name, there) {
+    if (there) this.lacking.delete(name);
+    else this.lacking.add(name);
+    this.boxes.get(name).parentElement.hidden = !there;
   }
 
   /** Turn on the overlays of these names, and no others. */

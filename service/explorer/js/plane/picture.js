@@ -3,6 +3,8 @@
 import { get, send } from "../net/api.js";
 import { viewOf } from "../state/window.js";
 import { paintNumbers, paintSolutions, solutionPixels, specialPixel, usualSpeckle } from "./palette.js";
+import { Proof } from "./proof.js";
+import { Mask } from "./unproven.js";
 
 // Largest number of cells each way that are fetched and drawn. Of more cells, only every n-th is shown.
 const MOST_CELLS = 1500;
@@ -36,6 +38,9 @@ export class Picture {
     this.step = new Int32Array(cells);
     this.group = new Int32Array(cells);
     this.period = new Int32Array(cells);
+    // null where no proof was asked for.
+    this.proof = outline.proof ? new Proof(cells) : null;
+    this.mask = this.proof && new Mask(this.proof, this.width, this.height);
     this.there = new Set();
     this.settled = new Set();
     this.fresh = true;
@@ -123,13 +128,18 @@ export class Picture {
     const [rows, columns] = answer.headers.get("rattle-shape").split(" ").map(Number);
     const bytes = await answer.arrayBuffer();
     const cells = rows * columns;
+    /** @type {[Int32Array|Int16Array|Uint8Array, Int32Array|Int16Array|Uint8Array][]} */
     const parts = [
       [this.step, new Int32Array(bytes, 0, cells)],
       [this.group, new Int32Array(bytes, 4 * cells, cells)],
       [this.period, new Int32Array(bytes, 8 * cells, cells)],
       [this.solution, new Int16Array(bytes, 12 * cells, cells)],
     ];
-    const { left, top } = this.rectangle(tile);
+    // What is proven comes after the labels, and may not be there yet.
+    if (this.proof && bytes.byteLength === 16 * cells) {
+      parts.push([this.proof.proven, new Uint8Array(bytes, 14 * cells, cells)], [this.proof.reason, new Uint8Array(bytes, 15 * cells, cells)]);
+    }
+    const { left, top, bottom } = this.rectangle(tile);
     for (const [whole, part] of parts) {
       for (let row = 0; row < rows; row++) {
         // Speeds increase upwards, pixel rows downwards.
@@ -137,6 +147,7 @@ export class Picture {
         whole.set(part.subarray(row * columns, (row + 1) * columns), at);
       }
     }
+    this.mask?.paint(left, this.height - bottom, columns, rows);
   }
 
   /** Largest value of one of Hsu's numbers so far. */
@@ -163,8 +174,13 @@ export class Picture {
     this.context.putImageData(this.image, 0, 0, left, this.height - bottom, right - left, bottom - top);
   }
 
-  /** Draw what is known into a plot; phases repeat. */
+  /** Draw what is known into a plot. */
   draw(plot) {
+    this.lay(plot, this.canvas, plot.context);
+  }
+
+  /** Lay a canvas with a pixel for each cell over a plot, or over a canvas of its size; phases repeat. */
+  lay(plot, canvas, context) {
     const { t0, t1, v0, v1 } = this.view;
     const width = this.width * this.cellTime, height = this.height * this.cellVelocity;
     const low = Math.max(plot.view.v0, v0), high = Math.min(plot.view.v1, v1);
@@ -175,7 +191,7 @@ export class Picture {
         ((early - t0 - shift) / width) * this.width, this.height - ((high - v0) / height) * this.height,
         ((late - early) / width) * this.width, ((high - low) / height) * this.height,
       ];
-      plot.context.drawImage(this.canvas, ...source, plot.x(early), plot.y(high), plot.x(late) - plot.x(early), plot.y(low) - plot.y(high));
+      context.drawImage(canvas, ...source, plot.x(early), plot.y(high), plot.x(late) - plot.x(early), plot.y(low) - plot.y(high));
     }
   }
 
@@ -194,7 +210,8 @@ export class Picture {
     // If only every n-th cell is shown, it is the first of its neighbours.
     const t1 = t0 + column * this.cellTime + this.cellTime / this.every / 2;
     const v1 = v0 + row * this.cellVelocity + this.cellVelocity / this.every / 2;
-    return { solution, step: this.step[i], group: this.group[i], period: this.period[i], t: t1, v: v1 };
+    const known = { solution, step: this.step[i], group: this.group[i], period: this.period[i], t: t1, v: v1 };
+    return this.proof ? { ...known, proven: this.proof.at(i) } : known;
   }
 
   /** Share of each solution among the cells that are here. */

@@ -7,6 +7,7 @@ import { drawCrossHair, drawMotion, drawOverlay } from "./overlays.js";
 import { Plot } from "./plot.js";
 import { Stack } from "./stack.js";
 import { drawSwipe } from "./swipe.js";
+import { hatchUnproven } from "./unproven.js";
 import { colour } from "../page/theme.js";
 
 export class Plane {
@@ -130,9 +131,9 @@ export class Plane {
     plot.clear();
     const { top, newest, preview, drawn } = this.stack;
     plot.clipped(() => {
-      for (const picture of drawn) picture.draw(plot);
+      this.#drawPictures(plot, drawn, top);
       if (newest && !preview) hatchMissing(plot, newest);
-      if (this.beside) drawSwipe(plot, this.beside);
+      if (this.beside) drawSwipe(plot, this.beside, (pictures) => this.#drawPictures(plot, pictures, pictures.at(-1)));
       if (top) this.#drawOverlays(plot, top);
       for (const [name, departures] of this.motions) drawMotion(plot, departures.map((each) => this.inView(each)), name);
       if (this.crossHair) drawCrossHair(plot, this.crossHair);
@@ -140,6 +141,20 @@ export class Plane {
     });
     plot.axes();
     this.tell.drawn?.();
+  }
+
+  /** Pictures one over the other. Where the top one has a proof, all others are seen not to be proven. */
+  #drawPictures(plot, pictures, top) {
+    const hatched = this.hatches && top?.proof;
+    for (const picture of pictures) {
+      picture.draw(plot);
+      if (hatched) hatchUnproven(plot, picture);
+    }
+  }
+
+  /** Whether what is not proven is to be hatched. */
+  get hatches() {
+    return this.overlays.some(({ name }) => name === "proven");
   }
 
   /** Overlays; while the window is dragged, a bitmap of them that moves along. */

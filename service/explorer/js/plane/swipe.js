@@ -10,8 +10,9 @@ const LINE = 16;
  * @param {import("./plot.js").Plot} plot
  * @param {{pictures: import("./picture.js").Picture[], part: number, label: string}} beside pictures in the order in which they are drawn, and
  *   the part of the width at which they begin
+ * @param {(pictures: import("./picture.js").Picture[]) => void} draw
  */
-export function drawSwipe(plot, { pictures, part, label }) {
+export function drawSwipe(plot, { pictures, part, label }, draw) {
   const { context } = plot;
   const x = plot.left + part * plot.width;
   context.save();
@@ -20,7 +21,7 @@ export function drawSwipe(plot, { pictures, part, label }) {
   context.clip();
   context.fillStyle = colour("plot");
   context.fillRect(x, plot.top, plot.width, plot.height);
-  for (const picture of pictures) picture.draw(plot);
+  draw(pictures);
   context.restore();
   context.fillStyle = "#ffffff";
   context.fillRect(x - 1.5, plot.top, 3, plot.height);

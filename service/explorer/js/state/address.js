@@ -4,7 +4,7 @@ import { harmonicsOf, harmonicsText, NUMBERS } from "./oscillator.js";
 import { same, viewOf } from "./window.js";
 
 /** What is not written. */
-const USUAL = { layer: "solution", palette: "colour_blind", overlays: "grazing,attractors" };
+const USUAL = { layer: "solution", palette: "colour_blind", overlays: "proven,grazing,attractors" };
 const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
 
 /**
