@@ -32,7 +32,9 @@ def unpacked(distribution, tmp_path_factory):
     """Folder of the sdist's files."""
     folder = tmp_path_factory.mktemp("sdist")
     with tarfile.open(distribution.sdist) as archive:
-        archive.extractall(folder, filter="data")
+        # Python before 3.11.4 has no filters; from 3.14 on this one is the default.
+        archive.extraction_filter = getattr(tarfile, "data_filter", None)
+        archive.extractall(folder)
     (inside,) = folder.iterdir()
     return inside
 
