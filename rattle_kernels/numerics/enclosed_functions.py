@@ -7,8 +7,8 @@ their slopes are. Nothing is asked of a library's sine.
 import math
 from typing import NamedTuple
 
-from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_kernels.numerics.interval import Interval, add, around, down, middle, multiply, point, scale, square, up
+from rattle_kernels.numerics.jit import inlined_as_written
 
 TWO_PI = Interval(6.283185307179586, 6.283185307179588)
 _TURN = 6.283185307179586

@@ -1,9 +1,9 @@
 """Intervals that surely hold the exact result: each operation rounds to nearest and then moves outwards.
 
 Numba has no directed rounding. An operation +, -, *, / or square root of IEEE doubles differs from the exact result by
-at most ``u |x|``, u = 2^-53, or by 2^-1075 if it underflows (x is the rounded result). `down` and `up` move x by ``4 u
-|x| + 2^-1000``. That sum and the move are rounded, too: together by less than ``2 u |x| + 2^-1050``. So the exact result
-lies beyond neither. `docs/theory/proof.md` has the derivation.
+at most ``u |x|``, u = 2^-53, or by 2^-1075 if it underflows (x is the rounded result). `down` and `up` move x by
+``4 u |x| + 2^-1000``. That sum and the move are rounded, too: together by less than ``2 u |x| + 2^-1050``. So the exact
+result lies beyond neither. `docs/theory/proof.md` has the derivation.
 
 An interval with an end that is no number proves nothing: every test is written so that NaN fails it.
 """
@@ -80,13 +80,13 @@ def lies_within(a, b):
 
 @inlined_as_written
 def add(a, b):
-    """a + b."""
+    """A + b."""
     return Interval(down(a.low + b.low), up(a.high + b.high))
 
 
 @inlined_as_written
 def subtract(a, b):
-    """a - b."""
+    """A - b."""
     return Interval(down(a.low - b.high), up(a.high - b.low))
 
 
@@ -98,7 +98,7 @@ def negative(a):
 
 @inlined_as_written
 def multiply(a, b):
-    """a b.
+    """A b.
 
     0 times infinity is NaN. Where that comes first the result is NaN; else another of the products is 0, and 0 is held.
     """
@@ -115,7 +115,7 @@ def scale(a, factor):
 
 @inlined_as_written
 def square(a):
-    """a a, never negative."""
+    """A a, never negative."""
     first, second = a.low * a.low, a.high * a.high
     most = up(max(first, second))
     if a.low <= 0.0 and a.high >= 0.0:
@@ -125,7 +125,7 @@ def square(a):
 
 @inlined_as_written
 def divide(a, b):
-    """a / b; not numbers where b holds 0."""
+    """A / b; not numbers where b holds 0."""
     if not (b.low > 0.0 or b.high < 0.0):
         return Interval(math.nan, math.nan)
     first, second, third, fourth = a.low / b.low, a.low / b.high, a.high / b.low, a.high / b.high

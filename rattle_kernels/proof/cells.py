@@ -29,8 +29,8 @@ IMPACTS = 12
 class ProvenCells(NamedTuple):
     """What is proven of cells, arrays of one shape (rows, columns), uint8; and areas.
 
-    ``proven`` counts the sixty-fourths of a cell of which every departure ends as the cell is coloured. ``reason`` says why
-    not all do, 0 where they do. ``areas``, int64, counts sixty-fourths proven by the motion in which they end.
+    ``proven`` counts the sixty-fourths of a cell of which every departure ends as the cell is coloured. ``reason`` says
+    why not all do, 0 where they do. ``areas``, int64, counts sixty-fourths proven by the motion in which they end.
     """
 
     proven: np.ndarray

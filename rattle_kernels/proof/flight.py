@@ -12,13 +12,13 @@ It arrives where y is `height`: 0, or -+2 beta. The derivative of the arrival (s
     w_t = (a(s) - delta y') s_t - (a(t) - delta w) D    w_w = (a(s) - delta y') s_w + D.
 
 First the arrival of the centre is enclosed by an interval Newton step. Then an interval S is found which the arrival
-cannot leave, however the departure moves through the box: the slopes over S and the box lead to its interior (theorem 2 of `docs/theory/proof.md`).
+cannot leave, however the departure moves through the box: the slopes over S and the box lead to its interior (theorem 2
+of `docs/theory/proof.md`).
 """
 
 import math
 from typing import NamedTuple
 
-from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_kernels.numerics.enclosed_functions import decay, first_phi
 from rattle_kernels.numerics.interval import (
     Interval,
@@ -32,6 +32,7 @@ from rattle_kernels.numerics.interval import (
     subtract,
     up,
 )
+from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_kernels.proof.machine import FOUR_PI, acceleration, error_at
 
 # Half-width in which the centre's arrival is sought, and how far the others' is widened at a try.
@@ -93,7 +94,7 @@ def fall_factors(machine, tau):
 
 @inlined_as_written
 def displacement(machine, departure, s):
-    """y at all times of s."""
+    """Y at all times of s."""
     tau = subtract(s, departure.t)
     reached, _ = fall_factors(machine, tau)
     swing = subtract(error_at(machine, s).value, departure.error.value)

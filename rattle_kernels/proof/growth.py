@@ -1,7 +1,7 @@
 """Proven boxes grow by rounds: a box whose departures all come to boxes of one end carries that end, too.
 
-Each box is followed once, for a few impacts, and the boxes touched on the way are kept as its *trail*. A round then looks
-only at trails. A box is proven from boxes of earlier rounds, so no proof rests on itself.
+Each box is followed once, for a few impacts, and strips that hold its images are kept as its *trail*. A round then
+looks only at trails. A box is proven from boxes of earlier rounds, so no proof rests on itself.
 """
 
 import numpy as np

@@ -5,12 +5,9 @@ curve may run through it. In the third case P is still continuous. Its image is 
 that clear -beta fly on as if it were not there; those that meet it do so slowly, and late (theorem 3).
 """
 
-import math
 from typing import NamedTuple
 
 from rattle_kernels.impact_map.flights import LOWER, UPPER, fly_over, next_contact
-from rattle_kernels.numerics.jit import inlined_as_written
-from rattle_kernels.proof.flight import Box, Matrix, arrive, no_arrivals
 from rattle_kernels.numerics.interval import (
     Interval,
     add,
@@ -24,6 +21,8 @@ from rattle_kernels.numerics.interval import (
     subtract,
     up,
 )
+from rattle_kernels.numerics.jit import inlined_as_written
+from rattle_kernels.proof.flight import Box, Matrix, arrive, no_arrivals
 from rattle_kernels.proof.machine import acceleration, error_at
 from rattle_kernels.proof.turning_point import turning_points
 

@@ -94,7 +94,7 @@ def span_of(lattice, box):
 
 
 class Found(NamedTuple):
-    """The end of a strip. If it is UNPROVEN, the first box found without a proof; its row is -1 if no proof can help."""
+    """The end of a strip. Where UNPROVEN, the first box found without a proof; its row is -1 if no proof can help."""
 
     end: int
     row: int

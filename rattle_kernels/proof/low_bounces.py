@@ -12,17 +12,17 @@ Then v'/v = 1 + tau G and a(t + tau)/a = 1 + tau H with
     V G = a delta (2 phi_3 - phi_2) + a' B_1 + a'' tau B_2 + ...,   B_k = phi_1 phi_(k+1) - (2 - x phi_1) phi_(k+2),
     a H = a' + a'' tau/2 + a''' tau^2/6 + ....
 
-The action v^3/a is multiplied by ``1 + tau S/(1 + tau H)``, ``S = 3 G - H + 3 tau G^2 + tau^2 G^3``. In 3 G - H the powers of
-tau^0 but for the damping cancel, which is done by hand: ``3 B_1 - phi_2 = x (6 phi_4 - 2 phi_3 - 3 phi_2^2 + 3 phi_1
-phi_3)``. So S tends to -delta as tau tends to 0, and a box that reaches down to tau = 0 is like any other.
+The action v^3/a is multiplied by ``1 + tau S/(1 + tau H)``, ``S = 3 G - H + 3 tau G^2 + tau^2 G^3``. In 3 G - H the
+powers of tau^0 but for the damping cancel, which is done by hand: ``3 B_1 - phi_2 = x (6 phi_4 - 2 phi_3 - 3 phi_2^2 +
+3 phi_1 phi_3)``. So S tends to -delta as tau tends to 0, and a box that reaches down to tau = 0 is like any other.
 """
 
 import math
 from typing import NamedTuple
 
-from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_kernels.numerics.enclosed_functions import phi, wave
 from rattle_kernels.numerics.interval import Interval, add, divide, multiply, point, scale, square, subtract, up
+from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_kernels.proof.machine import FOUR_PI
 
 ORDER = 10

@@ -1,7 +1,7 @@
 """Machines within tolerances: every parameter an interval; and the forcing that they feel.
 
-The transmission error is e(t), the sum of all harmonics ``amplitude cos(2 pi (order t + phase))``. Freeplay is ``Phi'' +
-delta Phi' = a(t)`` with ``a = 4 pi delta + e'' + delta e'``, so that ``4 pi t + e(t)`` solves it.
+The transmission error is e(t), the sum of all harmonics ``amplitude cos(2 pi (order t + phase))``. Freeplay is
+``Phi'' + delta Phi' = a(t)`` with ``a = 4 pi delta + e'' + delta e'``, so that ``4 pi t + e(t)`` solves it.
 """
 
 import math
@@ -11,9 +11,9 @@ import numpy as np
 
 from rattle_kernels.model.domain import OutsideDomain
 from rattle_kernels.model.oscillator import Oscillator
-from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.numerics.enclosed_functions import wave
 from rattle_kernels.numerics.interval import Interval, add, down, multiply, scale
+from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 
 _PHASES = 8192
 FOUR_PI = Interval(12.566370614359172, 12.566370614359176)

@@ -1,8 +1,8 @@
 """A set of departures that moves under P as a parallelogram, held by enclosures.
 
 After n impacts the set is held by ``m + M xi + rest``: m is near the image of the first box's centre, M encloses the
-product of the slopes, xi runs through the first box less its centre, and the rest holds what was rounded. A hull is taken
-only to enclose DP over the set, so little is lost to wrapping.
+product of the slopes, xi runs through the first box less its centre, and the rest holds what was rounded. A hull is
+taken only to enclose DP over the set, so little is lost to wrapping.
 """
 
 import math

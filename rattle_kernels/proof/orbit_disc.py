@@ -1,8 +1,8 @@
 """Discs around attracting periodic orbits, with proof: all that depart inside end in the orbit.
 
 Lengths are those of the orbit's eigenframe F: |F x|. Over the disc, DP^p has a norm of at most q, and P^p moves the
-disc's centre by at most d. If ``q radius + d < radius``, P^p maps the disc into itself and brings points closer together.
-So it holds exactly one periodic point, to which all others come (Banach).
+disc's centre by at most d. If ``q radius + d < radius``, P^p maps the disc into itself and brings points closer
+together. So it holds exactly one periodic point, to which all others come (Banach).
 """
 
 import math

@@ -1,8 +1,8 @@
 """The quiet core: departures ``v^3 < level a(t)`` whose action v^3/a falls at every bounce, for ever. They fall quiet.
 
-Boxes are tested from the lowest bounces upwards: up to some duration by `low_bounces`, above that by their images. A box
-in which the action may grow puts an end to the core at the least action in it: no box of the core is unproven. On every
-compact part of the core the action falls by a factor below 1 at each bounce, so it falls to 0.
+Boxes are tested from the lowest bounces upwards: up to some duration by `low_bounces`, above that by their images. A
+box in which the action may grow puts an end to the core at the least action in it: no box of the core is unproven. On
+every compact part of the core the action falls by a factor below 1 at each bounce, so it falls to 0.
 """
 
 import math
@@ -10,10 +10,10 @@ import math
 import numpy as np
 
 from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.numerics.interval import Interval, divide, down, middle, multiply, point, square
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.proof.flight import Box
 from rattle_kernels.proof.impact import LOST, image
-from rattle_kernels.numerics.interval import Interval, divide, down, middle, multiply, point, square
 from rattle_kernels.proof.low_bounces import low_bounces
 from rattle_kernels.proof.machine import Machine, acceleration, error_at
 

@@ -1,8 +1,8 @@
 """Sets of boxes that P maps into themselves: who is inside rattles for ever inside, by proof.
 
-A union Q of boxes is grown from boxes that a trajectory has visited: every box that may hold an image of Q joins, until none is
-new. Where that ends, P(Q) lies in Q. Boxes are mapped in parts, since the hull of an image grows with the part. Near a
-crisis Q leaks, and nothing is proven.
+A union Q of boxes is grown from boxes that a trajectory has visited: every box that may hold an image of Q joins,
+until none is new. Where that ends, P(Q) lies in Q. Boxes are mapped in parts, since the hull of an image grows with the
+part. Near a crisis Q leaks, and nothing is proven.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Where motions are proven to end: the quiet core, discs around orbits, a set that rattles for ever; and what grows from them."""
+"""Where motions are proven to end: the quiet core, discs around orbits, a set that rattles for ever."""
 
 import math
 from collections.abc import Iterable, Sequence

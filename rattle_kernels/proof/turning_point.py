@@ -7,8 +7,6 @@ departure its time changes by ``(a(t) - delta w) D/a(s)`` and ``-D/a(s)``, its h
 import math
 from typing import NamedTuple
 
-from rattle_kernels.numerics.jit import inlined_as_written
-from rattle_kernels.proof.flight import Departure, displacement, fall_factors, leave
 from rattle_kernels.numerics.interval import (
     Interval,
     add,
@@ -23,6 +21,8 @@ from rattle_kernels.numerics.interval import (
     subtract,
     up,
 )
+from rattle_kernels.numerics.jit import inlined_as_written
+from rattle_kernels.proof.flight import displacement, fall_factors, leave
 from rattle_kernels.proof.machine import FOUR_PI, acceleration, error_at
 
 _STEPS = 12
@@ -41,7 +41,7 @@ class TurningPoints(NamedTuple):
 
 @inlined_as_written
 def _rise(machine, departure, s):
-    """y' at all times of s, and a there."""
+    """Y' at all times of s, and a there."""
     _, left = fall_factors(machine, subtract(s, departure.t))
     error = error_at(machine, s)
     return add(add(FOUR_PI, error.rate), multiply(departure.lag, left)), acceleration(machine, error)

@@ -120,7 +120,7 @@ class PanelPicture:
     def _read(
         self, read: Callable[[Tile], np.ndarray | None], rows: tuple[int, int], columns: tuple[int, int]
     ) -> np.ndarray:
-        """Part of what the tiles hold, read tile by tile and thinned if it is very large. It begins at thinned cells."""
+        """Part of what the tiles hold, read tile by tile and thinned if very large. It begins at thinned cells."""
         every = self.every
         first_row, first_column = rows[0] // every, columns[0] // every
         shape = -(-rows[1] // every) - first_row, -(-columns[1] // every) - first_column
@@ -200,8 +200,8 @@ class PanelPicture:
         axes.set_facecolor(colours.MISSING)
         return [
             axes.imshow(
-                np.ma.masked_equal(self._read(self._of_layer(layer), rows, columns), MISSING), origin="lower", extent=place,
-                aspect="auto", interpolation="nearest", cmap="turbo",
+                np.ma.masked_equal(self._read(self._of_layer(layer), rows, columns), MISSING),
+                origin="lower", extent=place, aspect="auto", interpolation="nearest", cmap="turbo",
             )
             for rows, columns, place in self._parts()
         ]  # fmt: skip

@@ -7,6 +7,7 @@ tell it from a motion of a pale colour, and are as far apart in a picture of any
 
 import math
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,10 +18,10 @@ from rattle_kernels.proof.cells import WHOLE
 from worker.errors import InvalidJob
 
 _VEIL, _VEIL_ALPHA = 1.0, 0.65
-_HATCH = {"hatch": "\\\\\\", "hatchcolor": "0.2", "hatch_linewidth": 0.5}
+_HATCH: dict[str, Any] = {"hatch": "\\\\\\", "hatchcolor": "0.2", "hatch_linewidth": 0.5}
 _HATCHED = 0.5
-# Blocks each way, each hatched as a whole. On paper they are no wider than the lines. Drawn cell by cell, the outline of a
-# million cells would make most of the file.
+# Blocks each way, each hatched as a whole. On paper they are no wider than the lines. Drawn cell by cell, the outline
+# of a million cells would make most of the file.
 _MOST_BLOCKS = 512
 _RECTANGLE = (Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY)
 

@@ -66,8 +66,8 @@ def plot_basin(
     legend : bool
         Whether to list the motions beside the axes, with their shares of all cells.
     overlays : collection of OverlayKind
-        Any of ``("proven", "grazing", "preimages", "manifolds", "attractors", "saddles")``. For others, call ``draw`` of an
-        `Overlay` from `worker.pictures.overlay` on the axes.
+        Any of ``("proven", "grazing", "preimages", "manifolds", "attractors", "saddles")``. For others, call ``draw``
+        of an `Overlay` from `worker.pictures.overlay` on the axes.
 
     Returns
     -------

@@ -24,7 +24,8 @@ class PanelOutline:
     ``solutions`` are those of the whole store, by number, with this basin's own points (none if it lacks the solution)
     and ``shares`` (NaN until the basin is complete), and their ``loudness`` here. ``expected`` is its mean over the
     window, None until the basin is complete. ``states`` are `TileState` codes of the basin's tiles, numbered from
-    ``first_tile``. ``proof`` says whether a proof was asked for. ``curve`` holds phases and speeds of the grazing curve.
+    ``first_tile``. ``proof`` says whether a proof was asked for. ``curve`` holds phases and speeds of the grazing
+    curve.
     """
 
     values: dict[str, float]

@@ -14,7 +14,8 @@ _ORDER = tuple(_BY_NAME[name] for name in ("step", "group", "period", "solution"
 class TileLabels:
     """Step, group and period as int32, then solution as int16: little endian, row by row from the lowest speed.
 
-    Where the tile has a proof, sixty-fourths proven and the reason why not all is follow as uint8. ``final`` is true if they will never change, because the job is complete.
+    Where the tile has a proof, sixty-fourths proven and the reason why not all is follow as uint8. ``final`` is true if
+    they will never change, because the job is complete.
     """
 
     content: bytes
