@@ -7,13 +7,13 @@ their slopes are. Nothing is asked of a library's sine.
 import math
 from typing import NamedTuple
 
-from rattle_kernels.numerics.interval import Interval, add, around, down, middle, multiply, point, scale, square, up
+from rattle_kernels.numerics.interval import Interval, add, around, down, middle, point, scale, square, up
 from rattle_kernels.numerics.jit import inlined_as_written
 
 TWO_PI = Interval(6.283185307179586, 6.283185307179588)
 _TURN = 6.283185307179586
 # Bound on the absolute error of the polynomials below: truncation, coefficients and Horner's rule.
-_ERROR = 2.0**-45
+_ERROR = 2.0**-49
 _SINE = tuple((-1.0) ** n / math.factorial(2 * n + 1) for n in range(9))
 _COSINE = tuple((-1.0) ** n / math.factorial(2 * n) for n in range(10))
 _EXPONENTIAL = tuple((-1.0) ** n / math.factorial(n) for n in range(17))
@@ -134,9 +134,3 @@ def first_phi(x):
 def _first_phi_beyond(x):
     fallen = add(point(1.0), scale(_decay_of_number(x), -1.0))
     return Interval(down(fallen.low / x), up(fallen.high / x))
-
-
-@inlined_as_written
-def turns_to_angle(turns):
-    """2 pi times an interval."""
-    return multiply(TWO_PI, turns)

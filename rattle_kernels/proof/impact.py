@@ -7,7 +7,10 @@ that clear -beta fly on as if it were not there; those that meet it do so slowly
 
 from typing import NamedTuple
 
+import numpy as np
+
 from rattle_kernels.impact_map.flights import LOWER, UPPER, fly_over, next_contact
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.interval import (
     Interval,
     add,
@@ -21,9 +24,9 @@ from rattle_kernels.numerics.interval import (
     subtract,
     up,
 )
-from rattle_kernels.numerics.jit import inlined_as_written
+from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.proof.flight import Box, Matrix, arrive, no_arrivals
-from rattle_kernels.proof.machine import acceleration, error_at
+from rattle_kernels.proof.machine import Machine, acceleration, error_at
 from rattle_kernels.proof.turning_point import turning_points
 
 PROVEN = 0
@@ -203,3 +206,54 @@ def image(machine, oscillator, centre, box):
     if not turn.found:
         return _lost()
     return _straddling(machine, oscillator, start, speeds, turn, t + contact.duration)
+
+
+class Images(NamedTuple):
+    """Enclosures of the images of many boxes.
+
+    ``states``, shape (boxes,), are PROVEN, STRADDLES or LOST. ``hulls``, shape (boxes, 4), are least and greatest time,
+    least and greatest speed, not numbers where LOST. ``slopes``, shape (boxes, 2, 2, 2), are the ends of the elements
+    of DP over the box, by (time, speed) of the image and of the departure, not numbers where not PROVEN.
+    """
+
+    states: np.ndarray
+    hulls: np.ndarray
+    slopes: np.ndarray
+
+
+@kernel_as_written
+def _enclose_all(machine, oscillator, boxes, states, hulls, slopes):
+    for k in range(boxes.shape[0]):
+        box = Box(Interval(boxes[k, 0], boxes[k, 1]), Interval(boxes[k, 2], boxes[k, 3]))
+        mapped = image(machine, oscillator, Box(point(middle(box.t)), point(middle(box.w))), box)
+        states[k] = mapped.state
+        if mapped.state != LOST:
+            hulls[k, 0], hulls[k, 1] = mapped.all.t
+            hulls[k, 2], hulls[k, 3] = mapped.all.w
+        if mapped.state == PROVEN:
+            slopes[k, 0, 0, 0], slopes[k, 0, 0, 1] = mapped.slope.tt
+            slopes[k, 0, 1, 0], slopes[k, 0, 1, 1] = mapped.slope.tv
+            slopes[k, 1, 0, 0], slopes[k, 1, 0, 1] = mapped.slope.vt
+            slopes[k, 1, 1, 0], slopes[k, 1, 1, 1] = mapped.slope.vv
+
+
+def enclose_images(machine: Machine, oscillator: Oscillator, boxes: np.ndarray) -> Images:
+    """Enclose P and DP over boxes of departures.
+
+    Parameters
+    ----------
+    machine : Machine
+    oscillator : Oscillator
+        One of them: where roots are sought first. Nothing rests on it.
+    boxes : ndarray, shape (boxes, 4)
+        Least and greatest time, least and greatest speed.
+
+    Returns
+    -------
+    Images
+        Times are not reduced: whole periods after the departure's.
+    """
+    states = np.empty(len(boxes), np.uint8)
+    hulls, slopes = np.full((len(boxes), 4), np.nan), np.full((len(boxes), 2, 2, 2), np.nan)
+    _enclose_all(machine, oscillator, np.ascontiguousarray(boxes, np.float64), states, hulls, slopes)
+    return Images(states, hulls, slopes)

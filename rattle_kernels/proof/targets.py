@@ -20,7 +20,8 @@ from rattle_kernels.proof.orbit_disc import OrbitDisc, orbit_disc
 from rattle_kernels.proof.quiet_core import quiet_level
 from rattle_kernels.proof.rattling_set import NOTHING_RATTLES, rattling_set
 
-_COLUMNS = 1024
+COLUMNS = 1024
+"""Columns of the first lattice."""
 
 
 class Targets(NamedTuple):
@@ -93,6 +94,7 @@ def prove_targets(
     attractors: Sequence[Attractor],
     pause: Pause = never_stopped,
     fastest: float = 0.0,
+    columns: int = COLUMNS,
 ) -> Certificate:
     """Prove where the motions of a catalogue end, as far as that succeeds.
 
@@ -107,6 +109,8 @@ def prove_targets(
         Called now and then; an exception raised there ends the work.
     fastest : float
         Speed up to which the lattice reaches at least.
+    columns : int
+        Of the lattice: a power of two.
 
     Returns
     -------
@@ -116,7 +120,7 @@ def prove_targets(
     level = quiet_level(machine, oscillator)
     pause()
     quiet = [n for n, each in enumerate(attractors) if each.kind == AttractorKind.PERMANENT_CONTACT]
-    lattice = _lattice_for(oscillator, attractors, fastest)
+    lattice = _lattice_for(oscillator, attractors, fastest, columns)
     if quiet:
         _fill_core(machine, level, lattice, 1 + quiet[0])
     discs = {}
@@ -135,11 +139,11 @@ def prove_targets(
     return Certificate(level, discs, chaos, targets)
 
 
-def _lattice_for(oscillator: Oscillator, attractors: Sequence[Attractor], fastest: float) -> Lattice:
+def _lattice_for(oscillator: Oscillator, attractors: Sequence[Attractor], fastest: float, columns: int) -> Lattice:
     speeds = [float(each.velocity.max()) for each in attractors if each.velocity.size]
     usual = 1.05 * max([largest_grazing_speed(oscillator), *speeds])
     top = max(usual, fastest)
-    return empty_lattice(0.0, top, _COLUMNS, 2.0 ** math.floor(math.log2(usual / _COLUMNS)))
+    return empty_lattice(0.0, top, columns, 2.0 ** math.floor(math.log2(usual / columns)))
 
 
 def _holds_no_other(machine: Machine, rattling: Lattice, level: float, discs: Iterable[OrbitDisc]) -> bool:
