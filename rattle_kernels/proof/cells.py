@@ -27,15 +27,14 @@ IMPACTS = 12
 
 
 class ProvenCells(NamedTuple):
-    """What is proven of cells, arrays of one shape (rows, columns), uint8; and areas.
+    """What is proven of cells, arrays of one shape (rows, columns), uint8.
 
     ``proven`` counts the sixty-fourths of a cell of which every departure ends as the cell is coloured. ``reason`` says
-    why not all do, 0 where they do. ``areas``, int64, counts sixty-fourths proven by the motion in which they end.
+    why not all do, 0 where they do.
     """
 
     proven: np.ndarray
     reason: np.ndarray
-    areas: np.ndarray
 
 
 @inlined_as_written
@@ -49,7 +48,7 @@ def _push_quarters(stack, waiting, early, late, low, high, level):
 
 
 @inlined_as_written
-def _prove_cell(machine, oscillator, targets, colour, levels, stack, areas):
+def _prove_cell(machine, oscillator, targets, colour, levels, stack):
     """Parts of the cell on the stack that are proven to end as coloured, and why not all are."""
     proven, reason, waiting = 0, 0, 1
     while waiting > 0:
@@ -66,7 +65,6 @@ def _prove_cell(machine, oscillator, targets, colour, levels, stack, areas):
                 reason = max(reason, followed.reason)
             continue
         part = WHOLE >> (2 * int(level))
-        areas[followed.end - 1] += part
         if followed.end == colour + 1:
             proven += part
         else:
@@ -75,13 +73,11 @@ def _prove_cell(machine, oscillator, targets, colour, levels, stack, areas):
 
 
 @kernel_as_written
-def _prove_all(machine, oscillator, targets, times, speeds, colours, levels, stack, proven, reason, areas):
+def _prove_all(machine, oscillator, targets, times, speeds, colours, levels, stack, proven, reason):
     for i in range(colours.shape[0]):
         for j in range(colours.shape[1]):
             stack[0] = times[j], times[j + 1], speeds[i], speeds[i + 1], 0.0
-            proven[i, j], reason[i, j] = _prove_cell(
-                machine, oscillator, targets, int(colours[i, j]), levels, stack, areas
-            )
+            proven[i, j], reason[i, j] = _prove_cell(machine, oscillator, targets, int(colours[i, j]), levels, stack)
 
 
 def prove_cells(
@@ -92,7 +88,6 @@ def prove_cells(
     rows: tuple[int, int],
     columns: tuple[int, int],
     colours: np.ndarray,
-    motions: int,
     levels: int = 0,
 ) -> ProvenCells:
     """Prove a rectangle of cells.
@@ -109,15 +104,13 @@ def prove_cells(
         First cell and the one after the last, along velocity and time.
     colours : ndarray of int, shape (rows, columns)
         Number of the motion that each cell is coloured as.
-    motions : int
-        How many motions there are.
     levels : int
         How often a cell may be cut into four, 0 to 3.
 
     Returns
     -------
     ProvenCells
-        ``proven`` and ``reason`` of the shape of `colours`, ``areas`` of shape (motions,).
+        Of the shape of `colours`.
     """
     if not 0 <= levels <= MOST_LEVELS:
         raise ValueError(f"levels must be 0 to {MOST_LEVELS}, not {levels}")
@@ -126,6 +119,6 @@ def prove_cells(
     times = grid.time_start + np.arange(columns[0], columns[1] + 1) * width
     speeds = grid.velocity_start + np.arange(rows[0], rows[1] + 1) * height
     proven, reason = np.empty(colours.shape, np.uint8), np.empty(colours.shape, np.uint8)
-    areas, stack = np.zeros(motions, np.int64), np.empty((3 * MOST_LEVELS + 2, 5))
-    _prove_all(machine, oscillator, targets, times, speeds, colours, float(levels), stack, proven, reason, areas)
-    return ProvenCells(proven, reason, areas)
+    stack = np.empty((3 * MOST_LEVELS + 2, 5))
+    _prove_all(machine, oscillator, targets, times, speeds, colours, float(levels), stack, proven, reason)
+    return ProvenCells(proven, reason)

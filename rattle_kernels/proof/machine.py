@@ -77,6 +77,24 @@ def _accelerations(machine, phases):
     return least, greatest
 
 
+def parameters_within(oscillator: Oscillator) -> dict[str, tuple[float, float]]:
+    """Parameters that may have a tolerance, and between which values each must lie.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+
+    Returns
+    -------
+    dict
+    """
+    ranges = {"damping": (0.0, math.inf), "eccentricity": (0.0, math.inf), "half_backlash": (0.0, math.inf)}
+    ranges["restitution"] = (0.0, 1.0)
+    for order, _, _ in oscillator.harmonics:
+        ranges |= {f"amplitude_{order:g}": (0.0, math.inf), f"phase_{order:g}": (-1.0, 2.0)}
+    return ranges
+
+
 def machine_of(oscillator: Oscillator, tolerances: dict[str, tuple[float, float]] | None = None) -> Machine:
     """Enclose an oscillator, or all of a range.
 

@@ -134,9 +134,23 @@ def prove_targets(
         found = rattling_set(machine, oscillator, each, 1 + n, pause) if each.is_chaotic and chaos is None else None
         if found is not None and _holds_no_other(machine, found, level, discs.values()):
             rattling, chaos = found, n
+    return Certificate(level, discs, chaos, Targets(lattice, rattling, disc_rows(discs)))
+
+
+def disc_rows(discs: dict[int, OrbitDisc]) -> np.ndarray:
+    """Discs as `Targets` has them.
+
+    Parameters
+    ----------
+    discs : dict of int to OrbitDisc
+        By the number of the motion.
+
+    Returns
+    -------
+    ndarray, shape (discs, 8)
+    """
     rows = [[1.0 + n, d.t, d.v, *d.frame.ravel(), down(d.radius * d.radius)] for n, d in discs.items()]
-    targets = Targets(lattice, rattling, np.array(rows).reshape(-1, 8))
-    return Certificate(level, discs, chaos, targets)
+    return np.array(rows).reshape(-1, 8)
 
 
 def _lattice_for(oscillator: Oscillator, attractors: Sequence[Attractor], fastest: float, columns: int) -> Lattice:

@@ -138,6 +138,49 @@ UNPROVEN_REASON = Variable(
 )
 """Written tile by tile after the solution, where a proof was asked for."""
 
+_PROOF, _GROWING = "proof", "proof/growing"
+_BOXES = ("lattice_velocity", "lattice_time")
+_LOST = 2**16 - 1
+LATTICE_ENDS = Variable(
+    "ends", _BOXES, np.uint16, _LOST, "1 + the motion in which all departures of a box end, 0 where not proven", {},
+    False, _PROOF,
+)  # fmt: skip
+LATTICE_ROUNDS = Variable(
+    "rounds",
+    _BOXES,
+    np.uint16,
+    _LOST,
+    "round in which a box was proven, from boxes of earlier rounds",
+    {},
+    False,
+    _PROOF,
+)
+RATTLING = Variable(
+    "rattling", ("rattling_velocity", "rattling_time"), np.uint8, NOT_THERE,
+    "1 where a box belongs to the set that rattles for ever", {}, False, _PROOF,
+)  # fmt: skip
+"""What cells are proven from. ``rounds`` means nothing where ``ends`` is 0."""
+FOLLOWED = Variable(
+    "followed", ("box",), np.uint16, _LOST, "end of a box that comes to a target at once", {}, False, _GROWING
+)
+TRAILS = Variable(
+    "trails",
+    ("box", "impact", "strip"),
+    np.float32,
+    np.nan,
+    "strips that hold the images of a box",
+    {},
+    False,
+    _GROWING,
+)
+"""Of the boxes that are followed at one level, while the lattice grows."""
+
+
+def grown(variable: Variable, level: int) -> Variable:
+    """A variable of the lattice as it is once it has grown at a level that is not the last."""
+    return replace(variable, name=f"{variable.name}_{level}", group=_GROWING)
+
+
 LEDGER = Variable(
     "tile_state", ("tile_velocity", "tile_time"), np.uint8, 0, "what is in the store, tile by tile", flags(TileState)
 )

@@ -86,7 +86,8 @@ def _create_arrays(group: Any, job: BasinJob) -> tuple[int, ...]:
     sampled = job.sample is not None
     shape: tuple[int, ...] = (job.grid.time_cells,) if sampled else job.grid.shape
     tile = (tiling.tile_columns,) if sampled else (tiling.tile_rows, tiling.tile_columns)
-    for variable in (*places.mapped, *places.labelled, places.solution, places.own_solution):
+    proven = (layout.PROVEN, layout.UNPROVEN_REASON) if job.prove is not None else ()
+    for variable in (*places.mapped, *places.labelled, places.solution, places.own_solution, *proven):
         create_array(group, job, variable, shape, tile)
     ledger = create_array(group, job, places.ledger, tiling.shape[1:] if sampled else tiling.shape)
     ledger[...] = np.full(ledger.shape, TileState.PENDING, np.uint8)
