@@ -28,8 +28,8 @@ from worker.basins.proof_tasks import (
 from worker.cluster.task import Task
 from worker.progress import Progress, Stage
 from worker.stores.basin_store import BasinStore
-from worker.stores.layout import Unproven
 from worker.stores.proof_arrays import BOXES_A_PART
+from worker.stores.proof_layout import Unproven
 from worker.stores.provenance import versions
 
 # Sixty-fourths of a cell.

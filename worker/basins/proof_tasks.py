@@ -24,8 +24,8 @@ from worker.basins.tasks import open_store
 from worker.cluster.task import stop_if_cancelled
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
-from worker.stores.layout import PROVEN, UNPROVEN_REASON, Unproven
 from worker.stores.proof_arrays import BOXES_A_PART
+from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON, Unproven
 from worker.stores.tiles import Tile
 
 LEVELS = 4

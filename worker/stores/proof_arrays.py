@@ -13,13 +13,23 @@ from rattle_kernels.proof.growth import IMPACTS, NUMBERS
 from worker.errors import StoreFailed, as_store_failure
 from worker.fence import Fence
 from worker.jobs.basin_job import BasinJob
-from worker.stores import layout
 from worker.stores.files.synced_files import synced_together
-from worker.stores.layout import Variable
+from worker.stores.layout import NOT_THERE, Variable
 from worker.stores.new_store import create_array
+from worker.stores.proof_layout import (
+    FOLLOWED,
+    LATTICE_ENDS,
+    LATTICE_ROUNDS,
+    PROOF,
+    PROVEN,
+    RATTLING,
+    TRAILS,
+    UNPROVEN_REASON,
+    grown,
+)
 from worker.stores.tiles import Tile
 
-_GROUP, _GROWING = "proof", "growing"
+_GROWING = "growing"
 _CHUNK = 1024
 BOXES_A_PART = 65536
 """Boxes that one task follows: a second's work. Their trails are 7 MB."""
@@ -43,37 +53,36 @@ class ProofArrays:
     @property
     def holds_proof(self) -> bool:
         """Whether a proof was asked for: what is proven of cells is there, or comes."""
-        return self.job.prove is not None
+        with as_store_failure(self.location):
+            return PROVEN.path in self._group
 
     def read_proof(self, tile: Tile) -> tuple[np.ndarray, np.ndarray] | None:
         """Read what is proven of a tile's cells, and why not all is; None until both are written."""
         with as_store_failure(self.location):
-            proven, reason = (
-                np.asarray(self._kept(each)[self._region(tile)]) for each in (layout.PROVEN, layout.UNPROVEN_REASON)
-            )
-        return None if (proven == layout.NOT_THERE).any() or (reason == layout.NOT_THERE).any() else (proven, reason)
+            proven, reason = (np.asarray(self._kept(each)[self._region(tile)]) for each in (PROVEN, UNPROVEN_REASON))
+        return None if (proven == NOT_THERE).any() or (reason == NOT_THERE).any() else (proven, reason)
 
     @property
     def certificate(self) -> dict[str, Any] | None:
         """Certificate of the proof as far as it has come; None until its targets are there."""
         with as_store_failure(self.location):
-            if _GROUP not in self._group:
+            if PROOF not in self._group:
                 return None
-            certificate = self._group[_GROUP].attrs.get("certificate")
+            certificate = self._group[PROOF].attrs.get("certificate")
         return None if certificate is None else dict(certificate)
 
     @property
     def levels_grown(self) -> int:
         """Levels of the lattice that have grown; -1 until the targets are there."""
         with as_store_failure(self.location):
-            return int(self._group[_GROUP].attrs.get("levels_grown", -1)) if _GROUP in self._group else -1
+            return int(self._group[PROOF].attrs.get("levels_grown", -1)) if PROOF in self._group else -1
 
     def begin_proof(self, certificate: dict[str, Any], rattling: np.ndarray, core: np.ndarray) -> None:
         """Write the targets: boxes that rattle for ever, the core on the lattice, the certificate (driver only)."""
         self._fence()
         with as_store_failure(self.location), synced_together(self.location):
-            self._group.create_group(_GROUP, overwrite=True)
-            self._create(layout.RATTLING, rattling.shape, (_CHUNK, _CHUNK))[...] = rattling != 0
+            self._group.create_group(PROOF, overwrite=True)
+            self._create(RATTLING, rattling.shape, (_CHUNK, _CHUNK))[...] = rattling != 0
             self.create_lattice(0, False, core.shape)
             self._write_pair(0, False, core, np.zeros_like(core))
         self._count(0, certificate)
@@ -88,7 +97,7 @@ class ProofArrays:
     def _count(self, levels: int, certificate: dict[str, Any] | None = None) -> None:
         more = {} if certificate is None else {"certificate": certificate}
         with as_store_failure(self.location):
-            self._group[_GROUP].update_attributes({"levels_grown": levels} | more)
+            self._group[PROOF].update_attributes({"levels_grown": levels} | more)
 
     def create_lattice(self, level: int, last: bool, shape: tuple[int, ...]) -> None:
         """Make room for the lattice that has grown at a level (driver only)."""
@@ -101,8 +110,13 @@ class ProofArrays:
         """Make room for what is found of boxes that are followed (driver only)."""
         self._fence()
         with as_store_failure(self.location):
-            self._create(layout.FOLLOWED, (boxes,), (BOXES_A_PART,))
-            self._create(layout.TRAILS, (boxes, IMPACTS, NUMBERS), (BOXES_A_PART, IMPACTS, NUMBERS))
+            self._create(FOLLOWED, (boxes,), (BOXES_A_PART,))
+            self._create(TRAILS, (boxes, IMPACTS, NUMBERS), (BOXES_A_PART, IMPACTS, NUMBERS))
+
+    def forget_lattice(self) -> None:
+        """Let the lattice grow anew, from its targets on (driver only)."""
+        self._fence()
+        self._count(-1)
 
     def level_has_grown(self, level: int) -> None:
         """Record that a level is whole (driver only)."""
@@ -113,7 +127,7 @@ class ProofArrays:
         """Write the whole certificate, and remove what the lattice has grown from (driver only)."""
         self._fence()
         with as_store_failure(self.location):
-            proof = self._group[_GROUP]
+            proof = self._group[PROOF]
             if _GROWING in proof:
                 del proof[_GROWING]
             proof.update_attributes({"certificate": certificate})
@@ -134,21 +148,21 @@ class ProofArrays:
 
     def read_rattling(self) -> np.ndarray:
         """Read which boxes belong to the set that rattles for ever."""
-        return self._whole(layout.RATTLING)
+        return self._whole(RATTLING)
 
     def write_followed(self, part: int, ends: np.ndarray, trails: np.ndarray) -> None:
         """Write what is found of one part of the boxes."""
         here = slice(part * BOXES_A_PART, part * BOXES_A_PART + len(ends))
         with as_store_failure(self.location):
-            self._fresh(layout.FOLLOWED)[here] = ends
-            self._fresh(layout.TRAILS)[here] = trails
+            self._fresh(FOLLOWED)[here] = ends
+            self._fresh(TRAILS)[here] = trails
 
     def read_followed(self) -> tuple[np.ndarray, np.ndarray]:
         """Read what is found of all boxes."""
-        ends = self._whole(layout.FOLLOWED)
+        ends = self._whole(FOLLOWED)
         with as_store_failure(self.location):
             # What is lost of a trail is not a number, which proves nothing.
-            return ends, np.asarray(self._fresh(layout.TRAILS)[...])
+            return ends, np.asarray(self._fresh(TRAILS)[...])
 
     def _whole(self, variable: Variable) -> np.ndarray:
         with as_store_failure(self.location):
@@ -164,5 +178,5 @@ class ProofArrays:
 
 
 def _lattice(level: int, last: bool) -> tuple[Variable, Variable]:
-    both = layout.LATTICE_ENDS, layout.LATTICE_ROUNDS
-    return both if last else (layout.grown(both[0], level), layout.grown(both[1], level))
+    both = LATTICE_ENDS, LATTICE_ROUNDS
+    return both if last else (grown(both[0], level), grown(both[1], level))
