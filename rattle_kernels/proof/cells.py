@@ -24,6 +24,7 @@ ENDS_ELSEWHERE = 4
 """Reason why not all of a cell is proven, beside those of `following`: some of it is proven to end otherwise."""
 IMPACTS = 12
 """How many impacts a cell is followed at most."""
+_ROUNDED = 2.0**-50
 
 
 class ProvenCells(NamedTuple):
@@ -48,7 +49,7 @@ def _push_quarters(stack, waiting, early, late, low, high, level):
 
 
 @inlined_as_written
-def _prove_cell(machine, oscillator, targets, colour, levels, stack):
+def _prove_cell(machine, oscillator, targets, colour, levels, slack, stack):
     """Parts of the cell on the stack that are proven to end as coloured, and why not all are."""
     proven, reason, waiting = 0, 0, 1
     while waiting > 0:
@@ -56,7 +57,8 @@ def _prove_cell(machine, oscillator, targets, colour, levels, stack):
         early, late, low, high = stack[waiting, 0], stack[waiting, 1], stack[waiting, 2], stack[waiting, 3]
         level = stack[waiting, 4]
         # The edges are rounded: neighbours overlap.
-        box = Box(Interval(down(early), up(late)), Interval(max(down(low), 0.0), up(high)))
+        times = Interval(down(early - slack[0]), up(late + slack[0]))
+        box = Box(times, Interval(max(down(low - slack[1]), 0.0), up(high + slack[1])))
         followed = follow(machine, oscillator, targets, box, IMPACTS)
         if followed.end == UNPROVEN:
             if level < levels:
@@ -73,11 +75,13 @@ def _prove_cell(machine, oscillator, targets, colour, levels, stack):
 
 
 @kernel_as_written
-def _prove_all(machine, oscillator, targets, times, speeds, colours, levels, stack, proven, reason):
+def _prove_all(machine, oscillator, targets, times, speeds, colours, levels, slack, stack, proven, reason):
     for i in range(colours.shape[0]):
         for j in range(colours.shape[1]):
             stack[0] = times[j], times[j + 1], speeds[i], speeds[i + 1], 0.0
-            proven[i, j], reason[i, j] = _prove_cell(machine, oscillator, targets, int(colours[i, j]), levels, stack)
+            proven[i, j], reason[i, j] = _prove_cell(
+                machine, oscillator, targets, int(colours[i, j]), levels, slack, stack
+            )
 
 
 def prove_cells(
@@ -119,6 +123,8 @@ def prove_cells(
     times = grid.time_start + np.arange(columns[0], columns[1] + 1) * width
     speeds = grid.velocity_start + np.arange(rows[0], rows[1] + 1) * height
     proven, reason = np.empty(colours.shape, np.uint8), np.empty(colours.shape, np.uint8)
+    # An edge comes of four operations with numbers no larger than the ends of its window.
+    slack = _ROUNDED * max(abs(grid.time_start), abs(grid.time_stop)), _ROUNDED * grid.velocity_stop
     stack = np.empty((3 * MOST_LEVELS + 2, 5))
-    _prove_all(machine, oscillator, targets, times, speeds, colours, float(levels), stack, proven, reason)
+    _prove_all(machine, oscillator, targets, times, speeds, colours, float(levels), slack, stack, proven, reason)
     return ProvenCells(proven, reason)

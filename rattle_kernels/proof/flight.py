@@ -164,7 +164,8 @@ def arrive(machine, centre, box, height, guess):
         near = around(guess, 2.0 * reach(subtract(arrival, point(guess))))
         velocity, _ = _slopes(machine, start, near)
         arrival = subtract(point(guess), divide(missed, velocity))
-    if not lies_within(arrival, near):
+    # Before its departure a flight is not what the formulas say.
+    if not (lies_within(arrival, near) and near.low > centre.t.high):
         return no_arrivals()
     speed, slope = _slopes(machine, start, arrival)
     dt, dw = subtract(box.t, centre.t), subtract(box.w, centre.w)

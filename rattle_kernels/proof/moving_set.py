@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.numerics.interval import Interval, add, around, middle, multiply, point, scale, subtract, up
+from rattle_kernels.numerics.interval import Interval, add, around, hull, middle, multiply, point, scale, subtract, up
 from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_kernels.proof.flight import Box, Matrix, spread
 from rattle_kernels.proof.impact import LOST, STRADDLES, image, product
@@ -75,7 +75,9 @@ def advance(machine, oscillator, moving):
     (bool, MovingSet)
         Whether it is proven.
     """
-    mapped = image(machine, oscillator, Box(point(moving.t), point(moving.v)), moving.all)
+    # What was rounded may have put m a little outside: slopes are needed on the whole way from m.
+    whole = Box(hull(moving.all.t, point(moving.t)), hull(moving.all.w, point(moving.v)))
+    mapped = image(machine, oscillator, Box(point(moving.t), point(moving.v)), whole)
     if mapped.state == LOST:
         return False, moving
     if mapped.state == STRADDLES:

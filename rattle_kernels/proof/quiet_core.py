@@ -32,7 +32,8 @@ def _test_short(machine, t, tau):
     """Whether the action falls at all short bounces of a box; and the least action in it."""
     bounces = low_bounces(machine, t, tau)
     falls = bounces.growth.high < 0.0 or bounces.gain.high < 0.0
-    return falls, bounces.action.low
+    # The formulas are those of a bounce that does not meet -beta.
+    return falls and bounces.speed.high <= machine.safe_speed, bounces.action.low
 
 
 @inlined_as_written
