@@ -1,8 +1,8 @@
 """A set of departures that moves under P as a parallelogram, held by enclosures.
 
 After n impacts the set is held by ``m + M xi + rest``: m is near the image of the first box's centre, M encloses the
-product of the slopes, xi runs through the first box less its centre, and the rest holds what was rounded. A hull is
-taken only to enclose DP over the set, so little is lost to wrapping.
+product of the slopes, xi runs through the first box less its centre, and the rest holds what was rounded and what other
+parameters change. A hull is taken only to enclose DP over the set, so little is lost to wrapping.
 """
 
 import math
@@ -85,7 +85,7 @@ def advance(machine, oscillator, moving):
     t, v = middle(mapped.centre.t), middle(mapped.centre.w)
     rest = spread(mapped.slope, moving.rest.t, moving.rest.w)
     off_t, off_v = subtract(mapped.centre.t, point(t)), subtract(mapped.centre.w, point(v))
-    rest = Box(add(rest.t, off_t), add(rest.w, off_v))
+    rest = Box(add(add(rest.t, off_t), mapped.drift.t), add(add(rest.w, off_v), mapped.drift.w))
     slope = product(mapped.slope, moving.slope)
     moved = spread(slope, moving.dt, moving.dv)
     held_t, held_v = add(point(t), add(moved.t, rest.t)), add(point(v), add(moved.w, rest.w))

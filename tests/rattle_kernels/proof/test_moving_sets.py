@@ -61,7 +61,7 @@ def _off(exact, boxes, strips, random, height=1.0, turns=False):
     return off, looked_at
 
 
-@pytest.mark.parametrize("part", [0.0, 1e-4])
+@pytest.mark.parametrize("part", [0.0, 1e-4, 0.1])
 @pytest.mark.parametrize("oscillator", OSCILLATORS)
 def test_strips_hold_images(oscillator, part):
     random = np.random.default_rng(6)

@@ -14,11 +14,11 @@ from rattle_kernels import (
     map_points,
     next_impacts,
 )
-from rattle_kernels.proof.machine import machine_of
+from rattle_kernels.proof.machine import centre_of, halves_of, machine_of
 from rattle_kernels.proof.quiet_core import quiet_level
 from rattle_kernels.proof.targets import prove_targets
 from tests.rattle_kernels.proof.exact_flights import ExactMap
-from tests.rattle_kernels.proof.machines import OSCILLATORS, machine_and_some
+from tests.rattle_kernels.proof.machines import OSCILLATORS, machine_and_some, tolerances_of
 
 FIG_7 = OSCILLATORS[0]
 _DEPARTURES = 300
@@ -45,7 +45,7 @@ def _felt(oscillator, t):
 def test_the_action_falls_in_the_quiet_core(oscillator, part):
     random = np.random.default_rng(1)
     machine, some = machine_and_some(oscillator, part, random)
-    level = quiet_level(machine, oscillator)
+    level = quiet_level(machine, parts=2)
     assert level > 0.0
     exact = ExactMap(some)
     for t, size in zip(random.random(_DEPARTURES), 10.0 ** random.uniform(-9.0, 0.0, _DEPARTURES), strict=True):
@@ -105,6 +105,31 @@ def test_departures_of_proven_boxes_end_there():
     v = (lattice.first + rows + random.random(rows.size)) * lattice.height
     assert (v < grazing_velocity(FIG_7, t)).all()
     assert (map_points(FIG_7, CellGrid(), 1499, t, v).image_cell == PERMANENT_CONTACT).all()
+
+
+@pytest.mark.parametrize("oscillator", OSCILLATORS)
+def test_halves_hold_all_machines_and_their_own_centres(oscillator):
+    machine = machine_of(oscillator, tolerances_of(oscillator))
+    for _ in range(8):
+        halves = halves_of(machine)
+        for whole, *parts in zip(_ranges(machine), *map(_ranges, halves), strict=True):
+            assert (min(low for low, _ in parts), max(high for _, high in parts)) == whole
+            assert parts[0] == parts[1] or parts[0][1] == parts[1][0]
+        machine = halves[0]
+        for half in halves:
+            centre = machine_of(centre_of(half))
+            for (low, high), (value, same) in zip(_ranges(half), _ranges(centre), strict=True):
+                assert low <= value == same <= high
+
+
+def _ranges(machine):
+    rows = [row[each : each + 2] for row in machine.harmonics.tolist() for each in (1, 3)]
+    return [tuple(each) for each in (machine.damping, machine.half_backlash, machine.restitution, *rows)]
+
+
+def test_a_machine_without_tolerances_has_no_halves():
+    assert halves_of(machine_of(FIG_7)) == []
+    assert halves_of(machine_of(FIG_7, {"half_backlash": (0.5, 0.7)})) == []
 
 
 def test_a_machine_that_may_break_eq_8_is_refused():
