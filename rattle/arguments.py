@@ -113,4 +113,5 @@ def _argument_at(place: Place) -> Place:
         return ("cells",)
     if place[:2] == ("sample", "points"):
         return ("sample",)
-    return place[1:] if place[:1] in (("grid",), ("oscillator",), ("resolution",), ("region",), ("sample",)) else place
+    grouped = (("grid",), ("oscillator",), ("resolution",), ("region",), ("sample",), ("prove",))
+    return place[1:] if place[:1] in grouped and len(place) > 1 else place

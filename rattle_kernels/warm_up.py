@@ -45,6 +45,13 @@ FROM_PYTHON_ALONE = frozenset(
     }
 )  # fmt: skip
 """Modules whose kernels the service does not need: measures of pictures, inverse maps, orbits beyond a graze."""
+OF_PROOFS = frozenset(
+    f"proof.{each}"
+    for each in (
+        "cells", "growth", "impact", "machine", "orbit_disc", "quiet_core", "rattling_set", "targets",
+    )
+)  # fmt: skip
+"""Modules whose kernels proofs of basins need: the first proof compiles them, in a minute."""
 
 Report = Callable[[int, int], None]
 """Called with how many kernels are there and how many are needed, while some have to be compiled; else not at all."""
@@ -92,7 +99,9 @@ def reporting_compilation(report: Report | None, *, analyses: bool = False) -> c
     -------
     context manager
     """
-    return _reporting(report, lambda module: module not in FROM_PYTHON_ALONE and (module in OF_ANALYSES) == analyses)
+    return _reporting(
+        report, lambda module: module not in FROM_PYTHON_ALONE | OF_PROOFS and (module in OF_ANALYSES) == analyses
+    )
 
 
 def warm_up(report: Report | None = None) -> None:

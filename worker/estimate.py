@@ -2,7 +2,8 @@
 
 The seconds come from the applications of P that a job asks for and from the speed of this machine, which is measured
 once in a process, in a tenth of a second. Cells that are captured or locked end early, so most jobs take less. What
-every job and every basin takes besides is added: it is most of what a small one takes.
+every job and every basin takes besides is added: it is most of what a small one takes. A proof is added by the boxes of
+its lattice, which are followed whatever the speed of the map is.
 """
 
 import math
@@ -12,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels import Oscillator, next_impacts
+from worker.basins.proof_tasks import most_boxes
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.job import Job
 
@@ -23,6 +25,8 @@ _TOGETHER, _ALONE = (512, 500), (1, 20_000)
 # Seconds that a job takes to begin and to end, with its store and its tasks; and that a core takes for the catalogue,
 # the groups and the arrays of one basin. Measured with basins and sweeps of 20 x 20 cells, on a busy machine.
 _OF_A_JOB, _OF_A_BASIN = 0.3, 0.2
+# Seconds that a core takes for a box of a proof's lattice, of Fig. 7 (bottom); and bytes of its arrays.
+_OF_A_BOX, _BYTES_OF_A_BOX = 3.7e-6, 4
 
 
 class Estimate(NamedTuple):
@@ -101,7 +105,9 @@ def estimate(job: Job, cores: int = 1, *, measuring: bool = True) -> Estimate:
     speed = measured_speed(stiff, together) if known else _USUAL[together]
     basins = job.basins if isinstance(job, BasinJob) else 0
     at_once = max(min(basins, cores), 1)
-    return Estimate(_OF_A_JOB + basins * _OF_A_BASIN / at_once + job.impacts / (speed * cores), job.bytes)
+    boxes = most_boxes(job.grid) if isinstance(job, BasinJob) and job.prove is not None else 0
+    seconds = _OF_A_JOB + basins * _OF_A_BASIN / at_once + (job.impacts / speed + boxes * _OF_A_BOX) / cores
+    return Estimate(seconds, job.bytes + boxes * _BYTES_OF_A_BOX)
 
 
 def _in_words(seconds: float) -> str:

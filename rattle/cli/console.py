@@ -55,7 +55,7 @@ def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
 
 
 def print_solutions(solutions: Sequence[Mapping[str, Any]]) -> None:
-    """Print a table of solutions: name, share, Lyapunov exponent, impact power, mean life of chaos, first point."""
+    """Print a table of solutions: name, share (and what of it is proven), exponent, power, life of chaos, a point."""
     table = Table("", "solution", "share", "Lyapunov exponent", "impact power", "a departure (t, v)")
     for number, solution in enumerate(solutions):
         share, exponent, points = solution["share"], solution["lyapunov_exponent"], solution["points"]
@@ -64,12 +64,16 @@ def print_solutions(solutions: Sequence[Mapping[str, Any]]) -> None:
         table.add_row(
             str(number),
             solution["name"] if life is None else f"{solution['name']} for some {life:.1g} ± {error:.1g} impacts",
-            "not known yet" if share is None else f"{100 * share:.3f} %",
+            "not known yet" if share is None else f"{100 * share:.3f} %" + _proven(solution.get("share_proven")),
             "" if exponent is None else f"{exponent:.4f}",
             "" if power is None else f"{power:.4g}",
             f"({points[0][0]:.6f}, {points[0][1]:.6f})" if points else "",
         )
     out.print(table)
+
+
+def _proven(share: float | None) -> str:
+    return "" if share is None else f", {100 * share:.3f} % proven"
 
 
 def print_expected(expected: Mapping[str, float]) -> None:

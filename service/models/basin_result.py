@@ -36,6 +36,10 @@ class SolutionView(Loud):
     name: str = Field(examples=["P(1,1,0)"])
     kind: Literal["periodic", "chaotic", "chaotic_transient", "permanent_contact", "undecided"]
     share: FiniteOrNone = Field(description="Part of the cells that end in it; null until every tile is labelled")
+    share_proven: float | None = Field(
+        None, exclude_if=lambda share: share is None,
+        description="Part of the plane that is proven to end in it; left out where no proof has ended",
+    )  # fmt: skip
     forcing_periods: int
     upper_contacts: int
     lower_contacts: int

@@ -13,9 +13,9 @@ from rattle_kernels.proof.cells import IMPACTS as OF_A_CELL
 from rattle_kernels.proof.growth import IMPACTS as OF_A_TRAIL
 from rattle_kernels.proof.lattice import Lattice
 from rattle_kernels.proof.machine import Machine
-from rattle_kernels.proof.orbit_disc import OrbitDisc
+from rattle_kernels.proof.orbit_disc import OrbitDisc, disc_rows
 from rattle_kernels.proof.rattling_set import NOTHING_RATTLES
-from rattle_kernels.proof.targets import Certificate, Targets, disc_rows
+from rattle_kernels.proof.targets import Certificate, Targets
 
 
 def certificate_of(

@@ -71,6 +71,13 @@ def first_columns(grid: CellGrid) -> int:
     return columns >> (LEVELS - 1)
 
 
+def most_boxes(grid: CellGrid) -> int:
+    """Boxes of the lattice at the end, at most, where the grid holds the fastest motion."""
+    columns = first_columns(grid) << (LEVELS - 1)
+    # A row is at least half as high as the speeds of all columns divided by their number.
+    return 2 * columns * columns
+
+
 def _machine(job: BasinJob) -> Machine:
     assert job.prove is not None
     return machine_of(job.oscillator, job.prove.tolerances)

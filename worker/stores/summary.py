@@ -56,7 +56,8 @@ class BasinSummary:
     ``attractors`` are listed by number, each from the first basin that has it, with its ``loudness`` there. ``shares``
     are those of all basins' cells, NaN until every basin is complete. ``image_counts`` counts the cells or points with
     each reserved image, once all are mapped. ``seconds`` has the wall time of each stage and the kernels' own time.
-    ``basins`` are in order. ``changes`` lists births and deaths so far.
+    ``basins`` are in order. ``changes`` lists births and deaths so far. ``shares_proven`` are the parts of the plane
+    proven to end in each attractor, empty where no proof has ended.
     """
 
     request: dict[str, Any]
@@ -71,10 +72,13 @@ class BasinSummary:
     seconds: dict[str, float]
     basins: tuple[SweptBasinSummary, ...]
     changes: tuple[Change, ...]
+    shares_proven: tuple[float, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """The summary as JSON: None for NaN, and the first hundred points of a chaotic attractor."""
         solutions = [_solution(*each) for each in zip(self.attractors, self.loudness, self.shares, strict=True)]
+        for solution, proven in zip(solutions, self.shares_proven, strict=False):
+            solution["share_proven"] = proven
         names = ("complete", "request", "tiles", "tiles_computed", "tiles_assembled", "image_counts", "seconds")
         own = {name: getattr(self, name) for name in names} | {"solutions": solutions}
         own["basins"] = [
@@ -143,6 +147,7 @@ def summarise(location: str) -> BasinSummary:
         seconds=store.attributes.get("seconds", {}),
         basins=_basins(store, table),
         changes=_changes(store, table),
+        shares_proven=tuple((store.certificate or {}).get("shares", ())),
     )
 
 

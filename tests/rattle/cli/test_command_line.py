@@ -43,6 +43,42 @@ def test_a_basin_is_computed_resumed_and_drawn_without_a_service(tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.timeout(400)  # the first proof compiles its kernels
+def test_a_basin_is_proven_within_tolerances(tmp_path):
+    proven = [
+        "--cells",
+        "8",
+        "8",
+        "--iterations",
+        "101",
+        "--prove",
+        "--levels",
+        "0",
+        "--out",
+        str(tmp_path / "it.zarr"),
+    ]
+    done = CliRunner().invoke(app, ["basin", *proven, "--tolerance", "damping=0.5999:0.6001"])
+    assert done.exit_code == 0, done.output
+    assert "% proven" in done.output
+    with xr.open_zarr(tmp_path / "it.zarr", group="proof") as proof:
+        assert proof.attrs["certificate"]["machine"]["damping"] == [0.5999, 0.6001]
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--prove", "--tolerance", "damping"], "damping=0.59:0.61"),
+        (["--prove", "--tolerance", "damping=0.7:0.8"], "does not lie between"),
+        (["--tolerance", "damping=0.59:0.61"], "prove"),
+        (["--prove", "--levels", "5"], "levels"),
+    ],
+)
+def test_a_proof_that_cannot_be_had_is_refused(options, told, tmp_path):
+    done = CliRunner().invoke(app, ["basin", *options, "--out", str(tmp_path / "none.zarr")])
+    assert done.exit_code == 2 and told in done.output, done.output
+    assert not (tmp_path / "none.zarr").exists()
+
+
 def test_a_motion_is_drawn_or_written_down_and_its_contacts_are_listed(tmp_path):
     start = ["trajectory", "--stiffness", "100", "--time", "0.3", "--velocity", "4", "--periods", "2"]
     drawn = CliRunner().invoke(app, [*start, "--out", str(tmp_path / "history.png")])
@@ -145,7 +181,7 @@ def test_a_manifold_is_grown_here_told_and_drawn(tmp_path):
         (["plot", "nowhere.zarr", "--out", "x.gif"], 2, "ends in one of .png, .svg, .pdf"),
         (["table", "nowhere.zarr"], 1, "nowhere.zarr is no basin store"),
         (["table", "nowhere.zarr", "--out", "x.xls"], 2, "ends in .csv or .json"),
-        (["plot", "nowhere.zarr", "--overlay", "saddle", "--out", "x.png"], 2, "choose among grazing,preimages"),
+        (["plot", "nowhere.zarr", "--overlay", "saddle", "--out", "x.png"], 2, "choose among proven,grazing,preimages"),
         (["paper", "fig99", "--out", "x"], 2, "choose one of fig1, fig2, fig3, fig4"),
         (["paper", "fig7", "--cells", "0", "10", "--out", "x"], 2, "at least one cell each way"),
         (["paper", "fig4"], 2, "--out"),

@@ -13,7 +13,7 @@ OSCILLATORS = (
     Oscillator(0.05, 0.01, 0.06),
     Oscillator(6e-4, 1e-4, 6e-4),
     # So little backlash that short bounces meet -beta.
-    Oscillator(0.6, 0.05, 1e-3),
+    Oscillator(0.6, 0.1, 1e-3),
     Oscillator(0.6, 0.05, 0.6, harmonics=(Harmonic(2.0, 0.01, 0.3), Harmonic(3.0, 0.004, 0.8)), restitution=0.8),
 )
 TOLERANCES = {"damping": 0.01, "half_backlash": 0.003, "eccentricity": 0.02, "restitution": 0.05}

@@ -7,6 +7,7 @@ import pytest
 
 from rattle_kernels import (
     PERMANENT_CONTACT,
+    AttractorKind,
     CellGrid,
     Oscillator,
     find_attractors,
@@ -15,6 +16,7 @@ from rattle_kernels import (
     next_impacts,
 )
 from rattle_kernels.proof.machine import centre_of, halves_of, machine_of
+from rattle_kernels.proof.orbit_disc import orbit_disc
 from rattle_kernels.proof.quiet_core import quiet_level
 from rattle_kernels.proof.targets import prove_targets
 from tests.rattle_kernels.proof.exact_flights import ExactMap
@@ -64,21 +66,36 @@ def test_the_quiet_core_is_nearly_as_large_as_it_can_be():
     assert 0.9 * action[grows].min() < certificate.level < action[grows].min()
 
 
+def _leaves(disc, oscillator, random):
+    """Whether one of many departures near the rim of a disc comes back outside."""
+    exact, angle = ExactMap(oscillator), 2.0 * np.pi * random.random(_DEPARTURES)
+    x = np.linalg.solve(disc.frame, 0.999999 * disc.radius * np.stack([np.cos(angle), np.sin(angle)]))
+    for place in zip(disc.t + x[0], disc.v + x[1], strict=True):
+        for _ in range(disc.impacts):
+            place = exact.image(*(float(each) for each in place))
+        off = (float(place[0]) - disc.t + 0.5) % 1.0 - 0.5, float(place[1]) - disc.v
+        if not np.linalg.norm(disc.frame @ off) < disc.radius:
+            return True
+    return False
+
+
 def test_discs_are_mapped_into_themselves():
-    random = np.random.default_rng(2)
     attractors, certificate = _certificate()
-    exact = ExactMap(FIG_7)
     assert certificate.discs
     for number, disc in certificate.discs.items():
         assert attractors[number].upper_contacts == disc.impacts
-        angle = 2.0 * np.pi * random.random(_DEPARTURES)
-        x = np.linalg.solve(disc.frame, 0.999999 * disc.radius * np.stack([np.cos(angle), np.sin(angle)]))
-        for t, v in zip(disc.t + x[0], disc.v + x[1], strict=True):
-            place = (t, v)
-            for _ in range(disc.impacts):
-                place = exact.image(*(float(each) for each in place))
-            off = (float(place[0]) - disc.t + 0.5) % 1.0 - 0.5, float(place[1]) - disc.v
-            assert np.linalg.norm(disc.frame @ off) < disc.radius
+        assert not _leaves(disc, FIG_7, np.random.default_rng(2))
+
+
+@pytest.mark.parametrize(("part", "known"), [(1e-4, True), (0.02, False)])
+def test_within_tolerances_a_disc_holds_the_orbits_of_all_machines(part, known):
+    attractors, _ = _certificate()
+    (periodic,) = (each for each in attractors if each.kind == AttractorKind.PERIODIC)
+    damping = 0.6 * (1.0 - part), 0.6 * (1.0 + part)
+    disc = orbit_disc(machine_of(FIG_7, {"damping": damping}), FIG_7, periodic)
+    assert disc is not None or not known
+    for each in damping if disc else ():
+        assert not _leaves(disc, FIG_7.at(damping=each), np.random.default_rng(5))
 
 
 def test_a_set_that_rattles_for_ever_is_mapped_into_itself():

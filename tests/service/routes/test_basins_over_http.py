@@ -219,3 +219,36 @@ def test_a_killed_service_resumes_its_job_at_the_next_start(tmp_path):
 def test_health_tells_what_is_there(service):
     assert service.request("GET", "/healthz").json() == {"status": "ok"}
     assert service.request("GET", "/readyz").json() == {"ready": True, "database": True, "workers": 2}
+
+
+@pytest.mark.timeout(400)  # the first proof compiles its kernels
+def test_a_proof_is_asked_for_and_its_certificate_read(service):
+    """The map of what is proven is tested elsewhere: here are its doors."""
+    job = service.submit(request(cells=8, prove={"levels": 0}))
+    assert job["request"]["prove"] == {"levels": 0, "tolerances": {}}
+    assert service.wait(job["id"], seconds=300)["state"] == "succeeded"
+    certificate = service.request("GET", f"/v1/jobs/{job['id']}/certificate.json").json()
+    assert certificate["machine"]["damping"] == [0.6, 0.6] and certificate["counts"]["cells"] == 64
+    solutions = service.request("GET", f"/v1/jobs/{job['id']}/result").json()["solutions"]
+    assert [each["share_proven"] for each in solutions] == certificate["shares"]
+    assert sum(certificate["shares"]) > 0.1
+
+
+def test_a_job_without_a_proof_has_no_certificate(service, finished):
+    answer = service.request("GET", f"/v1/jobs/{finished['id']}/certificate.json")
+    assert_problem(answer, 404, "no proof was asked for")
+    solutions = service.request("GET", f"/v1/jobs/{finished['id']}/result").json()["solutions"]
+    assert all("share_proven" not in each for each in solutions)
+
+
+@pytest.mark.parametrize(
+    ("prove", "place", "told"),
+    [
+        ({"levels": 7}, ["body", "prove", "levels"], "less than or equal to 3"),
+        ({"tolerances": {"mass": [1, 2]}}, ["body", "prove", "tolerances", "mass"], "mass has no tolerance"),
+    ],
+)
+def test_a_proof_that_cannot_be_had_is_refused_by_field(service, prove, place, told):
+    answer = service.request("POST", "/v1/basins", json=request(cells=8, prove=prove))
+    assert_problem(answer, 422, told)
+    assert answer.json()["errors"][0]["location"] == place
