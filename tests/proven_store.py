@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from worker.stores import proof_layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.new_store import consolidate, create_array
+from worker.stores.proofs import layout as proof_layout
 
 CERTIFICATE = {
     "levels": 1, "quiet": 0.09, "rattling": None,

@@ -11,7 +11,7 @@ from functools import partial
 
 from worker.basins.ledger import Ledger
 from worker.basins.pace import Pace
-from worker.basins.proof_run import ProofRun
+from worker.basins.proofs.run import ProofRun
 from worker.basins.schedule import Schedule
 from worker.cluster.driver import Driver
 from worker.fence import Fence, unfenced

@@ -14,7 +14,7 @@ from worker.decidable import check_window
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.grid_request import Grid, GridRequest, grid_request
 from worker.jobs.job import Job, Sizes
-from worker.jobs.proof_request import ProofRequest, Prove, check_proof
+from worker.jobs.proofs.request import ProofRequest, Prove, check_proof
 from worker.jobs.request import Count
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, Vary, check_swept, vary_request

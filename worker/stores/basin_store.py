@@ -26,7 +26,7 @@ from worker.stores import layout
 from worker.stores.layout import Variable
 from worker.stores.new_store import consolidate, create_store, places_of, tiling_of, write_coordinates
 from worker.stores.opening import create_unless_there, demand_same_request, open_group, open_store_at
-from worker.stores.proof_arrays import ProofArrays
+from worker.stores.proofs.arrays import ProofArrays
 from worker.stores.provenance import now
 from worker.stores.solution_arrays import SolutionArrays
 from worker.stores.storage import place_at

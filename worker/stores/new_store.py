@@ -13,7 +13,7 @@ from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
 from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import Places, TileState, Variable
-from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON
+from worker.stores.proofs.layout import PROVEN, UNPROVEN_REASON
 from worker.stores.provenance import birth_certificate
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tiling, cut, cut_row

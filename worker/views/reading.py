@@ -24,7 +24,7 @@ from worker.jobs.basin_job import BasinJob, basin_job
 from worker.jobs.swept_parameter import SweptParameter
 from worker.stores.files.served_files import files_at
 from worker.stores.layout import LAYOUT_VERSION, MEASURED, MOTIONS, READABLE_LAYOUTS
-from worker.stores.proof_layout import PROOF, PROVEN
+from worker.stores.proofs.layout import PROOF, PROVEN
 from worker.stores.storage import place_at
 
 # Largest result, in bytes, whose arrays are read in one piece. A larger one has Dask arrays, whose library takes a

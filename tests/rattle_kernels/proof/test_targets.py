@@ -87,7 +87,7 @@ def test_discs_are_mapped_into_themselves():
         assert not _leaves(disc, FIG_7, np.random.default_rng(2))
 
 
-@pytest.mark.parametrize(("part", "known"), [(1e-4, True), (0.02, False)])
+@pytest.mark.parametrize(("part", "known"), [(1e-4, True), (0.002, False)])
 def test_within_tolerances_a_disc_holds_the_orbits_of_all_machines(part, known):
     attractors, _ = _certificate()
     (periodic,) = (each for each in attractors if each.kind == AttractorKind.PERIODIC)

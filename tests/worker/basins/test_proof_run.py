@@ -10,13 +10,13 @@ from rattle_kernels import CellGrid, Oscillator
 from rattle_kernels.proof.cells import WHOLE
 from tests.store_content import content
 from worker.basins.pipeline import run_basin
-from worker.basins.proof_tasks import LEVELS, first_columns
 from worker.cluster.driver import Driver
 from worker.errors import JobCancelled
 from worker.jobs.basin_job import BasinJob
+from worker.jobs.proofs.lattice import LEVELS, first_columns
 from worker.progress import Stage
 from worker.stores.basin_store import BasinStore
-from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON, Unproven
+from worker.stores.proofs.layout import PROVEN, UNPROVEN_REASON, Unproven
 
 pytestmark = pytest.mark.timeout(400)
 # Losing energy, most departures fall quiet soon.

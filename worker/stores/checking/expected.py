@@ -11,7 +11,7 @@ from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState, Variable
 from worker.stores.new_store import ATTRACTORS_A_CHUNK
-from worker.stores.proof_layout import LATTICE_ENDS, LATTICE_ROUNDS, PROVEN, RATTLING, UNPROVEN_REASON
+from worker.stores.proofs.layout import LATTICE_ENDS, LATTICE_ROUNDS, PROVEN, RATTLING, UNPROVEN_REASON
 from worker.stores.solution_table import SolutionTable
 from worker.stores.summary import WITHOUT_POINTS
 

@@ -12,7 +12,7 @@ from worker.stores.checking.damage import Damage, Findings, nodes_of
 from worker.stores.checking.expected import readable_ledger
 from worker.stores.files.checked_chunks import METADATA
 from worker.stores.layout import TileState
-from worker.stores.proof_layout import PROOF, PROVEN, UNPROVEN_REASON
+from worker.stores.proofs.layout import PROOF, PROVEN, UNPROVEN_REASON
 from worker.stores.storage import place_at
 
 # A tile whose proof is not there is proven again.

@@ -16,7 +16,7 @@ from worker.jobs.basin_job import BasinJob
 from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import NOT_THERE, Variable
 from worker.stores.new_store import create_array
-from worker.stores.proof_layout import (
+from worker.stores.proofs.layout import (
     FOLLOWED,
     LATTICE_ENDS,
     LATTICE_ROUNDS,

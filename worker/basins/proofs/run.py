@@ -15,9 +15,8 @@ import numpy as np
 from rattle_kernels import Attractor
 from rattle_kernels.proof.machine import machine_of
 from rattle_kernels.proof.targets import Certificate
-from worker.basins.proof_certificate import certificate_of
-from worker.basins.proof_tasks import (
-    LEVELS,
+from worker.basins.proofs.certificate import certificate_of
+from worker.basins.proofs.tasks import (
     GrowthReceipt,
     ProofReceipt,
     find_targets,
@@ -26,10 +25,11 @@ from worker.basins.proof_tasks import (
     prove_tile,
 )
 from worker.cluster.task import Task
+from worker.jobs.proofs.lattice import LEVELS
 from worker.progress import Progress, Stage
 from worker.stores.basin_store import BasinStore
-from worker.stores.proof_arrays import BOXES_A_PART
-from worker.stores.proof_layout import Unproven
+from worker.stores.proofs.arrays import BOXES_A_PART
+from worker.stores.proofs.layout import Unproven
 from worker.stores.provenance import versions
 
 # Sixty-fourths of a cell.

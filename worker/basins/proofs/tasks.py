@@ -5,7 +5,6 @@
 What a level needs of the one before lies in the store.
 """
 
-import math
 import time
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,25 +12,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels import Attractor, CellGrid
+from rattle_kernels import Attractor
 from rattle_kernels.proof.cells import prove_cells
 from rattle_kernels.proof.growth import empty_trails, follow_boxes, grow_all
 from rattle_kernels.proof.lattice import UNPROVEN, refined
 from rattle_kernels.proof.machine import Machine, machine_of
 from rattle_kernels.proof.targets import Certificate, Targets, prove_targets
-from worker.basins.proof_certificate import targets_of
+from worker.basins.proofs.certificate import targets_of
 from worker.basins.tasks import open_store
 from worker.cluster.task import stop_if_cancelled
 from worker.jobs.basin_job import BasinJob
+from worker.jobs.proofs.lattice import LEVELS, first_columns
 from worker.stores.basin_store import BasinStore
-from worker.stores.proof_arrays import BOXES_A_PART
-from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON, Unproven
+from worker.stores.proofs.arrays import BOXES_A_PART
+from worker.stores.proofs.layout import PROVEN, UNPROVEN_REASON, Unproven
 from worker.stores.tiles import Tile
 
-LEVELS = 4
-"""How often the lattice grows: as it is first, and each time that its boxes have been cut into four."""
-# Its columns at the end: eight for each cell of the longer side of the grid. A box of 1/8192 serves finer grids, too.
-_COLUMNS_A_CELL, _FEWEST_COLUMNS, _MOST_COLUMNS = 8, 512, 8192
 # Cells that are proven between two looks at whether the job is cancelled: about a second, where each is cut into 64.
 _CELLS_AT_A_TIME = 4096
 
@@ -62,20 +58,6 @@ class _Known(NamedTuple):
     targets: Targets
     rounds: np.ndarray
     boxes: np.ndarray
-
-
-def first_columns(grid: CellGrid) -> int:
-    """Columns of the lattice before its boxes are cut."""
-    wanted = _COLUMNS_A_CELL * max(grid.time_cells, grid.velocity_cells)
-    columns = min(max(2 ** math.ceil(math.log2(wanted)), _FEWEST_COLUMNS), _MOST_COLUMNS)
-    return columns >> (LEVELS - 1)
-
-
-def most_boxes(grid: CellGrid) -> int:
-    """Boxes of the lattice at the end, at most, where the grid holds the fastest motion."""
-    columns = first_columns(grid) << (LEVELS - 1)
-    # A row is at least half as high as the speeds of all columns divided by their number.
-    return 2 * columns * columns
 
 
 def _machine(job: BasinJob) -> Machine:

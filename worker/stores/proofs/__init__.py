@@ -1,0 +1,1 @@
+"""A proof in a store: its variables and how they are written and read."""
