@@ -19,14 +19,17 @@ from rattle.paper.figures.fig16 import FIG16
 from rattle.paper.figures.fig17 import FIG17
 from rattle.paper.machine import MACHINE, MACHINE_SOFT
 from rattle.paper.machine_sweep import MACHINE_SWEEP
+from rattle.paper.proven import PROVEN
 
 _IN_ORDER = (
     FIG1, FIG2, FIG3, FIG4, FIG5, FIG6, FIG7, FIG8, FIG9, FIG10, FIG11, FIG12, FIG13, FIG14, FIG15, FIG16, FIG17,
 )  # fmt: skip
 
 PAPER_FIGURES: dict[str, PaperFigure] = {figure.name: figure for figure in _IN_ORDER}
-ALL_FIGURES = PAPER_FIGURES | {figure.name: figure for figure in (MACHINE, MACHINE_SOFT, MACHINE_SWEEP, ASSEMBLY)}
-"""Figures of the paper, of the machine at dampings that the paper could not reach, and of two eccentric gears."""
+ALL_FIGURES = PAPER_FIGURES | {
+    figure.name: figure for figure in (MACHINE, MACHINE_SOFT, MACHINE_SWEEP, ASSEMBLY, PROVEN)
+}
+"""Figures of the paper, of the machine at dampings that it could not reach, of two eccentric gears, and of proofs."""
 
 
 def figure_named(name: str) -> PaperFigure:
