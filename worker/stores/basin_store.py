@@ -28,7 +28,7 @@ from worker.stores.new_store import consolidate, create_store, places_of, tiling
 from worker.stores.opening import create_unless_there, demand_same_request, open_group, open_store_at
 from worker.stores.provenance import now
 from worker.stores.pyramid.convention import ATTRIBUTE
-from worker.stores.pyramid.levels import levels_of
+from worker.stores.pyramid.levels import Level, levels_of
 from worker.stores.solution_arrays import SolutionArrays
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tile
@@ -93,6 +93,11 @@ class BasinStore(SolutionArrays):
     def complete(self) -> bool:
         """Whether the job has finished and every array is whole."""
         return bool(self._group.attrs["complete"])
+
+    @property
+    def whole_levels(self) -> tuple[Level, ...]:
+        """Levels that can be read: of an unfinished store only the basins themselves."""
+        return self.levels if self.complete else self.levels[:1]
 
     def _region(self, tile: Tile, every: int = 1) -> tuple[int | slice, ...]:
         """Every n-th cell of a tile in an array. The one row of a sample has no dimension of its own."""

@@ -15,9 +15,9 @@ from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
 from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import Places, TileState, Variable
+from worker.stores.provenance import birth_certificate
 from worker.stores.pyramid.convention import multiscales
 from worker.stores.pyramid.levels import Level, levels_of
-from worker.stores.provenance import birth_certificate
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tiling, cut, cut_row
 
@@ -135,7 +135,7 @@ def _create_coordinates(group: Any, job: BasinJob, tiling: Tiling) -> None:
 def write_coordinates(group: Any, job: BasinJob, levels: Sequence[Level]) -> None:
     """Write what follows from the request alone: values of swept parameters, and coordinates of cells or points."""
     for level, swept in product(levels, job.vary):
-        group[f"{level.group}/{swept.parameter}".lstrip("/")][...] = np.array(swept.values)
+        group[level.own_path(swept.parameter)][...] = np.array(swept.values)
     if job.sample is None:
         centres = job.grid.time_centres(), job.grid.velocity_centres()
         for level in levels:

@@ -39,6 +39,10 @@ class Level(NamedTuple):
         """Path of the level's arrays; empty for the basin itself."""
         return f"pyramid/{self.number}" if self.number else ""
 
+    def own_path(self, name: str) -> str:
+        """Path of an array of the level."""
+        return f"{self.group}/{name}" if self.group else name
+
     def own(self, variable: Variable) -> Variable:
         """A variable of the basin's cells as it lies in this level."""
         return replace(variable, group=self.group)

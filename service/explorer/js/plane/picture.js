@@ -25,7 +25,10 @@ export class Picture {
     this.panel = panel;
     this.outline = outline;
     const { time, velocity } = outline;
-    this.every = Math.ceil(Math.max(time.cells, velocity.cells) / MOST_CELLS);
+    const every = Math.ceil(Math.max(time.cells, velocity.cells) / MOST_CELLS);
+    /** Level whose cells are shown, all of them; null if they are taken from the basin's own tiles. */
+    this.level = outline.levels.find((level) => level.every >= every) ?? null;
+    this.every = this.level?.every ?? every;
     this.width = share(time.cells, this.every);
     this.height = share(velocity.cells, this.every);
     // A cell of the picture is `every` cells wide; the last may reach beyond the window.
@@ -68,9 +71,18 @@ export class Picture {
     return this.there.size === 0;
   }
 
+  /**
+   * State of each tile that is shown. Levels are there as a whole.
+   * @returns {number[]}
+   */
+  get states() {
+    const { level } = this;
+    return level ? Array(level.down * level.across).fill(LABELLED) : this.outline.tiles.states;
+  }
+
   /** Whether every tile is here in its final form. */
   get whole() {
-    return this.outline.complete && this.settled.size === this.outline.tiles.states.length;
+    return this.outline.complete && this.settled.size === this.states.length;
   }
 
   /**
@@ -84,7 +96,7 @@ export class Picture {
     this.fresh = false;
     if (this.outline.solutions.length !== before) this.there.clear();
     const settled = final && this.outline.complete;
-    const wanted = this.outline.tiles.states.flatMap((state, tile) =>
+    const wanted = this.states.flatMap((state, tile) =>
       state === LABELLED && !(settled ? this.settled : this.there).has(tile) ? [tile] : []);
     // From the middle outwards, a few at a time: the eye is there first.
     wanted.sort((one, other) => this.#offCentre(one) - this.#offCentre(other));
@@ -101,13 +113,14 @@ export class Picture {
 
   /** Rectangle of cells of the picture that a tile covers. */
   rectangle(tile) {
-    const { rows, columns, across } = this.outline.tiles;
+    const { rows, columns, across } = this.level ?? this.outline.tiles;
+    const every = this.level ? 1 : this.every;
     const row = Math.floor(tile / across), column = tile % across;
-    const top = share(row * rows, this.every), left = share(column * columns, this.every);
+    const top = share(row * rows, every), left = share(column * columns, every);
     return {
       left, top,
-      right: Math.min(share((column + 1) * columns, this.every), this.width),
-      bottom: Math.min(share((row + 1) * rows, this.every), this.height),
+      right: Math.min(share((column + 1) * columns, every), this.width),
+      bottom: Math.min(share((row + 1) * rows, every), this.height),
     };
   }
 
@@ -118,8 +131,9 @@ export class Picture {
   }
 
   async #fetch(tile, signal) {
-    const number = this.outline.tiles.first + tile;
-    const answer = await send(`/v1/jobs/${this.job}/tiles/${number}?every=${this.every}`, { signal });
+    const number = (this.level ?? this.outline.tiles).first + tile;
+    const which = this.level ? `level=${this.level.level}` : `every=${this.every}`;
+    const answer = await send(`/v1/jobs/${this.job}/tiles/${number}?${which}`, { signal });
     const [rows, columns] = answer.headers.get("rattle-shape").split(" ").map(Number);
     const bytes = await answer.arrayBuffer();
     const cells = rows * columns;
