@@ -2,10 +2,9 @@
 
 import { get, send } from "../net/api.js";
 import { viewOf } from "../state/window.js";
+import { partsOf, wholeOf } from "./levels.js";
 import { paintNumbers, paintSolutions, solutionPixels, specialPixel, usualSpeckle } from "./palette.js";
 
-// Largest number of cells each way that are fetched and drawn. Of more cells, only every n-th is shown.
-const MOST_CELLS = 1500;
 const LABELLED = 3;
 const AT_A_TIME = 4;
 const SHIFTS = [-1, 0, 1];
@@ -19,16 +18,15 @@ export class Picture {
    * @param {string|null} job
    * @param {number} panel
    * @param {Outline} outline as from `/outline`
+   * @param {import("./levels.js").Shown} shown the tiles that it is made from
    */
-  constructor(job, panel, outline) {
+  constructor(job, panel, outline, shown = wholeOf(outline)) {
     this.job = job;
     this.panel = panel;
     this.outline = outline;
     const { time, velocity } = outline;
-    const every = Math.ceil(Math.max(time.cells, velocity.cells) / MOST_CELLS);
-    /** Level whose cells are shown, all of them; null if they are taken from the basin's own tiles. */
-    this.level = outline.levels.find((level) => level.every >= every) ?? null;
-    this.every = this.level?.every ?? every;
+    this.shown = shown;
+    this.every = shown.every;
     this.width = share(time.cells, this.every);
     this.height = share(velocity.cells, this.every);
     // A cell of the picture is `every` cells wide; the last may reach beyond the window.
@@ -72,12 +70,17 @@ export class Picture {
   }
 
   /**
-   * State of each tile that is shown. Levels are there as a whole.
-   * @returns {number[]}
+   * The parts of it that a window shows, of more cells than here: none unless it is finished and has levels.
+   * @param {View} view
    */
+  closer(view) {
+    return partsOf(this.outline, this.every, view).map(({ time, velocity, shown }) =>
+      new Picture(this.job, this.panel, { ...this.outline, time, velocity }, shown));
+  }
+
+  /** State of each tile that is shown. Levels are there as a whole. */
   get states() {
-    const { level } = this;
-    return level ? Array(level.down * level.across).fill(LABELLED) : this.outline.tiles.states;
+    return this.shown.states ?? this.outline.tiles.states;
   }
 
   /** Whether every tile is here in its final form. */
@@ -113,14 +116,13 @@ export class Picture {
 
   /** Rectangle of cells of the picture that a tile covers. */
   rectangle(tile) {
-    const { rows, columns, across } = this.level ?? this.outline.tiles;
-    const every = this.level ? 1 : this.every;
+    const { rows, columns, across, step } = this.shown;
     const row = Math.floor(tile / across), column = tile % across;
-    const top = share(row * rows, every), left = share(column * columns, every);
+    const top = share(row * rows, step), left = share(column * columns, step);
     return {
       left, top,
-      right: Math.min(share((column + 1) * columns, every), this.width),
-      bottom: Math.min(share((row + 1) * rows, every), this.height),
+      right: Math.min(share((column + 1) * columns, step), this.width),
+      bottom: Math.min(share((row + 1) * rows, step), this.height),
     };
   }
 
@@ -131,9 +133,9 @@ export class Picture {
   }
 
   async #fetch(tile, signal) {
-    const number = (this.level ?? this.outline.tiles).first + tile;
-    const which = this.level ? `level=${this.level.level}` : `every=${this.every}`;
-    const answer = await send(`/v1/jobs/${this.job}/tiles/${number}?${which}`, { signal });
+    const { first, across, stride, query } = this.shown;
+    const number = first + Math.floor(tile / across) * stride + (tile % across);
+    const answer = await send(`/v1/jobs/${this.job}/tiles/${number}?${query}`, { signal });
     const [rows, columns] = answer.headers.get("rattle-shape").split(" ").map(Number);
     const bytes = await answer.arrayBuffer();
     const cells = rows * columns;
