@@ -1,4 +1,4 @@
-"""Stores of large basins that nobody has computed: labels follow from the numbers of a cell, and only some are there."""
+"""Stores of large basins that nobody has computed: labels follow from the number of a cell, and only some are there."""
 
 from itertools import product
 

@@ -29,7 +29,10 @@ _SWEEP_EXAMPLE: dict[str, Any] = {
     "grid": {"time": {"cells": 200}, "velocity": {"cells": 200}},
 }
 # Image cell, landing time and speed, group, period, step, solution: see `worker.stores.layout`.
-_BYTES_OF_A_CELL = 8 + 2 * 8 + 3 * 4 + 2
+_BYTES_OF_LABELS = 3 * 4 + 2
+_BYTES_OF_A_CELL = 8 + 2 * 8 + _BYTES_OF_LABELS
+# Longest side of a basin that is shown without levels of fewer cells.
+_LONGEST_ALONE = 4000
 
 
 class BasinJob(Job):
@@ -105,7 +108,14 @@ class BasinJob(Job):
     @property
     def bytes(self) -> int:
         """Most bytes of the store before compression."""
-        return self.places * _BYTES_OF_A_CELL
+        # Levels have a quarter, a sixteenth ... of the cells, so a third of them or, at the edges, little more.
+        of_levels = self.places * _BYTES_OF_LABELS // 2 if self.has_levels else 0
+        return self.places * _BYTES_OF_A_CELL + of_levels
+
+    @property
+    def has_levels(self) -> bool:
+        """Whether the basins are so large that they have levels of fewer cells."""
+        return self.sample is None and max(self.grid.shape) > _LONGEST_ALONE
 
     def _settled(self) -> dict[str, Any]:
         for name, window in (("time", self.grid_.time), ("velocity", self.grid_.velocity)):

@@ -13,8 +13,7 @@ from worker.stores.tiles import Tiling
 
 LABELS = (*LABELLED, SOLUTION)
 """What the cells of every level have."""
-# Longest side of a basin without levels, and of the last level.
-_LONGEST_ALONE = 4000
+# Longest side of the last level.
 _LONGEST_LAST = 1000
 # Longest side of a level's chunk, if tiles are not larger. A screen then shows four chunks or fewer.
 _LONGEST_CHUNK = 2048
@@ -73,7 +72,7 @@ def levels_of(job: BasinJob, tiling: Tiling) -> tuple[Level, ...]:
         or fewer each way.
     """
     levels = [Level(0, tiling)]
-    if job.sample is None and max(tiling.grid.shape) > _LONGEST_ALONE:
+    if job.has_levels:
         while max(levels[-1].tiling.grid.shape) > _LONGEST_LAST:
             levels.append(_level(tiling, len(levels)))
     return tuple(levels)
