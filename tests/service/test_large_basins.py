@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from rattle.cli.plot import figure_at_address
 from tests.large_store import LARGE, ChunksRead, label, large_store
 from tests.service.idle_service import idle_service
 from tests.service.routes.problems import assert_problem
+from worker.pictures.panel_picture import Layer
 from worker.stores.result_files import result_location
 
 # Labels, ledger, and one chunk of each array in the table of motions, with their points.
@@ -50,6 +52,10 @@ def test_the_page_and_xarray_open_1e10_cells(service, address, monkeypatch):
     with xr.open_zarr(url, group="pyramid/7") as level:
         np.testing.assert_array_equal(level.step, label("step", numbers, numbers))
         np.testing.assert_array_equal(level.time, LARGE.grid.time_centres()[::128])
+
+    read.arrays.clear()
+    shown = figure_at_address(url, None, Layer.SOLUTION, False, ()).axes[0].images[0].get_array()
+    assert shown.shape[:2] == (782, 782) and 1 <= read.of_cells <= 4
 
 
 def test_a_level_that_is_not_there_is_refused_with_those_that_are(service, address):
