@@ -63,7 +63,7 @@ def test_basins_of_4000_cells_a_side_have_no_levels_and_nothing_of_them_in_their
     assert not {"multiscales", "zarr_conventions"} & store.attributes.keys()
 
 
-@pytest.mark.parametrize("cells", [(4097, 4999), (4001, 1)])
+@pytest.mark.parametrize("cells", [pytest.param((4097, 4999), marks=pytest.mark.slow), (4097, 499), (4001, 1)])
 def test_each_level_has_every_second_cell_of_the_one_before(tmp_path, cells):
     grid = CellGrid(velocity_cells=cells[0], time_cells=cells[1])
     store = BasinStore.create_or_resume(str(tmp_path / "basin.zarr"), BasinJob(grid=grid, iterations=1))
