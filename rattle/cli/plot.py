@@ -32,7 +32,7 @@ def plot(
         overlays = parse_overlays(overlay)
         picture_format = PictureFormat.of_file(out_)
         if is_address(store):
-            figure = _figure_at_address(store, key, layer, shares, overlays)
+            figure = figure_at_address(store, key, layer, shares, overlays)
         else:
             figure = shares_figure(store) if shares else figure_of_store(store, Look(layer, overlays))
         save_figure(figure, out_, picture_format)
@@ -44,13 +44,16 @@ def plot(
         give_up(f"{out_} cannot be written: {error.strerror}")
 
 
-def _figure_at_address(
+def figure_at_address(
     address: str, key: str | None, layer: Layer, shares: bool, overlays: tuple[OverlayKind, ...]
 ) -> Figure:
+    """Picture of a service's store: of the coarsest level of large basins, to fetch few chunks."""
     if layer is not Layer.SOLUTION:
         raise InvalidJob(f"at an address only solutions are drawn here: its job has /picture.png?layer={layer}")
     try:
         result = opening.open(address, key=key).rattle
+        if result.kind in ("basin", "sweep") and result.complete:
+            result = opening.open(address, key=key, level=max(result.levels)).rattle
         drawn = result.plot_shares() if shares else result.plot(overlays=overlays)
     except OSError as error:
         give_up(str(error))

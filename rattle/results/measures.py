@@ -7,6 +7,7 @@ import xarray as xr
 
 from rattle.results.motions import Motions
 from worker.errors import InvalidJob
+from worker.views.at_level import demand_all_cells
 
 
 class Measures(Motions):
@@ -90,6 +91,7 @@ class Measures(Motions):
         True
         """
         self._demand("least_disturbance", "basin")
+        demand_all_cells(self._dataset)
         from rattle_kernels import least_disturbance
 
         job: Any = self.job
@@ -169,6 +171,7 @@ class Measures(Motions):
         ['grazing curve', 'pre-image 1', 'all together']
         """
         self._demand("boundary_share", "basin")
+        demand_all_cells(self._dataset)
         from rattle.results.curves import curves_of
         from rattle_kernels import boundary_share
 

@@ -69,6 +69,22 @@ class Motions(Described):
         one = self._dataset if self.kind == "basin" else self.basins()[0]
         return colours_of(reading.attractors_of(one))
 
+    @property
+    def levels(self) -> dict[int, tuple[int, int]]:
+        """Cells of each level, along velocity and time. ``rattle.open(location, level=n)`` opens level n.
+
+        Level 0 is the basin itself. Only basins of more than 4,000 cells a side have others.
+
+        Examples
+        --------
+        >>> rattle.basin(cells=40, progress=False).rattle.levels
+        {0: (40, 40)}
+        """
+        self._demand("levels", "basin", "sweep")
+        from worker.views.at_level import levels_in
+
+        return {level.number: level.tiling.grid.shape for level in levels_in(self._dataset)}
+
     @cached_property
     def shown(self) -> xr.Dataset:
         """The cells of a basin as pictures show them, in memory: at most 1000 each way.

@@ -6,10 +6,10 @@ from typing import Any
 import xarray as xr
 
 import rattle.results.accessor  # noqa: F401 - gives datasets their `.rattle`
-from worker.views.reading import open_store
+from worker.views.at_level import open_level
 
 
-def open(location: str | Path, *, key: str | None = None) -> xr.Dataset:  # noqa: A001 - as in `rattle.open`
+def open(location: str | Path, *, key: str | None = None, level: int = 0) -> xr.Dataset:  # noqa: A001 - as in `rattle.open`
     """Open a result, complete or not.
 
     Parameters
@@ -18,6 +18,9 @@ def open(location: str | Path, *, key: str | None = None) -> xr.Dataset:  # noqa
         A folder, ``s3://bucket/prefix``, or a service's address that ends in ``result.zarr``.
     key : str, optional
         Of a service that requires one.
+    level : int
+        Of a basin with more than 4,000 cells a side: level n has every 2**n-th cell each way, with its own labels, so
+        that the last level shows the whole basin at once. ``.rattle.levels`` lists them; 0 is the basin itself.
 
     Returns
     -------
@@ -26,6 +29,8 @@ def open(location: str | Path, *, key: str | None = None) -> xr.Dataset:  # noqa
 
     Raises
     ------
+    InvalidJob
+        If there is no such level.
     StoreConflict
         If there is no result.
     StoreFailed
@@ -41,4 +46,4 @@ def open(location: str | Path, *, key: str | None = None) -> xr.Dataset:  # noqa
     ['permanent contact', 'P(1,1,0)', 'chaotic']
     """
     options: dict[str, Any] = {"headers": {"authorization": f"Bearer {key}"}} if key else {}
-    return open_store(location, options)
+    return open_level(location, level, options)

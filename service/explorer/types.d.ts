@@ -72,11 +72,17 @@ interface Solution extends Loudness {
 
 interface Polyline { time: number[]; velocity: number[]; box?: View }
 
+/** Tiles of a basin, or of one of its levels, of rows by columns of their own cells. */
+interface Tiling { rows: number; columns: number; down: number; across: number; first: number }
+
+interface Level extends Tiling { level: number; every: number }
+
 interface Outline {
   parameters: { [name: string]: number };
   time: Axis;
   velocity: Axis;
-  tiles: { rows: number; columns: number; down: number; across: number; first: number; states: number[] };
+  tiles: Tiling & { states: number[] };
+  levels: Level[];
   complete: boolean;
   proof?: boolean;
   solutions: Solution[];

@@ -13,6 +13,7 @@ from service.models.numbers import FiniteOrNone
 from worker.basins.preview import Preview
 from worker.pictures.colours import MISSING, SPECKLE, Colour, Palette, colours_of
 from worker.pictures.overlay import Lines, Overlay
+from worker.stores.pyramid.levels import Level
 from worker.views.outline import PanelOutline
 
 _DIGITS = 7
@@ -46,6 +47,31 @@ class TilingView(BaseModel):
         description="Number of the basin's first tile; the others follow along time, then along velocity"
     )
     states: list[Literal[1, 2, 3]] = Field(description="1 pending, 2 mapped, 3 labelled: only such can be fetched")
+
+
+class LevelView(BaseModel):
+    """A coarser level of a large basin: each of its cells is one of the basin and stands for its neighbours.
+
+    Its tiles are of `rows` by `columns` cells of the level; those at the upper edges may be smaller.
+    """
+
+    level: int
+    every: int = Field(description="Cells of the basin from one cell of the level to the next, each way")
+    rows: int
+    columns: int
+    down: int = Field(description="Tiles along velocity, from the lowest speed")
+    across: int = Field(description="Tiles along time")
+    first: int = Field(description="Number of the basin's first tile in this level")
+
+    @classmethod
+    def from_level(cls, level: Level, basin: int) -> "LevelView":
+        """View of a level of a basin."""
+        tiling = level.tiling
+        down, across = tiling.shape
+        return cls(
+            level=level.number, every=level.every, rows=tiling.tile_rows, columns=tiling.tile_columns, down=down,
+            across=across, first=tiling.numbers_of(basin).start,
+        )  # fmt: skip
 
 
 class DrawnSolution(Loud):
@@ -127,6 +153,9 @@ class OutlineView(BaseModel):
     time: WindowView
     velocity: WindowView
     tiles: TilingView
+    levels: list[LevelView] = Field(
+        description="From fine to coarse; none of 4,000 cells or fewer each way, or until the job is complete"
+    )
     complete: bool
     proof: bool = Field(
         False, exclude_if=lambda there: not there,
@@ -151,6 +180,7 @@ class OutlineView(BaseModel):
                 rows=tiling.tile_rows, columns=tiling.tile_columns, down=down, across=across,
                 first=outline.first_tile, states=list(outline.states),
             ),
+            levels=[LevelView.from_level(level, outline.basin) for level in outline.levels],
             complete=outline.complete, proof=outline.proof,
             solutions=drawn(outline.solutions, outline.loudness, outline.shares),
             expected=outline.expected and ExpectedView(**outline.expected._asdict()),

@@ -105,6 +105,7 @@ def get_tile(
     jobs: JobsHere,
     settings: SettingsHere,
     every: Annotated[int, Query(ge=1, le=4096, description="Only every n-th cell each way, of the whole grid")] = 1,
+    level: Annotated[int, Query(ge=0, description="Of the outline's levels; 0 is the basin itself")] = 0,
     accept_encoding: Annotated[str, Header(include_in_schema=False)] = "",
     if_none_match: IfNoneMatch = None,
 ) -> Response:
@@ -114,7 +115,7 @@ def get_tile(
     proven to end as the solution says, and why not all are (0 all are, 1 arrives nowhere, 2 spreads too wide, 3
     straddles grazing, 4 a part ends otherwise). The header `rattle-shape` holds the numbers of rows and columns.
     """
-    labels = read_tile_labels(_location_of_basins(job_id, jobs, settings, "tiles"), number, every)
+    labels = read_tile_labels(_location_of_basins(job_id, jobs, settings, "tiles"), number, every, level)
     if labels is None:
         raise NotReady(f"tile {number} of job {job_id} is not labelled yet, or there is none of this number")
     etag = etag_of(labels.content)

@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any
 
 from worker.basins.basin_run import BasinRun
+from worker.basins.coarsening import Coarsening
 from worker.basins.ledger import Ledger
 from worker.basins.numbering import Numbered, Numbering
 from worker.basins.tasks import number_basin, number_tile, write_points
@@ -47,6 +48,7 @@ class Schedule:
         self.seconds: dict[str, float] = defaultdict(float)
         self._numbered: dict[int, Numbered] = {}
         self._writes_left: dict[int, int] = {}
+        self._coarsening: Coarsening | None = None
         self._admitted = self._to_number = ledger.basins
         self._ready: list[tuple[int, int, Task]] = []
         self._pushed = 0
@@ -132,8 +134,14 @@ class Schedule:
         return ()
 
     def _complete(self) -> None:
-        """Record basins as complete, in order, once all their writes are done."""
+        """Record basins as complete, in order, once all their writes are done and all their levels are there."""
         while (number := self._ledger.basins) < self._to_number and self._writes_left[number] == 0:
+            if self._coarsening is None:
+                self._coarsening = Coarsening(self._store, number)
+                self._push(self._coarsening.begin())
+            if not self._coarsening.done:
+                return
+            self._coarsening = None
             basin = self.basins.pop(number)
             for what, seconds in basin.seconds.items():
                 self.seconds[what] += seconds

@@ -14,7 +14,7 @@ from worker.decidable import check_window
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.grid_request import Grid, GridRequest, grid_request
 from worker.jobs.job import Job, Sizes
-from worker.jobs.proofs.request import ProofRequest, Prove, check_proof
+from worker.jobs.proofs.request import Prove, check_proof
 from worker.jobs.request import Count
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, Vary, check_swept, vary_request
@@ -30,7 +30,10 @@ _SWEEP_EXAMPLE: dict[str, Any] = {
     "grid": {"time": {"cells": 200}, "velocity": {"cells": 200}},
 }
 # Image cell, landing time and speed, group, period, step, solution: see `worker.stores.layout`.
-_BYTES_OF_A_CELL = 8 + 2 * 8 + 3 * 4 + 2
+_BYTES_OF_LABELS = 3 * 4 + 2
+_BYTES_OF_A_CELL = 8 + 2 * 8 + _BYTES_OF_LABELS
+# Longest side of a basin that is shown without levels of fewer cells.
+_LONGEST_ALONE = 4000
 
 
 class BasinJob(Job):
@@ -109,7 +112,14 @@ class BasinJob(Job):
     @property
     def bytes(self) -> int:
         """Most bytes of the store before compression."""
-        return self.places * _BYTES_OF_A_CELL
+        # Levels have a quarter, a sixteenth ... of the cells, so a third of them or, at the edges, little more.
+        of_levels = self.places * _BYTES_OF_LABELS // 2 if self.has_levels else 0
+        return self.places * _BYTES_OF_A_CELL + of_levels
+
+    @property
+    def has_levels(self) -> bool:
+        """Whether the basins are so large that they have levels of fewer cells."""
+        return self.sample is None and max(self.grid.shape) > _LONGEST_ALONE
 
     def _settled(self) -> dict[str, Any]:
         for name, window in (("time", self.grid_.time), ("velocity", self.grid_.velocity)):
@@ -124,17 +134,9 @@ class BasinJob(Job):
         self.check_oscillators(lambda oscillator: check_window(oscillator, grid, self.iterations))
         settled = {"grid_": grid_request(grid, names_cells=self.sample is None), "iterations_": self.iterations}
         if self.prove is not None:
-            settled["prove"] = self._checked_proof(self.prove)
+            kinds = {"swept": bool(self.vary), "sampled": self.sample is not None, "large": self.has_levels}
+            settled["prove"] = check_proof(self.prove, self.oscillator, **kinds)
         return settled if self.sample is None else settled | {"sample": self.sample}
-
-    def _checked_proof(self, proof: ProofRequest) -> ProofRequest:
-        if self.vary:
-            raise InvalidJob("a sweep is not proven: ask for a basin at each value of interest", ("prove",))
-        if self.sample is not None:
-            raise InvalidJob("points of a sample are not proven: ask for cells", ("prove",))
-        if math.isfinite(self.oscillator.stiffness):
-            raise InvalidJob("only the impacting model is proven: leave out stiffness", ("prove",))
-        return check_proof(proof, self.oscillator)
 
     def check_oscillators(self, check: Callable[[Oscillator], Oscillator]) -> None:
         """Check the oscillator of every basin.

@@ -17,6 +17,7 @@ from worker.pictures.unproven import demand_proof, draw_unproven, share_unproven
 from worker.pictures.window import Window, whole_window
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MISSING, SAMPLE_COORDINATES, TileState
+from worker.stores.pyramid.levels import level_for
 from worker.stores.solution_table import SolutionTable
 from worker.stores.tiles import Tile
 
@@ -95,7 +96,8 @@ class PanelPicture:
         All solutions of the store, with the same colours in all panels.
     panel : int
     most_cells : int
-        Most cells drawn each way. Beyond that, every n-th cell represents its neighbours (labels are not averaged).
+        Most cells drawn each way. Beyond that, every n-th cell represents its neighbours (labels are not averaged). If
+        the store has levels, n is a power of two, and the cells are read from the level that has just these.
     look : Look
     """
 
@@ -112,6 +114,9 @@ class PanelPicture:
         self.window = look.window or self.whole
         self.periods = range(1) if self.window == self.whole else self.window.periods_over(self.grid)
         self.every = 1 if store.job.sample else max(1, -(-self._most_shown() // most_cells))
+        if len(store.whole_levels) > 1:
+            self.every = 1 << (self.every - 1).bit_length()
+        self.level = level_for(store.whole_levels, self.every)
 
     def _most_shown(self) -> int:
         """Most cells that are shown each way."""
@@ -125,16 +130,19 @@ class PanelPicture:
         first_row, first_column = rows[0] // every, columns[0] // every
         shape = -(-rows[1] // every) - first_row, -(-columns[1] // every) - first_column
         picture = np.full(shape, MISSING, np.int64)
-        for number in np.array(self.tiles)[self.states == TileState.ASSEMBLED].tolist():
-            tile = self.store.tiling.tile(number)
-            lines = _shared(tile.rows, rows, every)
-            strips = _shared(tile.columns, columns, every)
+        stride = every // self.level.every
+        wanted = [(-(-start // self.level.every), -(-stop // self.level.every)) for start, stop in (rows, columns)]
+        for number in self._tiles_there():
+            tile = self.level.tiling.tile(number)
+            lines, strips = (
+                _shared(own, side, stride) for own, side in zip((tile.rows, tile.columns), wanted, strict=True)
+            )
             values = read(tile) if lines and strips else None
             if values is None:
                 continue
             part = values[
-                lines.start * every - tile.rows[0] : tile.rows[1] - tile.rows[0] : every,
-                strips.start * every - tile.columns[0] : tile.columns[1] - tile.columns[0] : every,
+                lines.start * stride - tile.rows[0] : tile.rows[1] - tile.rows[0] : stride,
+                strips.start * stride - tile.columns[0] : tile.columns[1] - tile.columns[0] : stride,
             ][: len(lines), : len(strips)]
             row, column = lines.start - first_row, strips.start - first_column
             picture[row : row + part.shape[0], column : column + part.shape[1]] = part
@@ -142,12 +150,20 @@ class PanelPicture:
 
     def _of_layer(self, layer: Layer) -> Callable[[Tile], np.ndarray]:
         places = self.store.places
-        variable = tuple(each for each in (*places.labelled, places.solution) if each.name == layer)
+        named = (each for each in (*places.labelled, places.solution) if each.name == layer)
+        variable = tuple(self.level.own(each) for each in named)
         return lambda tile: self.store.read_tile(variable, tile)[0]
 
     def _proven(self, tile: Tile) -> np.ndarray | None:
+        """64ths that are proven; basins with levels have no proof, so the tile is one of the cells themselves."""
         proof = self.store.read_proof(tile)
         return None if proof is None else proof[0]
+
+    def _tiles_there(self) -> list[int]:
+        """Tiles of the level that can be read; levels are there as a whole."""
+        if self.level.number:
+            return list(self.level.tiling.numbers_of(self.panel))
+        return np.array(self.tiles)[self.states == TileState.ASSEMBLED].tolist()
 
     def _parts(self) -> Iterator[tuple[tuple[int, int], tuple[int, int], tuple[float, float, float, float]]]:
         """Rows and columns of cells that are shown, with their place; twice where the window crosses the grid's end."""

@@ -28,6 +28,8 @@ from worker.stores.new_store import consolidate, create_store, places_of, tiling
 from worker.stores.opening import create_unless_there, demand_same_request, open_group, open_store_at
 from worker.stores.proofs.arrays import ProofArrays
 from worker.stores.provenance import now
+from worker.stores.pyramid.convention import ATTRIBUTE
+from worker.stores.pyramid.levels import Level, levels_of
 from worker.stores.solution_arrays import SolutionArrays
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tile
@@ -65,6 +67,9 @@ class BasinStore(SolutionArrays, ProofArrays):
         self.digest = self.job.digest
         self.tiling = tiling_of(self.job)
         self.places = places_of(self.job)
+        levels = levels_of(self.job, self.tiling)
+        # Stores from before there were levels have none.
+        self.levels = levels if ATTRIBUTE in self._group.attrs else levels[:1]
         super().__init__()
 
     @classmethod
@@ -90,9 +95,15 @@ class BasinStore(SolutionArrays, ProofArrays):
         """Whether the job has finished and every array is whole."""
         return bool(self._group.attrs["complete"])
 
-    def _region(self, tile: Tile) -> tuple[int | slice, ...]:
-        """Region of a tile in an array. The one row of a sample has no dimension of its own."""
-        within = (slice(*tile.rows), slice(*tile.columns)) if self.job.sample is None else (slice(*tile.columns),)
+    @property
+    def whole_levels(self) -> tuple[Level, ...]:
+        """Levels that can be read: of an unfinished store only the basins themselves."""
+        return self.levels if self.complete else self.levels[:1]
+
+    def _region(self, tile: Tile, every: int = 1) -> tuple[int | slice, ...]:
+        """Every n-th cell of a tile in an array. The one row of a sample has no dimension of its own."""
+        rows, columns = slice(*tile.rows, every), slice(*tile.columns, every)
+        within = (rows, columns) if self.job.sample is None else (columns,)
         return (*self.job.place_of(tile.basin), *within)
 
     def write_tile(self, variables: Sequence[Variable], tile: Tile, values: Sequence[np.ndarray]) -> None:
@@ -102,16 +113,16 @@ class BasinStore(SolutionArrays, ProofArrays):
             for variable, value in zip(variables, values, strict=True):
                 self._kept(variable)[region] = value if self.job.sample is None else value[0]
 
-    def read_tile(self, variables: Sequence[Variable], tile: Tile) -> tuple[np.ndarray, ...]:
-        """Read one tile of some variables. All of it must have been written.
+    def read_tile(self, variables: Sequence[Variable], tile: Tile, every: int = 1) -> tuple[np.ndarray, ...]:
+        """Read one tile of some variables, or every n-th cell of it each way. All of it must have been written.
 
         Raises
         ------
         StoreFailed
             If it cannot be read or is missing. Zarr returns fill values for missing chunks, which are not data.
         """
-        region = self._region(tile)
-        shape = tile.rows[1] - tile.rows[0], tile.columns[1] - tile.columns[0]
+        region = self._region(tile, every)
+        shape = tuple(-(-(stop - start) // every) for start, stop in (tile.rows, tile.columns))
         with as_store_failure(self.location):
             values = tuple(np.asarray(self._kept(variable)[region]).reshape(shape) for variable in variables)
         for variable, value in zip(variables, values, strict=True):
@@ -228,7 +239,7 @@ class BasinStore(SolutionArrays, ProofArrays):
         with as_store_failure(self.location):
             self._group.update_attributes({"complete": False, "finished": None})
             self.write_ledger(states)
-            write_coordinates(self._group, self.job)
+            write_coordinates(self._group, self.job, self.levels)
             if tables:
                 self.empty_solutions()
                 self._write(layout.IMAGE_COUNTS, np.array(layout.IMAGE_COUNTS.fill), ...)

@@ -1,6 +1,8 @@
 """Layout of a new store: every array at full length, except those of solutions, whose number is not known yet."""
 
 import warnings
+from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,8 @@ from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import Places, TileState, Variable
 from worker.stores.proofs.layout import PROVEN, UNPROVEN_REASON
 from worker.stores.provenance import birth_certificate
+from worker.stores.pyramid.convention import multiscales
+from worker.stores.pyramid.levels import Level, levels_of
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tiling, cut, cut_row
 
@@ -72,12 +76,16 @@ def create_array(
 def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     """Create a new store. The attributes that identify it as a store are written last."""
     group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
+    levels = levels_of(job, tiling_of(job))
     with synced_together(location):
         tile = _create_arrays(group, job)
+        for level in levels[1:]:
+            _create_level(group, job, level)
+        write_coordinates(group, job, levels)
     title = "Basins of attraction of a rattling gear pair"
     born = birth_certificate(title, job.request(), job.digest)
     # In one write: `attrs.update` writes once per attribute.
-    group.update_attributes(born | {"tile_cells": list(tile)})
+    group.update_attributes(born | {"tile_cells": list(tile)} | multiscales(levels, len(job.vary)))
     consolidate(location, fence)
 
 
@@ -92,16 +100,31 @@ def _create_arrays(group: Any, job: BasinJob) -> tuple[int, ...]:
         create_array(group, job, variable, shape, tile)
     ledger = create_array(group, job, places.ledger, tiling.shape[1:] if sampled else tiling.shape)
     ledger[...] = np.full(ledger.shape, TileState.PENDING, np.uint8)
+    _create_swept(group, job)
     _create_coordinates(group, job, tiling)
     _create_assembly(group, job)
     _create_solutions(group, job)
     return tile
 
 
-def _create_coordinates(group: Any, job: BasinJob, tiling: Tiling) -> None:
+def _create_swept(group: Any, job: BasinJob, within: str = "") -> None:
     for swept in job.vary:
-        named = Variable(swept.parameter, (swept.parameter,), np.float64, np.inf, "swept parameter", {}, False)
+        name = swept.parameter
+        named = Variable(name, (name,), np.float64, np.inf, "swept parameter", {}, False, within)
         create_array(group, job, named, (len(swept.values),))
+
+
+def _create_level(group: Any, job: BasinJob, level: Level) -> None:
+    """Create the arrays of a level, which opens by itself."""
+    grid, tile = level.tiling.grid, (level.tiling.tile_rows, level.tiling.tile_columns)
+    for variable in level.labels:
+        create_array(group, job, variable, grid.shape, tile)
+    for variable, cells in zip(level.coordinates, (grid.time_cells, grid.velocity_cells), strict=True):
+        create_array(group, job, variable, (cells,))
+    _create_swept(group, job, level.group)
+
+
+def _create_coordinates(group: Any, job: BasinJob, tiling: Tiling) -> None:
     if job.sample is not None:
         for variable in layout.SAMPLE_COORDINATES:
             create_array(group, job, variable, (job.sample.points,), (tiling.tile_columns,))
@@ -109,17 +132,17 @@ def _create_coordinates(group: Any, job: BasinJob, tiling: Tiling) -> None:
         for variable, cells in zip(layout.COORDINATES, (job.grid.time_cells, job.grid.velocity_cells), strict=True):
             create_array(group, job, variable, (cells,))
         create_array(group, job, layout.GRAZING, (job.grid.time_cells,), (job.grid.time_cells,))
-    write_coordinates(group, job)
 
 
-def write_coordinates(group: Any, job: BasinJob) -> None:
+def write_coordinates(group: Any, job: BasinJob, levels: Sequence[Level]) -> None:
     """Write what follows from the request alone: values of swept parameters, and coordinates of cells or points."""
-    for swept in job.vary:
-        group[swept.parameter][...] = np.array(swept.values)
+    for level, swept in product(levels, job.vary):
+        group[level.own_path(swept.parameter)][...] = np.array(swept.values)
     if job.sample is None:
         centres = job.grid.time_centres(), job.grid.velocity_centres()
-        for variable, values in zip(layout.COORDINATES, centres, strict=True):
-            group[variable.path][...] = values
+        for level in levels:
+            for variable, values in zip(level.coordinates, centres, strict=True):
+                group[variable.path][...] = values[:: level.every]
         return
     arrays, tiling = [group[variable.path] for variable in layout.SAMPLE_COORDINATES], tiling_of(job)
     for number in tiling.numbers_of(0):

@@ -20,6 +20,7 @@ from rattle_kernels import (
 )
 from worker.errors import InvalidJob
 from worker.stores.layout import TileState
+from worker.views.at_level import demand_all_cells
 from worker.views.reading import attractors_of, basin_of, job_of
 
 # Cells each way required by the longest distance of `uncertainty_exponent`, 16 on both sides.
@@ -51,8 +52,10 @@ def measure_basins(dataset: xr.Dataset, tolerance: float = 1e-6) -> xr.Dataset:
     Raises
     ------
     InvalidJob
-        If the store holds a sample (it has no neighbouring cells), or too few cells for the measures.
+        If the store holds a sample (it has no neighbouring cells), or too few cells for the measures, or the dataset is
+        of a level.
     """
+    demand_all_cells(dataset)
     job = job_of(dataset)
     if job.sample is not None:
         raise InvalidJob("a sample has no neighbouring cells: its measures are its shares and their errors")

@@ -8,6 +8,7 @@ from rattle_kernels import Attractor, ExpectedLoudness, Loudness, Oscillator, gr
 from worker.errors import InvalidJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
+from worker.stores.pyramid.levels import Level
 from worker.stores.solution_table import SolutionTable
 from worker.stores.summary import expected_in, representatives
 from worker.stores.tiles import Tiling
@@ -24,15 +25,18 @@ class PanelOutline:
     ``solutions`` are those of the whole store, by number, with this basin's own points (none if it lacks the solution)
     and ``shares`` (NaN until the basin is complete), and their ``loudness`` here. ``expected`` is its mean over the
     window, None until the basin is complete. ``states`` are `TileState` codes of the basin's tiles, numbered from
-    ``first_tile``. ``proof`` says whether a proof was asked for. ``curve`` holds phases and speeds of the grazing
+    ``first_tile``. ``levels`` are the coarser ones that can be read. ``proof`` says whether a proof was asked for.
+    ``curve`` holds phases and speeds of the grazing
     curve.
     """
 
+    basin: int
     values: dict[str, float]
     oscillator: Oscillator
     tiling: Tiling
     first_tile: int
     states: tuple[int, ...]
+    levels: tuple[Level, ...]
     complete: bool
     proof: bool
     solutions: tuple[Attractor, ...]
@@ -86,11 +90,13 @@ def outline_basin(location: str, basin: int) -> PanelOutline:
     grid, oscillator = store.job.grid, store.job.oscillator_of(basin)
     phases = np.linspace(grid.time_start, grid.time_stop, _CURVE_POINTS)
     return PanelOutline(
+        basin=basin,
         values=store.job.values_of(basin),
         oscillator=oscillator,
         tiling=store.tiling,
         first_tile=tiles.start,
         states=tuple(states.tolist()),
+        levels=store.whole_levels[1:],
         complete=bool((states == TileState.ASSEMBLED).all()),
         proof=store.holds_proof,
         solutions=tuple(_thinned(each) for each in solutions),

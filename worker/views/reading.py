@@ -85,17 +85,23 @@ def open_store(location: str | Path, storage_options: dict[str, Any] | None = No
     OSError
         If an address does not answer, or refuses.
     """
-    where = str(location)
-    with _as_refusal(where) if is_address(where) else as_store_failure(where):
+    dataset = open_group_of(str(location), storage_options)
+    if "layout_version" not in dataset.attrs:
+        raise StoreConflict(f"{location} is no store of this project")
+    return _labelled(dataset)
+
+
+def open_group_of(
+    location: str, storage_options: dict[str, Any] | None = None, group: str | None = None
+) -> xr.Dataset:  # fmt: skip
+    """Open a group of a store as it is, by default its root. Parameters and errors are those of `open_store`."""
+    with _as_refusal(location) if is_address(location) else as_store_failure(location):
         try:
-            dataset = _open(where, storage_options)
+            return _open(location, storage_options, group)
         except (FileNotFoundError, KeyError, ValueError) as error:
             raise StoreConflict(
                 f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open"
             ) from error
-    if "layout_version" not in dataset.attrs:
-        raise StoreConflict(f"{location} is no store of this project")
-    return _labelled(dataset)
 
 
 def _labelled(dataset: xr.Dataset) -> xr.Dataset:
@@ -138,24 +144,24 @@ def _as_refusal(address: str) -> Iterator[None]:
         raise PermissionError(f"{address} answered {error.status} {error.message}{hint}") from error
 
 
-def _open(location: str, storage_options: dict[str, Any] | None) -> xr.Dataset:
+def _open(location: str, storage_options: dict[str, Any] | None, group: str | None) -> xr.Dataset:
     store = files_at(location, storage_options) if is_address(location) else place_at(location).zarr
-    dataset = _opened(store, None)
-    dataset = dataset if dataset.nbytes <= _ONE_PIECE else _opened(store, {})
+    dataset = _opened(store, group, None)
+    dataset = dataset if dataset.nbytes <= _ONE_PIECE else _opened(store, group, {})
     return _with_proof(dataset, store) if PROVEN.name in dataset.data_vars else dataset
 
 
-def _opened(store: Any, chunks: dict[str, int] | None, group: str | None = None) -> xr.Dataset:
+def _opened(store: Any, group: str | None, chunks: dict[str, int] | None) -> xr.Dataset:
     try:
-        return xr.open_zarr(store, group=group, consolidated=True, chunks=chunks)
+        return xr.open_zarr(store, group, consolidated=True, chunks=chunks)
     except ValueError:  # plain metadata: slower, one request an array
-        return xr.open_zarr(store, group=group, consolidated=False, chunks=chunks)
+        return xr.open_zarr(store, group, consolidated=False, chunks=chunks)
 
 
 def _with_proof(dataset: xr.Dataset, store: Any) -> xr.Dataset:
     """The dataset with the certificate of its proof as an attribute, and the proven share of each motion."""
     try:
-        certificate = _opened(store, {}, PROOF).attrs.get("certificate")
+        certificate = _opened(store, PROOF, {}).attrs.get("certificate")
     except FileNotFoundError:
         certificate = None
     if certificate is None:

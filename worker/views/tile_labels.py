@@ -2,10 +2,13 @@
 
 from dataclasses import dataclass
 
-from worker.stores.layout import LABELLED, SOLUTION, TileState
+from worker.errors import InvalidJob
+from worker.stores.basin_store import BasinStore
+from worker.stores.layout import TileState
+from worker.stores.pyramid.levels import LABELS, Level
 from worker.views.outline import open_cells
 
-_BY_NAME = {variable.name: variable for variable in (*LABELLED, SOLUTION)}
+_BY_NAME = {variable.name: variable for variable in LABELS}
 # Wider types first, so that each array is aligned.
 _ORDER = tuple(_BY_NAME[name] for name in ("step", "group", "period", "solution"))
 
@@ -24,7 +27,7 @@ class TileLabels:
     final: bool
 
 
-def read_tile_labels(location: str, number: int, every: int = 1) -> TileLabels | None:
+def read_tile_labels(location: str, number: int, every: int = 1, level: int = 0) -> TileLabels | None:
     """Labels of a tile; None if it is not labelled yet or does not exist.
 
     Parameters
@@ -32,25 +35,37 @@ def read_tile_labels(location: str, number: int, every: int = 1) -> TileLabels |
     location : str
         The store.
     number : int
-        Number of the tile, counted through all basins.
+        Number of the tile in its level, counted through all basins.
     every : int
-        Keep only cells whose row and column in the whole grid are multiples of this; labels are not averaged.
+        Keep only cells whose row and column in the level are multiples of this; labels are not averaged.
+    level : int
+        Which level; 0 is the basin itself.
 
     Raises
     ------
     InvalidJob
-        If the store holds a sample, which has no cells.
+        If the store holds a sample, which has no cells, or there is no such level.
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
     store = open_cells(location)
     final = store.complete
-    if not 0 <= number < store.tiling.tiles or store.read_ledger()[number] != TileState.ASSEMBLED:
+    if not 0 <= level < len(store.levels):
+        raise InvalidJob(f"there is no level {level}: this basin has levels up to {len(store.levels) - 1}")
+    shown = store.levels[level]
+    if not _is_there(store, shown, number):
         return None
-    tile = store.tiling.tile(number)
+    tile = shown.tiling.tile(number)
     kept = tuple(slice(-start % every, None, every) for start in (tile.rows[0], tile.columns[0]))
     proof = store.read_proof(tile) if store.holds_proof else None
-    labels = [values[kept] for values in (*store.read_tile(_ORDER, tile), *(proof or ()))]
+    labels = [values[kept] for values in (*store.read_tile(tuple(map(shown.own, _ORDER)), tile), *(proof or ()))]
     content = b"".join(values.astype(values.dtype.newbyteorder("<")).tobytes() for values in labels)
     rows, columns = labels[0].shape
     return TileLabels(content, rows, columns, final)
+
+
+def _is_there(store: BasinStore, level: Level, number: int) -> bool:
+    """Whether there is a tile of this number, with its labels. Levels come last, when the basin is whole."""
+    if not 0 <= number < level.tiling.tiles:
+        return False
+    return store.complete if level.number else bool(store.read_ledger()[number] == TileState.ASSEMBLED)

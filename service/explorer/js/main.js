@@ -121,13 +121,14 @@ function requestHere() {
   return { oscillator: screen.oscillator, grid: axesOf(plane.view, cells), iterations };
 }
 
-/** The window has moved: a preview at once, and after a rest an entry of the history and a job that refines it. */
+/** The window has moved: cells of the store or a preview at once, and after a rest an entry of the history and a job that refines it. */
 function moved(view) {
   clearTimeout(at.rest);
   if (limitOf(view)) say(limitOf(view));
   if (!screen.oscillator) return;
   form.showWindow(requestHere().grid);
-  const refine = by("anew").checked;
+  // A large basin is looked at more closely before it is computed anew.
+  const refine = !screen.closer(view) && by("anew").checked;
   if (refine) screen.look(screen.oscillator, view);
   at.rest = setTimeout(() => {
     if (!refine) return remember(true);

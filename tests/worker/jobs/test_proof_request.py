@@ -57,6 +57,8 @@ def test_only_cells_of_one_basin_of_the_impacting_model_are_proven():
         BasinJob(oscillator={"model": "piecewise_linear", "stiffness": 100.0}, prove=True)
     with pytest.raises(InvalidJob, match="points of a sample are not proven"):
         BasinJob(sample={"points": 10}, prove=True)
+    with pytest.raises(InvalidJob, match="more than 4000 cells on a side are not proven"):
+        BasinJob(grid=CellGrid(time_cells=4001, velocity_cells=10), prove=True)
     vary = [{"parameter": "damping", "values": [0.5, 0.6]}]
     with pytest.raises(InvalidJob, match="a sweep is not proven"):
         SweepJob(vary=vary, prove=True)

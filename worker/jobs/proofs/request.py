@@ -1,5 +1,6 @@
 """What of a basin is to be proven: how finely, and for which machines."""
 
+import math
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, ConfigDict, Field
@@ -25,13 +26,17 @@ class ProofRequest(Request):
     )
 
 
-def check_proof(proof: ProofRequest, oscillator: Oscillator) -> ProofRequest:
+def check_proof(
+    proof: ProofRequest, oscillator: Oscillator, *, swept: bool, sampled: bool, large: bool
+) -> ProofRequest:
     """A proof request in canonical form: all fields there, parameters in order.
 
     Parameters
     ----------
     proof : ProofRequest
     oscillator : Oscillator
+    swept, sampled, large : bool
+        Whether the job is a sweep, has points in place of cells, or has so many cells that they have levels.
 
     Returns
     -------
@@ -40,10 +45,19 @@ def check_proof(proof: ProofRequest, oscillator: Oscillator) -> ProofRequest:
     Raises
     ------
     InvalidJob
-        If a tolerance is of a parameter that the oscillator lacks, or does not hold its value.
+        If it cannot be proven, or a tolerance is of a parameter that the oscillator lacks, or does not hold its value.
     OutsideDomain
         If Eq. (8) cannot be proven for all machines within.
     """
+    refusals = (
+        (swept, "a sweep is not proven: ask for a basin at each value of interest"),
+        (sampled, "points of a sample are not proven: ask for cells"),
+        (large, "basins of more than 4000 cells on a side are not proven: ask for a window"),
+        (math.isfinite(oscillator.stiffness), "only the impacting model is proven: leave out stiffness"),
+    )
+    for refused, why in refusals:
+        if refused:
+            raise InvalidJob(why, ("prove",))
     known = parameters_within(oscillator)
     for name, (least, greatest) in proof.tolerances.items():
         place = ("prove", "tolerances", name)

@@ -42,6 +42,8 @@ def expected_chunks(location: str, arrays: dict[str, Any]) -> Iterator[Chunk]:
         *(layout.CHANGES if store.job.vary else ()),
     ]
     whole += [variable.path for variable in tables if store.complete]
+    whole += [variable.path for level in store.levels[1:] for variable in level.coordinates]
+    swept = [level.own_path(name) for level in store.levels for name in swept]
     for path in (*whole, *swept):
         if path in arrays and arrays[path].size:
             yield from ((path, chunk) for chunk in product(*map(range, arrays[path].cdata_shape)))
@@ -54,6 +56,8 @@ def expected_chunks(location: str, arrays: dict[str, Any]) -> Iterator[Chunk]:
     table = _readable_table(store)
     for basin in np.flatnonzero(assembled).tolist():
         yield from _of_basin(store, basin, table)
+        if store.complete or table.complete[basin]:
+            yield from _of_levels(store, basin)
 
 
 def readable_ledger(store: BasinStore) -> np.ndarray:
@@ -105,6 +109,13 @@ def _of_proof(store: BasinStore, arrays: dict[str, Any]) -> Iterator[Chunk]:
         paths = [each.path for each in (PROVEN, UNPROVEN_REASON, LATTICE_ENDS, LATTICE_ROUNDS, RATTLING)]
         there = [path for path in paths if path in arrays]
         yield from ((path, chunk) for path in there for chunk in product(*map(range, arrays[path].cdata_shape)))
+
+
+def _of_levels(store: BasinStore, basin: int) -> Iterator[Chunk]:
+    place = store.job.place_of(basin)
+    for level in store.levels[1:]:
+        for variable, tile in product(level.labels, np.ndindex(level.tiling.shape)):
+            yield variable.path, (*place, *tile)
 
 
 def _has_images(store: BasinStore, basin: int) -> bool:

@@ -90,12 +90,15 @@ def _first_basin(store: BasinStore, damage: Damage, tile: int | None) -> int:
     """The first basin that has to be assembled anew; the number of basins if none has to."""
     if tile is not None:
         return tile // store.tiling.tiles_of_basin
+    levels = store.levels[1:]
     of_basins = {variable.path for variable in (layout.GRAZING, layout.IMAGE_WORDS, *layout.IMAGE_SET, *layout.POINTS)}
+    of_basins |= {variable.path for level in levels for variable in level.labels}
     if damage.array in of_basins and damage.chunk:
         place = damage.chunk[: len(store.job.vary)]
         return int(np.ravel_multi_index(place, store.job.sweep_shape)) if place else 0
     by_request = {variable.path for variable in (*store.places.coordinates, *layout.CHANGES)}
-    by_request |= {swept.parameter for swept in store.job.vary}
+    by_request |= {variable.path for level in levels for variable in level.coordinates}
+    by_request |= {level.own_path(swept.parameter) for level in store.levels for swept in store.job.vary}
     apart = damage.array in by_request or damage.array in _OF_CELLS_PROVEN or _is_of_lattice(damage)
     return store.job.basins if apart or not damage.chunk else 0
 

@@ -17,7 +17,7 @@ function outlineOf(answer, quick) {
   const solutions = quick ? answer.solutions.map(notYet) : answer.solutions;
   return {
     parameters: {}, time, velocity, solutions, expected, grazing, missing_colour, complete: true, speckle: [1],
-    tiles: { rows: velocity.cells, columns: time.cells, down: 1, across: 1, first: 0, states: [LABELLED] },
+    tiles: { rows: velocity.cells, columns: time.cells, down: 1, across: 1, first: 0, states: [LABELLED] }, levels: [],
   };
 }
 

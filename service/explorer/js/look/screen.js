@@ -3,6 +3,7 @@
 import { Picture } from "../plane/picture.js";
 import { ended } from "../jobs/life.js";
 import { Unreachable } from "../net/api.js";
+import { Latest } from "../net/latest.js";
 import { harmonicsText, NUMBERS, USUAL, withValues } from "../state/oscillator.js";
 import { Live } from "./live.js";
 
@@ -40,6 +41,7 @@ export class Screen {
     this.wanted = null;
     this.moving = false;
     this.live = new Live({ show: (preview) => this.#arrived(preview), failed: (error) => this.#failed(error), alone: tell.alone });
+    this.parts = new Latest((pictures, signal) => this.#fetch(pictures, signal), () => tell.changed(), (error) => tell.failed(error));
     /** What has not been asked for, or was not answered. */
     this.unseen = null;
     this.panel = 0;
@@ -50,6 +52,23 @@ export class Screen {
   look(oscillator, view, moving = false) {
     [this.wanted, this.moving, this.unseen] = [oscillator, moving, null];
     this.live.want(oscillator, view);
+  }
+
+  /** Show more of a finished large basin where it is zoomed; whether it has more cells there than are shown. */
+  closer(view) {
+    this.parts.drop();
+    const pictures = this.opened?.closer(view) ?? [];
+    this.plane.closer(pictures);
+    if (pictures.length) this.parts.want(pictures);
+    return pictures.length > 0;
+  }
+
+  async #fetch(pictures, signal) {
+    for (const picture of pictures) {
+      await picture.refresh(true, (tile) => {
+        if (!signal.aborted) this.plane.arrived(picture, tile);
+      }, signal);
+    }
   }
 
   /** Look at an oscillator once the service is known to take it. */
@@ -109,6 +128,7 @@ export class Screen {
   /** Show no pictures: what is shown has no cells. */
   clear() {
     this.live.drop();
+    this.parts.drop();
     this.oscillator = this.wanted = this.opened = null;
     this.plane.clear();
   }
@@ -126,6 +146,7 @@ export class Screen {
     if (signal.aborted) return null;
     this.plane.draw();
     this.tell.changed();
+    if (ended(job)) this.closer(this.plane.view);
     return picture;
   }
 

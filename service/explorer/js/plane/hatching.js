@@ -24,9 +24,8 @@ function pattern(context, crossed) {
 /** Hatch a picture's missing tiles. */
 export function hatchMissing(plot, picture) {
   const { context } = plot;
-  const { states } = picture.outline.tiles;
   const patterns = new Map();
-  states.forEach((state, tile) => {
+  picture.states.forEach((state, tile) => {
     if (state === LABELLED && picture.there.has(tile)) return;
     const crossed = state === PENDING;
     if (!patterns.has(crossed)) patterns.set(crossed, pattern(context, crossed));

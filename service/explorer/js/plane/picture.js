@@ -2,12 +2,11 @@
 
 import { get, send } from "../net/api.js";
 import { viewOf } from "../state/window.js";
+import { partsOf, wholeOf } from "./levels.js";
 import { paintNumbers, paintSolutions, solutionPixels, specialPixel, usualSpeckle } from "./palette.js";
 import { Proof } from "./proof.js";
 import { Mask } from "./unproven.js";
 
-// Largest number of cells each way that are fetched and drawn. Of more cells, only every n-th is shown.
-const MOST_CELLS = 1500;
 const LABELLED = 3;
 const AT_A_TIME = 4;
 const SHIFTS = [-1, 0, 1];
@@ -21,13 +20,15 @@ export class Picture {
    * @param {string|null} job
    * @param {number} panel
    * @param {Outline} outline as from `/outline`
+   * @param {import("./levels.js").Shown} shown the tiles that it is made from
    */
-  constructor(job, panel, outline) {
+  constructor(job, panel, outline, shown = wholeOf(outline)) {
     this.job = job;
     this.panel = panel;
     this.outline = outline;
     const { time, velocity } = outline;
-    this.every = Math.ceil(Math.max(time.cells, velocity.cells) / MOST_CELLS);
+    this.shown = shown;
+    this.every = shown.every;
     this.width = share(time.cells, this.every);
     this.height = share(velocity.cells, this.every);
     // A cell of the picture is `every` cells wide; the last may reach beyond the window.
@@ -73,9 +74,23 @@ export class Picture {
     return this.there.size === 0;
   }
 
+  /**
+   * The parts of it that a window shows, of more cells than here: none unless it is finished and has levels.
+   * @param {View} view
+   */
+  closer(view) {
+    return partsOf(this.outline, this.every, view).map(({ time, velocity, shown }) =>
+      new Picture(this.job, this.panel, { ...this.outline, time, velocity }, shown));
+  }
+
+  /** State of each tile that is shown. Levels are there as a whole. */
+  get states() {
+    return this.shown.states ?? this.outline.tiles.states;
+  }
+
   /** Whether every tile is here in its final form. */
   get whole() {
-    return this.outline.complete && this.settled.size === this.outline.tiles.states.length;
+    return this.outline.complete && this.settled.size === this.states.length;
   }
 
   /**
@@ -89,7 +104,7 @@ export class Picture {
     this.fresh = false;
     if (this.outline.solutions.length !== before) this.there.clear();
     const settled = final && this.outline.complete;
-    const wanted = this.outline.tiles.states.flatMap((state, tile) =>
+    const wanted = this.states.flatMap((state, tile) =>
       state === LABELLED && !(settled ? this.settled : this.there).has(tile) ? [tile] : []);
     // From the middle outwards, a few at a time: the eye is there first.
     wanted.sort((one, other) => this.#offCentre(one) - this.#offCentre(other));
@@ -106,13 +121,13 @@ export class Picture {
 
   /** Rectangle of cells of the picture that a tile covers. */
   rectangle(tile) {
-    const { rows, columns, across } = this.outline.tiles;
+    const { rows, columns, across, step } = this.shown;
     const row = Math.floor(tile / across), column = tile % across;
-    const top = share(row * rows, this.every), left = share(column * columns, this.every);
+    const top = share(row * rows, step), left = share(column * columns, step);
     return {
       left, top,
-      right: Math.min(share((column + 1) * columns, this.every), this.width),
-      bottom: Math.min(share((row + 1) * rows, this.every), this.height),
+      right: Math.min(share((column + 1) * columns, step), this.width),
+      bottom: Math.min(share((row + 1) * rows, step), this.height),
     };
   }
 
@@ -123,8 +138,9 @@ export class Picture {
   }
 
   async #fetch(tile, signal) {
-    const number = this.outline.tiles.first + tile;
-    const answer = await send(`/v1/jobs/${this.job}/tiles/${number}?every=${this.every}`, { signal });
+    const { first, across, stride, query } = this.shown;
+    const number = first + Math.floor(tile / across) * stride + (tile % across);
+    const answer = await send(`/v1/jobs/${this.job}/tiles/${number}?${query}`, { signal });
     const [rows, columns] = answer.headers.get("rattle-shape").split(" ").map(Number);
     const bytes = await answer.arrayBuffer();
     const cells = rows * columns;

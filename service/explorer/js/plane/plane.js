@@ -49,6 +49,12 @@ export class Plane {
     this.draw();
   }
 
+  /** Show parts of the newest picture, of more cells, in place of the last ones. */
+  closer(pictures) {
+    this.stack.closer = pictures;
+    this.draw();
+  }
+
   /** Show a preview in place of the last one. */
   preview(picture) {
     picture.paint(this.look);
