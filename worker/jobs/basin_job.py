@@ -29,9 +29,8 @@ _SWEEP_EXAMPLE: dict[str, Any] = {
     "vary": [{"parameter": "damping", "start": 0.5, "stop": 0.7, "count": 21}],
     "grid": {"time": {"cells": 200}, "velocity": {"cells": 200}},
 }
-# Image cell, landing time and speed, group, period, step, solution: see `worker.stores.layout`.
-_BYTES_OF_LABELS = 3 * 4 + 2
-_BYTES_OF_A_CELL = 8 + 2 * 8 + _BYTES_OF_LABELS
+# Group, period, step, solution; image cell, landing time and speed: see `worker.stores.layout`.
+_BYTES_OF_LABELS, _BYTES_OF_A_CELL = 3 * 4 + 2, 8 + 2 * 8 + 3 * 4 + 2
 # Longest side of a basin that is shown without levels of fewer cells.
 _LONGEST_ALONE = 4000
 
@@ -134,8 +133,7 @@ class BasinJob(Job):
         self.check_oscillators(lambda oscillator: check_window(oscillator, grid, self.iterations))
         settled = {"grid_": grid_request(grid, names_cells=self.sample is None), "iterations_": self.iterations}
         if self.prove is not None:
-            kinds = {"swept": bool(self.vary), "sampled": self.sample is not None, "large": self.has_levels}
-            settled["prove"] = check_proof(self.prove, self.oscillator, **kinds)
+            settled["prove"] = check_proof(self.prove, self.oscillator, self.vary, self.sample, self.has_levels)
         return settled if self.sample is None else settled | {"sample": self.sample}
 
     def check_oscillators(self, check: Callable[[Oscillator], Oscillator]) -> None:

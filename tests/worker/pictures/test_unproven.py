@@ -7,7 +7,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from tests.proven_store import lay_proof
+from tests.worker.pictures.proven_store import lay_proof
 from worker.errors import InvalidJob
 from worker.pictures import colours
 from worker.pictures.figure_file import PictureFormat, save_figure

@@ -1,6 +1,7 @@
 """What of a basin is to be proven: how finely, and for which machines."""
 
 import math
+from collections.abc import Collection
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, ConfigDict, Field
@@ -27,7 +28,7 @@ class ProofRequest(Request):
 
 
 def check_proof(
-    proof: ProofRequest, oscillator: Oscillator, *, swept: bool, sampled: bool, large: bool
+    proof: ProofRequest, oscillator: Oscillator, vary: Collection[Any], sample: Any | None, large: bool
 ) -> ProofRequest:
     """A proof request in canonical form: all fields there, parameters in order.
 
@@ -35,8 +36,10 @@ def check_proof(
     ----------
     proof : ProofRequest
     oscillator : Oscillator
-    swept, sampled, large : bool
-        Whether the job is a sweep, has points in place of cells, or has so many cells that they have levels.
+    vary, sample : object
+        What the job sweeps, and its points in place of cells, if any.
+    large : bool
+        Whether it has so many cells that they have levels.
 
     Returns
     -------
@@ -50,8 +53,8 @@ def check_proof(
         If Eq. (8) cannot be proven for all machines within.
     """
     refusals = (
-        (swept, "a sweep is not proven: ask for a basin at each value of interest"),
-        (sampled, "points of a sample are not proven: ask for cells"),
+        (vary, "a sweep is not proven: ask for a basin at each value of interest"),
+        (sample is not None, "points of a sample are not proven: ask for cells"),
         (large, "basins of more than 4000 cells on a side are not proven: ask for a window"),
         (math.isfinite(oscillator.stiffness), "only the impacting model is proven: leave out stiffness"),
     )
