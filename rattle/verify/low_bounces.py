@@ -8,7 +8,7 @@ where v is the speed of departure and v' that of arrival. Without damping q = 1 
 so q = 1 - x + delta tau g(x) with g >= 0, and
 
     U = U_0 + delta tau I,    W = W_0 - delta tau I,    I = int A g dx > 0,
-    int g dx = (phi_2 - 2 phi_3)/(2 phi_1)  at delta tau.
+    int g x^k dx = k! (phi_2/(k + 2)! - phi_(k+3))/phi_1  at delta tau.
 
 The action falls if W^3 A(0) < U^3 A(1) (r <= 1). Now ``W_0^3 A(0) - U_0^3 A(1) = tau M(tau)``; and undamped flights are the
 same backwards in time, so in M the powers 0 and 1 of tau cancel: ``M = tau^2 N``. What is to be shown is thus
@@ -61,7 +61,6 @@ def low_bounces(machine: Machine, t: arb, tau: arb) -> LowBounces:
     during = t.lower().union((t + tau).upper())
     bends = machine.derivatives(t, ORDER)
     bends.append(machine.derivatives(during, ORDER + 1)[ORDER])
-    felt = machine.acceleration(during)
     u = arb_poly([bends[k] / (factorial(k) * (k + 1) * (k + 2)) for k in range(ORDER + 1)])
     j = arb_poly([bends[k + 1] / (factorial(k) * (k + 2) * (k + 3)) for k in range(ORDER)])
     h = arb_poly([bends[k + 1] / factorial(k + 1) for k in range(ORDER)])
@@ -71,7 +70,8 @@ def low_bounces(machine: Machine, t: arb, tau: arb) -> LowBounces:
     slowest, swing = u(tau), j(tau)
     fastest = slowest + tau * swing
     after = bends[0] + tau * h(tau)
-    lost = felt * _mean_lag(machine.damping * tau)
+    lags = _lags(machine.damping * tau)
+    lost = sum((bend * tau**k * lag for k, (bend, lag) in enumerate(zip(bends, lags, strict=True))), arb(0))
     u_all = slowest + machine.damping * tau * lost
     w_all = fastest - machine.damping * tau * lost
     speed = tau * u_all
@@ -84,17 +84,17 @@ def low_bounces(machine: Machine, t: arb, tau: arb) -> LowBounces:
     return LowBounces(bool(falls), speed, action)
 
 
-def _mean_lag(x: arb) -> arb:
-    """The integral of g."""
-    phi_1, phi_2, phi_3 = (_phi(k, x) for k in (1, 2, 3))
-    return (phi_2 - 2 * phi_3) / (2 * phi_1)
+def _lags(x: arb) -> list[arb]:
+    """The integrals of ``g x^k/k!``."""
+    phi = [low.union(high) for low, high in zip(_phis(x.lower()), _phis(x.upper()), strict=True)]
+    return [(phi[2] / factorial(k + 2) - phi[k + 3]) / phi[1] for k in range(ORDER + 1)]
 
 
-def _phi(k: int, x: arb) -> arb:
-    """phi_k(x) = int_0^1 e^(-x (1 - s)) s^(k-1)/(k-1)! ds, which falls as x >= 0 grows: 1/k! - x phi_(k+1)."""
-    return _phi_at(k, x.lower()).union(_phi_at(k, x.upper()))
-
-
-def _phi_at(k: int, x: arb) -> arb:
-    # Confluent hypergeometric: phi_k = 1F1(1; k + 1; -x)/k!.
-    return (-x).hypgeom_1f1(arb(1), arb(k + 1)) / factorial(k)
+def _phis(x: arb) -> list[arb]:
+    """``phi_k = int e^(-x (1 - s)) s^(k-1)/(k-1)! ds`` at a number x >= 0: each falls as x grows."""
+    last = ORDER + 3
+    # Kummer's function: phi_k = 1F1(1; k + 1; -x)/k!.
+    found = [(-x).hypgeom_1f1(arb(1), arb(last + 1)) / factorial(last)]
+    for k in range(last - 1, -1, -1):
+        found.append(1 / arb(factorial(k)) - x * found[-1])
+    return found[::-1]

@@ -3,7 +3,10 @@
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
 from flint import arb
+
+from rattle_kernels import Oscillator
 
 UNIT = arb(0, 1)
 """The ball from -1 to 1."""
@@ -106,6 +109,20 @@ class Machine:
         least = -(-self.most_damping * low).expm1() / self.most_damping
         most = -(-self.least_damping * high).expm1() / self.least_damping
         return least.union(most), (-self.damping * low.union(high)).exp()
+
+
+def holds(machine: Machine, oscillator: Oscillator) -> bool:
+    """Whether an oscillator is one of a machine's."""
+    waves = [(1.0, oscillator.eccentricity, 0.0), *oscillator.harmonics]
+    pairs = [
+        (machine.damping, oscillator.damping),
+        (machine.gap, 2 * oscillator.half_backlash),
+        (machine.restitution, oscillator.restitution),
+    ]
+    for wave, told in zip(machine.waves, waves, strict=False):
+        pairs += zip(wave, told, strict=True)
+    same = len(machine.waves) == len(waves) and not np.isfinite(oscillator.stiffness)
+    return same and all(each.contains(arb(value)) for each, value in pairs)
 
 
 def _sine_cosine(turns: arb) -> tuple[arb, arb]:

@@ -1,0 +1,123 @@
+"""What is tried one by one: boxes of the rattling set, boxes of the lattice, cells of the picture."""
+
+from typing import NamedTuple
+
+import numpy as np
+from flint import arb
+
+from rattle.verify.claims import Claims, Disc
+from rattle.verify.ends import NOWHERE, Ends, box_of, boxes_of, end_in, in_frame
+from rattle.verify.following import follow
+from rattle.verify.machine import ball
+from rattle.verify.moving import Moving, advance, box
+from rattle.verify.quiet import halves
+from rattle.verify.verdict import Failure, contradicted, undecided
+
+_DEPTH, _DEPTH_OF_PART = 18, 6
+_CUT, _WHOLE = 8, 64
+_LONGEST = 16
+
+
+class Plane(NamedTuple):
+    """The cells of a picture: its edges, and of each the motion that it is coloured as, and the 64ths proven."""
+
+    time: tuple[float, float]
+    velocity: tuple[float, float]
+    solution: np.ndarray
+    proven: np.ndarray
+
+    def cell(self, row: int, column: int, cut: int = 1) -> list[tuple[arb, arb]]:
+        """Times and speeds of a cell, cut into so many parts each way."""
+        rows, columns = (cut * count for count in self.solution.shape)
+        return [
+            (_part_of(self.time, cut * column + j, columns), _part_of(self.velocity, cut * row + i, rows))
+            for i in range(cut)
+            for j in range(cut)
+        ]
+
+
+def _part_of(ends: tuple[float, float], number: int, count: int) -> arb:
+    low, length = arb(ends[0]), arb(ends[1]) - arb(ends[0])
+    return low + length * ball(number, number + 1) / count
+
+
+def try_cell(ends: Ends, plane: Plane, row: int, column: int) -> Failure | None:
+    """Prove that all departures of a cell end as it is coloured; or of as many 64ths of it as is claimed."""
+    end, claimed = 1 + int(plane.solution[row, column]), int(plane.proven[row, column])
+    place = f"cell ({row}, {column})"
+    if claimed == _WHOLE:
+        ((t, v),) = plane.cell(row, column)
+        return follow(ends, place, t, v, end, _LONGEST, ends.of)
+    proven, refuted, failure = 0, 0, None
+    for t, v in plane.cell(row, column, _CUT):
+        failed = follow(ends, place, t, v, end, _LONGEST, ends.of, _DEPTH_OF_PART)
+        proven += failed is None
+        if proven == claimed:
+            return None
+        refuted += failed is not None and failed.contradicted
+        failure = failed or failure
+    assert failure is not None
+    why = f"{proven} of {claimed} 64ths proven: {failure.why}"
+    return contradicted(place, why) if _WHOLE - refuted < claimed else undecided(place, why)
+
+
+def try_box(ends: Ends, trail: int, row: int, column: int) -> Failure | None:
+    """Prove that a box of the lattice comes to a target, or to boxes of earlier rounds, of its end."""
+    lattice = ends.claims.lattice
+    t, v = box_of(lattice, row, column)
+    this_round = int(lattice.rounds[row, column])
+
+    def arrived(moving: Moving) -> int:
+        return ends.at_target(moving) or end_in(lattice, moving.strip, this_round)
+
+    place = f"box ({row}, {column}) of the lattice, of round {this_round}"
+    return follow(ends, place, t, v, int(lattice.ends[row, column]), trail, arrived)
+
+
+def try_rattling_box(claims: Claims, row: int, column: int) -> Failure | None:
+    """Prove that P maps a box of the rattling set into the set, and that the box lies apart from all else."""
+    assert claims.rattling is not None
+    place = f"box ({row}, {column}) of the rattling set"
+    t, v = box_of(claims.rattling, row, column)
+    if claims.core is not None and not v**3 > claims.core.level * claims.machine.acceleration(t):
+        return contradicted(place, "it may hold departures of the quiet core")
+    for disc in claims.discs:
+        if not _apart(disc, t, v, _DEPTH):
+            return contradicted(place, f"it may hold departures of the disc around t = {disc.t}, v = {disc.v}")
+    waiting = [(t, v, _DEPTH)]
+    while waiting:
+        t, v, depth = waiting.pop()
+        if _stays(claims, box(t, v)):
+            continue
+        if depth == 0 or _leaves(claims, t.mid(), v.mid()):
+            where = f"near t = {float(t.mid()):.12g}, v = {float(v.mid()):.12g}"
+            if _leaves(claims, t.mid(), v.mid()):
+                return contradicted(place, f"the image of departures {where} lies outside of the set")
+            return undecided(place, f"not decided {where}")
+        waiting += [(half, v, depth - 1) for half in halves(t)] if depth % 2 else [(t, half, depth - 1) for half in halves(v)]
+    return None
+
+
+def _apart(disc: Disc, t: arb, v: arb, depth: int) -> bool:
+    off = t - arb(disc.t)
+    x, y = in_frame(disc, off - (off.mid() + 0.5).floor(), v - arb(disc.v))
+    if x * x + y * y > arb(disc.radius) ** 2:
+        return True
+    if depth == 0:
+        return False
+    parts = [(half, v) for half in halves(t)] if depth % 2 else [(t, half) for half in halves(v)]
+    return all(_apart(disc, *part, depth - 1) for part in parts)
+
+
+def _stays(claims: Claims, moving: Moving) -> bool:
+    advanced = advance(claims.machine, moving)
+    return advanced is not None and end_in(claims.rattling, advanced[0].strip) != NOWHERE
+
+
+def _leaves(claims: Claims, t: arb, v: arb) -> bool:
+    """Whether the image of a departure lies outside for certain: all boxes that it touches do."""
+    advanced = advance(claims.machine, box(t, v))
+    if advanced is None:
+        return False
+    held = [each is not None and claims.rattling.ends[each].any() for each in boxes_of(claims.rattling, advanced[0].strip)]
+    return not any(held)
