@@ -1,18 +1,16 @@
 """The command that proves again what a store claims to be proven."""
 
-import importlib.util
 import json
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.table import Table
 
 from rattle.cli.console import give_up, out, progress_line
+from rattle.stores.verifying import verify as prove_again
+from rattle.verification.verdict import Verification
 from worker.errors import WorkerError
-
-if TYPE_CHECKING:
-    from rattle.verify.checking import Verification
 
 
 def verify(
@@ -26,10 +24,6 @@ def verify(
     """Prove again, by Arb balls, what a basin's store claims to be proven; exit with 1 if anything is not."""
     if boxes != "all" and not boxes.isdecimal():
         give_up(f"--boxes takes a number or all, not {boxes}", 2)
-    if importlib.util.find_spec("flint") is None:
-        give_up("verifying needs python-flint: pip install 'gear-rattle[proof]'", 2)
-    from rattle.verify.checking import verify as prove_again
-
     out.quiet |= as_json
     try:
         with progress_line(unit="") as line:
@@ -37,6 +31,8 @@ def verify(
                 store, cells=cells, boxes="all" if boxes == "all" else int(boxes), seed=seed, processes=processes,
                 progress=lambda what, done, total: line.show(what, (done, total)),
             )  # fmt: skip
+    except ImportError as error:
+        give_up(str(error), 2)
     except WorkerError as error:
         give_up(str(error))
     if as_json:
@@ -46,7 +42,7 @@ def verify(
         raise typer.Exit(1)
 
 
-def _say(found: "Verification") -> None:
+def _say(found: Verification) -> None:
     table = Table("", "of", "tried", "proven again", "contradicted", "not decided")
     for part in found.parts:
         numbers = part.of, part.tried, part.proven, part.contradicted, part.undecided

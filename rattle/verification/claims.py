@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rattle.verify.machine import Machine
+from rattle.verification.machine import Machine
 
 
 class Disc(NamedTuple):

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from flint import ctx
 
-from rattle.verify.claims import Claims, claims_of
-from rattle.verify.ends import Ends
-from rattle.verify.quiet import acceleration_at_rest
-from rattle.verify.samples import Plane, try_box, try_cell, try_rattling_box
-from rattle.verify.verdict import Failure
+from rattle.verification.claims import Claims, claims_of
+from rattle.verification.ends import Ends
+from rattle.verification.quiet import acceleration_at_rest
+from rattle.verification.samples import Plane, try_box, try_cell, try_rattling_box
+from rattle.verification.verdict import Failure
 from worker.errors import StoreConflict
 from worker.stores.checking.stored_proof import StoredProof, read_proof
 
@@ -33,8 +33,8 @@ class Subject(NamedTuple):
 
     def try_one(self, what: str, place: Place) -> Failure | None:
         """Prove one thing again."""
-        if what == "rattling":
-            return try_rattling_box(self.claims, *place)
+        if what == "rattling" and self.claims.rattling is not None:
+            return try_rattling_box(self.claims, self.claims.rattling, *place)
         if what == "boxes":
             return try_box(self.ends, int(self.proof.certificate["impacts"]["trail"]), *place)
         return try_cell(self.ends, self.plane, *place)

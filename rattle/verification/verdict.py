@@ -73,3 +73,23 @@ def contradicted(place: str, why: str) -> Failure:
 def undecided(place: str, why: str = "neither proven nor refuted") -> Failure:
     """A thing that was neither proven nor refuted."""
     return Failure(False, place, why)
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What has been proven again.
+
+    Parameters
+    ----------
+    store : str
+    parts : tuple of Part
+        Of the theorem, in its order.
+    """
+
+    store: str
+    parts: tuple[Part, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether all that was tried was proven again."""
+        return all(part.holds for part in self.parts)

@@ -7,13 +7,13 @@ parts of the disc: it holds along every chord that crosses them.
 
 from flint import arb
 
-from rattle.verify.claims import Claims, Disc
-from rattle.verify.ends import in_frame
-from rattle.verify.flight import Slope
-from rattle.verify.machine import UNIT, Machine
-from rattle.verify.moving import Moving, advance, box
-from rattle.verify.quiet import halves
-from rattle.verify.verdict import Failure, Part, contradicted, undecided
+from rattle.verification.claims import Claims, Disc
+from rattle.verification.ends import in_frame
+from rattle.verification.flight import Slope
+from rattle.verification.machine import UNIT, Machine
+from rattle.verification.moving import Moving, advance, box
+from rattle.verification.quiet import halves
+from rattle.verification.verdict import Failure, Part, contradicted, undecided
 
 _DEPTH = 12
 

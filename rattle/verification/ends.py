@@ -2,23 +2,28 @@
 
 from collections.abc import Iterator
 
-import numpy as np
 from flint import arb
 
-from rattle.verify.claims import Claims, Core, Disc, Lattice
-from rattle.verify.machine import Machine, ball
-from rattle.verify.moving import Moving, Strip
+from rattle.verification.claims import Claims, Core, Disc, Lattice
+from rattle.verification.machine import Machine, ball
+from rattle.verification.moving import Moving, Strip
 
 NOWHERE = 0
 """No end. Ends are 1 + the number of a motion."""
 
+Index = tuple[slice, int]
+"""Rows of boxes in a column."""
+
 
 def floor_of(a: arb) -> int:
     """The largest whole number that is not above any of a ball."""
-    return int(a.lower().floor().unique_fmpz())
+    number = a.lower().floor().unique_fmpz()
+    if number is None:
+        raise ArithmeticError(f"no number of digits tells the floor of {a}")
+    return int(number)
 
 
-def boxes_of(lattice: Lattice, strip: Strip) -> Iterator[np.ndarray] | None:
+def boxes_of(lattice: Lattice, strip: Strip) -> Iterator[Index | None]:
     """Index of the boxes that a strip touches, column by column; None for a column where it leaves the lattice."""
     rows, columns = lattice.ends.shape
     height = arb(lattice.height)

@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 from flint import arb
 
-from rattle.verify.claims import Claims, Disc
-from rattle.verify.ends import NOWHERE, Ends, box_of, boxes_of, end_in, in_frame
-from rattle.verify.following import follow
-from rattle.verify.machine import ball
-from rattle.verify.moving import Moving, advance, box
-from rattle.verify.quiet import halves
-from rattle.verify.verdict import Failure, contradicted, undecided
+from rattle.verification.claims import Claims, Disc, Lattice
+from rattle.verification.ends import NOWHERE, Ends, box_of, boxes_of, end_in, in_frame
+from rattle.verification.following import follow
+from rattle.verification.machine import Machine, ball
+from rattle.verification.moving import Moving, advance, box
+from rattle.verification.quiet import halves
+from rattle.verification.verdict import Failure, contradicted, undecided
 
 _DEPTH, _DEPTH_OF_PART = 18, 6
 _CUT, _WHOLE = 8, 64
@@ -74,11 +74,10 @@ def try_box(ends: Ends, trail: int, row: int, column: int) -> Failure | None:
     return follow(ends, place, t, v, int(lattice.ends[row, column]), trail, arrived)
 
 
-def try_rattling_box(claims: Claims, row: int, column: int) -> Failure | None:
+def try_rattling_box(claims: Claims, rattling: Lattice, row: int, column: int) -> Failure | None:
     """Prove that P maps a box of the rattling set into the set, and that the box lies apart from all else."""
-    assert claims.rattling is not None
     place = f"box ({row}, {column}) of the rattling set"
-    t, v = box_of(claims.rattling, row, column)
+    t, v = box_of(rattling, row, column)
     if claims.core is not None and not v**3 > claims.core.level * claims.machine.acceleration(t):
         return contradicted(place, "it may hold departures of the quiet core")
     for disc in claims.discs:
@@ -87,15 +86,19 @@ def try_rattling_box(claims: Claims, row: int, column: int) -> Failure | None:
     waiting = [(t, v, _DEPTH)]
     while waiting:
         t, v, depth = waiting.pop()
-        if _stays(claims, box(t, v)):
+        if _stays(claims.machine, rattling, box(t, v)):
             continue
-        if depth == 0 or _leaves(claims, t.mid(), v.mid()):
-            where = f"near t = {float(t.mid()):.12g}, v = {float(v.mid()):.12g}"
-            if _leaves(claims, t.mid(), v.mid()):
-                return contradicted(place, f"the image of departures {where} lies outside of the set")
+        where = f"near t = {float(t.mid()):.12g}, v = {float(v.mid()):.12g}"
+        if _leaves(claims.machine, rattling, t.mid(), v.mid()):
+            return contradicted(place, f"the image of departures {where} lies outside of the set")
+        if depth == 0:
             return undecided(place, f"not decided {where}")
-        waiting += [(half, v, depth - 1) for half in halves(t)] if depth % 2 else [(t, half, depth - 1) for half in halves(v)]
+        waiting += [(*part, depth - 1) for part in _parts(t, v, depth)]
     return None
+
+
+def _parts(t: arb, v: arb, depth: int) -> list[tuple[arb, arb]]:
+    return [(half, v) for half in halves(t)] if depth % 2 else [(t, half) for half in halves(v)]
 
 
 def _apart(disc: Disc, t: arb, v: arb, depth: int) -> bool:
@@ -103,21 +106,18 @@ def _apart(disc: Disc, t: arb, v: arb, depth: int) -> bool:
     x, y = in_frame(disc, off - (off.mid() + 0.5).floor(), v - arb(disc.v))
     if x * x + y * y > arb(disc.radius) ** 2:
         return True
-    if depth == 0:
-        return False
-    parts = [(half, v) for half in halves(t)] if depth % 2 else [(t, half) for half in halves(v)]
-    return all(_apart(disc, *part, depth - 1) for part in parts)
+    return depth > 0 and all(_apart(disc, *part, depth - 1) for part in _parts(t, v, depth))
 
 
-def _stays(claims: Claims, moving: Moving) -> bool:
-    advanced = advance(claims.machine, moving)
-    return advanced is not None and end_in(claims.rattling, advanced[0].strip) != NOWHERE
+def _stays(machine: Machine, rattling: Lattice, moving: Moving) -> bool:
+    advanced = advance(machine, moving)
+    return advanced is not None and end_in(rattling, advanced[0].strip) != NOWHERE
 
 
-def _leaves(claims: Claims, t: arb, v: arb) -> bool:
+def _leaves(machine: Machine, rattling: Lattice, t: arb, v: arb) -> bool:
     """Whether the image of a departure lies outside for certain: all boxes that it touches do."""
-    advanced = advance(claims.machine, box(t, v))
+    advanced = advance(machine, box(t, v))
     if advanced is None:
         return False
-    held = [each is not None and claims.rattling.ends[each].any() for each in boxes_of(claims.rattling, advanced[0].strip)]
-    return not any(held)
+    touched = boxes_of(rattling, advanced[0].strip)
+    return not any(boxes is not None and rattling.ends[boxes].any() for boxes in touched)

@@ -1,94 +1,35 @@
-"""A basin's proof is proven again, by other means: `rattle.verify`."""
+"""The parts of the theorem, one after the other."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 from typing import Literal
 
 import numpy as np
 from flint import arb
 
-from rattle.verify.claims import Claims
-from rattle.verify.discs import discs
-from rattle.verify.ends import in_disc
-from rattle.verify.machine import holds
-from rattle.verify.moving import box
-from rattle.verify.quiet import acceleration_at_rest, quiet_core
-from rattle.verify.verdict import Part, contradicted
-from rattle.verify.work import Crew, Subject, subject_at
+from rattle.verification.claims import Claims
+from rattle.verification.discs import discs
+from rattle.verification.ends import in_disc
+from rattle.verification.machine import holds
+from rattle.verification.moving import box
+from rattle.verification.quiet import acceleration_at_rest, quiet_core
+from rattle.verification.verdict import Part, Verification, contradicted
+from rattle.verification.work import Crew, Subject, subject_at
 from rattle_kernels import AttractorKind
 
 Counting = Callable[[str, int, int], None]
 
 
-@dataclass(frozen=True)
-class Verification:
-    """What has been proven again.
-
-    Parameters
-    ----------
-    store : str
-    parts : tuple of Part
-        Of the theorem, in its order.
-    """
-
-    store: str
-    parts: tuple[Part, ...]
-
-    @property
-    def holds(self) -> bool:
-        """Whether all that was tried was proven again."""
-        return all(part.holds for part in self.parts)
-
-
-def verify(
-    store: str | Path,
-    *,
-    cells: int = 10_000,
-    boxes: int | Literal["all"] = 10_000,
-    seed: int = 0,
-    processes: int = 1,
-    progress: Counting = lambda what, done, total: None,
+def prove_again(
+    location: str, cells: int, boxes: int | Literal["all"], seed: int, processes: int, progress: Counting
 ) -> Verification:
-    """Prove again what a basin's store claims to be proven, by other means: Arb balls of python-flint.
-
-    All targets are proven: a(t) > 0, the quiet core, each disc around an orbit, the set that rattles for ever. Of the
-    cells, and of the boxes of the lattice by which they were proven, a random sample is tried. A sample is a sample:
-    the others are not looked at. If all boxes are right, so is the lattice, by induction over its rounds.
-
-    Parameters
-    ----------
-    store : str or path
-        A folder, or ``s3://bucket/prefix``, of a finished basin that was computed with a proof.
-    cells : int
-        How many cells are tried, of those with a proven part.
-    boxes : int or "all"
-        How many boxes of the lattice are tried, as many of each round as there are.
-    seed : int
-        Of the sample.
-    processes : int
-        How many processes work; with more than one, a script needs ``if __name__ == "__main__"``.
-    progress : callable
-        Called with what is being proven, how much of it has been, and of how much.
-
-    Returns
-    -------
-    Verification
-
-    Raises
-    ------
-    StoreConflict
-        If there is no finished basin with a proof.
-    StoreFailed
-        If it cannot be read.
-    """
-    location = str(store)
+    """All parts of the theorem for one store; see `rattle.verify`."""
     subject = subject_at(location)
     random = np.random.default_rng(seed)
     parts = [*_targets(subject, progress)]
     with Crew(subject, location, processes) as crew:
         for what, part, places in _tried_one_by_one(subject, cells, boxes, random):
-            for tried, failures in crew.try_all(what, places, lambda done, total, what=what: progress(what, done, total)):
+            for tried, failures in crew.try_all(what, places, partial(progress, what)):
                 part.add(tried, failures)
             parts.append(part)
     return Verification(location, tuple(parts))

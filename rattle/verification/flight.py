@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from flint import arb
 
-from rattle.verify.machine import Machine, within
+from rattle.verification.machine import Machine, within
 
 _TRIES = 8
 _WIDER = 1.25
@@ -86,7 +86,7 @@ class Flight:
         return 4 * arb.pi() * tau + value - self.error + self.lag * reached
 
     def velocity(self, tau: arb) -> arb:
-        """y'."""
+        """Velocity y'."""
         _, left = self.machine.decay(tau)
         _, rate, _ = self.machine.error(self.t + tau)
         return 4 * arb.pi() + rate + self.lag * left
@@ -104,7 +104,7 @@ class Flight:
         return bend - self.bend * left, left
 
     def acceleration(self, tau: arb) -> arb:
-        """y''."""
+        """Acceleration y''."""
         return self.machine.acceleration(self.t + tau) - self.machine.damping * self.velocity(tau)
 
     def arrival_slope(self, tau: arb, velocity: arb) -> Slope:
@@ -113,9 +113,7 @@ class Flight:
         s_t = (self.w * left + self.felt * reached) / velocity
         s_w = -reached / velocity
         bend = self.machine.acceleration(self.t + tau) - self.machine.damping * velocity
-        return Slope(
-            s_t, s_w, bend * s_t - left * (self.felt - self.machine.damping * self.w), bend * s_w + left
-        )
+        return Slope(s_t, s_w, bend * s_t - left * (self.felt - self.machine.damping * self.w), bend * s_w + left)
 
 
 Function = Callable[[Flight, arb], arb]

@@ -1,9 +1,8 @@
 """Enclosures of the impact map P: images of all departures from +beta of a box, and DP over it.
 
-Three facts make flights simple, and all rest on a(t) > 0. Where y' = 0, y'' > 0: so every turning point is a minimum. A
-flight downwards has one, falls until then and rises for ever after; a flight upwards rises for ever. Hence the return to
-+beta after the turning point is the first, a root of y = -2 beta with y' < 0 is the first, and so is any of y = 2 beta
-upwards.
+Flights are simple because a(t) > 0. Where y' = 0, y'' > 0: so every turning point is a minimum. A flight downwards has
+one, falls until then and rises for ever after; a flight upwards rises for ever. Hence the return to +beta has one root,
+a root of y = -2 beta with y' < 0 is the first, and that of y = 2 beta upwards is the only one.
 """
 
 from enum import Enum
@@ -11,9 +10,9 @@ from typing import NamedTuple
 
 from flint import arb
 
-from rattle.verify.flight import Arrivals, Departures, Slope, Turn, arrive, turning
-from rattle.verify.machine import Machine, ball
-from rattle.verify.rough import Rough
+from rattle.verification.flight import Arrivals, Departures, Slope, Turn, arrive, turning
+from rattle.verification.machine import Machine, ball
+from rattle.verification.rough import Rough
 
 
 class Way(Enum):
@@ -124,8 +123,8 @@ def _slow_impacts(machine: Machine, box: Departures, turn: Turn) -> Departures |
     """Departures from -beta of those flights that meet it.
 
     A flight would fall further from there by no more than some depth d, had -beta not been there. On that way y'' =
-    a - delta y' and y' <= 0. So from ``(y'^2)' = 2 y'' y'`` the speed u there has ``u^2 <= 2 d (max a + delta u)``, and the
-    way takes no longer than ``sqrt(2 d/min a)``.
+    a - delta y' and y' <= 0. So from ``(y'^2)' = 2 y'' y'`` the speed u there has ``u^2 <= 2 d (max a + delta u)``, and
+    the way takes no longer than ``sqrt(2 d/min a)``.
     """
     depth = (-machine.gap - turn.height).upper().nonnegative_part()
     least = arb(machine.least_acceleration)

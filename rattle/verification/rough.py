@@ -5,8 +5,8 @@ from collections.abc import Callable
 from flint import arb
 from scipy.optimize import brentq
 
-from rattle.verify.flight import Flight
-from rattle.verify.machine import Machine
+from rattle.verification.flight import Flight
+from rattle.verification.machine import Machine
 
 _DOUBLINGS = 60
 
@@ -19,11 +19,11 @@ class Rough:
         self.scale = abs(float(w.mid())) / max(float(self.flight.felt.mid()), 1e-300)
 
     def height(self, tau: float) -> float:
-        """y."""
+        """Displacement y."""
         return float(self.flight.height(arb(tau)).mid())
 
     def velocity(self, tau: float) -> float:
-        """y'."""
+        """Velocity y'."""
         return float(self.flight.velocity(arb(tau)).mid())
 
     def turn(self) -> float:

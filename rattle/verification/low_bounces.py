@@ -4,22 +4,24 @@ Let A(x) = a(t + tau x). As long as -beta is kept clear of, exactly
 
     v/tau = U = int A q dx,    v'/tau = W = int A (1 - q) dx,    q(x) = E(tau (1 - x))/E(tau),
 
-where v is the speed of departure and v' that of arrival. Without damping q = 1 - x: call those U_0 and W_0. E is concave,
-so q = 1 - x + delta tau g(x) with g >= 0, and
+where v is the speed of departure and v' that of arrival. Without damping q = 1 - x: call those U_0 and W_0. E is
+concave, so q = 1 - x + delta tau g(x) with g >= 0, and
 
     U = U_0 + delta tau I,    W = W_0 - delta tau I,    I = int A g dx > 0,
     int g x^k dx = k! (phi_2/(k + 2)! - phi_(k+3))/phi_1  at delta tau.
 
-The action falls if W^3 A(0) < U^3 A(1) (r <= 1). Now ``W_0^3 A(0) - U_0^3 A(1) = tau M(tau)``; and undamped flights are the
-same backwards in time, so in M the powers 0 and 1 of tau cancel: ``M = tau^2 N``. What is to be shown is thus
+The action falls if W^3 A(0) < U^3 A(1) (r <= 1). Now ``W_0^3 A(0) - U_0^3 A(1) = tau M(tau)``; and undamped flights are
+the same backwards in time, so in M the powers 0 and 1 of tau cancel: ``M = tau^2 N``. What is to be shown is thus
 
     tau^2 N(tau) < delta I (A(0) (W^2 + W W_0 + W_0^2) + A(1) (U^2 + U U_0 + U_0^2)),
 
 in which every term on the right is positive and nothing cancels. N comes from Taylor's series of a at t, with the last
 derivative anywhere in the bounce:
 
-    U_0 = sum a_k tau^k/(k! (k+1)(k+2)),     (W_0 - U_0)/tau = J = int A'(x) x (1 - x) dx/tau = sum a_(k+1) tau^k/(k! (k+2)(k+3)),
-    (A(1) - A(0))/tau = H = sum a_(k+1) tau^k/(k+1)!,     M = a (3 U_0^2 J + 3 tau U_0 J^2 + tau^2 J^3) - U_0^3 H.
+    U_0 = sum a_k tau^k/(k! (k+1)(k+2)),
+    (W_0 - U_0)/tau = J = int A'(x) x (1 - x) dx/tau = sum a_(k+1) tau^k/(k! (k+2)(k+3)),
+    (A(1) - A(0))/tau = H = sum a_(k+1) tau^k/(k+1)!,
+    M = a (3 U_0^2 J + 3 tau U_0 J^2 + tau^2 J^3) - U_0^3 H.
 
 With a restitution below 1 the inequality ``r^3 W^3 A(0) < U^3 A(1)`` itself may hold more easily; it is tried as well.
 """
@@ -29,7 +31,7 @@ from typing import NamedTuple
 
 from flint import arb, arb_poly
 
-from rattle.verify.machine import Machine
+from rattle.verification.machine import Machine
 
 ORDER = 14
 """Derivative of a in which the rest of Taylor's series is taken."""

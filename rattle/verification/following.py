@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 from flint import arb, ctx
 
-from rattle.verify.ends import NOWHERE, Ends
-from rattle.verify.moving import Moving, advance, box
-from rattle.verify.quiet import halves
-from rattle.verify.verdict import Failure, contradicted, undecided
+from rattle.verification.ends import NOWHERE, Ends
+from rattle.verification.moving import Moving, advance, box
+from rattle.verification.quiet import halves
+from rattle.verification.verdict import Failure, contradicted, undecided
 
 DEPTH = 16
 """How often a box may be cut in two."""

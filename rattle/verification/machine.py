@@ -51,9 +51,9 @@ class Machine:
 
     def __init__(
         self,
-        damping: tuple[float, float],
-        half_backlash: tuple[float, float],
-        restitution: tuple[float, float],
+        damping: Sequence[float],
+        half_backlash: Sequence[float],
+        restitution: Sequence[float],
         harmonics: Sequence[Sequence[float]],
     ) -> None:
         self.damping = ball(*damping)
@@ -66,7 +66,7 @@ class Machine:
     @classmethod
     def of(cls, told: dict[str, Any]) -> "Machine":
         """The machine that a certificate tells."""
-        return cls(*(tuple(told[name]) for name in ("damping", "half_backlash", "restitution")), told["harmonics"])
+        return cls(told["damping"], told["half_backlash"], told["restitution"], told["harmonics"])
 
     @property
     def highest_order(self) -> float:

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 from flint import arb
 
-from rattle.verify.impact import Image, image
-from rattle.verify.machine import UNIT, Machine, within
+from rattle.verification.impact import Image, image
+from rattle.verification.machine import UNIT, Machine, within
 
 WIDEST = 0.4
 """Width in time beyond which a set is given up."""
@@ -24,8 +24,8 @@ class Strip(NamedTuple):
 class Moving(NamedTuple):
     """A set of departures.
 
-    ``t, v`` is its middle; ``sides`` are (time, speed) of the two half sides; ``rest_t, rest_v`` hold what else there is;
-    ``all_t, all_v`` hold all of it. Numbers of the first two are exact.
+    ``t, v`` is its middle; ``sides`` are (time, speed) of the two half sides; ``rest_t, rest_v`` hold what else there
+    is; ``all_t, all_v`` hold all of it. Numbers of the first two are exact.
     """
 
     t: arb

@@ -1,18 +1,18 @@
 """The acceleration at rest is positive (Eq. 8), and the quiet core: its departures lose their action at every bounce.
 
-The core is swept in departure time and duration, strip by strip from no duration at all upwards. At one departure time a
-faster flight takes longer: where a strip lies above the core, so do all longer ones.
+The core is swept in departure time and duration, strip by strip from no duration at all upwards. At one departure time
+a faster flight takes longer: where a strip lies above the core, so do all longer ones.
 """
 
 from collections.abc import Callable, Iterator
 
 from flint import arb
 
-from rattle.verify.claims import Core
-from rattle.verify.impact import image
-from rattle.verify.low_bounces import low_bounces
-from rattle.verify.machine import Machine, ball
-from rattle.verify.verdict import Failure, Part, contradicted, undecided
+from rattle.verification.claims import Core
+from rattle.verification.impact import image
+from rattle.verification.low_bounces import low_bounces
+from rattle.verification.machine import Machine, ball
+from rattle.verification.verdict import Failure, Part, contradicted, undecided
 
 _PHASES, _COLUMNS = 1024, 64
 _SHORTEST, _STRIP = 1 / 64, 1.15
@@ -24,10 +24,10 @@ _TRIALS, _FASTER = 40, 1.01
 
 def acceleration_at_rest(machine: Machine) -> Part:
     """Prove that a(t) > 0, and give the machine its least value."""
-    part, least = Part("a(t) > 0 (Eq. 8)", _PHASES), None
+    part, least = Part("a(t) > 0 (Eq. 8)", _PHASES), arb.pos_inf()
     for i in range(_PHASES):
         felt = machine.acceleration(ball(i, i + 1) / _PHASES)
-        least = felt.lower() if least is None else least.min(felt.lower())
+        least = least.min(felt.lower())
         place = f"t in [{i}, {i + 1}]/{_PHASES}"
         if felt > 0:
             part.add(1)
