@@ -1,6 +1,7 @@
 """Following a box of departures until all of it has come to the end that is claimed; cut in two where that fails."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 from flint import arb, ctx
 
@@ -17,17 +18,20 @@ _BITS, _IMPACTS = 160, 120
 Arriving = Callable[[Moving], int]
 
 
-def follow(
-    ends: Ends, place: str, t: arb, v: arb, end: int, impacts: int, arrived: Arriving,
-    depth: int = DEPTH,
-) -> Failure | None:  # fmt: skip
-    """Prove that all departures of a box come to an end.
+class Lost(NamedTuple):
+    """A part of a box that does not come to its end: its times and speeds, and where it comes, as far as known."""
+
+    t: arb
+    v: arb
+    found: int
+
+
+def lost_part(ends: Ends, t: arb, v: arb, end: int, impacts: int, arrived: Arriving, depth: int = DEPTH) -> Lost | None:
+    """A part of a box that is not proven to come to an end; None if all of it is.
 
     Parameters
     ----------
     ends : Ends
-    place : str
-        What the box is, for a failure.
     t, v : arb
         Times and speeds.
     end : int
@@ -41,7 +45,7 @@ def follow(
 
     Returns
     -------
-    Failure or None
+    Lost or None
     """
     waiting = [(t, v, depth)]
     while waiting:
@@ -49,12 +53,23 @@ def follow(
         found, last = _end_of(ends, box(t, v), impacts, arrived)
         if found == end:
             continue
-        if found != NOWHERE:
-            return contradicted(place, _elsewhere(ends, t, v, found))
-        if depth == 0:
-            return _why(ends, place, t.mid(), v.mid(), end)
+        if found != NOWHERE or depth == 0:
+            return Lost(t, v, found)
         waiting += _parts(t, v, depth - 1, last)
     return None
+
+
+def failure_of(ends: Ends, place: str, end: int, lost: Lost) -> Failure:
+    """Why a box failed; where nothing is known, a departure is followed to a target."""
+    t, v, found = lost
+    if found == NOWHERE:
+        found = _end_of_point(ends, t.mid(), v.mid())
+    where = f"near t = {float(t.mid()):.12g}, v = {float(v.mid()):.12g}"
+    if found in (NOWHERE, end):
+        return undecided(place, f"not decided {where}")
+    names = ends.claims.motions
+    name = names[found - 1] if found <= len(names) else f"motion {found - 1}"
+    return contradicted(place, f"departures {where} end in {name}")
 
 
 def _end_of(ends: Ends, moving: Moving, impacts: int, arrived: Arriving) -> tuple[int, Moving]:
@@ -78,19 +93,9 @@ def _parts(t: arb, v: arb, depth: int, last: Moving) -> list[tuple[arb, arb, int
     return [(t, half, depth) for half in halves(v)]
 
 
-def _why(ends: Ends, place: str, t: arb, v: arb, end: int) -> Failure:
-    """Whether a departure of the box comes to a target of another end."""
+def _end_of_point(ends: Ends, t: arb, v: arb) -> int:
     bits, ctx.prec = ctx.prec, _BITS
     try:
-        found, _ = _end_of(ends, box(t, v), _IMPACTS, ends.at_target)
+        return _end_of(ends, box(t, v), _IMPACTS, ends.at_target)[0]
     finally:
         ctx.prec = bits
-    if found not in (NOWHERE, end):
-        return contradicted(place, _elsewhere(ends, t, v, found))
-    return undecided(place, f"not decided near t = {float(t):.12g}, v = {float(v):.12g}")
-
-
-def _elsewhere(ends: Ends, t: arb, v: arb, found: int) -> str:
-    names = ends.claims.motions
-    name = names[found - 1] if found <= len(names) else f"motion {found - 1}"
-    return f"departures near t = {float(t.mid()):.12g}, v = {float(v.mid()):.12g} end in {name}"

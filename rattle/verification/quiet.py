@@ -9,15 +9,16 @@ from collections.abc import Callable, Iterator
 from flint import arb
 
 from rattle.verification.claims import Core
+from rattle.verification.flight import Flight
 from rattle.verification.impact import image
 from rattle.verification.low_bounces import low_bounces
-from rattle.verification.machine import Machine, ball
+from rattle.verification.machine import Machine, ball, within
 from rattle.verification.verdict import Failure, Part, contradicted, undecided
 
 _PHASES, _COLUMNS = 1024, 64
 _SHORTEST, _STRIP = 1 / 64, 1.15
 _MOST_STRIPS = 60
-_DEPTH = 28
+_DEPTH, _DEPTH_OF_EDGE = 28, 8
 # A departure that refutes the core is sought by ever faster ones.
 _TRIALS, _FASTER = 40, 1.01
 
@@ -57,18 +58,43 @@ def _column(machine: Machine, core: Core, t: arb) -> Iterator[Failure | None]:
     begin, end = arb(0), arb(_SHORTEST / machine.highest_order)
     for _ in range(_MOST_STRIPS):
         yield from _strip(machine, core, t, ball(begin, end), _DEPTH)
-        if low_bounces(machine, t, end).action >= core.level:
+        if _above(machine, core, t, end, _DEPTH_OF_EDGE):
             return
         begin, end = end, end * _STRIP
     yield undecided(f"departures at t = {_shown(t)}", f"flights as long as {_shown(end)} may belong to the core")
 
 
+def _above(machine: Machine, core: Core, t: arb, tau: arb, depth: int) -> bool:
+    """Whether all flights of a duration lie above the core."""
+    if _speed(machine, t, tau) ** 3 >= core.level * machine.acceleration(t):
+        return True
+    return depth > 0 and all(_above(machine, core, half, tau, depth - 1) for half in halves(t))
+
+
+def _speed(machine: Machine, t: arb, tau: arb) -> arb:
+    """Speeds of departures that return after a time of `tau` > 0, in the mean value form.
+
+    From y(tau) = 0 the speed is ``(4 pi tau + e(s) - e(t))/E - 4 pi - e'(t)``. It grows by y'/E with tau, where y' is the
+    speed of arrival, and by ``(e'(s) - e'(t) - e''(t) E)/E`` with t.
+    """
+    middle = Flight(machine, t.mid(), arb(0))
+    reached, _ = machine.decay(tau.mid())
+    centre = middle.height(tau.mid()) / reached
+    wide = Flight(machine, t, -centre)
+    by_t, reached = wide.height_slopes(tau)
+    rough = Flight(machine, t, arb(0)).height(tau) / reached
+    arrived = Flight(machine, t, -rough).velocity(tau)
+    sharp = centre + by_t / reached * (t - t.mid()) + arrived / reached * (tau - tau.mid())
+    return within(sharp, rough)
+
+
 def _strip(machine: Machine, core: Core, t: arb, tau: arb, depth: int) -> Iterator[Failure | None]:
     bounces = low_bounces(machine, t, tau)
-    if bounces.action >= core.level:
+    speed = within(_speed(machine, t, tau), bounces.speed) if tau > 0 else bounces.speed
+    if speed**3 >= core.level * machine.acceleration(t):
         return
-    safe = bounces.speed**2 < 2 * machine.least_acceleration * machine.gap
-    if bounces.falls if safe else _falls(machine, t, bounces.speed):
+    clear = speed**2 < 2 * machine.least_acceleration * machine.gap
+    if (clear and bounces.falls) or (tau > _SHORTEST and _falls(machine, t, speed)):
         yield None
     elif depth == 0:
         yield _why(machine, core, t, tau)
@@ -86,7 +112,7 @@ def halves(a: arb) -> tuple[arb, arb]:
 
 
 def _falls(machine: Machine, t: arb, v: arb) -> bool:
-    """Whether the action falls at all departures of a box that may meet -beta."""
+    """Whether the action falls at all departures of a box, of which some may meet -beta."""
     mapped = image(machine, t.mid(), v.mid(), t, v)
     if mapped is None:
         return False

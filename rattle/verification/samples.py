@@ -7,7 +7,7 @@ from flint import arb
 
 from rattle.verification.claims import Claims, Disc, Lattice
 from rattle.verification.ends import NOWHERE, Ends, box_of, boxes_of, end_in, in_frame
-from rattle.verification.following import follow
+from rattle.verification.following import Lost, failure_of, lost_part
 from rattle.verification.machine import Machine, ball
 from rattle.verification.moving import Moving, advance, box
 from rattle.verification.quiet import halves
@@ -45,33 +45,48 @@ def try_cell(ends: Ends, plane: Plane, row: int, column: int) -> Failure | None:
     """Prove that all departures of a cell end as it is coloured; or of as many 64ths of it as is claimed."""
     end, claimed = 1 + int(plane.solution[row, column]), int(plane.proven[row, column])
     place = f"cell ({row}, {column})"
-    if claimed == _WHOLE:
-        ((t, v),) = plane.cell(row, column)
-        return follow(ends, place, t, v, end, _LONGEST, ends.of)
-    proven, refuted, failure = 0, 0, None
-    for t, v in plane.cell(row, column, _CUT):
-        failed = follow(ends, place, t, v, end, _LONGEST, ends.of, _DEPTH_OF_PART)
-        proven += failed is None
-        if proven == claimed:
-            return None
-        refuted += failed is not None and failed.contradicted
-        failure = failed or failure
-    assert failure is not None
-    why = f"{proven} of {claimed} 64ths proven: {failure.why}"
-    return contradicted(place, why) if _WHOLE - refuted < claimed else undecided(place, why)
+    if claimed < _WHOLE:
+        return _try_parts(ends, place, plane.cell(row, column, _CUT), end, claimed)
+    ((t, v),) = plane.cell(row, column)
+    # To the targets alone first, for the lattice has been looked at in a sample only.
+    lost = lost_part(ends, t, v, end, _LONGEST, ends.at_target, 0)
+    if lost is not None and lost.found == NOWHERE:
+        lost = lost_part(ends, t, v, end, _LONGEST, ends.of)
+    return None if lost is None else failure_of(ends, place, end, lost)
+
+
+def _try_parts(ends: Ends, place: str, parts: list[tuple[arb, arb]], end: int, claimed: int) -> Failure | None:
+    """Whether as many parts as are claimed come to an end; which of them they are is not said."""
+    refuted: list[tuple[tuple[arb, arb], Lost]] = []
+    left: list[tuple[tuple[arb, arb], Lost]] = []
+    for depth in (0, _DEPTH_OF_PART):
+        left = []
+        for part in parts:
+            lost = lost_part(ends, *part, end, _LONGEST, ends.of, depth)
+            if lost is None:
+                claimed -= 1
+            else:
+                (left if lost.found == NOWHERE else refuted).append((part, lost))
+            if claimed == 0:
+                return None
+        parts = [part for part, _ in left]
+    for _, lost in refuted if len(parts) < claimed else left:
+        return failure_of(ends, f"{place}, of which {claimed} 64ths more are claimed", end, lost)
+    raise AssertionError("a cell has 64 parts")
 
 
 def try_box(ends: Ends, trail: int, row: int, column: int) -> Failure | None:
     """Prove that a box of the lattice comes to a target, or to boxes of earlier rounds, of its end."""
     lattice = ends.claims.lattice
     t, v = box_of(lattice, row, column)
-    this_round = int(lattice.rounds[row, column])
+    end, this_round = int(lattice.ends[row, column]), int(lattice.rounds[row, column])
 
     def arrived(moving: Moving) -> int:
         return ends.at_target(moving) or end_in(lattice, moving.strip, this_round)
 
+    lost = lost_part(ends, t, v, end, trail, arrived)
     place = f"box ({row}, {column}) of the lattice, of round {this_round}"
-    return follow(ends, place, t, v, int(lattice.ends[row, column]), trail, arrived)
+    return None if lost is None else failure_of(ends, place, end, lost)
 
 
 def try_rattling_box(claims: Claims, rattling: Lattice, row: int, column: int) -> Failure | None:
