@@ -21,12 +21,17 @@ from worker.jobs.grid_request import GridRequest
 from worker.jobs.job import Job
 from worker.jobs.manifold_job import ManifoldJob
 from worker.jobs.orbits_job import OrbitsJob
+from worker.jobs.proof_request import ProofRequest
 from worker.jobs.region import papers_phases, papers_speeds
 from worker.jobs.sample import Sample
 
 # Of one basin the grid's own default holds; a sweep has many, and starts smaller.
 _CELLS_OF_A_SWEEP = 200
 _ONLY_IN_JSON = {"most_points", "kind"}
+_TOLERANCES = (
+    "Of a proof: least and greatest value of parameters, as in {'damping': (0.59, 0.61)}; it holds for every machine "
+    "within"
+)
 
 
 def groups_of(job_class: type[Job]) -> dict[str, Group]:
@@ -34,10 +39,17 @@ def groups_of(job_class: type[Job]) -> dict[str, Group]:
     groups = {}
     for field in job_class.model_fields.values():
         name = field.alias or ""
-        if name in _ONLY_IN_JSON or (issubclass(job_class, ManifoldJob) and name in ("region", "cells")):
+        if name in _ONLY_IN_JSON or name in _lacks(job_class):
             continue
         groups[name] = _GROUPS[name](job_class, field) if name in _GROUPS else _single(name, field)
     return groups
+
+
+def _lacks(job_class: type[Job]) -> tuple[str, ...]:
+    """Fields that a job has from its base, and that it cannot use."""
+    if issubclass(job_class, ManifoldJob):
+        return "region", "cells"
+    return ("prove",) if issubclass(job_class, SweepJob) else ()
 
 
 def _parts_of(annotation: Any) -> list[Any]:
@@ -96,6 +108,25 @@ def _sample(*_: Any) -> Group:
     def read(given: Values) -> dict[str, Any] | None:
         beside = {name: given[name] for name in ("seed", "scramblings") if name in given}
         return None if given.get("sample") is None else {"points": given["sample"]} | beside
+
+    return Group(arguments, read)
+
+
+def _prove(_: type[Job], field: FieldInfo) -> Group:
+    levels = ProofRequest.model_fields["levels"]
+    arguments = (
+        Argument("prove", bool, False, field.description or ""),
+        Argument("levels", int, levels.default, f"Of a proof: {levels.description}", 0),
+        Argument("tolerances", dict[str, tuple[float, float]] | None, None, _TOLERANCES),
+    )
+
+    def read(given: Values) -> Any:
+        beside = {name: given[name] for name in ("levels", "tolerances") if given.get(name) is not None}
+        if given.get("prove", False) is False:
+            for name in beside:
+                raise InvalidJob(f"{name} belongs to a proof: give prove=True", (name,))
+            return None
+        return beside if given["prove"] is True else given["prove"]
 
     return Group(arguments, read)
 
@@ -212,6 +243,7 @@ _GROUPS: dict[str, Callable[[type[Job], FieldInfo], Group]] = {
     ),
     "grid": _grid,
     "sample": _sample,
+    "prove": _prove,
     "vary": _vary,
     "seeds": _seeds,
     "region": _region,

@@ -4,7 +4,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from rattle.argument import Argument, Values, plain
+from rattle.argument import Argument, Values, is_parameter, plain
 from rattle.argument_groups import groups_of
 from worker.errors import InvalidFields, Place
 from worker.jobs.job import Job
@@ -90,9 +90,21 @@ def request_of(job_class: type[Job], given: Values) -> dict[str, Any]:
     ------
     InvalidJob
     """
-    values = {name: plain(value) for name, value in given.items()}
+    values = _with_middles({name: plain(value) for name, value in given.items()})
     read = {name: group.read(values) for name, group in groups_of(job_class).items()}
     return {name: value for name, value in read.items() if value is not None}
+
+
+def _with_middles(values: dict[str, Any]) -> dict[str, Any]:
+    """Parameters that are a pair where a proof is asked for are tolerances: the oscillator is in their middle."""
+    pairs = {
+        name: tuple(value) for name, value in values.items() if is_parameter(name) and isinstance(value, list | tuple)
+    }
+    if values.get("prove") is not True or any(len(pair) != 2 for pair in pairs.values()):
+        return values
+    middles = {name: 0.5 * (low + high) for name, (low, high) in pairs.items()}
+    tolerances = pairs | (values.get("tolerances") or {})
+    return values | middles | ({"tolerances": tolerances} if tolerances else {})
 
 
 def _argument_at(place: Place) -> Place:

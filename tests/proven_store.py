@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from worker.stores import layout
+from worker.stores import proof_layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.new_store import consolidate, create_array
 
@@ -16,7 +16,7 @@ def lay_proof(location, proven, reason, certificate=CERTIFICATE):
     """Add a proof to a store of one basin; cells of 255 have not been tried."""
     store = BasinStore(location)
     tile = store.tiling.tile_rows, store.tiling.tile_columns
-    for variable, values in ((layout.PROVEN, proven), (layout.UNPROVEN_REASON, reason)):
+    for variable, values in ((proof_layout.PROVEN, proven), (proof_layout.UNPROVEN_REASON, reason)):
         array = create_array(store._group, store.job, variable, store.job.grid.shape, tile)
         array[...] = np.asarray(values, np.uint8)
     store._group.create_group("proof", attributes=certificate)

@@ -11,7 +11,16 @@ import typer
 
 from rattle.argument import Argument, is_parameter
 from rattle.arguments import arguments_of
-from rattle.cli.texts import continuation_of, departure_of, harmonic_of, measured_of, orbit_seed_of, saddle_of, swept_of
+from rattle.cli.texts import (
+    continuation_of,
+    departure_of,
+    harmonic_of,
+    measured_of,
+    orbit_seed_of,
+    saddle_of,
+    swept_of,
+    tolerances_of,
+)
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.jobs.job import Job
@@ -196,7 +205,13 @@ MEASURED = Written(
 FORCING = {"harmonics": HARMONICS, "transmission_error": MEASURED}
 """Options for the forcing of an oscillator, by the argument that they replace."""
 
+TOLERANCES = Written(
+    "tolerance", list[str] | None, None, "damping=0.59:0.61, of a proof: it holds for every machine within; several",
+    lambda texts: {"tolerances": tolerances_of(texts)},
+)  # fmt: skip
+
 _REPLACED: dict[str, Callable[[type[Job]], Written]] = {
+    "tolerances": lambda _: TOLERANCES,
     "harmonics": lambda _: HARMONICS,
     "transmission_error": lambda _: MEASURED,
     "seeds": _seeds,

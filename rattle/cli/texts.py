@@ -54,6 +54,34 @@ def _values_of(text: str) -> tuple[str, Any]:
         raise InvalidJob(f"--vary {text}: {forms}") from error
 
 
+def tolerances_of(texts: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Tolerances, each written ``damping=0.59:0.61``.
+
+    Parameters
+    ----------
+    texts : sequence of str
+
+    Returns
+    -------
+    dict
+        Least and greatest value by parameter.
+
+    Raises
+    ------
+    InvalidJob
+        If one has another form.
+    """
+    tolerances = {}
+    for text in texts:
+        parameter, _, ends = text.partition("=")
+        try:
+            least, greatest = map(float, ends.split(":"))
+        except ValueError as error:
+            raise InvalidJob(f"--tolerance {text}: write between which values, damping=0.59:0.61") from error
+        tolerances[parameter.replace("-", "_")] = least, greatest
+    return tolerances
+
+
 def departure_of(text: str) -> tuple[float, ...]:
     """Departure, written ``t,v``.
 

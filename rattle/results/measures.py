@@ -1,10 +1,12 @@
 """What a result measures: integrity, loudness, least disturbances, what is proven, boundaries that curves cover."""
 
+import json
 from typing import Any
 
 import xarray as xr
 
 from rattle.results.motions import Motions
+from worker.errors import InvalidJob
 
 
 class Measures(Motions):
@@ -120,6 +122,27 @@ class Measures(Motions):
         speeds = capture_velocity(self.oscillator, self._dataset.time.values)
         attributes = {"units": "1", "long_name": "speed below which quiet is proven"}
         return xr.DataArray(speeds, {"time": self._dataset.time}, ["time"], "proven_quiet", attributes)
+
+    @property
+    def certificate(self) -> dict[str, Any]:
+        """What a basin is proven from: constants of its targets, counts, and the proven share of each motion.
+
+        Raises
+        ------
+        InvalidJob
+            If no proof was asked for, or it has not begun.
+
+        Examples
+        --------
+        >>> basin = rattle.basin(cells=8, prove=True, levels=0, progress=False)
+        >>> basin.rattle.certificate["quiet"]["level"] > 0.09
+        True
+        """
+        self._demand("certificate", "basin")
+        if "certificate" not in self._dataset.attrs:
+            raise InvalidJob("nothing is proven of this basin: compute it with prove=True", ("prove",))
+        certificate: dict[str, Any] = json.loads(self._dataset.attrs["certificate"])
+        return certificate
 
     def boundary_share(self, curves: xr.Dataset) -> dict[str, float]:
         """Share of the cells on boundaries of basins that lie within one cell of curves.

@@ -7,7 +7,19 @@ their slopes are. Nothing is asked of a library's sine.
 import math
 from typing import NamedTuple
 
-from rattle_kernels.numerics.interval import Interval, add, around, down, middle, point, scale, square, up
+from rattle_kernels.numerics.interval import (
+    Interval,
+    add,
+    around,
+    divide,
+    down,
+    middle,
+    point,
+    scale,
+    square,
+    subtract,
+    up,
+)
 from rattle_kernels.numerics.jit import inlined_as_written
 
 TWO_PI = Interval(6.283185307179586, 6.283185307179588)
@@ -128,6 +140,22 @@ def first_phi(x):
     least = _first_phi_beyond(x.high)
     most = _first_phi_beyond(x.low) if x.low > 1.0 else phi(1, point(max(x.low, 0.0)))
     return Interval(max(least.low, 0.0), most.high)
+
+
+@inlined_as_written
+def phi_drop(x):
+    """-phi_1'(x) = (phi_1 - e^-x)/x over an interval of numbers that are not negative.
+
+    It is the integral of u e^-xu over 0 <= u <= 1, so it falls with x.
+    """
+    return Interval(max(_drop_at(x.high).low, 0.0), min(_drop_at(max(x.low, 0.0)).high, 0.5))
+
+
+@inlined_as_written
+def _drop_at(x):
+    if x <= 1.0:
+        return subtract(phi(1, point(x)), phi(2, point(x)))
+    return divide(subtract(_first_phi_beyond(x), _decay_of_number(x)), point(x))
 
 
 @inlined_as_written

@@ -24,18 +24,18 @@ ENDS_ELSEWHERE = 4
 """Reason why not all of a cell is proven, beside those of `following`: some of it is proven to end otherwise."""
 IMPACTS = 12
 """How many impacts a cell is followed at most."""
+_ROUNDED = 2.0**-50
 
 
 class ProvenCells(NamedTuple):
-    """What is proven of cells, arrays of one shape (rows, columns), uint8; and areas.
+    """What is proven of cells, arrays of one shape (rows, columns), uint8.
 
     ``proven`` counts the sixty-fourths of a cell of which every departure ends as the cell is coloured. ``reason`` says
-    why not all do, 0 where they do. ``areas``, int64, counts sixty-fourths proven by the motion in which they end.
+    why not all do, 0 where they do.
     """
 
     proven: np.ndarray
     reason: np.ndarray
-    areas: np.ndarray
 
 
 @inlined_as_written
@@ -49,7 +49,7 @@ def _push_quarters(stack, waiting, early, late, low, high, level):
 
 
 @inlined_as_written
-def _prove_cell(machine, oscillator, targets, colour, levels, stack, areas):
+def _prove_cell(machine, oscillator, targets, colour, levels, slack, stack):
     """Parts of the cell on the stack that are proven to end as coloured, and why not all are."""
     proven, reason, waiting = 0, 0, 1
     while waiting > 0:
@@ -57,7 +57,8 @@ def _prove_cell(machine, oscillator, targets, colour, levels, stack, areas):
         early, late, low, high = stack[waiting, 0], stack[waiting, 1], stack[waiting, 2], stack[waiting, 3]
         level = stack[waiting, 4]
         # The edges are rounded: neighbours overlap.
-        box = Box(Interval(down(early), up(late)), Interval(max(down(low), 0.0), up(high)))
+        times = Interval(down(early - slack[0]), up(late + slack[0]))
+        box = Box(times, Interval(max(down(low - slack[1]), 0.0), up(high + slack[1])))
         followed = follow(machine, oscillator, targets, box, IMPACTS)
         if followed.end == UNPROVEN:
             if level < levels:
@@ -66,7 +67,6 @@ def _prove_cell(machine, oscillator, targets, colour, levels, stack, areas):
                 reason = max(reason, followed.reason)
             continue
         part = WHOLE >> (2 * int(level))
-        areas[followed.end - 1] += part
         if followed.end == colour + 1:
             proven += part
         else:
@@ -75,12 +75,12 @@ def _prove_cell(machine, oscillator, targets, colour, levels, stack, areas):
 
 
 @kernel_as_written
-def _prove_all(machine, oscillator, targets, times, speeds, colours, levels, stack, proven, reason, areas):
+def _prove_all(machine, oscillator, targets, times, speeds, colours, levels, slack, stack, proven, reason):
     for i in range(colours.shape[0]):
         for j in range(colours.shape[1]):
             stack[0] = times[j], times[j + 1], speeds[i], speeds[i + 1], 0.0
             proven[i, j], reason[i, j] = _prove_cell(
-                machine, oscillator, targets, int(colours[i, j]), levels, stack, areas
+                machine, oscillator, targets, int(colours[i, j]), levels, slack, stack
             )
 
 
@@ -92,7 +92,6 @@ def prove_cells(
     rows: tuple[int, int],
     columns: tuple[int, int],
     colours: np.ndarray,
-    motions: int,
     levels: int = 0,
 ) -> ProvenCells:
     """Prove a rectangle of cells.
@@ -109,15 +108,13 @@ def prove_cells(
         First cell and the one after the last, along velocity and time.
     colours : ndarray of int, shape (rows, columns)
         Number of the motion that each cell is coloured as.
-    motions : int
-        How many motions there are.
     levels : int
         How often a cell may be cut into four, 0 to 3.
 
     Returns
     -------
     ProvenCells
-        ``proven`` and ``reason`` of the shape of `colours`, ``areas`` of shape (motions,).
+        Of the shape of `colours`.
     """
     if not 0 <= levels <= MOST_LEVELS:
         raise ValueError(f"levels must be 0 to {MOST_LEVELS}, not {levels}")
@@ -126,6 +123,8 @@ def prove_cells(
     times = grid.time_start + np.arange(columns[0], columns[1] + 1) * width
     speeds = grid.velocity_start + np.arange(rows[0], rows[1] + 1) * height
     proven, reason = np.empty(colours.shape, np.uint8), np.empty(colours.shape, np.uint8)
-    areas, stack = np.zeros(motions, np.int64), np.empty((3 * MOST_LEVELS + 2, 5))
-    _prove_all(machine, oscillator, targets, times, speeds, colours, float(levels), stack, proven, reason, areas)
-    return ProvenCells(proven, reason, areas)
+    # An edge comes of four operations with numbers no larger than the ends of its window.
+    slack = _ROUNDED * max(abs(grid.time_start), abs(grid.time_stop)), _ROUNDED * grid.velocity_stop
+    stack = np.empty((3 * MOST_LEVELS + 2, 5))
+    _prove_all(machine, oscillator, targets, times, speeds, colours, float(levels), slack, stack, proven, reason)
+    return ProvenCells(proven, reason)

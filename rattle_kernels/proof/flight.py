@@ -11,15 +11,18 @@ It arrives where y is `height`: 0, or -+2 beta. The derivative of the arrival (s
     s_t = (w D + a(t) E)/y'                       s_w = -E/y'
     w_t = (a(s) - delta y') s_t - (a(t) - delta w) D    w_w = (a(s) - delta y') s_w + D.
 
-First the arrival of the centre is enclosed by an interval Newton step. Then an interval S is found which the arrival
-cannot leave, however the departure moves through the box: the slopes over S and the box lead to its interior (theorem 2
-of `docs/theory/proof.md`).
+By a parameter p it is ``(h_p - y_p)/y'`` and ``y'_p + (a(s) - delta y') s_p``, h the height, y_p and y'_p taken at a
+fixed departure and time (`_drift`).
+
+First the arrival of the centre is enclosed by an interval Newton step, for one machine. Then an interval S is found
+which the arrival cannot leave, however the departure moves through the box and the parameters through their tolerances:
+the slopes over S and the box lead to its interior (theorem 2 of `docs/theory/proof.md`).
 """
 
 import math
 from typing import NamedTuple
 
-from rattle_kernels.numerics.enclosed_functions import decay, first_phi
+from rattle_kernels.numerics.enclosed_functions import TWO_PI, decay, first_phi, phi_drop, wave
 from rattle_kernels.numerics.interval import (
     Interval,
     add,
@@ -27,8 +30,10 @@ from rattle_kernels.numerics.interval import (
     divide,
     lies_within,
     multiply,
+    negative,
     point,
     reach,
+    scale,
     subtract,
     up,
 )
@@ -58,11 +63,17 @@ class Box(NamedTuple):
 
 
 class Arrivals(NamedTuple):
-    """Arrivals of a box: of its centre, derivative over the box, and of all; ``found`` says whether this is proven."""
+    """Arrivals of a box; ``found`` says whether this is proven.
+
+    ``centre`` is where the centre arrives in the machine that is the centre of its tolerances, ``slope`` the derivative
+    over the box and the tolerances, and ``drift`` what the parameters add: an arrival is the sum of ``centre``,
+    ``slope`` times the departure less its centre, and ``drift``. ``all`` holds all arrivals.
+    """
 
     found: bool
     centre: Box
     slope: Matrix
+    drift: Box
     all: Box
 
 
@@ -106,7 +117,13 @@ def no_arrivals():
     """What is returned where nothing is proven."""
     nothing = Interval(math.nan, math.nan)
     box = Box(nothing, nothing)
-    return Arrivals(False, box, Matrix(nothing, nothing, nothing, nothing), box)
+    return Arrivals(False, box, Matrix(nothing, nothing, nothing, nothing), box, box)
+
+
+@inlined_as_written
+def no_drift():
+    """What the parameters of one machine add."""
+    return Box(point(0.0), point(0.0))
 
 
 @inlined_as_written
@@ -125,6 +142,58 @@ def _slopes(machine, departure, s):
 
 
 @inlined_as_written
+def _add_boxes(a, b):
+    return Box(add(a.t, b.t), add(a.w, b.w))
+
+
+@inlined_as_written
+def _by_parameter(arrival, y, rate, change):
+    """Change of an arrival by one parameter, which changes y and y' there by these slopes; the two need not add up."""
+    later = divide(negative(y), arrival.velocity)
+    return Box(multiply(later, change), multiply(add(rate, multiply(arrival.pushed, later)), change))
+
+
+class _Arrival(NamedTuple):
+    """Velocity and acceleration on arrival."""
+
+    velocity: Interval
+    pushed: Interval
+
+
+@inlined_as_written
+def _drift(machine, departure, s, velocity, walls):
+    """Changes of the arrival (s, y') by the parameters."""
+    one = machine.centre
+    tau = subtract(s, departure.t)
+    reached, left = fall_factors(machine, tau)
+    tau = Interval(max(tau.low, 0.0), tau.high)
+    felt = acceleration(machine, error_at(machine, s))
+    arrival = _Arrival(velocity, subtract(felt, multiply(machine.damping, velocity)))
+    # dE/d(delta) = tau^2 phi_1'(delta tau), dD/d(delta) = -tau D.
+    lagging = negative(multiply(tau, departure.lag))
+    longer = multiply(lagging, multiply(tau, phi_drop(multiply(machine.damping, tau))))
+    change = subtract(machine.damping, one.damping)
+    drift = _by_parameter(arrival, longer, multiply(lagging, left), change)
+    change = subtract(machine.half_backlash, one.half_backlash)
+    drift = _add_boxes(drift, _by_parameter(arrival, point(-walls), point(0.0), change))
+    for n in range(machine.harmonics.shape[0]):
+        order, amplitude = machine.harmonics[n, 0], Interval(machine.harmonics[n, 1], machine.harmonics[n, 2])
+        phase = Interval(machine.harmonics[n, 3], machine.harmonics[n, 4])
+        rate = scale(TWO_PI, order)
+        start, end = wave(add(scale(departure.t, order), phase)), wave(add(scale(s, order), phase))
+        # The flight of an error cos(2 pi (order t + phase)) alone, and of its derivative by 2 pi phase.
+        cosine = add(subtract(end.cosine, start.cosine), multiply(multiply(rate, start.sine), reached))
+        sine = subtract(multiply(multiply(rate, start.cosine), reached), subtract(end.sine, start.sine))
+        cosine_rate = multiply(rate, subtract(multiply(start.sine, left), end.sine))
+        sine_rate = multiply(rate, subtract(multiply(start.cosine, left), end.cosine))
+        larger = subtract(amplitude, point(one.harmonics[n, 1]))
+        turned = multiply(multiply(TWO_PI, amplitude), subtract(phase, point(one.harmonics[n, 3])))
+        drift = _add_boxes(drift, _by_parameter(arrival, cosine, cosine_rate, larger))
+        drift = _add_boxes(drift, _by_parameter(arrival, sine, sine_rate, turned))
+    return drift
+
+
+@inlined_as_written
 def spread(slope, dt, dw):
     """Image of the differences dt, dw."""
     return Box(add(multiply(slope.tt, dt), multiply(slope.tv, dw)), add(multiply(slope.vt, dt), multiply(slope.vv, dw)))
@@ -136,8 +205,8 @@ def _time_spread(slope, dt, dw):
 
 
 @inlined_as_written
-def arrive(machine, centre, box, height, guess):
-    """Enclose the arrivals of a box at a height, given a guess of the centre's.
+def arrive(machine, centre, box, walls, guess):
+    """Enclose the arrivals of a box at a wall, given a guess of the centre's.
 
     Parameters
     ----------
@@ -145,8 +214,8 @@ def arrive(machine, centre, box, height, guess):
         Eq. (8) holds for all of it.
     centre, box : Box
         The centre may be a small box; it lies within the other.
-    height : Interval
-        Where the flights arrive, counted from the wall they leave.
+    walls : float
+        Where the flights arrive, counted from the wall they leave: 0, or -2 or 2 half backlashes.
     guess : float
         Time of the centre's arrival, about. Nothing rests on it.
 
@@ -155,30 +224,31 @@ def arrive(machine, centre, box, height, guess):
     Arrivals
         The velocity has one sign at all of them. They come after the departures.
     """
-    start = leave(machine, centre.t, centre.w)
+    one = machine.centre
+    start = leave(one, centre.t, centre.w)
     near = around(guess, _NEAR)
-    velocity, _ = _slopes(machine, start, near)
-    missed = subtract(displacement(machine, start, point(guess)), height)
+    velocity, _ = _slopes(one, start, near)
+    missed = subtract(displacement(one, start, point(guess)), scale(one.half_backlash, walls))
     arrival = subtract(point(guess), divide(missed, velocity))
-    if reach(subtract(arrival, point(guess))) >= _NEAR:  # a wide centre: machines within tolerances
-        near = around(guess, 2.0 * reach(subtract(arrival, point(guess))))
-        velocity, _ = _slopes(machine, start, near)
-        arrival = subtract(point(guess), divide(missed, velocity))
-    if not lies_within(arrival, near):
+    # Before its departure a flight is not what the formulas say.
+    if not (lies_within(arrival, near) and near.low > centre.t.high):
         return no_arrivals()
-    speed, slope = _slopes(machine, start, arrival)
+    speed, slope = _slopes(one, start, arrival)
     dt, dw = subtract(box.t, centre.t), subtract(box.w, centre.w)
     wide = leave(machine, box.t, box.w)
+    drift = no_drift()
     within = _time_spread(slope, dt, dw)
     for _ in range(_TRIES):
         grown = around(0.0, up(_WIDER * reach(within)) + 1e-12)
         sought = add(arrival, grown)
         velocity, over = _slopes(machine, wide, sought)
-        within = _time_spread(over, dt, dw)
+        if not machine.exact:
+            drift = _drift(machine, wide, sought, velocity, walls)
+        within = add(_time_spread(over, dt, dw), drift.t)
         times = add(arrival, within)
         if lies_within(times, sought):
-            change = add(multiply(over.vt, dt), multiply(over.vv, dw))
+            change = add(add(multiply(over.vt, dt), multiply(over.vv, dw)), drift.w)
             speeds = add(speed, change)
             both = Interval(max(speeds.low, velocity.low), min(speeds.high, velocity.high))
-            return Arrivals(True, Box(arrival, speed), over, Box(times, both))
+            return Arrivals(True, Box(arrival, speed), over, drift, Box(times, both))
     return no_arrivals()

@@ -8,6 +8,7 @@ import numpy as np
 
 from rattle_kernels.numerics.interval import Interval, down, up, width
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
+from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.proof.following import WIDEST
 from rattle_kernels.proof.lattice import UNPROVEN, Lattice, Strip, box_at, find_end
 from rattle_kernels.proof.moving_set import advance, set_out, strip_of
@@ -15,7 +16,8 @@ from rattle_kernels.proof.targets import proven_end
 
 IMPACTS = 4
 """Length of a trail."""
-
+NUMBERS = 7
+"""Numbers of each strip of a trail."""
 
 # Rows of boxes that are missing: none would help, and not known yet.
 _HOPELESS, _NOT_LOOKED_UP = -1, -2
@@ -25,7 +27,7 @@ _LEAST = 2.0**-100
 
 def empty_trails(boxes: int) -> np.ndarray:
     """Trails of as many boxes, to be filled by `follow_boxes`."""
-    return np.empty((boxes, IMPACTS, 7), np.float32)
+    return np.empty((boxes, IMPACTS, NUMBERS), np.float32)
 
 
 @inlined_as_written
@@ -110,7 +112,9 @@ def _grow(ends, boxes, trails, missing, found):
     return new
 
 
-def grow_all(ends: np.ndarray, rounds: np.ndarray, boxes: np.ndarray, trails: np.ndarray) -> None:
+def grow_all(
+    ends: np.ndarray, rounds: np.ndarray, boxes: np.ndarray, trails: np.ndarray, pause: Pause = never_stopped
+) -> None:
     """All rounds, until one proves nothing new.
 
     Parameters
@@ -123,10 +127,13 @@ def grow_all(ends: np.ndarray, rounds: np.ndarray, boxes: np.ndarray, trails: np
         Rows and columns of those that were followed.
     trails : ndarray
         Of those.
+    pause : callable
+        Called between two rounds; an exception raised there ends the work.
     """
     this_round = int(rounds.max())
     missing = np.full((len(boxes), IMPACTS, 2), _NOT_LOOKED_UP, np.int32)
     while True:
+        pause()
         left = ends[boxes[:, 0], boxes[:, 1]] == UNPROVEN
         boxes, trails, missing = boxes[left], trails[left], missing[left]
         found = np.empty(len(boxes), np.uint16)

@@ -25,7 +25,7 @@ from rattle_kernels.numerics.interval import (
     up,
 )
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
-from rattle_kernels.proof.flight import Box, Matrix, arrive, no_arrivals
+from rattle_kernels.proof.flight import Arrivals, Box, Matrix, arrive, no_arrivals, spread
 from rattle_kernels.proof.machine import Machine, acceleration, error_at
 from rattle_kernels.proof.turning_point import turning_points
 
@@ -35,7 +35,7 @@ LOST = 2
 
 
 class Image(NamedTuple):
-    """Image of a box under P: of its centre, the slope over it, and of all.
+    """Image of a box under P: of its centre, the slope over it, what parameters add, and of all, as `Arrivals` has it.
 
     ``state`` is PROVEN, STRADDLES (only ``all`` means something) or LOST (nothing does). Velocities are speeds.
     """
@@ -43,6 +43,7 @@ class Image(NamedTuple):
     state: int
     centre: Box
     slope: Matrix
+    drift: Box
     all: Box
 
 
@@ -60,11 +61,14 @@ def product(a, b):
 @inlined_as_written
 def _impact(machine, arrivals):
     """Departures after an impact with +beta or -beta: the velocity changes its sign and shrinks."""
-    kept = negative(machine.restitution)
-    slope = arrivals.slope
+    kept, one = negative(machine.restitution), negative(machine.centre.restitution)
+    slope, drift = arrivals.slope, arrivals.drift
     turned = Matrix(slope.tt, slope.tv, multiply(kept, slope.vt), multiply(kept, slope.vv))
-    centre = Box(arrivals.centre.t, multiply(kept, arrivals.centre.w))
-    return centre, turned, Box(arrivals.all.t, multiply(kept, arrivals.all.w))
+    centre = Box(arrivals.centre.t, multiply(one, arrivals.centre.w))
+    if not machine.exact:
+        less = multiply(subtract(kept, one), arrivals.all.w)
+        drift = Box(drift.t, add(multiply(kept, drift.w), less))
+    return Arrivals(True, centre, turned, drift, Box(arrivals.all.t, multiply(kept, arrivals.all.w)))
 
 
 @inlined_as_written
@@ -82,17 +86,23 @@ def downwards(box):
 @inlined_as_written
 def _lost():
     arrivals = no_arrivals()
-    return Image(LOST, arrivals.centre, arrivals.slope, arrivals.all)
+    return Image(LOST, arrivals.centre, arrivals.slope, arrivals.drift, arrivals.all)
+
+
+@inlined_as_written
+def _upwards(arrivals, slope, drift):
+    """The image whose last impact, with +beta, has these departures."""
+    return Image(PROVEN, downwards(arrivals.centre), by_speeds(slope), downwards(drift), downwards(arrivals.all))
 
 
 @inlined_as_written
 def _return(machine, centre, box, guess):
     """Case (a), -beta kept clear of or not there."""
-    arrivals = arrive(machine, centre, box, point(0.0), guess)
+    arrivals = arrive(machine, centre, box, 0.0, guess)
     if not (arrivals.found and arrivals.all.w.low > 0.0):
         return _lost()
-    middle_, slope, all_ = _impact(machine, arrivals)
-    return Image(PROVEN, downwards(middle_), by_speeds(slope), downwards(all_))
+    upper = _impact(machine, arrivals)
+    return _upwards(upper, upper.slope, upper.drift)
 
 
 @inlined_as_written
@@ -101,7 +111,7 @@ def _rise(machine, oscillator, centre, box):
     speed = middle(centre.w)
     guess = next_contact(oscillator, LOWER, middle(centre.t), speed, 1.0)
     # The kernel reduces the phase at which it starts.
-    arrivals = arrive(machine, centre, box, scale(machine.half_backlash, 2.0), middle(centre.t) + guess.duration)
+    arrivals = arrive(machine, centre, box, 2.0, middle(centre.t) + guess.duration)
     if not (arrivals.found and arrivals.all.w.low > 0.0):
         return no_arrivals()
     return arrivals
@@ -110,16 +120,18 @@ def _rise(machine, oscillator, centre, box):
 @inlined_as_written
 def _by_way_of_lower(machine, oscillator, centre, box, guess):
     """Case (b)."""
-    fall = arrive(machine, centre, box, scale(machine.half_backlash, -2.0), guess)
+    fall = arrive(machine, centre, box, -2.0, guess)
     # A root of y + 2 beta on the way down is the first.
     if not (fall.found and fall.all.w.high < 0.0):
         return _lost()
-    middle_, slope, all_ = _impact(machine, fall)
-    rise = _rise(machine, oscillator, middle_, all_)
+    lower = _impact(machine, fall)
+    rise = _rise(machine, oscillator, lower.centre, lower.all)
     if not rise.found:
         return _lost()
-    centre_, upper, whole = _impact(machine, rise)
-    return Image(PROVEN, downwards(centre_), by_speeds(product(upper, slope)), downwards(whole))
+    upper = _impact(machine, rise)
+    carried = spread(upper.slope, lower.drift.t, lower.drift.w)
+    drift = Box(add(carried.t, upper.drift.t), add(carried.w, upper.drift.w))
+    return _upwards(upper, product(upper.slope, lower.slope), drift)
 
 
 @inlined_as_written
@@ -156,10 +168,9 @@ def _straddling(machine, oscillator, centre, box, turn, guess):
     rise = _rise(machine, oscillator, centre_, impacts)
     if not rise.found:
         return _lost()
-    _, _, all_ = _impact(machine, rise)
-    below = downwards(all_)
+    below = downwards(_impact(machine, rise).all)
     both = Box(hull(over.all.t, below.t), hull(over.all.w, below.w))
-    return Image(STRADDLES, over.centre, over.slope, both)
+    return Image(STRADDLES, over.centre, over.slope, over.drift, both)
 
 
 @inlined_as_written

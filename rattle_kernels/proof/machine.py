@@ -10,27 +10,42 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.model.domain import OutsideDomain
+from rattle_kernels.model.harmonics import Harmonic
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.enclosed_functions import wave
-from rattle_kernels.numerics.interval import Interval, add, down, multiply, scale
+from rattle_kernels.numerics.interval import Interval, add, down, middle, multiply, point, scale
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 
 _PHASES = 8192
 FOUR_PI = Interval(12.566370614359172, 12.566370614359176)
 
 
-class Machine(NamedTuple):
-    """All oscillators of the impacting model with parameters in these intervals.
+class Parameters(NamedTuple):
+    """Parameters of the impacting model, each an interval.
 
     ``harmonics``, shape (n, 5), has a row for each: order, least and greatest amplitude, least and greatest phase. The
-    first is the eccentricity. The acceleration at rest lies between ``least_acceleration`` and
-    ``greatest_acceleration``; no departure slower than ``safe_speed`` falls to -beta.
+    first is the eccentricity.
     """
 
     damping: Interval
     half_backlash: Interval
     restitution: Interval
     harmonics: np.ndarray
+
+
+class Machine(NamedTuple):
+    """All oscillators of the impacting model with parameters in these intervals, as `Parameters` has them.
+
+    ``centre`` is one of them, and ``exact`` says that there is no other. The acceleration at rest lies between
+    ``least_acceleration`` and ``greatest_acceleration``; no departure slower than ``safe_speed`` falls to -beta.
+    """
+
+    damping: Interval
+    half_backlash: Interval
+    restitution: Interval
+    harmonics: np.ndarray
+    centre: Parameters
+    exact: bool
     least_acceleration: float
     greatest_acceleration: float
     safe_speed: float
@@ -77,6 +92,34 @@ def _accelerations(machine, phases):
     return least, greatest
 
 
+def parameters_within(oscillator: Oscillator) -> dict[str, tuple[float, float]]:
+    """Parameters that may have a tolerance, and between which values each must lie.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+
+    Returns
+    -------
+    dict
+    """
+    ranges = {"damping": (0.0, math.inf), "eccentricity": (0.0, math.inf), "half_backlash": (0.0, math.inf)}
+    ranges["restitution"] = (0.0, 1.0)
+    for order, _, _ in oscillator.harmonics:
+        ranges |= {f"amplitude_{order:g}": (0.0, math.inf), f"phase_{order:g}": (-1.0, 2.0)}
+    return ranges
+
+
+def _parameters(oscillator: Oscillator, ranges: dict[str, tuple[float, float]]) -> Parameters:
+    def of(parameter: str) -> Interval:
+        value = oscillator.value_of(parameter)
+        return Interval(*(float(end) for end in ranges.get(parameter, (value, value))))
+
+    rows = [(1.0, *of("eccentricity"), 0.0, 0.0)]
+    rows += [(order, *of(f"amplitude_{order:g}"), *of(f"phase_{order:g}")) for order, _, _ in oscillator.harmonics]
+    return Parameters(of("damping"), of("half_backlash"), of("restitution"), np.array(rows))
+
+
 def machine_of(oscillator: Oscillator, tolerances: dict[str, tuple[float, float]] | None = None) -> Machine:
     """Enclose an oscillator, or all of a range.
 
@@ -85,7 +128,7 @@ def machine_of(oscillator: Oscillator, tolerances: dict[str, tuple[float, float]
     oscillator : Oscillator
         Impacting model, checked by the caller.
     tolerances : dict, optional
-        Least and greatest value of some of its `parameters`; the others are exact.
+        Least and greatest value of some of its `parameters`, its own between them; the others are exact.
 
     Returns
     -------
@@ -96,15 +139,8 @@ def machine_of(oscillator: Oscillator, tolerances: dict[str, tuple[float, float]
     OutsideDomain
         If Eq. (8) cannot be proven for all of them.
     """
-    ranges = tolerances or {}
-
-    def of(parameter: str) -> Interval:
-        value = oscillator.value_of(parameter)
-        return Interval(*(float(end) for end in ranges.get(parameter, (value, value))))
-
-    rows = [(1.0, *of("eccentricity"), 0.0, 0.0)]
-    rows += [(order, *of(f"amplitude_{order:g}"), *of(f"phase_{order:g}")) for order, _, _ in oscillator.harmonics]
-    machine = Machine(of("damping"), of("half_backlash"), of("restitution"), np.array(rows), 0.0, 0.0, 0.0)
+    centre = _parameters(oscillator, {})
+    machine = Machine(*_parameters(oscillator, tolerances or {}), centre, not tolerances, 0.0, 0.0, 0.0)
     least, greatest = _accelerations(machine, _PHASES)
     if not least > 0.0:
         message = f"the acceleration at rest must be positive at every phase (Eq. 8): it may fall to {least:.6g}"
@@ -116,3 +152,58 @@ def machine_of(oscillator: Oscillator, tolerances: dict[str, tuple[float, float]
         greatest_acceleration=greatest,
         safe_speed=down(math.sqrt(deepest)),
     )
+
+
+def centre_of(machine: Machine) -> Oscillator:
+    """The oscillator that is a machine's centre.
+
+    Parameters
+    ----------
+    machine : Machine
+
+    Returns
+    -------
+    Oscillator
+    """
+    one = machine.centre
+    harmonics = tuple(Harmonic(row[0], row[1], row[3]) for row in one.harmonics[1:].tolist())
+    numbers = one.damping.low, float(one.harmonics[0, 1]), one.half_backlash.low
+    return Oscillator(*numbers, restitution=one.restitution.low, harmonics=harmonics)
+
+
+def halves_of(machine: Machine) -> list[Machine]:
+    """Cut the tolerance of that parameter which changes the acceleration at rest most.
+
+    Parameters
+    ----------
+    machine : Machine
+
+    Returns
+    -------
+    list of Machine
+        Two, that together hold the same machines, each with its own centre; none if nothing changes the acceleration.
+    """
+    damping, rows = machine.damping, machine.harmonics
+    larger, later = rows[:, 2] - rows[:, 1], rows[:, 2] * 2.0 * math.pi * (rows[:, 4] - rows[:, 3])
+    bends = (2.0 * math.pi * rows[:, :1]) ** 2 * np.stack([larger, later], axis=1)
+    drag = 4.0 * math.pi * (damping.high - damping.low)
+    if max(drag, bends.max()) == 0.0:
+        return []
+    if drag >= bends.max():
+        return [
+            machine._replace(damping=half, centre=machine.centre._replace(damping=point(middle(half))))
+            for half in _halves(damping)
+        ]
+    row, which = np.unravel_index(bends.argmax(), bends.shape)
+    ends = slice(1 + 2 * int(which), 3 + 2 * int(which))
+    halves = []
+    for half in _halves(Interval(*rows[row, ends].tolist())):
+        within, one = rows.copy(), machine.centre.harmonics.copy()
+        within[row, ends], one[row, ends] = half, middle(half)
+        halves.append(machine._replace(harmonics=within, centre=machine.centre._replace(harmonics=one)))
+    return halves
+
+
+def _halves(a: Interval) -> tuple[Interval, Interval]:
+    cut = middle(a)
+    return Interval(a.low, cut), Interval(cut, a.high)

@@ -1,8 +1,8 @@
 """A set of departures that moves under P as a parallelogram, held by enclosures.
 
 After n impacts the set is held by ``m + M xi + rest``: m is near the image of the first box's centre, M encloses the
-product of the slopes, xi runs through the first box less its centre, and the rest holds what was rounded. A hull is
-taken only to enclose DP over the set, so little is lost to wrapping.
+product of the slopes, xi runs through the first box less its centre, and the rest holds what was rounded and what other
+parameters change. A hull is taken only to enclose DP over the set, so little is lost to wrapping.
 """
 
 import math
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.numerics.interval import Interval, add, around, middle, multiply, point, scale, subtract, up
+from rattle_kernels.numerics.interval import Interval, add, around, hull, middle, multiply, point, scale, subtract, up
 from rattle_kernels.numerics.jit import inlined_as_written
 from rattle_kernels.proof.flight import Box, Matrix, spread
 from rattle_kernels.proof.impact import LOST, STRADDLES, image, product
@@ -75,7 +75,9 @@ def advance(machine, oscillator, moving):
     (bool, MovingSet)
         Whether it is proven.
     """
-    mapped = image(machine, oscillator, Box(point(moving.t), point(moving.v)), moving.all)
+    # What was rounded may have put m a little outside: slopes are needed on the whole way from m.
+    whole = Box(hull(moving.all.t, point(moving.t)), hull(moving.all.w, point(moving.v)))
+    mapped = image(machine, oscillator, Box(point(moving.t), point(moving.v)), whole)
     if mapped.state == LOST:
         return False, moving
     if mapped.state == STRADDLES:
@@ -83,7 +85,7 @@ def advance(machine, oscillator, moving):
     t, v = middle(mapped.centre.t), middle(mapped.centre.w)
     rest = spread(mapped.slope, moving.rest.t, moving.rest.w)
     off_t, off_v = subtract(mapped.centre.t, point(t)), subtract(mapped.centre.w, point(v))
-    rest = Box(add(rest.t, off_t), add(rest.w, off_v))
+    rest = Box(add(add(rest.t, off_t), mapped.drift.t), add(add(rest.w, off_v), mapped.drift.w))
     slope = product(mapped.slope, moving.slope)
     moved = spread(slope, moving.dt, moving.dv)
     held_t, held_v = add(point(t), add(moved.t, rest.t)), add(point(v), add(moved.w, rest.w))

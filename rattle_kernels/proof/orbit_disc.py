@@ -1,8 +1,8 @@
 """Discs around attracting periodic orbits, with proof: all that depart inside end in the orbit.
 
-Lengths are those of the orbit's eigenframe F: |F x|. Over the disc, DP^p has a norm of at most q, and P^p moves the
-disc's centre by at most d. If ``q radius + d < radius``, P^p maps the disc into itself and brings points closer
-together. So it holds exactly one periodic point, to which all others come (Banach).
+Lengths are those of the orbit's eigenframe F: |F x|. The disc is covered by parts. If P^p maps each into the disc, and
+DP^p has a norm below 1 over each, then it brings points closer together, for the disc is convex. So the disc holds
+exactly one periodic point, to which all others come (Banach).
 """
 
 import math
@@ -14,9 +14,11 @@ from rattle_kernels.attractors.attractor import Attractor
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.interval import (
+    Interval,
     add,
-    around,
     divide,
+    down,
+    middle,
     multiply,
     point,
     root,
@@ -27,13 +29,15 @@ from rattle_kernels.numerics.interval import (
 )
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit
-from rattle_kernels.proof.flight import Box, Matrix
+from rattle_kernels.proof.flight import Box, Matrix, spread
 from rattle_kernels.proof.impact import product
 from rattle_kernels.proof.machine import Machine
 from rattle_kernels.proof.moving_set import advance, set_out
 
 _LARGEST, _SMALLEST, _SHRINK = 0.3, 1e-8, 0.85
 _LONGEST = 64
+# Parts into which the box around a disc is cut each way, for orbits of one impact; those of more have fewer.
+_PARTS = 16
 
 
 class OrbitDisc(NamedTuple):
@@ -72,24 +76,70 @@ def _norm(a):
     return root(scale(add(squares, gap), 0.5)).high
 
 
-@kernel_as_written
-def _maps_into_itself(machine, oscillator, impacts, t, v, frame, radius):
-    dt, dv, inverse = _extent(frame, radius)
-    moving = set_out(Box(around(t, dt), around(v, dv)), False)
+@inlined_as_written
+def _after(machine, oscillator, impacts, box):
+    """A box after some impacts; whether it is proven and has not met the grazing curve."""
+    moving = set_out(box, False)
     for _ in range(impacts):
         proven, moving = advance(machine, oscillator, moving)
         if not proven or moving.grazed:
-            return False
-    linear = Matrix(point(frame[0, 0]), point(frame[0, 1]), point(frame[1, 0]), point(frame[1, 1]))
-    nearer = _norm(product(product(linear, moving.slope), inverse))
-    off_t = add(subtract(point(moving.t), point(t)), moving.rest.t)
-    turns = math.floor(moving.t - t + 0.5)
-    off_t = subtract(off_t, point(turns))
-    off_v = add(subtract(point(moving.v), point(v)), moving.rest.w)
-    x = add(multiply(linear.tt, off_t), multiply(linear.tv, off_v))
-    y = add(multiply(linear.vt, off_t), multiply(linear.vv, off_v))
-    moves = root(add(square(x), square(y))).high
-    return up(up(nearer * radius) + moves) < radius
+            return False, moving
+    return True, moving
+
+
+@inlined_as_written
+def lies_in_disc(disc, moving):
+    """Whether a set lies within a disc, a row of `disc_rows`."""
+    frame = Matrix(point(disc[3]), point(disc[4]), point(disc[5]), point(disc[6]))
+    off_t, off_v = subtract(point(moving.t), point(disc[1])), subtract(point(moving.v), point(disc[2]))
+    off_t = subtract(off_t, point(math.floor(middle(off_t) + 0.5)))
+    moved = spread(product(frame, moving.slope), moving.dt, moving.dv)
+    rest = spread(frame, add(off_t, moving.rest.t), add(off_v, moving.rest.w))
+    return add(square(add(moved.t, rest.t)), square(add(moved.w, rest.w))).high < disc[7]
+
+
+@inlined_as_written
+def _part(centre, reach, i, parts):
+    """One of the parts between `reach` below and above the centre. Two that touch share an end before it is rounded."""
+    first, last = reach * (2.0 * i / parts - 1.0), reach * (2.0 * (i + 1) / parts - 1.0)
+    return add(point(centre), Interval(down(first), up(last)))
+
+
+@kernel_as_written
+def _maps_into_itself(machine, oscillator, impacts, disc):
+    frame = np.array([[disc[3], disc[4]], [disc[5], disc[6]]])
+    dt, dv, inverse = _extent(frame, up(math.sqrt(disc[7])))
+    linear = Matrix(point(disc[3]), point(disc[4]), point(disc[5]), point(disc[6]))
+    parts = max(_PARTS // impacts, 1)
+    for i in range(parts):
+        for j in range(parts):
+            box = Box(_part(disc[1], dt, j, parts), _part(disc[2], dv, i, parts))
+            off = spread(linear, subtract(box.t, point(disc[1])), subtract(box.w, point(disc[2])))
+            if add(square(off.t), square(off.w)).low > disc[7]:
+                continue  # beside the disc
+            proven, moving = _after(machine, oscillator, impacts, box)
+            if not (proven and lies_in_disc(disc, moving)):
+                return False
+            if not _norm(product(product(linear, moving.slope), inverse)) < 1.0:
+                return False
+    return True
+
+
+def disc_rows(discs: dict[int, OrbitDisc]) -> np.ndarray:
+    """Discs as kernels have them.
+
+    Parameters
+    ----------
+    discs : dict of int to OrbitDisc
+        By the number of the motion.
+
+    Returns
+    -------
+    ndarray, shape (discs, 8)
+        In each row its end, time, speed, the four numbers of its frame row by row, and the square of its radius.
+    """
+    rows = [[1.0 + n, d.t, d.v, *d.frame.ravel(), down(d.radius * d.radius)] for n, d in discs.items()]
+    return np.array(rows).reshape(-1, 8)
 
 
 def _eigenframe(orbit: PeriodicOrbit, place: int, speed: float) -> np.ndarray:
@@ -102,10 +152,11 @@ def _eigenframe(orbit: PeriodicOrbit, place: int, speed: float) -> np.ndarray:
     return np.ascontiguousarray(rows.real / (scaled.max() if values[0].imag != 0.0 else scaled))
 
 
-def _largest_radius(machine: Machine, oscillator: Oscillator, orbit: PeriodicOrbit, disc: OrbitDisc) -> float:
+def _largest_radius(machine: Machine, oscillator: Oscillator, disc: OrbitDisc) -> float:
     radius = _LARGEST
     while radius > _SMALLEST:
-        if _maps_into_itself(machine, oscillator, orbit.upper_contacts, disc.t, disc.v, disc.frame, radius):
+        row = disc_rows({0: disc._replace(radius=radius)})[0]
+        if _maps_into_itself(machine, oscillator, disc.impacts, row):
             return radius
         radius *= _SHRINK
     return 0.0
@@ -138,7 +189,7 @@ def orbit_disc(machine: Machine, oscillator: Oscillator, attractor: Attractor) -
     for place in range(orbit.upper_contacts):
         frame = _eigenframe(orbit, place, speed)
         disc = OrbitDisc(orbit.upper_contacts, float(orbit.t[place]), float(orbit.v[place]), frame, 0.0)
-        disc = disc._replace(radius=_largest_radius(machine, oscillator, orbit, disc))
+        disc = disc._replace(radius=_largest_radius(machine, oscillator, disc))
         if best is None or disc.radius > best.radius:
             best = disc
     return best if best is not None and best.radius > 0.0 else None

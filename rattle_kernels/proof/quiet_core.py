@@ -3,22 +3,29 @@
 Boxes are tested from the lowest bounces upwards: up to some duration by `low_bounces`, above that by their images. A
 box in which the action may grow puts an end to the core at the least action in it: no box of the core is unproven. On
 every compact part of the core the action falls by a factor below 1 at each bounce, so it falls to 0.
+
+Within tolerances the action itself is uncertain, more than one bounce changes it. So they are cut in parts, and the
+level is the least of all parts.
 """
 
+import heapq
+import itertools
 import math
 
 import numpy as np
 
-from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.interval import Interval, divide, down, middle, multiply, point, square
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
+from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.proof.flight import Box
 from rattle_kernels.proof.impact import LOST, image
 from rattle_kernels.proof.low_bounces import low_bounces
-from rattle_kernels.proof.machine import Machine, acceleration, error_at
+from rattle_kernels.proof.machine import Machine, acceleration, centre_of, error_at, halves_of
 
+PARTS = 16
+"""In how many parts tolerances are cut."""
 # Durations up to which Taylor's series serves: in periods of the highest order, and in 1/delta.
-_SHORT_TURN, _SHORT_FALL = 0.1, 0.5
+_SHORT_TURN, _SHORT_FALL = 0.3, 0.5
 _STRIPS, _COLUMNS, _FINE_COLUMNS = 100, 64, 1024
 # How much of itself a strip is high, of short bounces and of others.
 _STEP_SHORT, _STEP = 0.15, 0.04
@@ -32,7 +39,8 @@ def _test_short(machine, t, tau):
     """Whether the action falls at all short bounces of a box; and the least action in it."""
     bounces = low_bounces(machine, t, tau)
     falls = bounces.growth.high < 0.0 or bounces.gain.high < 0.0
-    return falls, bounces.action.low
+    # The formulas are those of a bounce that does not meet -beta.
+    return falls and bounces.speed.high <= machine.safe_speed, bounces.action.low
 
 
 @inlined_as_written
@@ -100,20 +108,38 @@ def _slowest(machine, tau, phases):
     return least
 
 
-def quiet_level(machine: Machine, oscillator: Oscillator) -> float:
+def quiet_level(machine: Machine, parts: int = PARTS, pause: Pause = never_stopped) -> float:
     """Largest level found such that every departure ``v^3 < level a(t)`` is proven to fall quiet.
 
     Parameters
     ----------
     machine : Machine
-    oscillator : Oscillator
-        One of them.
+    parts : int
+        In how many parts tolerances are cut at most.
+    pause : callable
+        Called between two parts; an exception raised there ends the work.
 
     Returns
     -------
     float
         0 if nothing is proven.
     """
+    number = itertools.count()
+    levels = [(_level_of(machine), next(number), machine)]
+    while len(levels) < parts:
+        # The part with the least level, which is the level of all.
+        halves = halves_of(levels[0][2])
+        if not halves:
+            break
+        heapq.heappop(levels)
+        for half in halves:
+            pause()
+            heapq.heappush(levels, (_level_of(half), next(number), half))
+    return levels[0][0]
+
+
+def _level_of(machine: Machine) -> float:
+    oscillator = centre_of(machine)
     stack = np.empty((_DEPTH + 2, 5))
     highest = float(machine.harmonics[:, 0].max())
     short = min(_SHORT_TURN / highest, _SHORT_FALL / machine.damping.high)

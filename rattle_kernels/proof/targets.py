@@ -9,14 +9,12 @@ import numpy as np
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
-from rattle_kernels.numerics.interval import add, down, middle, point, square, subtract, up
+from rattle_kernels.numerics.interval import down, up
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.numerics.pausing import Pause, never_stopped
-from rattle_kernels.proof.flight import Matrix, spread
-from rattle_kernels.proof.impact import product
 from rattle_kernels.proof.lattice import UNPROVEN, Lattice, box_at, empty_lattice, end_of
 from rattle_kernels.proof.machine import Machine, acceleration, error_at
-from rattle_kernels.proof.orbit_disc import OrbitDisc, orbit_disc
+from rattle_kernels.proof.orbit_disc import OrbitDisc, disc_rows, lies_in_disc, orbit_disc
 from rattle_kernels.proof.quiet_core import quiet_level
 from rattle_kernels.proof.rattling_set import NOTHING_RATTLES, rattling_set
 
@@ -27,8 +25,7 @@ COLUMNS = 1024
 class Targets(NamedTuple):
     """Proven places. An *end* is 1 + the number of a motion, UNPROVEN where there is none.
 
-    ``discs``, shape (discs, 8), has a row for each: its end, time, speed, the four numbers of its frame row by row, and
-    the square of its radius.
+    ``discs``, shape (discs, 8), is as `disc_rows` has it.
     """
 
     lattice: Lattice
@@ -50,17 +47,6 @@ class Certificate(NamedTuple):
 
 
 @inlined_as_written
-def _within_disc(disc, moving):
-    """Whether a set lies within a disc."""
-    frame = Matrix(point(disc[3]), point(disc[4]), point(disc[5]), point(disc[6]))
-    off_t, off_v = subtract(point(moving.t), point(disc[1])), subtract(point(moving.v), point(disc[2]))
-    off_t = subtract(off_t, point(math.floor(middle(off_t) + 0.5)))
-    moved = spread(product(frame, moving.slope), moving.dt, moving.dv)
-    rest = spread(frame, add(off_t, moving.rest.t), add(off_v, moving.rest.w))
-    return add(square(add(moved.t, rest.t)), square(add(moved.w, rest.w))).high < disc[7]
-
-
-@inlined_as_written
 def proven_end(targets, moving, strip):
     """Where all departures of a set, held by a strip too, are proven to end, UNPROVEN where nothing is."""
     end = end_of(targets.lattice, strip)
@@ -70,7 +56,7 @@ def proven_end(targets, moving, strip):
     if end != UNPROVEN:
         return end
     for i in range(targets.discs.shape[0]):
-        if _within_disc(targets.discs[i], moving):
+        if lies_in_disc(targets.discs[i], moving):
             return int(targets.discs[i, 0])
     return UNPROVEN
 
@@ -117,7 +103,7 @@ def prove_targets(
     Certificate
         Its lattice holds the quiet core; `growth` lets it grow.
     """
-    level = quiet_level(machine, oscillator)
+    level = quiet_level(machine, pause=pause)
     pause()
     quiet = [n for n, each in enumerate(attractors) if each.kind == AttractorKind.PERMANENT_CONTACT]
     lattice = _lattice_for(oscillator, attractors, fastest, columns)
@@ -134,9 +120,7 @@ def prove_targets(
         found = rattling_set(machine, oscillator, each, 1 + n, pause) if each.is_chaotic and chaos is None else None
         if found is not None and _holds_no_other(machine, found, level, discs.values()):
             rattling, chaos = found, n
-    rows = [[1.0 + n, d.t, d.v, *d.frame.ravel(), down(d.radius * d.radius)] for n, d in discs.items()]
-    targets = Targets(lattice, rattling, np.array(rows).reshape(-1, 8))
-    return Certificate(level, discs, chaos, targets)
+    return Certificate(level, discs, chaos, Targets(lattice, rattling, disc_rows(discs)))
 
 
 def _lattice_for(oscillator: Oscillator, attractors: Sequence[Attractor], fastest: float, columns: int) -> Lattice:

@@ -99,7 +99,7 @@ def turning_points(machine, centre, box, duration):
         if lies_within(turn, near):
             break
         near = around(guess, 2.0 * reach(subtract(turn, point(guess))))
-    if not lies_within(turn, near):
+    if not (lies_within(turn, near) and near.low > centre.t.high):
         return TurningPoints(False, nothing, nothing)
     dt, dw = subtract(box.t, centre.t), subtract(box.w, centre.w)
     by_t, by_w, _, _ = _slopes(machine, start, turn)

@@ -11,6 +11,7 @@ from functools import partial
 
 from worker.basins.ledger import Ledger
 from worker.basins.pace import Pace
+from worker.basins.proof_run import ProofRun
 from worker.basins.schedule import Schedule
 from worker.cluster.driver import Driver
 from worker.fence import Fence, unfenced
@@ -75,5 +76,24 @@ def run_basin(
         store.sweep_orphans()
     if job.vary:
         store.write_changes(list_changes(job, ledger.table))
-    store.finish(pace.finish())
+    seconds = pace.finish()
+    if job.prove is not None:
+        seconds |= _prove(store, ledger, driver, report, cancel)
+    store.finish(seconds)
     report(pace.progress(Stage.DONE))
+
+
+def _prove(
+    store: BasinStore, ledger: Ledger, driver: Driver, report: Report, cancel: threading.Event
+) -> dict[str, float]:
+    """Prove a basin whose tiles have their solutions; return the kernels' time."""
+    proof = ProofRun(store, ledger.catalogue(0).attractors)
+    report(proof.progress())
+    within = partial(synced_together, store.location)
+    tasks = driver.run_tasks((store.location, store.digest), proof.next_task, cancel, within=within)
+    with contextlib.closing(tasks) as done:
+        for task, receipt in done:
+            proof.take(task, receipt)
+            report(proof.progress())
+    proof.finish()
+    return dict(proof.seconds)

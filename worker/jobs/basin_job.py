@@ -14,6 +14,7 @@ from worker.decidable import check_window
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.grid_request import Grid, GridRequest, grid_request
 from worker.jobs.job import Job, Sizes
+from worker.jobs.proof_request import ProofRequest, Prove, check_proof
 from worker.jobs.request import Count
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, Vary, check_swept, vary_request
@@ -55,6 +56,9 @@ class BasinJob(Job):
         "first prime from 900/damping",
     )
     sample: Sample | None = Field(None, description="Points in place of cells; leave out `cells` then")
+    prove: Prove = Field(
+        None, description="Prove of each cell that every departure in it ends as the cell is coloured: true, or how"
+    )
 
     @property
     def kind(self) -> str:
@@ -119,7 +123,18 @@ class BasinJob(Job):
         self.check_oscillators(check_domain)
         self.check_oscillators(lambda oscillator: check_window(oscillator, grid, self.iterations))
         settled = {"grid_": grid_request(grid, names_cells=self.sample is None), "iterations_": self.iterations}
+        if self.prove is not None:
+            settled["prove"] = self._checked_proof(self.prove)
         return settled if self.sample is None else settled | {"sample": self.sample}
+
+    def _checked_proof(self, proof: ProofRequest) -> ProofRequest:
+        if self.vary:
+            raise InvalidJob("a sweep is not proven: ask for a basin at each value of interest", ("prove",))
+        if self.sample is not None:
+            raise InvalidJob("points of a sample are not proven: ask for cells", ("prove",))
+        if math.isfinite(self.oscillator.stiffness):
+            raise InvalidJob("only the impacting model is proven: leave out stiffness", ("prove",))
+        return check_proof(proof, self.oscillator)
 
     def check_oscillators(self, check: Callable[[Oscillator], Oscillator]) -> None:
         """Check the oscillator of every basin.

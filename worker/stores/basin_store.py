@@ -26,6 +26,7 @@ from worker.stores import layout
 from worker.stores.layout import Variable
 from worker.stores.new_store import consolidate, create_store, places_of, tiling_of, write_coordinates
 from worker.stores.opening import create_unless_there, demand_same_request, open_group, open_store_at
+from worker.stores.proof_arrays import ProofArrays
 from worker.stores.provenance import now
 from worker.stores.solution_arrays import SolutionArrays
 from worker.stores.storage import place_at
@@ -35,7 +36,7 @@ from worker.stores.tiles import Tile
 _WRITERS = 2
 
 
-class BasinStore(SolutionArrays):
+class BasinStore(SolutionArrays, ProofArrays):
     """A job's store, open for reading and writing.
 
     Parameters
@@ -117,20 +118,6 @@ class BasinStore(SolutionArrays):
             if (value == variable.fill).any():
                 raise StoreFailed(f"the store {self.location} has lost a part of {variable.path}: {tile}")
         return values
-
-    @property
-    def holds_proof(self) -> bool:
-        """Whether a proof was asked for: what is proven of cells is there, or comes."""
-        with as_store_failure(self.location):
-            return layout.PROVEN.path in self._group
-
-    def read_proof(self, tile: Tile) -> tuple[np.ndarray, np.ndarray] | None:
-        """Read what is proven of a tile's cells, and why not all is; None until both are written."""
-        with as_store_failure(self.location):
-            proven, reason = (
-                np.asarray(self._kept(each)[self._region(tile)]) for each in (layout.PROVEN, layout.UNPROVEN_REASON)
-            )
-        return None if (proven == layout.NOT_THERE).any() or (reason == layout.NOT_THERE).any() else (proven, reason)
 
     def read_whole(self, variables: Sequence[Variable]) -> tuple[np.ndarray, ...]:
         """Read some variables whole."""

@@ -114,30 +114,6 @@ SOLUTION = Variable("solution", _CELLS, np.int16, MISSING, _ENDS_IN)
 """Written tile by tile once the solutions of the basin have their numbers."""
 
 
-class Unproven(IntEnum):
-    """Why not all of a cell is proven to end as it is coloured."""
-
-    PROVEN = 0
-    """All of it is."""
-    ARRIVES_NOWHERE = 1
-    SPREADS = 2
-    GRAZES = 3
-    ENDS_ELSEWHERE = 4
-    """Some of it is proven to end otherwise."""
-
-
-PROVEN = Variable(
-    "proven",
-    _CELLS,
-    np.uint8,
-    NOT_THERE,
-    "sixty-fourths of the cell of which every departure ends as the solution says",
-)
-UNPROVEN_REASON = Variable(
-    "unproven_reason", _CELLS, np.uint8, NOT_THERE, "why not all of the cell is proven", flags(Unproven)
-)
-"""Written tile by tile after the solution, where a proof was asked for."""
-
 LEDGER = Variable(
     "tile_state", ("tile_velocity", "tile_time"), np.uint8, 0, "what is in the store, tile by tile", flags(TileState)
 )

@@ -13,6 +13,7 @@ from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
 from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import Places, TileState, Variable
+from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON
 from worker.stores.provenance import birth_certificate
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tiling, cut, cut_row
@@ -86,7 +87,8 @@ def _create_arrays(group: Any, job: BasinJob) -> tuple[int, ...]:
     sampled = job.sample is not None
     shape: tuple[int, ...] = (job.grid.time_cells,) if sampled else job.grid.shape
     tile = (tiling.tile_columns,) if sampled else (tiling.tile_rows, tiling.tile_columns)
-    for variable in (*places.mapped, *places.labelled, places.solution, places.own_solution):
+    proven = (PROVEN, UNPROVEN_REASON) if job.prove is not None else ()
+    for variable in (*places.mapped, *places.labelled, places.solution, places.own_solution, *proven):
         create_array(group, job, variable, shape, tile)
     ledger = create_array(group, job, places.ledger, tiling.shape[1:] if sampled else tiling.shape)
     ledger[...] = np.full(ledger.shape, TileState.PENDING, np.uint8)

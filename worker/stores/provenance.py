@@ -45,7 +45,7 @@ def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[
         "request": json.dumps(request),
         "request_sha256": digest,
         "layout_version": layout.LAYOUT_VERSION,
-        "versions": _versions(),
+        "versions": versions(),
         "git_revision": _git_revision(),
         FUSED: fuses_multiply_add(),
         "started": begun,
@@ -60,7 +60,8 @@ def source() -> str:
 
 
 @cache
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
+    """Versions of the packages that results depend on."""
     return {package: version(package) for package in _PACKAGES}
 
 

@@ -24,6 +24,7 @@ from worker.jobs.basin_job import BasinJob, basin_job
 from worker.jobs.swept_parameter import SweptParameter
 from worker.stores.files.served_files import files_at
 from worker.stores.layout import LAYOUT_VERSION, MEASURED, MOTIONS, READABLE_LAYOUTS
+from worker.stores.proof_layout import PROOF, PROVEN
 from worker.stores.storage import place_at
 
 # Largest result, in bytes, whose arrays are read in one piece. A larger one has Dask arrays, whose library takes a
@@ -140,14 +141,28 @@ def _as_refusal(address: str) -> Iterator[None]:
 def _open(location: str, storage_options: dict[str, Any] | None) -> xr.Dataset:
     store = files_at(location, storage_options) if is_address(location) else place_at(location).zarr
     dataset = _opened(store, None)
-    return dataset if dataset.nbytes <= _ONE_PIECE else _opened(store, {})
+    dataset = dataset if dataset.nbytes <= _ONE_PIECE else _opened(store, {})
+    return _with_proof(dataset, store) if PROVEN.name in dataset.data_vars else dataset
 
 
-def _opened(store: Any, chunks: dict[str, int] | None) -> xr.Dataset:
+def _opened(store: Any, chunks: dict[str, int] | None, group: str | None = None) -> xr.Dataset:
     try:
-        return xr.open_zarr(store, consolidated=True, chunks=chunks)
+        return xr.open_zarr(store, group=group, consolidated=True, chunks=chunks)
     except ValueError:  # plain metadata: slower, one request an array
-        return xr.open_zarr(store, consolidated=False, chunks=chunks)
+        return xr.open_zarr(store, group=group, consolidated=False, chunks=chunks)
+
+
+def _with_proof(dataset: xr.Dataset, store: Any) -> xr.Dataset:
+    """The dataset with the certificate of its proof as an attribute, and the proven share of each motion."""
+    try:
+        certificate = _opened(store, {}, PROOF).attrs.get("certificate")
+    except FileNotFoundError:
+        certificate = None
+    if certificate is None:
+        return dataset
+    shares = certificate.get("shares", [np.nan] * dataset.sizes["attractor"])
+    proven = xr.DataArray(shares, dims=["attractor"], attrs={"long_name": "share of the plane proven to end in it"})
+    return dataset.assign(share_proven=proven).assign_attrs(certificate=certificate)
 
 
 def job_of(dataset: xr.Dataset) -> BasinJob:

@@ -8,7 +8,7 @@ import pytest
 from flint import arb, ctx
 
 from rattle_kernels.numerics import enclosed_functions as functions
-from rattle_kernels.numerics.enclosed_functions import HIGHEST_PHI, TWO_PI, decay, first_phi, phi, wave
+from rattle_kernels.numerics.enclosed_functions import HIGHEST_PHI, TWO_PI, decay, first_phi, phi, phi_drop, wave
 from rattle_kernels.numerics.interval import Interval, point
 
 _POINTS = 3000
@@ -41,7 +41,9 @@ def test_decays(most):
     for low, high, inside in _intervals(np.random.default_rng(2), 0.0, most):
         x = arb(inside)
         assert _holds(decay(Interval(low, high)), (-x).exp())
-        assert _holds(first_phi(Interval(low, high)), (1 - (-x).exp()) / x if inside else arb(1))
+        first = (1 - (-x).exp()) / x if inside else arb(1)
+        assert _holds(first_phi(Interval(low, high)), first)
+        assert _holds(phi_drop(Interval(low, high)), (first - (-x).exp()) / x if inside else arb(0.5))
 
 
 @pytest.mark.parametrize("k", [1, 2, 5, HIGHEST_PHI])

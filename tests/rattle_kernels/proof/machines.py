@@ -12,16 +12,21 @@ OSCILLATORS = (
     Oscillator(0.6, 0.1, 0.6, restitution=0.9),
     Oscillator(0.05, 0.01, 0.06),
     Oscillator(6e-4, 1e-4, 6e-4),
+    # So little backlash that short bounces meet -beta.
+    Oscillator(0.6, 0.05, 1e-3),
     Oscillator(0.6, 0.05, 0.6, harmonics=(Harmonic(2.0, 0.01, 0.3), Harmonic(3.0, 0.004, 0.8)), restitution=0.8),
 )
-TOLERANCES = {"damping": 0.01, "half_backlash": 0.003, "eccentricity": 0.02, "restitution": 0.001}
-"""Parts of the parameters by which they may differ."""
+TOLERANCES = {"damping": 0.01, "half_backlash": 0.003, "eccentricity": 0.02, "restitution": 0.05}
+"""Parts of the parameters by which they may differ; that of harmonics is `_HARMONIC`."""
+_HARMONIC = 0.05
 
 
 def tolerances_of(oscillator, part=1.0):
     """Ranges around an oscillator's parameters, of `part` of `TOLERANCES`."""
-    ranges = {}
-    for name, each in TOLERANCES.items():
+    ranges, parts = {}, dict(TOLERANCES)
+    for order, _, _ in oscillator.harmonics:
+        parts |= {f"amplitude_{order:g}": _HARMONIC, f"phase_{order:g}": _HARMONIC}
+    for name, each in parts.items():
         value = oscillator.value_of(name)
         ranges[name] = (
             value * (1.0 - part * each),
@@ -35,7 +40,7 @@ def some_within(oscillator, ranges, random):
     chosen = {}
     for name, (low, high) in ranges.items():
         chosen[name] = float(random.choice([low, high, random.uniform(low, high)]))
-    return oscillator._replace(**chosen)
+    return oscillator.at(**chosen)
 
 
 def machine_and_some(oscillator, part, random):

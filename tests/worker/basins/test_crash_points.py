@@ -13,7 +13,7 @@ from tests.store_content import content
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import StoreFailed
-from worker.jobs.basin_job import SweepJob
+from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.stores.files import synced_files
 
@@ -25,7 +25,9 @@ def sweep(cells):
 
 
 # Basins of one tile and of four: they are not computed in the same way.
-JOBS = {"small": sweep(24), "tiled": sweep(100)}
+# And one with a proof, whose lattice grows level by level.
+PROVEN = BasinJob(grid=CellGrid(time_cells=8, velocity_cells=8), iterations=101, prove={"levels": 0})
+JOBS = {"small": sweep(24), "tiled": sweep(100), "proven": PROVEN}
 
 
 def run(job, location, client):
@@ -71,7 +73,7 @@ def last(monkeypatch):
     return LastWrite(monkeypatch)
 
 
-@pytest.fixture(params=["small", pytest.param("tiled", marks=pytest.mark.slow)])
+@pytest.fixture(params=["small", *(pytest.param(name, marks=pytest.mark.slow) for name in ("tiled", "proven"))])
 def job(request):
     return JOBS[request.param]
 
@@ -96,7 +98,7 @@ def test_a_driver_that_dies_at_some_of_its_writes_leaves_no_trace(job, client, u
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(3600)
 def test_a_driver_that_dies_at_any_of_its_writes_leaves_no_trace(job, client, undisturbed, last, tmp_path):
     location, writes = undisturbed
     for dead_after in range(writes):

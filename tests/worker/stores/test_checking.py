@@ -25,6 +25,7 @@ JOBS = {
     "basin": BasinJob(grid=GRID, iterations=101),
     "sweep": SweepJob(grid=SMALL, iterations=101, vary=(SweptParameter("damping", (0.7, 0.65, 0.6)),)),
     "sample": BasinJob(grid=SMALL, iterations=101, sample=Sample(points=512)),
+    "proven": BasinJob(grid=SMALL, iterations=101, prove={"levels": 0}),
     "grazing": KINDS["grazing_curve"].job_class(order=1),
 }
 

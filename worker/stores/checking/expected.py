@@ -11,6 +11,7 @@ from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState, Variable
 from worker.stores.new_store import ATTRACTORS_A_CHUNK
+from worker.stores.proof_layout import LATTICE_ENDS, LATTICE_ROUNDS, PROVEN, RATTLING, UNPROVEN_REASON
 from worker.stores.solution_table import SolutionTable
 from worker.stores.summary import WITHOUT_POINTS
 
@@ -48,6 +49,7 @@ def expected_chunks(location: str, arrays: dict[str, Any]) -> Iterator[Chunk]:
     for number, state in enumerate(states.tolist()):
         tile = tuple(int(index) for index in np.unravel_index(number, shape))
         yield from ((variable.path, tile) for variable in _of_tile(store, number, state))
+    yield from _of_proof(store, arrays)
     assembled = (states.reshape(-1, store.tiling.tiles_of_basin) == TileState.ASSEMBLED).all(axis=1)
     table = _readable_table(store)
     for basin in np.flatnonzero(assembled).tolist():
@@ -95,6 +97,14 @@ def _of_basin(store: BasinStore, basin: int, table: SolutionTable) -> Iterator[C
         labels = layout.IMAGE_SET[:2] if _has_images(store, basin) else ()
         found = (layout.GRAZING, layout.IMAGE_WORDS, layout.IMAGE_SET[2], *labels)
         yield from ((variable.path, (*place, 0)) for variable in found)
+
+
+def _of_proof(store: BasinStore, arrays: dict[str, Any]) -> Iterator[Chunk]:
+    """Chunks of a proof that is complete; of one under way every task demands what it reads."""
+    if store.complete and store.holds_proof:
+        paths = [each.path for each in (PROVEN, UNPROVEN_REASON, LATTICE_ENDS, LATTICE_ROUNDS, RATTLING)]
+        there = [path for path in paths if path in arrays]
+        yield from ((path, chunk) for path in there for chunk in product(*map(range, arrays[path].cdata_shape)))
 
 
 def _has_images(store: BasinStore, basin: int) -> bool:

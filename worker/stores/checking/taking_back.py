@@ -12,7 +12,11 @@ from worker.stores.checking.damage import Damage, Findings, nodes_of
 from worker.stores.checking.expected import readable_ledger
 from worker.stores.files.checked_chunks import METADATA
 from worker.stores.layout import TileState
+from worker.stores.proof_layout import PROOF, PROVEN, UNPROVEN_REASON
 from worker.stores.storage import place_at
+
+# A tile whose proof is not there is proven again.
+_OF_CELLS_PROVEN = {PROVEN.path, UNPROVEN_REASON.path}
 
 
 def take_back(found: Findings) -> None:
@@ -47,6 +51,8 @@ def take_back(found: Findings) -> None:
     )
     states[lost] = TileState.PENDING
     _discard(found)
+    if any(_is_of_lattice(damage) for damage in found.damages):
+        store.forget_lattice()
     store.take_back(states, tables=any(_is_table(store, damage) for damage in found.damages))
 
 
@@ -90,7 +96,12 @@ def _first_basin(store: BasinStore, damage: Damage, tile: int | None) -> int:
         return int(np.ravel_multi_index(place, store.job.sweep_shape)) if place else 0
     by_request = {variable.path for variable in (*store.places.coordinates, *layout.CHANGES)}
     by_request |= {swept.parameter for swept in store.job.vary}
-    return store.job.basins if damage.array in by_request or not damage.chunk else 0
+    apart = damage.array in by_request or damage.array in _OF_CELLS_PROVEN or _is_of_lattice(damage)
+    return store.job.basins if apart or not damage.chunk else 0
+
+
+def _is_of_lattice(damage: Damage) -> bool:
+    return damage.array.startswith(f"{PROOF}/")
 
 
 def _is_table(store: BasinStore, damage: Damage) -> bool:

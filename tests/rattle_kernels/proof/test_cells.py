@@ -1,0 +1,114 @@
+"""A small basin proven from end to end: lattice, growth and cells; and no departure of a proven cell ends elsewhere."""
+
+import functools
+
+import numpy as np
+import pytest
+
+from rattle_kernels import (
+    PERMANENT_CONTACT,
+    CellGrid,
+    Oscillator,
+    find_attractors,
+    map_cells,
+    map_points,
+    name_solutions,
+    next_impacts,
+)
+from rattle_kernels.proof.cells import ENDS_ELSEWHERE, WHOLE, prove_cells
+from rattle_kernels.proof.growth import empty_trails, follow_boxes, grow_all
+from rattle_kernels.proof.lattice import refined
+from rattle_kernels.proof.machine import machine_of
+from rattle_kernels.proof.targets import prove_targets
+
+FIG_7 = Oscillator(0.6, 0.1, 0.6)
+LOSSY = Oscillator(0.6, 0.1, 0.6, restitution=0.9)
+GRID = CellGrid(time_cells=60, velocity_cells=60)
+_DEPARTURES = 40_000
+
+
+@functools.cache
+def _proven(oscillator, levels, refinements=1, columns=256):
+    random = np.random.default_rng(0)
+    settled = next_impacts(oscillator, random.random(300), 7.0 * random.random(300), 1000)
+    rattling = np.isfinite(settled.t)
+    attractors = find_attractors(oscillator, settled.t[rattling], settled.v[rattling])
+    machine = machine_of(oscillator)
+    targets = prove_targets(machine, oscillator, attractors, fastest=7.0, columns=columns).targets
+    rounds = np.zeros_like(targets.lattice.ends)
+    for level in range(1 + refinements):
+        if level:
+            targets = targets._replace(lattice=refined(targets.lattice))
+            rounds = rounds.repeat(2, 0).repeat(2, 1)
+        boxes = np.argwhere(targets.lattice.ends == 0).astype(np.int32)
+        ends, trails = np.zeros(len(boxes), np.uint16), empty_trails(len(boxes))
+        follow_boxes(machine, oscillator, targets, boxes, ends, trails)
+        targets.lattice.ends[boxes[:, 0], boxes[:, 1]] = ends
+        grow_all(targets.lattice.ends, rounds, boxes, trails)
+    images = map_cells(oscillator, GRID, 1499, (0, 60), (0, 60))
+    colours = _names(oscillator, attractors, images)
+    cells = prove_cells(machine, oscillator, targets, GRID, (0, 60), (0, 60), colours, levels)
+    return attractors, targets, rounds, colours, cells
+
+
+def _names(oscillator, attractors, images):
+    names = np.zeros(images.image_cell.shape, np.int16)
+    rattling = images.image_cell != PERMANENT_CONTACT
+    names[rattling] = name_solutions(
+        oscillator, attractors, images.landing_time[rattling], images.landing_velocity[rattling]
+    )
+    return names
+
+
+@pytest.mark.parametrize("oscillator", [FIG_7, LOSSY])
+def test_no_departure_of_a_proven_cell_ends_elsewhere(oscillator):
+    random = np.random.default_rng(1)
+    attractors, _, _, colours, cells = _proven(oscillator, 1)
+    whole = np.argwhere(cells.proven == WHOLE)
+    i, j = whole[random.integers(0, len(whole), _DEPARTURES)].T
+    t, v = (j + random.random(i.size)) / 60, 7.0 * (i + random.random(i.size)) / 60
+    ended = _names(oscillator, attractors, map_points(oscillator, GRID, 1499, t, v))
+    np.testing.assert_array_equal(ended, colours[i, j])
+
+
+@pytest.mark.parametrize("oscillator", [FIG_7, LOSSY])
+def test_no_departure_of_a_proven_box_ends_elsewhere(oscillator):
+    random = np.random.default_rng(2)
+    attractors, targets, rounds, _, _ = _proven(oscillator, 1)
+    lattice = targets.lattice
+    assert rounds.max() > 1
+    for proven_in in range(int(rounds.max()) + 1):
+        i, j = np.nonzero((lattice.ends != 0) & (rounds == proven_in))
+        some = random.integers(0, i.size, _DEPARTURES // 10)
+        t = (j[some] + random.random(some.size)) / lattice.ends.shape[1]
+        v = (lattice.first + i[some] + random.random(some.size)) * lattice.height
+        ended = _names(oscillator, attractors, map_points(oscillator, GRID, 1499, t, v))
+        np.testing.assert_array_equal(1 + ended, lattice.ends[i[some], j[some]])
+
+
+def test_refinement_proves_more_and_takes_nothing_back():
+    plain, refined_once = _proven(FIG_7, 0)[-1], _proven(FIG_7, 1)[-1]
+    assert (refined_once.proven >= plain.proven).all()
+    assert refined_once.proven.sum() > plain.proven.sum()
+
+
+def test_sixty_fourths_and_reasons_agree():
+    cells = _proven(FIG_7, 1)[-1]
+    np.testing.assert_array_equal(cells.proven == WHOLE, cells.reason == 0)
+    # Cut once, a cell is proven by quarters.
+    assert not (cells.proven % (WHOLE // 4)).any()
+
+
+def test_what_is_coloured_wrong_is_not_proven():
+    """Colours are compared with the proof: it does not follow from them."""
+    _, targets, _, colours, cells = _proven(FIG_7, 0)
+    wrong = np.where(colours == 0, 1, 0).astype(np.int16)
+    here = prove_cells(machine_of(FIG_7), FIG_7, targets, GRID, (0, 60), (0, 60), wrong, 0)
+    assert not here.proven[cells.proven == WHOLE].any()
+    assert (here.reason[cells.proven == WHOLE] == ENDS_ELSEWHERE).all()
+
+
+def test_levels_beyond_three_are_refused():
+    _, targets, _, colours, _ = _proven(FIG_7, 0)
+    with pytest.raises(ValueError, match="0 to 3"):
+        prove_cells(machine_of(FIG_7), FIG_7, targets, GRID, (0, 60), (0, 60), colours, 4)

@@ -1,0 +1,160 @@
+"""Each deliberate fault in the proof is caught by a test: an inflation removed, a bound halved, a branch forgotten.
+
+The tests run on a copy of the kernels with the fault; without compiling it, but for the targets, which take long.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
+_ROOT = Path(__file__).parents[3]
+_NUMERICS, _IMAGES = "numerics", "proof/test_images.py"
+_LOW, _MOVING, _LATTICE, _TARGETS = (
+    f"proof/test_{each}.py" for each in ("low_bounces", "moving_sets", "lattice", "targets")
+)
+_FAULTS = [
+    (_NUMERICS, "numerics/interval.py",
+     "Interval(down(a.low + b.low), ",
+     "Interval(a.low + b.low, "),
+    (_NUMERICS, "numerics/interval.py",
+     "up(a.high - b.low))",
+     "a.high - b.low)"),
+    (_NUMERICS, "numerics/interval.py",
+     "Interval(down(min(first, second, third, fourth)),",
+     "Interval(min(first, second, third, fourth),"),
+    (_NUMERICS, "numerics/interval.py",
+     "_OUTWARDS = 2.0**-51",
+     "_OUTWARDS = 2.0**-54"),
+    (_NUMERICS, "numerics/interval.py",
+     "_LEAST = 2.0**-1000",
+     "_LEAST = 0.0"),
+    (_NUMERICS, "numerics/interval.py",
+     "a.low <= 0.0 and a.high >= 0.0",
+     "a.low < a.high < 0.0"),
+    (_NUMERICS, "numerics/enclosed_functions.py",
+     "_ERROR = 2.0**-49",
+     "_ERROR = 2.0**-50"),
+    (_NUMERICS, "numerics/enclosed_functions.py",
+     "bend = up(0.5 * up(angle * angle))",
+     "bend = up(0.25 * up(angle * angle))"),
+    (_NUMERICS, "numerics/enclosed_functions.py",
+     "up(up(abs(slope) + _ERROR) * angle)",
+     "0.5 * up(up(abs(slope) + _ERROR) * angle)"),
+    (_NUMERICS, "numerics/enclosed_functions.py",
+     "for _ in range(halvings):",
+     "for _ in range(halvings - 1):"),
+    (_IMAGES, "proof/flight.py",
+     "velocity, over = _slopes(machine, wide, sought)",
+     "velocity, over = _slopes(machine, start, sought)"),
+    (_IMAGES, "proof/flight.py",
+     "times = add(arrival, within)",
+     "times = arrival"),
+    (_IMAGES, "proof/flight.py",
+     "change = add(add(multiply(over.vt, dt), multiply(over.vv, dw)), drift.w)",
+     "change = multiply(over.vv, dw)"),
+    (_IMAGES, "proof/flight.py",
+     "within = add(_time_spread(over, dt, dw), drift.t)",
+     "within = _time_spread(over, dt, dw)"),
+    (_IMAGES, "proof/flight.py",
+     "multiply(over.vv, dw)), drift.w)",
+     "multiply(over.vv, dw)), point(0.0))"),
+    (_IMAGES, "proof/flight.py",
+     "change = subtract(machine.damping, one.damping)",
+     "change = point(0.0)"),
+    (_IMAGES, "proof/flight.py",
+     "turned = multiply(multiply(TWO_PI, amplitude),",
+     "turned = multiply(amplitude,"),
+    (_IMAGES, "proof/impact.py",
+     "less = multiply(subtract(kept, one), arrivals.all.w)",
+     "less = point(0.0)"),
+    (_IMAGES, "proof/impact.py",
+     "carried = spread(upper.slope, lower.drift.t, lower.drift.w)",
+     "carried = Box(point(0.0), point(0.0))"),
+    (_IMAGES, "proof/impact.py",
+     "both = Box(hull(over.all.t, below.t), hull(over.all.w, below.w))",
+     "both = over.all"),
+    (_IMAGES, "proof/impact.py",
+     "fastest = up(before * up(most",
+     "fastest = up(0.5 * before * up(most"),
+    (_IMAGES, "proof/impact.py",
+     "turn.height.low > -scale",
+     "turn.height.high > -scale"),
+    (_IMAGES, "proof/impact.py",
+     "kept = negative(machine.restitution)",
+     "kept = point(-machine.restitution.low)"),
+    (_IMAGES, "proof/machine.py",
+     "Interval(machine.harmonics[n, 1], machine.harmonics[n, 2])",
+     "point(machine.harmonics[n, 1])"),
+    (_IMAGES, "proof/machine.py",
+     "safe_speed=down(math.sqrt(deepest))",
+     "safe_speed=down(2.0 * math.sqrt(deepest))"),
+    (_LOW, "proof/low_bounces.py",
+     "during if k == ORDER else t",
+     "t"),
+    (_MOVING, "proof/moving_set.py",
+     "rest = Box(add(add(rest.t, off_t), mapped.drift.t), add(add(rest.w, off_v), mapped.drift.w))",
+     "rest = Box(add(rest.t, mapped.drift.t), add(rest.w, mapped.drift.w))"),
+    (_MOVING, "proof/moving_set.py",
+     "add(add(rest.t, off_t), mapped.drift.t)",
+     "add(rest.t, off_t)"),
+    (_MOVING, "proof/moving_set.py",
+     "slope = product(mapped.slope, moving.slope)",
+     "slope = product(moving.slope, mapped.slope)"),
+    (_MOVING, "proof/growth.py",
+     "_OUTWARDS = 2.0**-22",
+     "_OUTWARDS = 0.0"),
+    (_LATTICE, "proof/lattice.py",
+     "for i in range(bottom, top + 1):",
+     "for i in range(bottom, top):"),
+    (_LATTICE, "proof/lattice.py",
+     "min((j + 1) / columns, strip.t.high)",
+     "j / columns"),
+    (_TARGETS, "proof/quiet_core.py",
+     "multiply(square(v), v)",
+     "square(v)"),
+    (_TARGETS, "proof/quiet_core.py",
+     ".high < before.low, before.low",
+     ".low < before.high, before.low"),
+    (_TARGETS, "proof/quiet_core.py",
+     "falls and bounces.speed.high <= machine.safe_speed",
+     "falls"),
+    (_TARGETS, "proof/orbit_disc.py",
+     "add(square(add(moved.t, rest.t)), square(add(moved.w, rest.w))).high < disc[7]",
+     "True"),
+    (_TARGETS, "proof/machine.py",
+     "centre=machine.centre._replace(damping=point(middle(half)))",
+     "centre=machine.centre"),
+    (_TARGETS, "proof/rattling_set.py",
+     "range(span.left, span.right + 1)",
+     "range(span.left, span.right)"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("tests", "file", "right", "wrong"), _FAULTS)
+def test_a_fault_is_caught(tmp_path, tests, file, right, wrong):
+    for folder in ("rattle_kernels", "tests/rattle_kernels/proof", "tests/rattle_kernels/numerics"):
+        shutil.copytree(_ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    for each in ("pyproject.toml", "tests/__init__.py", "tests/rattle_kernels/__init__.py"):
+        shutil.copy(_ROOT / each, tmp_path / each)
+    faulty = tmp_path / "rattle_kernels" / file
+    text = faulty.read_text()
+    assert right in text
+    faulty.write_text(text.replace(right, wrong, 1))
+    options = ["-q", "-x", "-p", "no:cacheprovider", "--timeout", "800"]
+    command = [sys.executable, "-m", "pytest", *options, f"tests/rattle_kernels/{tests}"]
+    plain = "0" if tests == _TARGETS else "1"
+    environment = {
+        **os.environ,
+        "NUMBA_DISABLE_JIT": plain,
+        "PYTHONPATH": str(tmp_path),
+        "NUMBA_CACHE_DIR": str(tmp_path),
+    }
+    ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    # 1: tests ran, and some failed. Without the fault they pass: that is their own business.
+    assert ran.returncode == 1, ran.stdout[-2000:] + ran.stderr[-2000:]
+    assert "Error" in ran.stdout or "assert" in ran.stdout

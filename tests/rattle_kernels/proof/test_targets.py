@@ -1,0 +1,137 @@
+"""Targets: what is proven of them holds for exact flights, and they are as large as they can be, nearly."""
+
+import functools
+
+import numpy as np
+import pytest
+
+from rattle_kernels import (
+    PERMANENT_CONTACT,
+    CellGrid,
+    Oscillator,
+    find_attractors,
+    grazing_velocity,
+    map_points,
+    next_impacts,
+)
+from rattle_kernels.proof.machine import centre_of, halves_of, machine_of
+from rattle_kernels.proof.quiet_core import quiet_level
+from rattle_kernels.proof.targets import prove_targets
+from tests.rattle_kernels.proof.exact_flights import ExactMap
+from tests.rattle_kernels.proof.machines import OSCILLATORS, machine_and_some, tolerances_of
+
+FIG_7 = OSCILLATORS[0]
+_DEPARTURES = 300
+
+
+@functools.cache
+def _certificate():
+    random = np.random.default_rng(0)
+    settled = next_impacts(FIG_7, random.random(300), 7.0 * random.random(300), 1000)
+    rattling = np.isfinite(settled.t)
+    attractors = find_attractors(FIG_7, settled.t[rattling], settled.v[rattling])
+    return attractors, prove_targets(machine_of(FIG_7), FIG_7, attractors, columns=128)
+
+
+def _felt(oscillator, t):
+    """Acceleration at rest, of one harmonic."""
+    turn = 2.0 * np.pi * t
+    forcing = 2.0 * np.pi * np.cos(turn) + oscillator.damping * np.sin(turn)
+    return 4.0 * np.pi * oscillator.damping - 2.0 * np.pi * oscillator.eccentricity * forcing
+
+
+@pytest.mark.parametrize("part", [0.0, 0.5])
+@pytest.mark.parametrize("oscillator", OSCILLATORS)
+def test_the_action_falls_in_the_quiet_core(oscillator, part):
+    random = np.random.default_rng(1)
+    machine, some = machine_and_some(oscillator, part, random)
+    level = quiet_level(machine, parts=2)
+    assert level > 0.0
+    exact = ExactMap(some)
+    for t, size in zip(random.random(_DEPARTURES), 10.0 ** random.uniform(-9.0, 0.0, _DEPARTURES), strict=True):
+        v = float((level * size * exact.acceleration(t)).root(3)) * (1.0 - 1e-12)
+        landed = exact.image(t, v)
+        assert landed.v**3 / exact.acceleration(landed.t) < v**3 / exact.acceleration(t)
+
+
+def test_the_quiet_core_is_nearly_as_large_as_it_can_be():
+    """Just above the least action that grows somewhere, by a search among departures, nothing is proven."""
+    _, certificate = _certificate()
+    t, v = np.meshgrid(np.linspace(0.0, 1.0, 800, endpoint=False), np.linspace(0.02, 3.0, 800))
+    landed = next_impacts(FIG_7, t, v)
+    action = v**3 / _felt(FIG_7, t)
+    grows = landed.v**3 / _felt(FIG_7, landed.t) > action
+    assert 0.9 * action[grows].min() < certificate.level < action[grows].min()
+
+
+def test_discs_are_mapped_into_themselves():
+    random = np.random.default_rng(2)
+    attractors, certificate = _certificate()
+    exact = ExactMap(FIG_7)
+    assert certificate.discs
+    for number, disc in certificate.discs.items():
+        assert attractors[number].upper_contacts == disc.impacts
+        angle = 2.0 * np.pi * random.random(_DEPARTURES)
+        x = np.linalg.solve(disc.frame, 0.999999 * disc.radius * np.stack([np.cos(angle), np.sin(angle)]))
+        for t, v in zip(disc.t + x[0], disc.v + x[1], strict=True):
+            place = (t, v)
+            for _ in range(disc.impacts):
+                place = exact.image(*(float(each) for each in place))
+            off = (float(place[0]) - disc.t + 0.5) % 1.0 - 0.5, float(place[1]) - disc.v
+            assert np.linalg.norm(disc.frame @ off) < disc.radius
+
+
+def test_a_set_that_rattles_for_ever_is_mapped_into_itself():
+    random = np.random.default_rng(3)
+    attractors, certificate = _certificate()
+    lattice = certificate.targets.rattling
+    assert attractors[certificate.rattling].is_chaotic
+    exact, columns = ExactMap(FIG_7), lattice.ends.shape[1]
+    rows, places = np.nonzero(lattice.ends)
+    for k in random.integers(0, rows.size, _DEPARTURES):
+        t, v = (places[k] + random.random()) / columns, (lattice.first + rows[k] + random.random()) * lattice.height
+        landed = exact.image(t, v)
+        row = int(np.floor(float(landed.v) / lattice.height)) - lattice.first
+        assert lattice.ends[row, int(np.floor(float(landed.t) * columns)) % columns] == 1 + certificate.rattling
+
+
+def test_departures_of_proven_boxes_end_there():
+    """The lattice before it grows: the quiet core."""
+    _, certificate = _certificate()
+    lattice, random = certificate.targets.lattice, np.random.default_rng(4)
+    rows, columns = np.nonzero(lattice.ends)
+    assert rows.size > 0
+    t = (columns + random.random(rows.size)) / lattice.ends.shape[1]
+    v = (lattice.first + rows + random.random(rows.size)) * lattice.height
+    assert (v < grazing_velocity(FIG_7, t)).all()
+    assert (map_points(FIG_7, CellGrid(), 1499, t, v).image_cell == PERMANENT_CONTACT).all()
+
+
+@pytest.mark.parametrize("oscillator", OSCILLATORS)
+def test_halves_hold_all_machines_and_their_own_centres(oscillator):
+    machine = machine_of(oscillator, tolerances_of(oscillator))
+    for _ in range(8):
+        halves = halves_of(machine)
+        for whole, *parts in zip(_ranges(machine), *map(_ranges, halves), strict=True):
+            assert (min(low for low, _ in parts), max(high for _, high in parts)) == whole
+            assert parts[0] == parts[1] or parts[0][1] == parts[1][0]
+        machine = halves[0]
+        for half in halves:
+            centre = machine_of(centre_of(half))
+            for (low, high), (value, same) in zip(_ranges(half), _ranges(centre), strict=True):
+                assert low <= value == same <= high
+
+
+def _ranges(machine):
+    rows = [row[each : each + 2] for row in machine.harmonics.tolist() for each in (1, 3)]
+    return [tuple(each) for each in (machine.damping, machine.half_backlash, machine.restitution, *rows)]
+
+
+def test_a_machine_without_tolerances_has_no_halves():
+    assert halves_of(machine_of(FIG_7)) == []
+    assert halves_of(machine_of(FIG_7, {"half_backlash": (0.5, 0.7)})) == []
+
+
+def test_a_machine_that_may_break_eq_8_is_refused():
+    with pytest.raises(ValueError, match="Eq. 8"):
+        machine_of(Oscillator(0.6, 0.1, 0.6), {"eccentricity": (0.1, 0.3)})

@@ -1,0 +1,165 @@
+"""The functions that workers run to prove a basin. Each takes a store and a part of it, and may safely be run again.
+
+    targets -> follow parts of the boxes -> grow -> ... four levels ... -> prove tiles
+
+What a level needs of the one before lies in the store.
+"""
+
+import math
+import time
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels import Attractor, CellGrid
+from rattle_kernels.proof.cells import prove_cells
+from rattle_kernels.proof.growth import empty_trails, follow_boxes, grow_all
+from rattle_kernels.proof.lattice import UNPROVEN, refined
+from rattle_kernels.proof.machine import Machine, machine_of
+from rattle_kernels.proof.targets import Certificate, Targets, prove_targets
+from worker.basins.proof_certificate import targets_of
+from worker.basins.tasks import open_store
+from worker.cluster.task import stop_if_cancelled
+from worker.jobs.basin_job import BasinJob
+from worker.stores.basin_store import BasinStore
+from worker.stores.proof_arrays import BOXES_A_PART
+from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON, Unproven
+from worker.stores.tiles import Tile
+
+LEVELS = 4
+"""How often the lattice grows: as it is first, and each time that its boxes have been cut into four."""
+# Its columns at the end: eight for each cell of the longer side of the grid. A box of 1/8192 serves finer grids, too.
+_COLUMNS_A_CELL, _FEWEST_COLUMNS, _MOST_COLUMNS = 8, 512, 8192
+# Cells that are proven between two looks at whether the job is cancelled: about a second, where each is cut into 64.
+_CELLS_AT_A_TIME = 4096
+
+
+@dataclass(frozen=True)
+class GrowthReceipt:
+    """Boxes of the lattice after a level: all, those proven, and in how many rounds."""
+
+    boxes: int
+    proven: int
+    rounds: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class ProofReceipt:
+    """What is proven of a tile: sixty-fourths of cells by solution, and cells by the reason why not all is."""
+
+    proven: np.ndarray
+    reasons: np.ndarray
+    seconds: float
+
+
+class _Known(NamedTuple):
+    """What following needs: the machine, and its targets at a level."""
+
+    machine: Machine
+    targets: Targets
+    rounds: np.ndarray
+    boxes: np.ndarray
+
+
+def first_columns(grid: CellGrid) -> int:
+    """Columns of the lattice before its boxes are cut."""
+    wanted = _COLUMNS_A_CELL * max(grid.time_cells, grid.velocity_cells)
+    columns = min(max(2 ** math.ceil(math.log2(wanted)), _FEWEST_COLUMNS), _MOST_COLUMNS)
+    return columns >> (LEVELS - 1)
+
+
+def _machine(job: BasinJob) -> Machine:
+    assert job.prove is not None
+    return machine_of(job.oscillator, job.prove.tolerances)
+
+
+def find_targets(location: str, digest: str, number: int, attractors: tuple[Attractor, ...]) -> Certificate:
+    """Prove targets: the quiet core, discs around orbits, a set that rattles for ever."""
+    job = open_store(location, digest).job
+    fastest, columns = job.grid.velocity_stop, first_columns(job.grid)
+    return prove_targets(_machine(job), job.oscillator, attractors, stop_if_cancelled, fastest, columns)
+
+
+@lru_cache(maxsize=1)
+def _known(location: str, digest: str, level: int) -> _Known:
+    """What is known once the lattice has grown at so many levels; its boxes are cut, if they are to be followed again.
+
+    Kept once a process: the last lattice has 235 MB, and serves all tiles.
+    """
+    store = open_store(location, digest)
+    ends, rounds = store.read_lattice(level, level == LEVELS)
+    certificate = store.certificate
+    assert certificate is not None
+    targets = targets_of(certificate, ends, store.read_rattling())
+    if 0 < level < LEVELS:
+        targets = targets._replace(lattice=refined(targets.lattice))
+        rounds = rounds.repeat(2, 0).repeat(2, 1)
+    unproven = targets.lattice.ends == UNPROVEN if level < LEVELS else np.zeros((1, 1), np.bool_)
+    return _Known(_machine(store.job), targets, rounds, np.argwhere(unproven).astype(np.int32))
+
+
+def follow_part(location: str, digest: str, part: int, level: int) -> float:
+    """Follow one part of the boxes that are not proven, and write where they come to. Return the seconds it took."""
+    store, known = open_store(location, digest), _known(location, digest, level)
+    stop_if_cancelled()
+    begin = time.perf_counter()
+    boxes = known.boxes[part * BOXES_A_PART : (part + 1) * BOXES_A_PART]
+    ends, trails = np.zeros(len(boxes), np.uint16), empty_trails(len(boxes))
+    follow_boxes(known.machine, store.job.oscillator, known.targets, boxes, ends, trails)
+    seconds = time.perf_counter() - begin
+    store.write_followed(part, ends, trails)
+    return seconds
+
+
+def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
+    """Let the lattice grow from what is found of its boxes, and write it as it is after one more level."""
+    store, known = open_store(location, digest), _known(location, digest, level)
+    followed, trails = store.read_followed()
+    begin = time.perf_counter()
+    ends, rounds = known.targets.lattice.ends.copy(), known.rounds.copy()
+    # What comes to a target at once, or to what the lattice knew before, is proven in a round of its own.
+    rows, columns = known.boxes[followed != UNPROVEN].T
+    ends[rows, columns] = followed[followed != UNPROVEN]
+    rounds[rows, columns] = rounds.max() + 1
+    grow_all(ends, rounds, known.boxes, trails, stop_if_cancelled)
+    seconds = time.perf_counter() - begin
+    store.write_lattice(level + 1, level + 1 == LEVELS, ends, rounds)
+    return GrowthReceipt(ends.size, int(np.count_nonzero(ends)), int(rounds.max()), seconds)
+
+
+def prove_tile(location: str, digest: str, number: int) -> ProofReceipt:
+    """Prove the cells of one tile, unless that has been done, and count what is proven."""
+    store = open_store(location, digest)
+    tile = store.tiling.tile(number)
+    (colours,) = store.read_tile((store.places.solution,), tile)
+    seconds = 0.0
+    cells = store.read_proof(tile)
+    if cells is None:
+        begin = time.perf_counter()
+        cells = _prove(store, _known(location, digest, LEVELS), tile, colours)
+        seconds = time.perf_counter() - begin
+        store.write_tile((PROVEN, UNPROVEN_REASON), tile, cells)
+    proven, reason = cells
+    by_solution = np.bincount(colours.ravel(), proven.ravel(), minlength=int(colours.max()) + 1)
+    return ProofReceipt(by_solution.astype(np.int64), np.bincount(reason.ravel(), minlength=len(Unproven)), seconds)
+
+
+def _prove(store: BasinStore, known: _Known, tile: Tile, colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Prove a tile some rows at a time."""
+    job = store.job
+    assert job.prove is not None
+    rows = max(1, _CELLS_AT_A_TIME // colours.shape[1])
+    parts = []
+    for start in range(0, colours.shape[0], rows):
+        stop_if_cancelled()
+        here = colours[start : start + rows]
+        between = tile.rows[0] + start, tile.rows[0] + start + len(here)
+        part = prove_cells(
+            known.machine, job.oscillator, known.targets, job.grid, between, tile.columns, here,
+            job.prove.levels,
+        )  # fmt: skip
+        parts.append(part)
+    return np.concatenate([part.proven for part in parts]), np.concatenate([part.reason for part in parts])

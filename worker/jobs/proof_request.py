@@ -1,0 +1,68 @@
+"""What of a basin is to be proven: how finely, and for which machines."""
+
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, ConfigDict, Field
+
+from rattle_kernels import Oscillator
+from rattle_kernels.proof.cells import MOST_LEVELS
+from rattle_kernels.proof.machine import machine_of, parameters_within
+from worker.errors import InvalidJob
+from worker.jobs.request import Real, Request
+
+
+class ProofRequest(Request):
+    """A proof of a basin of the impacting model."""
+
+    model_config = ConfigDict(title="ProofRequest")
+
+    levels: Annotated[int, Field(strict=True, ge=0, le=MOST_LEVELS)] = Field(
+        MOST_LEVELS, description="How often a cell that is not proven whole may be cut into four"
+    )
+    tolerances: dict[str, tuple[Real, Real]] = Field(
+        default_factory=dict,
+        description="Least and greatest value of parameters: what is proven holds for every machine within",
+    )
+
+
+def check_proof(proof: ProofRequest, oscillator: Oscillator) -> ProofRequest:
+    """A proof request in canonical form: all fields there, parameters in order.
+
+    Parameters
+    ----------
+    proof : ProofRequest
+    oscillator : Oscillator
+
+    Returns
+    -------
+    ProofRequest
+
+    Raises
+    ------
+    InvalidJob
+        If a tolerance is of a parameter that the oscillator lacks, or does not hold its value.
+    OutsideDomain
+        If Eq. (8) cannot be proven for all machines within.
+    """
+    known = parameters_within(oscillator)
+    for name, (least, greatest) in proof.tolerances.items():
+        place = ("prove", "tolerances", name)
+        if name not in known:
+            raise InvalidJob(f"{name} has no tolerance: use one of {', '.join(known)}", place)
+        value = oscillator.value_of(name)
+        if not least <= value <= greatest:
+            raise InvalidJob(f"{name} = {value:g} does not lie between {least:g} and {greatest:g}", place)
+        if not known[name][0] <= least <= greatest <= known[name][1]:
+            raise InvalidJob(f"{name} lies between {known[name][0]:g} and {known[name][1]:g}", place)
+    machine_of(oscillator, proof.tolerances)
+    tolerances = {name: proof.tolerances[name] for name in known if name in proof.tolerances}
+    return ProofRequest(levels=proof.levels, tolerances=tolerances)
+
+
+def _of_flag(given: Any) -> Any:
+    """``true`` asks for a proof as it is by default, ``false`` for none."""
+    return ({} if given else None) if isinstance(given, bool) else given
+
+
+Prove = Annotated[ProofRequest | None, BeforeValidator(_of_flag)]
+"""Field of a request; also ``true`` or ``false``."""
