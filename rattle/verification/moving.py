@@ -72,7 +72,8 @@ def advance(machine: Machine, moving: Moving) -> tuple[Moving, Image] | None:
         rest_v += (moved_v - side_v) * UNIT
         all_t, all_v = all_t + side_t * UNIT, all_v + side_v * UNIT
         sides.append((side_t, side_v))
-    all_t, all_v = within(all_t + rest_t, mapped.all_t), within(all_v + rest_v, mapped.all_v)
+    # The middle belongs to it: slopes of the next image are taken between the middle and all else.
+    all_t, all_v = within(all_t + rest_t, mapped.all_t).union(t), within(all_v + rest_v, mapped.all_v).union(v)
     return _without_turns(Moving(t, v, (sides[0], sides[1]), rest_t, rest_v, all_t, all_v)), mapped
 
 
