@@ -74,8 +74,8 @@ def _above(machine: Machine, core: Core, t: arb, tau: arb, depth: int) -> bool:
 def _speed(machine: Machine, t: arb, tau: arb) -> arb:
     """Speeds of departures that return after a time of `tau` > 0, in the mean value form.
 
-    From y(tau) = 0 the speed is ``(4 pi tau + e(s) - e(t))/E - 4 pi - e'(t)``. It grows by y'/E with tau, where y' is the
-    speed of arrival, and by ``(e'(s) - e'(t) - e''(t) E)/E`` with t.
+    From y(tau) = 0 the speed is ``(4 pi tau + e(s) - e(t))/E - 4 pi - e'(t)``. It grows by y'/E with tau, where y' is
+    the speed of arrival, and by ``(e'(s) - e'(t) - e''(t) E)/E`` with t.
     """
     middle = Flight(machine, t.mid(), arb(0))
     reached, _ = machine.decay(tau.mid())
