@@ -50,7 +50,7 @@ def test_a_box_with_another_end_is_found(subject):
     places = np.argwhere(lattice.ends == 1)[:: max(1, int((lattice.ends == 1).sum()) // 20)]
     flipped = np.where(lattice.ends == 1, 2, lattice.ends)
     # Each alone is wrong, among others that are right.
-    for row, column in places:
+    for row, column in places.tolist():
         ends = lattice.ends.copy()
         ends[row, column] = flipped[row, column]
         faulty = Ends(subject.claims._replace(lattice=lattice._replace(ends=ends)))
@@ -62,7 +62,7 @@ def test_a_box_with_another_end_is_found(subject):
 def test_a_cell_with_another_solution_is_found(subject):
     plane = subject.plane
     flipped = plane._replace(solution=1 - plane.solution)
-    for row, column in np.argwhere(plane.proven == 64)[::20]:
+    for row, column in np.argwhere(plane.proven == 64)[::20].tolist():
         assert try_cell(subject.ends, plane, row, column) is None
         failure = try_cell(subject.ends, flipped, row, column)
         assert failure is not None and failure.contradicted, (row, column)
