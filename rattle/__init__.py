@@ -20,6 +20,7 @@ _HOMES = {
     "rattle.verbs": ("basin", "sweep", "bifurcation", "orbits", "manifolds", "grazing_curve", "trajectory", "compute"),
     "rattle.stores.checking": ("check",),
     "rattle.stores.exporting": ("export",),
+    "rattle.stores.verifying": ("verify",),
     "rattle.results.opening": ("open",),
     "rattle.remote.verbs": ("connect", "Service"),
     "rattle.remote.job": ("RemoteJob",),

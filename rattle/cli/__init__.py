@@ -46,6 +46,10 @@ _OTHER_COMMANDS = {
         "stores.export",
         "Write a finished result as a zipped RO-Crate: its request, versions, tables and pictures.",
     ),
+    "verify": (
+        "stores.verify",
+        "Prove again, by Arb balls, what a basin's store claims to be proven; exit with 1 if anything is not.",
+    ),
     "keys": ("guard.keys", "Make, list and revoke the API keys of a service."),
     "certs": ("guard.certs", "Make certificates for the parts of a Dask cluster."),
     "plot": (

@@ -1,1 +1,1 @@
-"""What is done with whole stores: they are checked, and taken away."""
+"""What is done with whole stores: they are checked, verified, exported and taken away."""

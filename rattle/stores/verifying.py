@@ -1,0 +1,60 @@
+"""A proof in a store is proven again, by other means than the kernels."""
+
+import importlib.util
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal
+
+from rattle.verification.verdict import Verification
+
+Counting = Callable[[str, int, int], None]
+
+
+def verify(
+    store: str | Path,
+    *,
+    cells: int = 10_000,
+    boxes: int | Literal["all"] = 10_000,
+    seed: int = 0,
+    processes: int = 1,
+    progress: Counting = lambda what, done, total: None,
+) -> Verification:
+    """Prove again what a basin's store claims to be proven, by other means: Arb balls of python-flint.
+
+    All targets are proven: a(t) > 0, the quiet core, each disc around an orbit, the set that rattles for ever. Of the
+    cells, and of the boxes of the lattice by which they were proven, a random sample is tried. A sample is a sample:
+    the others are not looked at. If all boxes are right, so is the lattice, by induction over its rounds.
+
+    Parameters
+    ----------
+    store : str or path
+        A folder, or ``s3://bucket/prefix``, of a finished basin that was computed with a proof.
+    cells : int
+        How many cells are tried, of those with a proven part.
+    boxes : int or "all"
+        How many boxes of the lattice are tried, as many of each round as there are.
+    seed : int
+        Of the sample.
+    processes : int
+        How many processes work; with more than one, a script needs ``if __name__ == "__main__"``.
+    progress : callable
+        Called with what is being proven, how much of it has been, and of how much.
+
+    Returns
+    -------
+    Verification
+
+    Raises
+    ------
+    StoreConflict
+        If there is no finished basin with a proof.
+    StoreFailed
+        If it cannot be read.
+    ImportError
+        If python-flint is not there, which the extra ``proof`` brings.
+    """
+    if importlib.util.find_spec("flint") is None:
+        raise ImportError("verifying needs python-flint: pip install 'gear-rattle[proof]'")
+    from rattle.verification.checking import prove_again
+
+    return prove_again(str(store), cells, boxes, seed, processes, progress)

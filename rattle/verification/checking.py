@@ -1,0 +1,98 @@
+"""The parts of the theorem, one after the other."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Literal
+
+import numpy as np
+from flint import arb
+
+from rattle.verification.claims import Claims
+from rattle.verification.discs import discs
+from rattle.verification.ends import in_disc
+from rattle.verification.machine import holds
+from rattle.verification.moving import box
+from rattle.verification.quiet import acceleration_at_rest, quiet_core
+from rattle.verification.verdict import Part, Verification, contradicted
+from rattle.verification.work import Crew, Subject, subject_at
+from rattle_kernels import AttractorKind
+
+Counting = Callable[[str, int, int], None]
+
+
+def prove_again(
+    location: str, cells: int, boxes: int | Literal["all"], seed: int, processes: int, progress: Counting
+) -> Verification:
+    """All parts of the theorem for one store; see `rattle.verify`."""
+    subject = subject_at(location)
+    random = np.random.default_rng(seed)
+    parts = [*_targets(subject, progress)]
+    with Crew(subject, location, processes) as crew:
+        for what, part, places in _tried_one_by_one(subject, cells, boxes, random):
+            for tried, failures in crew.try_all(what, places, partial(progress, what)):
+                part.add(tried, failures)
+            parts.append(part)
+    return Verification(location, tuple(parts))
+
+
+def _targets(subject: Subject, progress: Counting) -> list[Part]:
+    claims = subject.claims
+    parts = [_same(subject), acceleration_at_rest(claims.machine)]
+    if claims.core is not None and parts[-1].holds:
+        parts.append(quiet_core(claims.machine, claims.core, lambda done, total: progress("core", done, total)))
+    if claims.discs:
+        parts.append(discs(claims))
+    return parts
+
+
+def _same(subject: Subject) -> Part:
+    """The certificate is about the motions of this store."""
+    claims, proof = subject.claims, subject.proof
+    part = Part("the certificate is about this store", 2 + len(claims.discs))
+    part.add(1, [] if holds(claims.machine, proof.job.oscillator) else [
+        contradicted("machine", "the oscillator of the store is none of the certificate's")])  # fmt: skip
+    names = tuple(each.name for each in proof.attractors)
+    kinds = dict(enumerate(each.kind for each in proof.attractors))
+    right = names == claims.motions
+    right &= claims.core is None or kinds.get(claims.core.motion) == AttractorKind.PERMANENT_CONTACT
+    part.add(1, [] if right else [contradicted("motions", f"the store has {', '.join(names)}")])
+    for disc in claims.discs:
+        orbit = proof.attractors[disc.motion] if disc.motion in kinds else None
+        held = orbit is not None and any(
+            in_disc(disc, box(arb(t), arb(v))) for t, v in zip(orbit.time, orbit.velocity, strict=True)
+        )
+        place = f"disc around t = {disc.t!r}, v = {disc.v!r}"
+        part.add(1, [] if held else [contradicted(place, "no departure of its motion in the store lies inside")])
+    return part
+
+
+def _tried_one_by_one(
+    subject: Subject, cells: int, boxes: int | Literal["all"], random: np.random.Generator
+) -> list[tuple[str, Part, np.ndarray]]:
+    claims, found = subject.claims, []
+    if claims.rattling is not None:
+        places = np.argwhere(claims.rattling.ends)
+        found.append(("rattling", Part("set that rattles for ever: its boxes", len(places)), places))
+    chosen, of = _boxes(claims, boxes, random)
+    found.append(("boxes", Part("boxes of the lattice", of), chosen))
+    proven = np.argwhere(subject.proof.proven > 0)
+    chosen = proven[np.sort(random.permutation(len(proven))[:cells])]
+    found.append(("cells", Part("cells", len(proven)), chosen))
+    return found
+
+
+def _boxes(claims: Claims, count: int | Literal["all"], random: np.random.Generator) -> tuple[np.ndarray, int]:
+    """A sample of the proven boxes, in which rounds have equal shares as far as they can; and of how many."""
+    ends, rounds = claims.lattice.ends.ravel(), claims.lattice.rounds.ravel()
+    proven = np.flatnonzero(ends)
+    if count != "all" and count < len(proven):
+        shuffled = random.permutation(proven)
+        order = np.argsort(rounds[shuffled], kind="stable")
+        shuffled = shuffled[order]
+        # The rank of each within its round: the first of each round come first.
+        begins = np.searchsorted(rounds[shuffled], rounds[shuffled], side="left")
+        rank = np.arange(len(shuffled)) - begins
+        chosen = np.sort(shuffled[np.argsort(rank, kind="stable")[:count]])
+    else:
+        chosen = proven
+    return np.stack(np.unravel_index(chosen, claims.lattice.ends.shape), axis=1), len(proven)

@@ -1,0 +1,137 @@
+"""The machine of a certificate in Arb balls: the forcing that an object in freeplay feels."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import arb
+
+from rattle_kernels import Oscillator
+
+UNIT = arb(0, 1)
+"""The ball from -1 to 1."""
+
+
+def ball(low: float | arb, high: float | arb) -> arb:
+    """The ball of all numbers between two."""
+    return arb(low).union(arb(high))
+
+
+def within(a: arb, b: arb) -> arb:
+    """What two balls that hold the same number have in common."""
+    return a.intersection(b) if a.overlaps(b) else a
+
+
+class Wave(NamedTuple):
+    """One harmonic ``amplitude cos(2 pi (order t + phase))`` of the transmission error."""
+
+    order: arb
+    amplitude: arb
+    phase: arb
+
+
+class Machine:
+    """All oscillators with parameters in given balls.
+
+    Freeplay is ``Phi'' + delta Phi' = a(t)`` with ``a = 4 pi delta + e'' + delta e'``, where e is the transmission
+    error: so that ``4 pi t + e(t)`` solves it.
+
+    Parameters
+    ----------
+    damping, half_backlash, restitution : (float, float)
+        Least and greatest value.
+    harmonics : sequence of (order, amplitude, amplitude, phase, phase)
+        Least and greatest values likewise; the first is the eccentricity.
+
+    Attributes
+    ----------
+    least_acceleration : float
+        A bound below a(t), as `acceleration_at_rest` proves it; 0 until then.
+    """
+
+    def __init__(
+        self,
+        damping: Sequence[float],
+        half_backlash: Sequence[float],
+        restitution: Sequence[float],
+        harmonics: Sequence[Sequence[float]],
+    ) -> None:
+        self.damping = ball(*damping)
+        self.least_damping, self.most_damping = arb(damping[0]), arb(damping[1])
+        self.gap = 2 * ball(*half_backlash)
+        self.restitution = ball(*restitution)
+        self.least_acceleration = 0.0
+        self.waves = [Wave(arb(row[0]), ball(row[1], row[2]), ball(row[3], row[4])) for row in harmonics]
+
+    @classmethod
+    def of(cls, told: dict[str, Any]) -> "Machine":
+        """The machine that a certificate tells."""
+        return cls(told["damping"], told["half_backlash"], told["restitution"], told["harmonics"])
+
+    @property
+    def highest_order(self) -> float:
+        """Of the harmonics."""
+        return max(float(wave.order) for wave in self.waves)
+
+    def error(self, t: arb) -> tuple[arb, arb, arb]:
+        """Transmission error and its first two derivatives by time."""
+        value = rate = bend = arb(0)
+        for wave in self.waves:
+            sine, cosine = _sine_cosine(wave.order * t + wave.phase)
+            speed = 2 * arb.pi() * wave.order
+            first = wave.amplitude * speed
+            value += wave.amplitude * cosine
+            rate -= first * sine
+            bend -= first * speed * cosine
+        return value, rate, bend
+
+    def acceleration(self, t: arb) -> arb:
+        """a(t): what an object at rest feels."""
+        _, rate, bend = self.error(t)
+        return self.damping * (4 * arb.pi() + rate) + bend
+
+    def derivatives(self, t: arb, count: int) -> list[arb]:
+        """a(t) and its derivatives, `count` in all."""
+        found = [4 * arb.pi() * self.damping] + [arb(0)] * (count - 1)
+        for wave in self.waves:
+            sine, cosine = _sine_cosine(wave.order * t + wave.phase)
+            speed = 2 * arb.pi() * wave.order
+            size = wave.amplitude * speed
+            for k in range(count):
+                found[k] -= size * (speed * cosine + self.damping * sine)
+                sine, cosine, size = cosine, -sine, size * speed
+        return found
+
+    def decay(self, tau: arb) -> tuple[arb, arb]:
+        """``E = (1 - e^(-delta tau))/delta`` and ``D = e^(-delta tau)``; no duration is negative."""
+        low, high = tau.lower().nonnegative_part(), tau.upper().nonnegative_part()
+        # E grows with tau and falls with delta.
+        least = -(-self.most_damping * low).expm1() / self.most_damping
+        most = -(-self.least_damping * high).expm1() / self.least_damping
+        return least.union(most), (-self.damping * low.union(high)).exp()
+
+
+def holds(machine: Machine, oscillator: Oscillator) -> bool:
+    """Whether an oscillator is one of a machine's."""
+    waves = [(1.0, oscillator.eccentricity, 0.0), *oscillator.harmonics]
+    pairs = [
+        (machine.damping, oscillator.damping),
+        (machine.gap, 2 * oscillator.half_backlash),
+        (machine.restitution, oscillator.restitution),
+    ]
+    for wave, told in zip(machine.waves, waves, strict=False):
+        pairs += zip(wave, told, strict=True)
+    same = len(machine.waves) == len(waves) and not np.isfinite(oscillator.stiffness)
+    return same and all(each.contains(arb(value)) for each, value in pairs)
+
+
+def _sine_cosine(turns: arb) -> tuple[arb, arb]:
+    """Sine and cosine of an angle in turns; sharper at the extremes than a bound by the largest slope."""
+    middle = turns.mid()
+    sine, cosine = (2 * middle).sin_cos_pi()
+    off = 2 * arb.pi() * (turns - middle)
+    bent = arb(0, (off * off).abs_upper() / 2)
+    return (
+        within(sine + cosine * off + bent, UNIT),
+        within(cosine - sine * off + bent, UNIT),
+    )

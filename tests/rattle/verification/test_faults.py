@@ -1,0 +1,68 @@
+"""A store's proof is proven again; each deliberate fault in what it claims is found."""
+
+import numpy as np
+import pytest
+
+import rattle
+from rattle.verification.discs import discs
+from rattle.verification.ends import Ends
+from rattle.verification.quiet import quiet_core
+from rattle.verification.samples import try_box, try_cell
+from rattle.verification.work import subject_at
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
+_TRAIL = 4
+
+
+@pytest.fixture(scope="module")
+def location(tmp_path_factory):
+    path = tmp_path_factory.mktemp("verified") / "basin.zarr"
+    # Losing energy, there is no set that rattles for ever: the store is small.
+    rattle.basin(restitution=0.9, cells=(20, 20), prove=True, levels=0, store=path, progress=False)
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def subject(location):
+    return subject_at(location)
+
+
+def test_a_good_store_is_proven_again(location):
+    found = rattle.verify(location, cells=100, boxes=200)
+    assert found.holds, [part.failures for part in found.parts]
+    assert [part.tried for part in found.parts][-2:] == [200, 100]
+
+
+def test_a_level_that_is_raised_is_found(subject):
+    core = subject.claims.core
+    part = quiet_core(subject.claims.machine, core._replace(level=1.5 * core.level), lambda done, total: None)
+    assert not part.holds
+
+
+def test_a_disc_that_is_inflated_is_found(subject):
+    (disc,) = subject.claims.discs
+    assert discs(subject.claims).holds
+    assert not discs(subject.claims._replace(discs=(disc._replace(radius=8.0 * disc.radius),))).holds
+
+
+def test_a_box_with_another_end_is_found(subject):
+    lattice = subject.claims.lattice
+    places = np.argwhere(lattice.ends == 1)[:: max(1, int((lattice.ends == 1).sum()) // 20)]
+    flipped = np.where(lattice.ends == 1, 2, lattice.ends)
+    # Each alone is wrong, among others that are right.
+    for row, column in places.tolist():
+        ends = lattice.ends.copy()
+        ends[row, column] = flipped[row, column]
+        faulty = Ends(subject.claims._replace(lattice=lattice._replace(ends=ends)))
+        assert try_box(subject.ends, _TRAIL, row, column) is None
+        failure = try_box(faulty, _TRAIL, row, column)
+        assert failure is not None and failure.contradicted, (row, column)
+
+
+def test_a_cell_with_another_solution_is_found(subject):
+    plane = subject.plane
+    flipped = plane._replace(solution=1 - plane.solution)
+    for row, column in np.argwhere(plane.proven == 64)[::20].tolist():
+        assert try_cell(subject.ends, plane, row, column) is None
+        failure = try_cell(subject.ends, flipped, row, column)
+        assert failure is not None and failure.contradicted, (row, column)
