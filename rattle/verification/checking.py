@@ -8,11 +8,11 @@ import numpy as np
 from flint import arb
 
 from rattle.verification.claims import Claims
-from rattle.verification.discs import discs
 from rattle.verification.ends import in_disc
 from rattle.verification.machine import holds
 from rattle.verification.moving import box
-from rattle.verification.quiet import acceleration_at_rest, quiet_core
+from rattle.verification.targets.discs import discs
+from rattle.verification.targets.quiet import acceleration_at_rest, quiet_core
 from rattle.verification.verdict import Part, Verification, contradicted
 from rattle.verification.work import Crew, Subject, subject_at
 from rattle_kernels import AttractorKind

@@ -7,7 +7,7 @@ from flint import arb, ctx
 
 from rattle.verification.ends import NOWHERE, Ends
 from rattle.verification.moving import Moving, advance, box
-from rattle.verification.quiet import halves
+from rattle.verification.targets.quiet import halves
 from rattle.verification.verdict import Failure, contradicted, undecided
 
 DEPTH = 16

@@ -10,7 +10,7 @@ from rattle.verification.ends import NOWHERE, Ends, box_of, boxes_of, end_in, in
 from rattle.verification.following import Lost, failure_of, lost_part
 from rattle.verification.machine import Machine, ball
 from rattle.verification.moving import Moving, advance, box
-from rattle.verification.quiet import halves
+from rattle.verification.targets.quiet import halves
 from rattle.verification.verdict import Failure, contradicted, undecided
 
 _DEPTH, _DEPTH_OF_PART = 18, 6

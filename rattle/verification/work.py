@@ -10,8 +10,8 @@ from flint import ctx
 
 from rattle.verification.claims import Claims, claims_of
 from rattle.verification.ends import Ends
-from rattle.verification.quiet import acceleration_at_rest
 from rattle.verification.samples import Plane, try_box, try_cell, try_rattling_box
+from rattle.verification.targets.quiet import acceleration_at_rest
 from rattle.verification.verdict import Failure
 from worker.errors import StoreConflict
 from worker.stores.checking.stored_proof import StoredProof, read_proof

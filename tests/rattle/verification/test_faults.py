@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import rattle
-from rattle.verification.discs import discs
 from rattle.verification.ends import Ends
-from rattle.verification.quiet import quiet_core
 from rattle.verification.samples import try_box, try_cell
+from rattle.verification.targets.discs import discs
+from rattle.verification.targets.quiet import quiet_core
 from rattle.verification.work import subject_at
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]

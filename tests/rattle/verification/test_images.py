@@ -6,7 +6,7 @@ from flint import arb, ctx
 
 from rattle.verification.impact import image
 from rattle.verification.machine import Machine
-from rattle.verification.quiet import acceleration_at_rest
+from rattle.verification.targets.quiet import acceleration_at_rest
 from rattle_kernels import next_impacts
 from rattle_kernels.proof.impact import LOST, enclose_images
 from rattle_kernels.proof.machine import machine_of

@@ -104,6 +104,14 @@ def test_tolerances_prove_for_every_machine_within(tmp_path):
     assert 0 < proven.sum() <= alone.sum()
 
 
+def test_a_lattice_that_is_proven_whole_is_not_followed_any_more(tmp_path):
+    """Here every motion falls quiet."""
+    quiet = BasinJob(oscillator=Oscillator(0.6, 0.05, 0.6), grid=CellGrid(time_cells=70, velocity_cells=8), prove=True)
+    store = run(quiet, tmp_path / "quiet.zarr")
+    ends, _ = store.read_lattice(LEVELS, True)
+    assert ends.all() and store.complete
+
+
 def test_a_request_without_a_proof_has_no_trace_of_it(tmp_path):
     plain = run(BasinJob(oscillator=LOSSY, grid=CellGrid(time_cells=8, velocity_cells=8)), tmp_path / "plain.zarr")
     assert not plain.holds_proof and plain.certificate is None and "prove" not in plain.job.request()

@@ -94,10 +94,10 @@ class ProofRun:
         self._store.create_lattice(level + 1, last, (cut * ends.shape[0], cut * ends.shape[1]))
         parts = -(-boxes // BOXES_A_PART)
         self._enter(Stage.ENCLOSING, parts + 1)
+        # Also where none is left: what was found at the level before would be taken for what is found at this one.
+        self._store.create_trails(boxes)
         if not parts:
             return [Task(grow_lattice, level, (), self._grown)]
-        self._store.create_trails(boxes)
-        self._followed = 0
         return [Task(follow_part, part, (level,), self._part_followed) for part in range(parts)]
 
     def _enter(self, stage: Stage, tasks: int) -> None:

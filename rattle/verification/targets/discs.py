@@ -1,7 +1,7 @@
 """Discs: P^p maps each into itself and brings all its points nearer to each other, so they end in one periodic orbit.
 
-The disc is covered by parts. If P^p maps each into the disc, and |DP^p| < 1 over each in the disc's coordinates, that is
-so, by the mean value theorem (the disc is convex and compact) and Banach's.
+The disc is covered by parts. If P^p maps each into the disc, and |DP^p| < 1 over each in the disc's coordinates, that
+is so, by the mean value theorem (the disc is convex and compact) and Banach's.
 """
 
 from flint import arb
@@ -11,7 +11,7 @@ from rattle.verification.ends import in_disc, in_frame
 from rattle.verification.flight import Slope
 from rattle.verification.machine import UNIT, Machine
 from rattle.verification.moving import Moving, advance, box
-from rattle.verification.quiet import halves
+from rattle.verification.targets.quiet import halves
 from rattle.verification.verdict import Failure, Part, contradicted, undecided
 
 _DEPTH = 12

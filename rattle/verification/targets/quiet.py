@@ -11,8 +11,8 @@ from flint import arb
 from rattle.verification.claims import Core
 from rattle.verification.flight import Flight
 from rattle.verification.impact import image
-from rattle.verification.low_bounces import low_bounces
 from rattle.verification.machine import Machine, ball, within
+from rattle.verification.targets.low_bounces import low_bounces
 from rattle.verification.verdict import Failure, Part, contradicted, undecided
 
 _PHASES, _COLUMNS = 1024, 64

@@ -1,0 +1,1 @@
+"""Proofs of targets again: the quiet core, and discs around periodic orbits."""
