@@ -6,12 +6,15 @@ from typing import NamedTuple
 from flint import arb, ctx
 
 from rattle.verification.ends import NOWHERE, Ends
+from rattle.verification.machine import Machine
 from rattle.verification.moving import Moving, advance, box
 from rattle.verification.targets.quiet import halves
 from rattle.verification.verdict import Failure, contradicted, undecided
 
 DEPTH = 16
 """How often a box may be cut in two."""
+# How often the tolerances may be, first of all.
+_CUTS = 6
 # A point is followed with so many bits, and so far, to see where it really comes.
 _BITS, _IMPACTS = 160, 120
 
@@ -47,15 +50,19 @@ def lost_part(ends: Ends, t: arb, v: arb, end: int, impacts: int, arrived: Arriv
     -------
     Lost or None
     """
-    waiting = [(t, v, depth)]
+    waiting = [(ends.machine, _CUTS, t, v, depth)]
     while waiting:
-        t, v, depth = waiting.pop()
-        found, last = _end_of(ends, box(t, v), impacts, arrived)
+        machine, cuts, t, v, depth = waiting.pop()
+        found, last = _end_of(machine, box(t, v), impacts, arrived)
         if found == end:
             continue
-        if found != NOWHERE or depth == 0:
+        machines = machine.halves() if cuts and found == NOWHERE else []
+        if machines:
+            waiting += [(half, cuts - 1, t, v, depth) for half in machines]
+        elif found != NOWHERE or depth == 0:
             return Lost(t, v, found)
-        waiting += _parts(t, v, depth - 1, last)
+        else:
+            waiting += [(machine, 0, *part) for part in _parts(t, v, depth - 1, last)]
     return None
 
 
@@ -72,13 +79,13 @@ def failure_of(ends: Ends, place: str, end: int, lost: Lost) -> Failure:
     return contradicted(place, f"departures {where} end in {name}")
 
 
-def _end_of(ends: Ends, moving: Moving, impacts: int, arrived: Arriving) -> tuple[int, Moving]:
+def _end_of(machine: Machine, moving: Moving, impacts: int, arrived: Arriving) -> tuple[int, Moving]:
     """The end of a set, and the last that is known of it."""
     for n in range(impacts + 1):
         found = arrived(moving)
         if found != NOWHERE or n == impacts:
             return found, moving
-        advanced = advance(ends.machine, moving)
+        advanced = advance(machine, moving)
         if advanced is None:
             break
         moving = advanced[0]
@@ -96,6 +103,6 @@ def _parts(t: arb, v: arb, depth: int, last: Moving) -> list[tuple[arb, arb, int
 def _end_of_point(ends: Ends, t: arb, v: arb) -> int:
     bits, ctx.prec = ctx.prec, _BITS
     try:
-        return _end_of(ends, box(t, v), _IMPACTS, ends.at_target)[0]
+        return _end_of(ends.machine, box(t, v), _IMPACTS, ends.at_target)[0]
     finally:
         ctx.prec = bits

@@ -56,6 +56,7 @@ class Machine:
         restitution: Sequence[float],
         harmonics: Sequence[Sequence[float]],
     ) -> None:
+        self._told = [tuple(map(float, each)) for each in (damping, half_backlash, restitution, *harmonics)]
         self.damping = ball(*damping)
         self.least_damping, self.most_damping = arb(damping[0]), arb(damping[1])
         self.gap = 2 * ball(*half_backlash)
@@ -67,6 +68,31 @@ class Machine:
     def of(cls, told: dict[str, Any]) -> "Machine":
         """The machine that a certificate tells."""
         return cls(told["damping"], told["half_backlash"], told["restitution"], told["harmonics"])
+
+    def halves(self) -> "list[Machine]":
+        """Two machines that together are this one, by half of the tolerance that matters most; none without any."""
+        widest, place = max((size, place) for place, size in self._sizes().items())
+        if widest == 0.0:
+            return []
+        row, first = place
+        low, high = self._told[row][first : first + 2]
+        found = []
+        for ends in ((low, 0.5 * (low + high)), (0.5 * (low + high), high)):
+            told = list(self._told)
+            told[row] = (*told[row][:first], *ends, *told[row][first + 2 :])
+            half = Machine(told[0], told[1], told[2], told[3:])
+            half.least_acceleration = self.least_acceleration
+            found.append(half)
+        return found
+
+    def _sizes(self) -> dict[tuple[int, int], float]:
+        """Each tolerance as a part of what it changes, by its row and the place of its lower end."""
+        sizes = {(row, 0): (self._told[row][1] - self._told[row][0]) / self._told[row][1] for row in range(3)}
+        drag = 4.0 * np.pi * self._told[0][1]
+        for row, (order, low, high, early, late) in enumerate(self._told[3:], 3):
+            bend = (2.0 * np.pi * order) ** 2 / drag
+            sizes[row, 1], sizes[row, 3] = bend * (high - low), bend * high * 2.0 * np.pi * (late - early)
+        return sizes
 
     @property
     def highest_order(self) -> float:

@@ -11,18 +11,20 @@ from rattle.verification.ends import in_disc, in_frame
 from rattle.verification.flight import Slope
 from rattle.verification.machine import UNIT, Machine
 from rattle.verification.moving import Moving, advance, box
-from rattle.verification.targets.quiet import halves
+from rattle.verification.targets.quiet import halves, parts_of
 from rattle.verification.verdict import Failure, Part, contradicted, undecided
 
 _DEPTH = 12
+# Of tolerances.
+_PARTS = 8
 
 
 def discs(claims: Claims) -> Part:
     """Prove all of them again."""
     part = Part("discs around periodic orbits", len(claims.discs))
     for disc in claims.discs:
-        failure = _disc(claims.machine, disc)
-        part.add(1, [] if failure is None else [failure])
+        failures = (_disc(machine, disc) for machine in parts_of(claims.machine, _PARTS))
+        part.add(1, [each for each in failures if each is not None][:1])
     return part
 
 

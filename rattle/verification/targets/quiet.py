@@ -18,6 +18,8 @@ from rattle.verification.verdict import Failure, Part, contradicted, undecided
 _PHASES, _COLUMNS = 1024, 64
 _SHORTEST, _STRIP = 1 / 64, 1.15
 _MOST_STRIPS = 60
+# How often tolerances may be cut in two.
+_CUTS = 6
 _DEPTH, _DEPTH_OF_EDGE = 28, 8
 # A departure that refutes the core is sought by ever faster ones.
 _TRIALS, _FASTER = 40, 1.01
@@ -44,14 +46,42 @@ def quiet_core(machine: Machine, core: Core, tick: Callable[[int, int], None]) -
     """Prove that every departure of the core falls quiet."""
     part = Part(f"quiet core, level {core.level:.6g}")
     for i in range(_COLUMNS):
-        t = ball(i, i + 1) / _COLUMNS
-        for failure in _column(machine, core, t):
-            part.of += 1
-            part.add(1, [] if failure is None else [failure])
-            if failure is not None:
-                return part  # a core with a hole is none
+        strips, failure = _column_of_parts(machine, core, ball(i, i + 1) / _COLUMNS, _CUTS)
+        part.of += strips
+        part.add(strips, [] if failure is None else [failure])
+        if failure is not None:
+            break  # a core with a hole is none
         tick(i + 1, _COLUMNS)
     return part
+
+
+def _column_of_parts(machine: Machine, core: Core, t: arb, cuts: int) -> tuple[int, Failure | None]:
+    """Strips of a column, and which failed; tolerances are cut where one does, for an uncertain a blurs the action."""
+    strips, failure = 0, None
+    for failure in _column(machine, core, t):
+        strips += 1
+        if failure is not None:
+            break
+    parts = machine.halves() if failure is not None and not failure.contradicted and cuts else []
+    if parts:
+        failure = None
+    for each in parts:
+        more, failure = _column_of_parts(each, core, t, cuts - 1)
+        strips += more
+        if failure is not None:
+            break
+    return strips, failure
+
+
+def parts_of(machine: Machine, count: int) -> list[Machine]:
+    """Machines that together are one: so many, or one that has no tolerances."""
+    machines = [machine]
+    while len(machines) < count:
+        halved = [half for each in machines for half in each.halves()]
+        if not halved:
+            break
+        machines = halved
+    return machines
 
 
 def _column(machine: Machine, core: Core, t: arb) -> Iterator[Failure | None]:
