@@ -35,6 +35,9 @@ def _make(results: Results, report: Report) -> Sheet:
     for number, (axes, (name, basin)) in enumerate(zip(places.flat, results.items(), strict=False)):
         report("drawing", number, len(results))
         basin.rattle.plot(axes, overlays=["proven"])
+        legend = axes.get_legend()
+        if legend is not None:
+            legend.remove()
         parameter, value = name.split()
         axes.label_outer()
         axes.set_title(f"{SYMBOLS[parameter]} = {value}: {_proven(basin):.2%} proven", fontsize="medium")

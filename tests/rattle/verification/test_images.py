@@ -55,7 +55,7 @@ def test_tables_of_reference_lie_within_balls_of_thirty_digits(category):
 def test_images_of_boxes_hold_the_kernels_images_of_their_points(oscillator):
     ctx.prec = 64
     random = np.random.default_rng(3)
-    machine, boxes = exactly(oscillator), boxes_of_departures(oscillator, 300, random)
+    machine, boxes = exactly(oscillator), boxes_of_departures(oscillator, 80, random)
     t, v = departures_in(boxes, random)
     impacts = next_impacts(oscillator, t, v)
     tried = 0
@@ -76,7 +76,7 @@ def test_images_of_boxes_hold_the_kernels_images_of_their_points(oscillator):
 @pytest.mark.parametrize("oscillator", OSCILLATORS)
 def test_enclosures_of_the_kernels_hold_images_by_balls_of_200_bits(oscillator):
     random = np.random.default_rng(4)
-    boxes, machine = boxes_of_departures(oscillator, 300, random), exactly(oscillator)
+    boxes, machine = boxes_of_departures(oscillator, 80, random), exactly(oscillator)
     enclosed = enclose_images(machine_of(oscillator), oscillator, boxes)
     t, v = departures_in(boxes, random)
     tried = 0
