@@ -50,6 +50,8 @@ def lost_part(ends: Ends, t: arb, v: arb, end: int, impacts: int, arrived: Arriv
     -------
     Lost or None
     """
+    lattice = ends.claims.lattice
+    speed = lattice.height * lattice.ends.shape[1]
     waiting = [(ends.machine, _CUTS, t, v, depth)]
     while waiting:
         machine, cuts, t, v, depth = waiting.pop()
@@ -62,7 +64,7 @@ def lost_part(ends: Ends, t: arb, v: arb, end: int, impacts: int, arrived: Arriv
         elif found != NOWHERE or depth == 0:
             return Lost(t, v, found)
         else:
-            waiting += [(machine, 0, *part) for part in _parts(t, v, depth - 1, last)]
+            waiting += [(machine, 0, *part) for part in _parts(t, v, depth - 1, last, speed)]
     return None
 
 
@@ -92,10 +94,10 @@ def _end_of(machine: Machine, moving: Moving, impacts: int, arrived: Arriving) -
     return NOWHERE, moving
 
 
-def _parts(t: arb, v: arb, depth: int, last: Moving) -> list[tuple[arb, arb, int]]:
-    """Two halves: cut is the side that has grown longer."""
-    by_time, by_speed = last.sides
-    if abs(float(by_time[0])) >= abs(float(by_speed[0])):
+def _parts(t: arb, v: arb, depth: int, last: Moving, speed: float) -> list[tuple[arb, arb, int]]:
+    """Two halves: cut is the side that has grown longer, where a period is as long as a speed."""
+    by_time, by_speed = (abs(float(side_t)) * speed + abs(float(side_v)) for side_t, side_v in last.sides)
+    if by_time >= by_speed:
         return [(half, v, depth) for half in halves(t)]
     return [(t, half, depth) for half in halves(v)]
 
