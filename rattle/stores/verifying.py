@@ -52,6 +52,14 @@ def verify(
         If it cannot be read.
     ImportError
         If python-flint is not there, which the extra ``proof`` brings.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> basin = rattle.basin(damping=1.5, cells=20, prove=True, store="damped.zarr", progress=False)
+    >>> found = rattle.verify("damped.zarr", cells=10, boxes=100)
+    >>> found.holds, [(part.name, part.tried) for part in found.parts[-2:]]
+    (True, [('boxes of the lattice', 100), ('cells', 10)])
     """
     if importlib.util.find_spec("flint") is None:
         raise ImportError("verifying needs python-flint: pip install 'gear-rattle[proof]'")

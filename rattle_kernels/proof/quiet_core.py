@@ -108,12 +108,14 @@ def _slowest(machine, tau, phases):
     return least
 
 
-def quiet_level(machine: Machine, parts: int = PARTS, pause: Pause = never_stopped) -> float:
+def quiet_level(machine: Machine, fastest: float, parts: int = PARTS, pause: Pause = never_stopped) -> float:
     """Largest level found such that every departure ``v^3 < level a(t)`` is proven to fall quiet.
 
     Parameters
     ----------
     machine : Machine
+    fastest : float
+        Speed beyond which no core is sought. Where all motions fall quiet, the action falls at every speed.
     parts : int
         In how many parts tolerances are cut at most.
     pause : callable
@@ -125,7 +127,7 @@ def quiet_level(machine: Machine, parts: int = PARTS, pause: Pause = never_stopp
         0 if nothing is proven.
     """
     number = itertools.count()
-    levels = [(_level_of(machine), next(number), machine)]
+    levels = [(_level_of(machine, fastest), next(number), machine)]
     while len(levels) < parts:
         # The part with the least level, which is the level of all.
         halves = halves_of(levels[0][2])
@@ -134,11 +136,11 @@ def quiet_level(machine: Machine, parts: int = PARTS, pause: Pause = never_stopp
         heapq.heappop(levels)
         for half in halves:
             pause()
-            heapq.heappush(levels, (_level_of(half), next(number), half))
+            heapq.heappush(levels, (_level_of(half, fastest), next(number), half))
     return levels[0][0]
 
 
-def _level_of(machine: Machine) -> float:
+def _level_of(machine: Machine, fastest: float) -> float:
     oscillator = centre_of(machine)
     stack = np.empty((_DEPTH + 2, 5))
     highest = float(machine.harmonics[:, 0].max())
@@ -150,12 +152,16 @@ def _level_of(machine: Machine) -> float:
         for t in _columns(_COLUMNS):
             level = _lowest_failure(machine, oscillator, True, t, Interval(begin, end), level, stack)
         begin = end
+    weakest = min(acceleration(machine, error_at(machine, t)).low for t in _columns(_FINE_COLUMNS))
+    enough = fastest**3 / weakest
     # A faster departure takes longer: up to this speed all bounces are short.
     low = _slowest(machine, short, _FINE_COLUMNS)
     for _ in range(_MOST_STRIPS):
         least = down(down(low * low * low) / machine.greatest_acceleration)
         if not least < level:
             return level
+        if least > enough:
+            return least
         high = low * (1.0 + _STEP)
         for t in _columns(_COLUMNS):
             level = _lowest_failure(machine, oscillator, False, t, Interval(low, high), level, stack)

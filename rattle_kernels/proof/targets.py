@@ -103,10 +103,10 @@ def prove_targets(
     Certificate
         Its lattice holds the quiet core; `growth` lets it grow.
     """
-    level = quiet_level(machine, pause=pause)
+    lattice, top = _lattice_for(oscillator, attractors, fastest, columns)
+    level = quiet_level(machine, top, pause=pause)
     pause()
     quiet = [n for n, each in enumerate(attractors) if each.kind == AttractorKind.PERMANENT_CONTACT]
-    lattice = _lattice_for(oscillator, attractors, fastest, columns)
     if quiet:
         _fill_core(machine, level, lattice, 1 + quiet[0])
     discs = {}
@@ -123,11 +123,13 @@ def prove_targets(
     return Certificate(level, discs, chaos, Targets(lattice, rattling, disc_rows(discs)))
 
 
-def _lattice_for(oscillator: Oscillator, attractors: Sequence[Attractor], fastest: float, columns: int) -> Lattice:
+def _lattice_for(
+    oscillator: Oscillator, attractors: Sequence[Attractor], fastest: float, columns: int
+) -> tuple[Lattice, float]:
     speeds = [float(each.velocity.max()) for each in attractors if each.velocity.size]
     usual = 1.05 * max([largest_grazing_speed(oscillator), *speeds])
     top = max(usual, fastest)
-    return empty_lattice(0.0, top, columns, 2.0 ** math.floor(math.log2(usual / columns)))
+    return empty_lattice(0.0, top, columns, 2.0 ** math.floor(math.log2(usual / columns))), top
 
 
 def _holds_no_other(machine: Machine, rattling: Lattice, level: float, discs: Iterable[OrbitDisc]) -> bool:

@@ -43,7 +43,7 @@ def test_a_basin_is_drawn_with_its_motions_named(basin):
     ]
     assert len(axes.images) == 1 and len(axes.lines) == 1
     assert basin.rattle.overlay("attractors", ax=axes) is axes and len(axes.lines) == 3
-    with pytest.raises(InvalidJob, match="choose among grazing"):
+    with pytest.raises(InvalidJob, match="choose among proven,grazing"):
         basin.rattle.plot(overlays=["saddle"])
 
 

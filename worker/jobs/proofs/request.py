@@ -81,5 +81,9 @@ def _of_flag(given: Any) -> Any:
     return ({} if given else None) if isinstance(given, bool) else given
 
 
-Prove = Annotated[ProofRequest | None, BeforeValidator(_of_flag)]
+def _or_flag(schema: dict[str, Any]) -> None:
+    schema["anyOf"].insert(0, {"type": "boolean"})
+
+
+Prove = Annotated[ProofRequest | None, BeforeValidator(_of_flag), Field(json_schema_extra=_or_flag)]
 """Field of a request; also ``true`` or ``false``."""
