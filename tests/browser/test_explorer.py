@@ -297,7 +297,7 @@ def test_a_picture_of_what_is_seen_has_its_window_layer_colours_and_overlays(ope
     page.locator("#anew").uncheck()
     page.locator("#in").click()
     page.locator("#layer").select_option("step")
-    page.locator("#overlays input").nth(1).uncheck()
+    page.locator("#overlays").get_by_label("Attractors").uncheck()
     window = re.search(r"window=([^&]+)", page.url)[1]
     page.locator("#away summary").click()
     with page.expect_request(re.compile(r"/picture\.svg")) as asked:

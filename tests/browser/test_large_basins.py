@@ -12,8 +12,10 @@ def test_a_large_basin_is_shown_by_a_level_and_closer_by_a_finer_one(explorer, s
     job = service.wait(service.submit(LONG)["id"])
     asked = []
     explorer.page.on("request", lambda request: asked.append(request.url) if "/jobs" in request.url else None)
-    explorer.visit(f"?job={job['id']}").state("Complete")
+    with explorer.page.expect_response(lambda answer: "/tiles/" in answer.url):
+        explorer.visit(f"?job={job['id']}").state("Complete")
     expect(explorer.page.locator("#legend button")).to_have_count(3)
+    explorer.page.wait_for_load_state("networkidle")
     tiles = [url.rpartition("?")[2] for url in asked if "/tiles/" in url]
     assert tiles and set(tiles) == {"level=2"}
     assert "permanent contact" in explorer.hover(0.5, 0.1)
