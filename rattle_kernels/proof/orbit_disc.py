@@ -106,7 +106,22 @@ def _part(centre, reach, i, parts):
 
 
 @kernel_as_written
-def _maps_into_itself(machine, oscillator, impacts, disc):
+def maps_into_itself(machine, oscillator, impacts, disc):
+    """Whether all departures of a disc, a row of `disc_rows`, are proven to come back into it nearer to each other.
+
+    Parameters
+    ----------
+    machine : Machine
+    oscillator : Oscillator
+        One of them: where roots are sought first. Nothing rests on it.
+    impacts : int
+        After how many they come back.
+    disc : ndarray, shape (8,)
+
+    Returns
+    -------
+    bool
+    """
     frame = np.array([[disc[3], disc[4]], [disc[5], disc[6]]])
     dt, dv, inverse = _extent(frame, up(math.sqrt(disc[7])))
     linear = Matrix(point(disc[3]), point(disc[4]), point(disc[5]), point(disc[6]))
@@ -156,7 +171,7 @@ def _largest_radius(machine: Machine, oscillator: Oscillator, disc: OrbitDisc) -
     radius = _LARGEST
     while radius > _SMALLEST:
         row = disc_rows({0: disc._replace(radius=radius)})[0]
-        if _maps_into_itself(machine, oscillator, disc.impacts, row):
+        if maps_into_itself(machine, oscillator, disc.impacts, row):
             return radius
         radius *= _SHRINK
     return 0.0

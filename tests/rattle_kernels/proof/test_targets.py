@@ -16,7 +16,7 @@ from rattle_kernels import (
     next_impacts,
 )
 from rattle_kernels.proof.machine import centre_of, halves_of, machine_of
-from rattle_kernels.proof.orbit_disc import orbit_disc
+from rattle_kernels.proof.orbit_disc import disc_rows, maps_into_itself, orbit_disc
 from rattle_kernels.proof.quiet_core import quiet_level
 from rattle_kernels.proof.targets import prove_targets
 from tests.rattle_kernels.proof.exact_flights import ExactMap
@@ -94,6 +94,26 @@ def test_discs_are_mapped_into_themselves():
     for number, disc in certificate.discs.items():
         assert attractors[number].upper_contacts == disc.impacts
         assert not _leaves(disc, FIG_7, np.random.default_rng(2))
+
+
+def test_a_disc_that_a_departure_leaves_is_not_proven():
+    """Discs beside the orbit, so that departures leave on any side."""
+    random, machine, angle = np.random.default_rng(6), machine_of(FIG_7), 2.0 * np.pi * np.linspace(0.0, 1.0, 200)
+    _, certificate = _certificate()
+    (disc,) = certificate.discs.values()
+    rim = np.stack([np.cos(angle), np.sin(angle)])
+    left = 0
+    for _ in range(300):
+        radius = disc.radius * 10.0 ** random.uniform(-2.0, 0.5)
+        t, v = (disc.t, disc.v) + np.linalg.solve(disc.frame, random.uniform(-1.0, 1.0, 2) * radius)
+        one = disc._replace(t=float(t), v=float(v), radius=radius)
+        x = np.linalg.solve(disc.frame, radius * rim)
+        landed = next_impacts(FIG_7, t + x[0], v + x[1], disc.impacts)
+        off = np.stack([(landed.t - t + 0.5) % 1.0 - 0.5, landed.v - v])
+        if np.linalg.norm(disc.frame @ off, axis=0).max() > 1.000001 * radius:
+            left += 1
+            assert not maps_into_itself(machine, FIG_7, disc.impacts, disc_rows({0: one})[0])
+    assert left > 30
 
 
 @pytest.mark.parametrize(("part", "known"), [(1e-4, True), (0.002, False)])
