@@ -62,6 +62,20 @@ class Box(NamedTuple):
     w: Interval
 
 
+@inlined_as_written
+def halves_of_part(part):
+    """The later or upper half of a part, and the other: times and speeds, least and greatest, and how often it was cut.
+
+    Times are cut first, then speeds, in turn.
+    """
+    early, late, low, high, cuts = part
+    if cuts % 2.0 == 0.0:
+        half = 0.5 * (early + late)
+        return (half, late, low, high, cuts + 1.0), (early, half, low, high, cuts + 1.0)
+    half = 0.5 * (low + high)
+    return (early, late, half, high, cuts + 1.0), (early, late, low, half, cuts + 1.0)
+
+
 class Arrivals(NamedTuple):
     """Arrivals of a box; ``found`` says whether this is proven.
 

@@ -29,15 +29,15 @@ from rattle_kernels.numerics.interval import (
 )
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit
-from rattle_kernels.proof.flight import Box, Matrix, spread
+from rattle_kernels.proof.flight import Box, Matrix, halves_of_part, spread
 from rattle_kernels.proof.impact import product
 from rattle_kernels.proof.machine import Machine
 from rattle_kernels.proof.moving_set import advance, set_out
 
 _LARGEST, _SMALLEST, _SHRINK = 0.3, 1e-8, 0.85
 _LONGEST = 64
-# Parts into which the box around a disc is cut each way, for orbits of one impact; those of more have fewer.
-_PARTS = 16
+# How often a part of a disc is halved, and how many are followed by one impact each, before the proof is given up.
+_DEPTH, _MOST_PARTS = 16, 65536
 
 
 class OrbitDisc(NamedTuple):
@@ -68,7 +68,7 @@ def _extent(frame, radius):
 
 
 @inlined_as_written
-def _norm(a):
+def spectral_norm(a):
     """Bound on the spectral norm: the larger singular value."""
     squares = add(add(square(a.tt), square(a.tv)), add(square(a.vt), square(a.vv)))
     determinant = subtract(multiply(a.tt, a.vv), multiply(a.tv, a.vt))
@@ -99,10 +99,12 @@ def lies_in_disc(disc, moving):
 
 
 @inlined_as_written
-def _part(centre, reach, i, parts):
-    """One of the parts between `reach` below and above the centre. Two that touch share an end before it is rounded."""
-    first, last = reach * (2.0 * i / parts - 1.0), reach * (2.0 * (i + 1) / parts - 1.0)
-    return add(point(centre), Interval(down(first), up(last)))
+def _comes_nearer(machine, oscillator, impacts, disc, box, linear, inverse):
+    """Whether all departures of a part of a disc come back into it, nearer to each other."""
+    proven, moving = _after(machine, oscillator, impacts, box)
+    if not (proven and lies_in_disc(disc, moving)):
+        return False
+    return spectral_norm(product(product(linear, moving.slope), inverse)) < 1.0
 
 
 @kernel_as_written
@@ -125,18 +127,23 @@ def maps_into_itself(machine, oscillator, impacts, disc):
     frame = np.array([[disc[3], disc[4]], [disc[5], disc[6]]])
     dt, dv, inverse = _extent(frame, up(math.sqrt(disc[7])))
     linear = Matrix(point(disc[3]), point(disc[4]), point(disc[5]), point(disc[6]))
-    parts = max(_PARTS // impacts, 1)
-    for i in range(parts):
-        for j in range(parts):
-            box = Box(_part(disc[1], dt, j, parts), _part(disc[2], dv, i, parts))
-            off = spread(linear, subtract(box.t, point(disc[1])), subtract(box.w, point(disc[2])))
-            if add(square(off.t), square(off.w)).low > disc[7]:
-                continue  # beside the disc
-            proven, moving = _after(machine, oscillator, impacts, box)
-            if not (proven and lies_in_disc(disc, moving)):
-                return False
-            if not _norm(product(product(linear, moving.slope), inverse)) < 1.0:
-                return False
+    stack = np.empty((_DEPTH + 2, 5))
+    stack[0] = down(disc[1] - dt), up(disc[1] + dt), down(disc[2] - dv), up(disc[2] + dv), 0.0
+    waiting, left = 1, _MOST_PARTS // impacts
+    while waiting > 0:
+        waiting -= 1
+        part = stack[waiting, 0], stack[waiting, 1], stack[waiting, 2], stack[waiting, 3], stack[waiting, 4]
+        box = Box(Interval(part[0], part[1]), Interval(part[2], part[3]))
+        off = spread(linear, subtract(box.t, point(disc[1])), subtract(box.w, point(disc[2])))
+        if add(square(off.t), square(off.w)).low > disc[7]:
+            continue  # beside the disc
+        left -= 1
+        if _comes_nearer(machine, oscillator, impacts, disc, box, linear, inverse):
+            continue
+        if part[4] >= _DEPTH or left < 0:
+            return False
+        stack[waiting], stack[waiting + 1] = halves_of_part(part)
+        waiting += 2
     return True
 
 

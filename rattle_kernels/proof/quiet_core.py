@@ -17,7 +17,7 @@ import numpy as np
 from rattle_kernels.numerics.interval import Interval, divide, down, middle, multiply, point, square
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.numerics.pausing import Pause, never_stopped
-from rattle_kernels.proof.flight import Box
+from rattle_kernels.proof.flight import Box, halves_of_part
 from rattle_kernels.proof.impact import LOST, image
 from rattle_kernels.proof.low_bounces import low_bounces
 from rattle_kernels.proof.machine import Machine, acceleration, centre_of, error_at, halves_of
@@ -64,17 +64,6 @@ def _test(machine, oscillator, short, t, other):
     return _test_short(machine, t, other) if short else _test_long(machine, oscillator, t, other)
 
 
-@inlined_as_written
-def _halves(box):
-    """The later or upper half of a box of (t, t, other, other, depth), and the earlier or lower one."""
-    t_low, t_high, low, high, depth = box
-    if depth % 2.0 == 0.0:
-        cut = 0.5 * (t_low + t_high)
-        return (cut, t_high, low, high, depth + 1.0), (t_low, cut, low, high, depth + 1.0)
-    cut = 0.5 * (low + high)
-    return (t_low, t_high, cut, high, depth + 1.0), (t_low, t_high, low, cut, depth + 1.0)
-
-
 @kernel_as_written
 def _lowest_failure(machine, oscillator, short, t, other, level, stack):
     """Least action of the boxes within one that cannot be proven, of those below `level`; else `level`."""
@@ -90,7 +79,7 @@ def _lowest_failure(machine, oscillator, short, t, other, level, stack):
             level = least if least > 0.0 else 0.0
             continue
         # The later or upper half waits: the other may lower the level first.
-        stack[waiting], stack[waiting + 1] = _halves(box)
+        stack[waiting], stack[waiting + 1] = halves_of_part(box)
         waiting += 2
     return level
 

@@ -14,7 +14,7 @@ from rattle.verification.moving import Moving, advance, box
 from rattle.verification.targets.quiet import halves, parts_of
 from rattle.verification.verdict import Failure, Part, contradicted, undecided
 
-_DEPTH = 12
+_DEPTH = 18
 # Of tolerances.
 _PARTS = 8
 

@@ -15,8 +15,10 @@ from rattle_kernels import (
     map_points,
     next_impacts,
 )
+from rattle_kernels.numerics.interval import point
+from rattle_kernels.proof.flight import Matrix
 from rattle_kernels.proof.machine import centre_of, halves_of, machine_of
-from rattle_kernels.proof.orbit_disc import disc_rows, maps_into_itself, orbit_disc
+from rattle_kernels.proof.orbit_disc import disc_rows, maps_into_itself, orbit_disc, spectral_norm
 from rattle_kernels.proof.quiet_core import quiet_level
 from rattle_kernels.proof.targets import prove_targets
 from tests.rattle_kernels.proof.exact_flights import ExactMap
@@ -94,6 +96,37 @@ def test_discs_are_mapped_into_themselves():
     for number, disc in certificate.discs.items():
         assert attractors[number].upper_contacts == disc.impacts
         assert not _leaves(disc, FIG_7, np.random.default_rng(2))
+
+
+def test_departures_of_a_disc_come_nearer_to_each_other():
+    random = np.random.default_rng(7)
+    _, certificate = _certificate()
+    for disc in certificate.discs.values():
+        angle, size = 2.0 * np.pi * random.random((2, 5000)), np.sqrt(random.random(5000))
+        x = disc.radius * size * np.stack([np.cos(angle[0]), np.sin(angle[0])])
+        pairs = np.linalg.solve(disc.frame, np.hstack([x, x + 1e-7 * np.stack([np.cos(angle[1]), np.sin(angle[1])])]))
+        landed = next_impacts(FIG_7, disc.t + pairs[0], disc.v + pairs[1], disc.impacts)
+        (t, other_t), (v, other_v) = np.split(landed.t, 2), np.split(landed.v, 2)
+        apart = (t - other_t + 0.5) % 1.0 - 0.5, v - other_v
+        assert np.linalg.norm(disc.frame @ np.stack(apart), axis=0).max() < 1e-7
+
+
+def test_the_norm_of_a_matrix_is_bounded_closely():
+    for matrix in np.random.default_rng(9).normal(size=(100, 2, 2)):
+        bound = spectral_norm(Matrix(*(point(float(each)) for each in matrix.ravel())))
+        assert 1.0 - 1e-12 < np.linalg.norm(matrix, 2) / bound < 1.0 + 1e-15
+
+
+def test_orbits_of_several_impacts_have_discs_that_boxes_fit_into():
+    """The disc is covered by small parts where its edge is near; by few large ones it was 5e-6."""
+    oscillator = Oscillator(damping=0.55, eccentricity=0.1, half_backlash=0.6)
+    settled = next_impacts(oscillator, np.linspace(0.0, 1.0, 100), np.full(100, 4.5), 1000)
+    rattling = np.isfinite(settled.t)
+    attractors = find_attractors(oscillator, settled.t[rattling], settled.v[rattling])
+    (several,) = (each for each in attractors if each.name == "P(2,2,1)")
+    disc = orbit_disc(machine_of(oscillator), oscillator, several)
+    assert min(disc.half_sides) > 1.0 / 128.0
+    assert not _leaves(disc, oscillator, np.random.default_rng(8))
 
 
 def test_a_disc_that_a_departure_leaves_is_not_proven():
