@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels import Oscillator, next_impacts
+from rattle_kernels.proof.machine import machine_of, parts_of
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.job import Job
 from worker.jobs.proofs.lattice import most_boxes
@@ -105,9 +106,15 @@ def estimate(job: Job, cores: int = 1, *, measuring: bool = True) -> Estimate:
     speed = measured_speed(stiff, together) if known else _USUAL[together]
     basins = job.basins if isinstance(job, BasinJob) else 0
     at_once = max(min(basins, cores), 1)
-    boxes = most_boxes(job.grid) if isinstance(job, BasinJob) and job.prove is not None else 0
+    boxes = _boxes_of_proof(job) if isinstance(job, BasinJob) else 0
     seconds = _OF_A_JOB + basins * _OF_A_BASIN / at_once + (job.impacts / speed + boxes * _OF_A_BOX) / cores
     return Estimate(seconds, job.bytes + boxes * _BYTES_OF_A_BOX)
+
+
+def _boxes_of_proof(job: BasinJob) -> int:
+    if job.prove is None:
+        return 0
+    return most_boxes(job.grid, len(parts_of(machine_of(job.oscillator, job.prove.tolerances))))
 
 
 def _in_words(seconds: float) -> str:

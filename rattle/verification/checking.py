@@ -7,12 +7,11 @@ from typing import Literal
 import numpy as np
 from flint import arb
 
-from rattle.verification.claims import Claims
 from rattle.verification.ends import in_disc
-from rattle.verification.machine import holds
+from rattle.verification.machine import cover, holds
 from rattle.verification.moving import box
 from rattle.verification.targets.discs import discs
-from rattle.verification.targets.quiet import acceleration_at_rest, quiet_core
+from rattle.verification.targets.quiet import COLUMNS, acceleration_at_rest
 from rattle.verification.verdict import Part, Verification, contradicted
 from rattle.verification.work import Crew, Subject, subject_at
 from rattle_kernels import AttractorKind
@@ -26,31 +25,37 @@ def prove_again(
     """All parts of the theorem for one store; see `rattle.verify`."""
     subject = subject_at(location)
     random = np.random.default_rng(seed)
-    parts = [*_targets(subject, progress)]
+    parts = _targets(subject)
     with Crew(subject, location, processes) as crew:
-        for what, part, places in _tried_one_by_one(subject, cells, boxes, random):
+        for what, part, places in [*_core(subject), *_tried_one_by_one(subject, cells, boxes, random)]:
             for tried, failures in crew.try_all(what, places, partial(progress, what)):
                 part.add(tried, failures)
             parts.append(part)
     return Verification(location, tuple(parts))
 
 
-def _targets(subject: Subject, progress: Counting) -> list[Part]:
+def _targets(subject: Subject) -> list[Part]:
     claims = subject.claims
     parts = [_same(subject), acceleration_at_rest(claims.machine)]
-    if claims.core is not None and parts[-1].holds:
-        parts.append(quiet_core(claims.machine, claims.core, lambda done, total: progress("core", done, total)))
-    if claims.discs:
-        parts.append(discs(claims))
-    return parts
+    return [*parts, discs(claims)] if claims.discs else parts
+
+
+def _core(subject: Subject) -> list[tuple[str, Part, np.ndarray]]:
+    claims = subject.claims
+    if claims.core is None:
+        return []
+    places = np.argwhere(np.ones((len(claims.parts), COLUMNS)))
+    return [("core", Part(f"quiet core, level {claims.core.level:.6g}", len(places)), places)]
 
 
 def _same(subject: Subject) -> Part:
     """The certificate is about the motions of this store."""
     claims, proof = subject.claims, subject.proof
-    part = Part("the certificate is about this store", 2 + len(claims.discs))
+    part = Part("the certificate is about this store", 3 + len(claims.discs))
     part.add(1, [] if holds(claims.machine, proof.job.oscillator) else [
         contradicted("machine", "the oscillator of the store is none of the certificate's")])  # fmt: skip
+    part.add(1, [] if cover(claims.parts, claims.machine) else [
+        contradicted("parts", "some machine belongs to no part")])  # fmt: skip
     names = tuple(each.name for each in proof.attractors)
     kinds = dict(enumerate(each.kind for each in proof.attractors))
     right = names == claims.motions
@@ -73,7 +78,7 @@ def _tried_one_by_one(
     if claims.rattling is not None:
         places = np.argwhere(claims.rattling.ends)
         found.append(("rattling", Part("set that rattles for ever: its boxes", len(places)), places))
-    chosen, of = _boxes(claims, boxes, random)
+    chosen, of = _boxes(subject.proof.arrays, boxes, random)
     found.append(("boxes", Part("boxes of the lattice", of), chosen))
     proven = np.argwhere(subject.proof.proven > 0)
     chosen = proven[np.sort(random.permutation(len(proven))[:cells])]
@@ -81,9 +86,11 @@ def _tried_one_by_one(
     return found
 
 
-def _boxes(claims: Claims, count: int | Literal["all"], random: np.random.Generator) -> tuple[np.ndarray, int]:
+def _boxes(
+    arrays: dict[str, np.ndarray], count: int | Literal["all"], random: np.random.Generator
+) -> tuple[np.ndarray, int]:
     """A sample of the proven boxes, in which rounds have equal shares as far as they can; and of how many."""
-    ends, rounds = claims.lattice.ends.ravel(), claims.lattice.rounds.ravel()
+    ends, rounds = arrays["ends"].ravel(), arrays["rounds"].ravel()
     proven = np.flatnonzero(ends)
     if count != "all" and count < len(proven):
         shuffled = random.permutation(proven)
@@ -95,4 +102,4 @@ def _boxes(claims: Claims, count: int | Literal["all"], random: np.random.Genera
         chosen = np.sort(shuffled[np.argsort(rank, kind="stable")[:count]])
     else:
         chosen = proven
-    return np.stack(np.unravel_index(chosen, claims.lattice.ends.shape), axis=1), len(proven)
+    return np.stack(np.unravel_index(chosen, arrays["ends"].shape), axis=1), len(proven)

@@ -38,18 +38,30 @@ class Lattice(NamedTuple):
 
 
 class Claims(NamedTuple):
-    """All of it. ``motions`` are the names of the store's solutions, by number."""
+    """All of it. ``motions`` are the names of the store's solutions, by number.
+
+    ``parts`` are machines that together are the one, or the one alone. ``lattice`` says in which end boxes come for all
+    of them; ``lattices`` says it for each part.
+    """
 
     machine: Machine
+    parts: tuple[Machine, ...]
     motions: tuple[str, ...]
     core: Core | None
     discs: tuple[Disc, ...]
     rattling: Lattice | None
     lattice: Lattice
+    lattices: tuple[Lattice, ...]
+
+    def of_part(self, n: int) -> "Claims":
+        """What is claimed of one part."""
+        return self._replace(machine=self.parts[n], lattice=self.lattices[n])
 
 
 def claims_of(certificate: dict[str, Any], arrays: dict[str, np.ndarray]) -> Claims:
     """Read a certificate and the arrays ``ends``, ``rounds`` and, where there is one, ``rattling``.
+
+    The lattices of parts stand above each other in their arrays.
 
     Raises
     ------
@@ -61,13 +73,19 @@ def claims_of(certificate: dict[str, Any], arrays: dict[str, np.ndarray]) -> Cla
     if chaos is not None:
         held = np.where(arrays["rattling"] > 0, 1 + int(chaos["motion"]), 0).astype(np.uint16)
         rattling = Lattice(float(chaos["height"]), int(chaos["first"]), held, np.zeros_like(held))
+    parts = tuple(Machine.of(each) for each in certificate.get("parts") or [certificate["machine"]])
+    place = float(grid["height"]), int(grid["first"])
+    ends, rounds = (np.split(arrays[name], len(parts)) for name in ("ends", "rounds"))
+    same = np.logical_and.reduce([each == ends[0] for each in ends])
     return Claims(
         Machine.of(certificate["machine"]),
+        parts,
         tuple(certificate["motions"]),
         None if quiet is None else Core(int(quiet["motion"]), float(quiet["level"])),
         tuple(_disc(each) for each in certificate["discs"]),
         rattling,
-        Lattice(float(grid["height"]), int(grid["first"]), arrays["ends"], arrays["rounds"]),
+        Lattice(*place, np.where(same, ends[0], 0), np.maximum.reduce(rounds)),
+        tuple(Lattice(*place, *each) for each in zip(ends, rounds, strict=True)),
     )
 
 

@@ -13,8 +13,8 @@ from rattle.verification.verdict import Failure, contradicted, undecided
 
 DEPTH = 16
 """How often a box may be cut in two."""
-# How often the tolerances may be, first of all.
-_CUTS = 6
+CUTS = 6
+"""How often the tolerances may be."""
 # A point is followed with so many bits, and so far, to see where it really comes.
 _BITS, _IMPACTS = 160, 120
 
@@ -29,7 +29,9 @@ class Lost(NamedTuple):
     found: int
 
 
-def lost_part(ends: Ends, t: arb, v: arb, end: int, impacts: int, arrived: Arriving, depth: int = DEPTH) -> Lost | None:
+def lost_part(
+    ends: Ends, t: arb, v: arb, end: int, impacts: int, arrived: Arriving, depth: int = DEPTH, cuts: int = CUTS
+) -> Lost | None:
     """A part of a box that is not proven to come to an end; None if all of it is.
 
     Parameters
@@ -45,6 +47,8 @@ def lost_part(ends: Ends, t: arb, v: arb, end: int, impacts: int, arrived: Arriv
         The end that all of a set is known to come to.
     depth : int
         How often the box may be cut in two.
+    cuts : int
+        How often the tolerances may be, first of all.
 
     Returns
     -------
@@ -52,7 +56,7 @@ def lost_part(ends: Ends, t: arb, v: arb, end: int, impacts: int, arrived: Arriv
     """
     lattice = ends.claims.lattice
     speed = lattice.height * lattice.ends.shape[1]
-    waiting = [(ends.machine, _CUTS, t, v, depth)]
+    waiting = [(ends.machine, cuts, t, v, depth)]
     while waiting:
         machine, cuts, t, v, depth = waiting.pop()
         found, last = _end_of(machine, box(t, v), impacts, arrived)

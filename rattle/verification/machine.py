@@ -8,6 +8,8 @@ from flint import arb
 
 from rattle_kernels import Oscillator
 
+Ranges = tuple[tuple[float, float], ...]
+
 UNIT = arb(0, 1)
 """The ball from -1 to 1."""
 
@@ -95,6 +97,12 @@ class Machine:
         return sizes
 
     @property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Least and greatest value of each parameter."""
+        rows = [(each[1:3], each[3:5]) for each in self._told[3:]]
+        return tuple((each[0], each[1]) for each in (*self._told[:3], *(pair for row in rows for pair in row)))
+
+    @property
     def highest_order(self) -> float:
         """Of the harmonics."""
         return max(float(wave.order) for wave in self.waves)
@@ -149,6 +157,29 @@ def holds(machine: Machine, oscillator: Oscillator) -> bool:
         pairs += zip(wave, told, strict=True)
     same = len(machine.waves) == len(waves) and not np.isfinite(oscillator.stiffness)
     return same and all(each.contains(arb(value)) for each, value in pairs)
+
+
+def cover(parts: Sequence[Machine], machine: Machine) -> bool:
+    """Whether each oscillator of a machine is one of some part's, all of the same orders."""
+    orders = [float(wave.order) for wave in machine.waves]
+    if any([float(wave.order) for wave in part.waves] != orders for part in parts):
+        return False
+    return _covered(machine.ranges, [part.ranges for part in parts])
+
+
+def _covered(whole: Ranges, parts: Sequence[Ranges]) -> bool:
+    """Whether all of a box of parameters lies in some boxes: it is cut where one of them ends inside."""
+    for part in parts:
+        meets = all(low <= b and a <= high for (low, high), (a, b) in zip(whole, part, strict=True))
+        inside = [n for n, (low, high) in enumerate(whole) for end in part[n] if low < end < high]
+        if meets and not inside and all(a <= low <= high <= b for (low, high), (a, b) in zip(whole, part, strict=True)):
+            return True
+        if meets and inside:
+            n = inside[0]
+            cut = next(end for end in part[n] if whole[n][0] < end < whole[n][1])
+            sides = ((whole[n][0], cut), (cut, whole[n][1]))
+            return all(_covered((*whole[:n], side, *whole[n + 1 :]), parts) for side in sides)
+    return False
 
 
 def _sine_cosine(turns: arb) -> tuple[arb, arb]:

@@ -7,13 +7,15 @@ from flint import arb
 
 from rattle.verification.claims import Claims, Disc, Lattice
 from rattle.verification.ends import NOWHERE, Ends, box_of, boxes_of, end_in, in_frame
-from rattle.verification.following import Lost, failure_of, lost_part
+from rattle.verification.following import CUTS, Lost, failure_of, lost_part
 from rattle.verification.machine import Machine, ball
 from rattle.verification.moving import Moving, advance, box
 from rattle.verification.targets.quiet import halves
 from rattle.verification.verdict import Failure, contradicted, undecided
 
 _DEPTH, _DEPTH_OF_PART = 18, 6
+# How often a 64th of a cell is cut and the tolerances are, one try after the other.
+_OF_ONE, _OF_MANY = ((0, 0), (_DEPTH_OF_PART, 0)), ((0, 0), (0, CUTS), (_DEPTH_OF_PART, CUTS))
 _CUT, _WHOLE = 8, 64
 _LONGEST = 16
 
@@ -49,7 +51,7 @@ def try_cell(ends: Ends, plane: Plane, row: int, column: int) -> Failure | None:
         return _try_parts(ends, place, plane.cell(row, column, _CUT), end, claimed)
     ((t, v),) = plane.cell(row, column)
     # To the targets alone first, for the lattice has been looked at in a sample only.
-    lost = lost_part(ends, t, v, end, _LONGEST, ends.at_target, 0)
+    lost = lost_part(ends, t, v, end, _LONGEST, ends.at_target, 0, 0)
     if lost is not None and lost.found == NOWHERE:
         lost = lost_part(ends, t, v, end, _LONGEST, ends.of)
     return None if lost is None else failure_of(ends, place, end, lost)
@@ -59,10 +61,10 @@ def _try_parts(ends: Ends, place: str, parts: list[tuple[arb, arb]], end: int, c
     """Whether as many parts as are claimed come to an end; which of them they are is not said."""
     refuted: list[tuple[tuple[arb, arb], Lost]] = []
     left: list[tuple[tuple[arb, arb], Lost]] = []
-    for depth in (0, _DEPTH_OF_PART):
+    for depth, cuts in _OF_MANY if ends.machine.halves() else _OF_ONE:
         left = []
         for part in parts:
-            lost = lost_part(ends, *part, end, _LONGEST, ends.of, depth)
+            lost = lost_part(ends, *part, end, _LONGEST, ends.of, depth, cuts)
             if lost is None:
                 claimed -= 1
             else:

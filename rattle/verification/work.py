@@ -11,7 +11,7 @@ from flint import ctx
 from rattle.verification.claims import Claims, claims_of
 from rattle.verification.ends import Ends
 from rattle.verification.samples import Plane, try_box, try_cell, try_rattling_box
-from rattle.verification.targets.quiet import acceleration_at_rest
+from rattle.verification.targets.quiet import acceleration_at_rest, try_column
 from rattle.verification.verdict import Failure
 from worker.errors import StoreConflict
 from worker.stores.checking.stored_proof import StoredProof, read_proof
@@ -29,14 +29,18 @@ class Subject(NamedTuple):
     proof: StoredProof
     claims: Claims
     ends: Ends
+    ends_of_parts: tuple[Ends, ...]
     plane: Plane
 
     def try_one(self, what: str, place: Place) -> Failure | None:
         """Prove one thing again."""
+        if what == "core" and self.claims.core is not None:
+            return try_column(self.claims.parts[place[0]], self.claims.core, place[1])
         if what == "rattling" and self.claims.rattling is not None:
             return try_rattling_box(self.claims, self.claims.rattling, *place)
         if what == "boxes":
-            return try_box(self.ends, int(self.proof.certificate["impacts"]["trail"]), *place)
+            part, row = divmod(place[0], self.claims.lattice.ends.shape[0])
+            return try_box(self.ends_of_parts[part], int(self.proof.certificate["impacts"]["trail"]), row, place[1])
         return try_cell(self.ends, self.plane, *place)
 
 
@@ -54,12 +58,14 @@ def subject_at(location: str) -> Subject:
         claims = claims_of(proof.certificate, proof.arrays)
     except (KeyError, TypeError, ValueError) as error:
         raise StoreConflict(f"{location} has a certificate that cannot be read: {error!r}") from error
-    acceleration_at_rest(claims.machine)
+    for machine in (claims.machine, *claims.parts):
+        acceleration_at_rest(machine)
     grid = proof.job.grid
     plane = Plane(
         (grid.time_start, grid.time_stop), (grid.velocity_start, grid.velocity_stop), proof.solution, proof.proven
     )
-    return Subject(proof, claims, Ends(claims), plane)
+    ends_of_parts = tuple(Ends(claims.of_part(n)) for n in range(len(claims.parts)))
+    return Subject(proof, claims, Ends(claims), ends_of_parts, plane)
 
 
 _subject: Subject | None = None

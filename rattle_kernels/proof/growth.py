@@ -2,11 +2,14 @@
 
 Each box is followed once, for a few impacts, and strips that hold its images are kept as its *trail*. A round then
 looks only at trails. A box is proven from boxes of earlier rounds, so no proof rests on itself.
+
+Where tolerances are cut in parts, each part has a lattice of its own. They stand above each other in one array, and
+grow together: a strip that leaves its own lattice is not kept.
 """
 
 import numpy as np
 
-from rattle_kernels.numerics.interval import Interval, down, up, width
+from rattle_kernels.numerics.interval import Interval, add, down, point, up, width
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.proof.following import WIDEST
@@ -38,27 +41,31 @@ def _wider(a):
 
 @inlined_as_written
 def _in_rows(lattice, a):
-    return _wider(Interval(down(a.low / lattice.height - lattice.first), up(a.high / lattice.height - lattice.first)))
+    return Interval(down(a.low / lattice.height - lattice.first), up(a.high / lattice.height - lattice.first))
 
 
 @inlined_as_written
-def _write(trail, lattice, strip):
-    """Keep a strip in rows of the lattice."""
+def _write(trail, lattice, below, strip):
+    """Keep a strip in rows of the lattice, which stands above others with so many rows."""
+    v, offset = _in_rows(lattice, strip.v), _in_rows(lattice, strip.offset)
+    # In this form NaN is outside, too.
+    if not (v.low >= 0.0 and v.high < lattice.ends.shape[0]):
+        return
     trail[0], trail[1] = _wider(strip.t)
-    trail[2], trail[3] = _in_rows(lattice, strip.v)
-    trail[4], trail[5] = _in_rows(lattice, strip.offset)
+    trail[2], trail[3] = _wider(add(v, point(below)))
+    trail[4], trail[5] = _wider(add(offset, point(below)))
     trail[6] = strip.slope / lattice.height
 
 
 @inlined_as_written
 def _read(trail):
-    """A strip over a lattice with rows of height 1 from 0 on."""
+    """A strip over all lattices, with rows of height 1 from 0 on."""
     times, rows = Interval(float(trail[0]), float(trail[1])), Interval(float(trail[2]), float(trail[3]))
     return Strip(times, rows, float(trail[6]), Interval(float(trail[4]), float(trail[5])))
 
 
 @kernel_as_written
-def follow_boxes(machine, oscillator, targets, boxes, ends, trails):
+def follow_boxes(machine, oscillator, targets, boxes, below, ends, trails):
     """Follow boxes of the lattice.
 
     Parameters
@@ -70,6 +77,8 @@ def follow_boxes(machine, oscillator, targets, boxes, ends, trails):
         What is proven before the first round.
     boxes : ndarray of int32, shape (boxes, 2)
         Their rows and columns.
+    below : int
+        Rows of the lattices below, of other parts of the tolerances.
     ends : ndarray of uint16, shape (boxes,)
         Filled with the ends of boxes that come to a target at once.
     trails : ndarray
@@ -87,7 +96,7 @@ def follow_boxes(machine, oscillator, targets, boxes, ends, trails):
                 break
             strip = strip_of(moving)
             ends[k] = proven_end(targets, moving, strip)
-            _write(trails[k, n], targets.lattice, strip)
+            _write(trails[k, n], targets.lattice, below, strip)
 
 
 @kernel_as_written

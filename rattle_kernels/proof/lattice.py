@@ -73,6 +73,22 @@ def refined(lattice: Lattice) -> Lattice:
     return Lattice(lattice.height / 2, 2 * lattice.first, lattice.ends.repeat(2, 0).repeat(2, 1))
 
 
+def common_ends(ends: np.ndarray, parts: int) -> np.ndarray:
+    """What boxes carry in all of several lattices that stand above each other.
+
+    Parameters
+    ----------
+    ends : ndarray of uint16, shape (parts * rows, columns)
+    parts : int
+
+    Returns
+    -------
+    ndarray of uint16, shape (rows, columns)
+    """
+    each = ends.reshape(parts, -1, ends.shape[1])
+    return np.where((each == each[0]).all(axis=0), each[0], np.uint16(UNPROVEN))
+
+
 @inlined_as_written
 def box_at(lattice, i, j):
     """Departures of a box of the lattice."""

@@ -5,7 +5,7 @@ The transmission error is e(t), the sum of all harmonics ``amplitude cos(2 pi (o
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,10 @@ from rattle_kernels.numerics.interval import Interval, add, down, middle, multip
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 
 _PHASES = 8192
+MOST_PARTS = 16
+"""Into how many parts tolerances are cut at most, a lattice for each."""
+# Up to this part of what it changes a tolerance is narrow enough for one lattice.
+_NARROW = 0.002
 FOUR_PI = Interval(12.566370614359172, 12.566370614359176)
 
 
@@ -183,27 +187,64 @@ def halves_of(machine: Machine) -> list[Machine]:
     list of Machine
         Two, that together hold the same machines, each with its own centre; none if nothing changes the acceleration.
     """
-    damping, rows = machine.damping, machine.harmonics
-    larger, later = rows[:, 2] - rows[:, 1], rows[:, 2] * 2.0 * math.pi * (rows[:, 4] - rows[:, 3])
-    bends = (2.0 * math.pi * rows[:, :1]) ** 2 * np.stack([larger, later], axis=1)
-    drag = 4.0 * math.pi * (damping.high - damping.low)
-    if max(drag, bends.max()) == 0.0:
+    return _halves_by(machine, {place: size for place, size in _sizes(machine).items() if place.changes_acceleration})
+
+
+def parts_of(machine: Machine) -> list[Machine]:
+    """Cut tolerances until each is narrow, or there are `MOST_PARTS`: the widest first, and all parts alike.
+
+    Parameters
+    ----------
+    machine : Machine
+
+    Returns
+    -------
+    list of Machine
+        They hold the same machines together, each with its own centre.
+    """
+    parts = [machine]
+    while 2 * len(parts) <= MOST_PARTS and max(_sizes(parts[0]).values()) > _NARROW:
+        parts = [half for part in parts for half in _halves_by(part, _sizes(parts[0]))]
+    return parts
+
+
+class _Place(NamedTuple):
+    """Where a parameter stands in `Parameters`: which of them, and of a harmonic its row and first column."""
+
+    name: str
+    row: int = 0
+    column: int = 0
+
+    @property
+    def changes_acceleration(self) -> bool:
+        return self.name in ("damping", "harmonics")
+
+
+def _sizes(machine: Machine) -> dict[_Place, float]:
+    """Each tolerance as a part of what it changes: of harmonics that is the acceleration at rest, 4 pi delta."""
+    intervals = {_Place(name): getattr(machine, name) for name in ("damping", "half_backlash", "restitution")}
+    sizes = {place: (each.high - each.low) / each.high for place, each in intervals.items()}
+    for row, (order, small, large, early, late) in enumerate(machine.harmonics.tolist()):
+        bend = (2.0 * math.pi * order) ** 2 / (4.0 * math.pi * machine.damping.high)
+        sizes[_Place("harmonics", row, 1)] = bend * (large - small)
+        sizes[_Place("harmonics", row, 3)] = bend * large * 2.0 * math.pi * (late - early)
+    return sizes
+
+
+def _halves_by(machine: Machine, sizes: dict[_Place, float]) -> list[Machine]:
+    """Two halves by the largest of some tolerances; none if all are 0."""
+    place = max(sizes, key=lambda each: sizes[each])
+    if sizes[place] == 0.0:
         return []
-    if drag >= bends.max():
-        return [
-            machine._replace(damping=half, centre=machine.centre._replace(damping=point(middle(half))))
-            for half in _halves(damping)
-        ]
-    row, which = np.unravel_index(bends.argmax(), bends.shape)
-    ends = slice(1 + 2 * int(which), 3 + 2 * int(which))
+    ends, whole = slice(place.column, place.column + 2), getattr(machine, place.name)
+    a = Interval(*whole[place.row, ends].tolist()) if place.name == "harmonics" else whole
     halves = []
-    for half in _halves(Interval(*rows[row, ends].tolist())):
-        within, one = rows.copy(), machine.centre.harmonics.copy()
-        within[row, ends], one[row, ends] = half, middle(half)
-        halves.append(machine._replace(harmonics=within, centre=machine.centre._replace(harmonics=one)))
+    for half in (Interval(a.low, middle(a)), Interval(middle(a), a.high)):
+        within: Any = half
+        one: Any = point(middle(half))
+        if place.name == "harmonics":
+            within, one = whole.copy(), machine.centre.harmonics.copy()
+            within[place.row, ends], one[place.row, ends] = half, middle(half)
+        changed, centre = {place.name: within}, {place.name: one}
+        halves.append(machine._replace(**changed, centre=machine.centre._replace(**centre)))
     return halves
-
-
-def _halves(a: Interval) -> tuple[Interval, Interval]:
-    cut = middle(a)
-    return Interval(a.low, cut), Interval(cut, a.high)

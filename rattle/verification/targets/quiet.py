@@ -4,7 +4,7 @@ The core is swept in departure time and duration, strip by strip from no duratio
 a faster flight takes longer: where a strip lies above the core, so do all longer ones.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from flint import arb
 
@@ -15,7 +15,9 @@ from rattle.verification.machine import Machine, ball, within
 from rattle.verification.targets.low_bounces import low_bounces
 from rattle.verification.verdict import Failure, Part, contradicted, undecided
 
-_PHASES, _COLUMNS = 1024, 64
+COLUMNS = 64
+"""Parts of a period in which the core is proven."""
+_PHASES = 1024
 _SHORTEST, _STRIP = 1 / 64, 1.15
 _MOST_STRIPS = 60
 # How often tolerances may be cut in two.
@@ -42,35 +44,19 @@ def acceleration_at_rest(machine: Machine) -> Part:
     return part
 
 
-def quiet_core(machine: Machine, core: Core, tick: Callable[[int, int], None]) -> Part:
-    """Prove that every departure of the core falls quiet."""
-    part = Part(f"quiet core, level {core.level:.6g}")
-    for i in range(_COLUMNS):
-        strips, failure = _column_of_parts(machine, core, ball(i, i + 1) / _COLUMNS, _CUTS)
-        part.of += strips
-        part.add(strips, [] if failure is None else [failure])
-        if failure is not None:
-            break  # a core with a hole is none
-        tick(i + 1, _COLUMNS)
-    return part
+def try_column(machine: Machine, core: Core, column: int) -> Failure | None:
+    """Prove that every departure of the core falls quiet, of one of `COLUMNS` parts of a period."""
+    return _try_times(machine, core, ball(column, column + 1) / COLUMNS, _CUTS)
 
 
-def _column_of_parts(machine: Machine, core: Core, t: arb, cuts: int) -> tuple[int, Failure | None]:
-    """Strips of a column, and which failed; tolerances are cut where one does, for an uncertain a blurs the action."""
-    strips, failure = 0, None
-    for failure in _column(machine, core, t):
-        strips += 1
-        if failure is not None:
-            break
-    parts = machine.halves() if failure is not None and not failure.contradicted and cuts else []
-    if parts:
-        failure = None
-    for each in parts:
-        more, failure = _column_of_parts(each, core, t, cuts - 1)
-        strips += more
-        if failure is not None:
-            break
-    return strips, failure
+def _try_times(machine: Machine, core: Core, t: arb, cuts: int) -> Failure | None:
+    """Which strip fails; tolerances are cut where one does, for an uncertain a blurs the action."""
+    failure = next((each for each in _column(machine, core, t) if each is not None), None)
+    halves = machine.halves() if failure is not None and not failure.contradicted and cuts else []
+    if not halves:
+        return failure
+    tried = (_try_times(half, core, t, cuts - 1) for half in halves)
+    return next((each for each in tried if each is not None), None)
 
 
 def parts_of(machine: Machine, count: int) -> list[Machine]:

@@ -42,7 +42,7 @@ def _proven(oscillator, levels, refinements=1, columns=256):
             rounds = rounds.repeat(2, 0).repeat(2, 1)
         boxes = np.argwhere(targets.lattice.ends == 0).astype(np.int32)
         ends, trails = np.zeros(len(boxes), np.uint16), empty_trails(len(boxes))
-        follow_boxes(machine, oscillator, targets, boxes, ends, trails)
+        follow_boxes(machine, oscillator, targets, boxes, 0, ends, trails)
         targets.lattice.ends[boxes[:, 0], boxes[:, 1]] = ends
         grow_all(targets.lattice.ends, rounds, boxes, trails)
     images = map_cells(oscillator, GRID, 1499, (0, 60), (0, 60))

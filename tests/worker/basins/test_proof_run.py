@@ -81,7 +81,7 @@ def test_the_certificate_says_what_the_arrays_say(store):
     assert counts["reasons"] == np.bincount(reason.ravel(), minlength=len(Unproven)).tolist()
     assert (counts["boxes"], counts["proven_boxes"]) == (ends.size, np.count_nonzero(ends))
     assert counts["rounds"] == rounds.max() > 1
-    assert certificate["lattice"]["columns"] == ends.shape[1] == first_columns(JOB.grid) << (LEVELS - 1)
+    assert certificate["lattice"]["columns"] == ends.shape[1] == first_columns(JOB.grid, 1) << (LEVELS - 1)
     assert certificate["lattice"]["rows"] == ends.shape[0]
     for number, share in enumerate(shares):
         assert share == proven[solution == number].sum() / (WHOLE * proven.size)

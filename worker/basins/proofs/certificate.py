@@ -12,7 +12,7 @@ from rattle_kernels import Attractor, AttractorKind
 from rattle_kernels.proof.cells import IMPACTS as OF_A_CELL
 from rattle_kernels.proof.growth import IMPACTS as OF_A_TRAIL
 from rattle_kernels.proof.lattice import Lattice
-from rattle_kernels.proof.machine import Machine
+from rattle_kernels.proof.machine import Machine, parts_of
 from rattle_kernels.proof.orbit_disc import OrbitDisc, disc_rows
 from rattle_kernels.proof.rattling_set import NOTHING_RATTLES
 from rattle_kernels.proof.targets import Certificate, Targets
@@ -41,13 +41,10 @@ def certificate_of(
     quiet = [n for n, each in enumerate(attractors) if each.kind == AttractorKind.PERMANENT_CONTACT]
     lattice, rattling = proven.targets.lattice, proven.targets.rattling
     rows, columns = lattice.ends.shape
+    parts = parts_of(machine)
     return {
-        "machine": {
-            "damping": list(machine.damping),
-            "half_backlash": list(machine.half_backlash),
-            "restitution": list(machine.restitution),
-            "harmonics": machine.harmonics.tolist(),
-        },
+        "machine": _ranges(machine),
+        "parts": [_ranges(part) for part in parts] if len(parts) > 1 else [],
         "motions": [each.name for each in attractors],
         "quiet": {"motion": quiet[0], "level": proven.level} if quiet else None,
         "discs": [_disc(motion, disc) for motion, disc in proven.discs.items()],
@@ -60,6 +57,15 @@ def certificate_of(
         },
         "impacts": {"trail": OF_A_TRAIL, "cell": OF_A_CELL},
         "levels": levels,
+    }
+
+
+def _ranges(machine: Machine) -> dict[str, Any]:
+    return {
+        "damping": list(machine.damping),
+        "half_backlash": list(machine.half_backlash),
+        "restitution": list(machine.restitution),
+        "harmonics": machine.harmonics.tolist(),
     }
 
 
@@ -78,7 +84,7 @@ def targets_of(certificate: dict[str, Any], ends: np.ndarray, rattles: np.ndarra
     ----------
     certificate : dict
     ends : ndarray of uint16, shape (rows, columns)
-        Of the lattice.
+        Of one lattice, or of all parts' above each other.
     rattles : ndarray of uint8, shape (rows, columns)
         Boxes of the set that rattles for ever.
 

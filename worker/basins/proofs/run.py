@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import Attractor
-from rattle_kernels.proof.machine import machine_of
+from rattle_kernels.proof.machine import machine_of, parts_of
 from rattle_kernels.proof.targets import Certificate
 from worker.basins.proofs.certificate import certificate_of
 from worker.basins.proofs.tasks import (
@@ -77,7 +77,8 @@ class ProofRun:
         assert job.prove is not None
         machine = machine_of(job.oscillator, job.prove.tolerances)
         certificate = certificate_of(machine, self._attractors, proven, job.prove.levels, LEVELS - 1)
-        self._store.begin_proof(certificate, proven.targets.rattling.ends, proven.targets.lattice.ends)
+        core = np.tile(proven.targets.lattice.ends, (len(parts_of(machine)), 1))
+        self._store.begin_proof(certificate, proven.targets.rattling.ends, core)
         return self._from(0)
 
     def _from(self, level: int) -> list[Task]:

@@ -15,8 +15,8 @@ import numpy as np
 from rattle_kernels import Attractor
 from rattle_kernels.proof.cells import prove_cells
 from rattle_kernels.proof.growth import empty_trails, follow_boxes, grow_all
-from rattle_kernels.proof.lattice import UNPROVEN, refined
-from rattle_kernels.proof.machine import Machine, machine_of
+from rattle_kernels.proof.lattice import UNPROVEN, common_ends, refined
+from rattle_kernels.proof.machine import Machine, centre_of, machine_of, parts_of
 from rattle_kernels.proof.targets import Certificate, Targets, prove_targets
 from worker.basins.proofs.certificate import targets_of
 from worker.basins.tasks import open_store
@@ -52,9 +52,13 @@ class ProofReceipt:
 
 
 class _Known(NamedTuple):
-    """What following needs: the machine, and its targets at a level."""
+    """What following needs: the machine, its parts, and targets at a level.
+
+    Until the lattices have grown, that of the targets has those of all parts above each other.
+    """
 
     machine: Machine
+    parts: list[Machine]
     targets: Targets
     rounds: np.ndarray
     boxes: np.ndarray
@@ -68,8 +72,9 @@ def _machine(job: BasinJob) -> Machine:
 def find_targets(location: str, digest: str, number: int, attractors: tuple[Attractor, ...]) -> Certificate:
     """Prove targets: the quiet core, discs around orbits, a set that rattles for ever."""
     job = open_store(location, digest).job
-    fastest, columns = job.grid.velocity_stop, first_columns(job.grid)
-    return prove_targets(_machine(job), job.oscillator, attractors, stop_if_cancelled, fastest, columns)
+    machine = _machine(job)
+    fastest, columns = job.grid.velocity_stop, first_columns(job.grid, len(parts_of(machine)))
+    return prove_targets(machine, job.oscillator, attractors, stop_if_cancelled, fastest, columns)
 
 
 @lru_cache(maxsize=1)
@@ -82,12 +87,16 @@ def _known(location: str, digest: str, level: int) -> _Known:
     ends, rounds = store.read_lattice(level, level == LEVELS)
     certificate = store.certificate
     assert certificate is not None
+    machine = _machine(store.job)
+    parts = parts_of(machine)
+    if level == LEVELS:
+        ends = common_ends(ends, len(parts))
     targets = targets_of(certificate, ends, store.read_rattling())
     if 0 < level < LEVELS:
         targets = targets._replace(lattice=refined(targets.lattice))
         rounds = rounds.repeat(2, 0).repeat(2, 1)
     unproven = targets.lattice.ends == UNPROVEN if level < LEVELS else np.zeros((1, 1), np.bool_)
-    return _Known(_machine(store.job), targets, rounds, np.argwhere(unproven).astype(np.int32))
+    return _Known(machine, parts, targets, rounds, np.argwhere(unproven).astype(np.int32))
 
 
 def follow_part(location: str, digest: str, part: int, level: int) -> float:
@@ -97,7 +106,14 @@ def follow_part(location: str, digest: str, part: int, level: int) -> float:
     begin = time.perf_counter()
     boxes = known.boxes[part * BOXES_A_PART : (part + 1) * BOXES_A_PART]
     ends, trails = np.zeros(len(boxes), np.uint16), empty_trails(len(boxes))
-    follow_boxes(known.machine, store.job.oscillator, known.targets, boxes, ends, trails)
+    lattice = known.targets.lattice
+    rows = lattice.ends.shape[0] // len(known.parts)
+    for n, machine in enumerate(known.parts):
+        below, above = n * rows, (n + 1) * rows
+        here = slice(*np.searchsorted(boxes[:, 0], (below, above)))
+        targets = known.targets._replace(lattice=lattice._replace(ends=lattice.ends[below:above]))
+        local = boxes[here] - np.array([below, 0], np.int32)
+        follow_boxes(machine, centre_of(machine), targets, local, below, ends[here], trails[here])
     seconds = time.perf_counter() - begin
     store.write_followed(part, ends, trails)
     return seconds
