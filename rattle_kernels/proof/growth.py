@@ -4,12 +4,12 @@ Each box is followed once, for a few impacts, and strips that hold its images ar
 looks only at trails. A box is proven from boxes of earlier rounds, so no proof rests on itself.
 
 Where tolerances are cut in parts, each part has a lattice of its own. They stand above each other in one array, and
-grow together: a strip that leaves its own lattice is not kept.
+grow in the same rounds.
 """
 
 import numpy as np
 
-from rattle_kernels.numerics.interval import Interval, add, down, point, up, width
+from rattle_kernels.numerics.interval import Interval, down, up, width
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.proof.following import WIDEST
@@ -41,31 +41,27 @@ def _wider(a):
 
 @inlined_as_written
 def _in_rows(lattice, a):
-    return Interval(down(a.low / lattice.height - lattice.first), up(a.high / lattice.height - lattice.first))
+    return _wider(Interval(down(a.low / lattice.height - lattice.first), up(a.high / lattice.height - lattice.first)))
 
 
 @inlined_as_written
-def _write(trail, lattice, below, strip):
-    """Keep a strip in rows of the lattice, which stands above others with so many rows."""
-    v, offset = _in_rows(lattice, strip.v), _in_rows(lattice, strip.offset)
-    # In this form NaN is outside, too.
-    if not (v.low >= 0.0 and v.high < lattice.ends.shape[0]):
-        return
+def _write(trail, lattice, strip):
+    """Keep a strip in rows of the lattice."""
     trail[0], trail[1] = _wider(strip.t)
-    trail[2], trail[3] = _wider(add(v, point(below)))
-    trail[4], trail[5] = _wider(add(offset, point(below)))
+    trail[2], trail[3] = _in_rows(lattice, strip.v)
+    trail[4], trail[5] = _in_rows(lattice, strip.offset)
     trail[6] = strip.slope / lattice.height
 
 
 @inlined_as_written
 def _read(trail):
-    """A strip over all lattices, with rows of height 1 from 0 on."""
+    """A strip over a lattice with rows of height 1 from 0 on."""
     times, rows = Interval(float(trail[0]), float(trail[1])), Interval(float(trail[2]), float(trail[3]))
     return Strip(times, rows, float(trail[6]), Interval(float(trail[4]), float(trail[5])))
 
 
 @kernel_as_written
-def follow_boxes(machine, oscillator, targets, boxes, below, ends, trails):
+def follow_boxes(machine, oscillator, targets, boxes, ends, trails):
     """Follow boxes of the lattice.
 
     Parameters
@@ -77,8 +73,6 @@ def follow_boxes(machine, oscillator, targets, boxes, below, ends, trails):
         What is proven before the first round.
     boxes : ndarray of int32, shape (boxes, 2)
         Their rows and columns.
-    below : int
-        Rows of the lattices below, of other parts of the tolerances.
     ends : ndarray of uint16, shape (boxes,)
         Filled with the ends of boxes that come to a target at once.
     trails : ndarray
@@ -96,21 +90,23 @@ def follow_boxes(machine, oscillator, targets, boxes, below, ends, trails):
                 break
             strip = strip_of(moving)
             ends[k] = proven_end(targets, moving, strip)
-            _write(trails[k, n], targets.lattice, below, strip)
+            _write(trails[k, n], targets.lattice, strip)
 
 
 @kernel_as_written
 def _grow(ends, boxes, trails, missing, found):
     """One round: write into `found` the ends of boxes that come to boxes proven before; how many.
 
-    ``missing`` has a box without a proof for each strip of a trail: as long as that has none, nothing is looked up.
+    ``ends`` has the lattices one after the other, and a trail is looked up in that of its box. ``missing`` has a box
+    without a proof for each strip of a trail: as long as that has none, nothing is looked up.
     """
-    new, lattice = 0, Lattice(1.0, 0, ends)
+    new = 0
     for k in range(boxes.shape[0]):
         found[k] = UNPROVEN
+        lattice = Lattice(1.0, 0, ends[boxes[k, 0] // ends.shape[1]])
         for n in range(IMPACTS):
             row, column = missing[k, n, 0], missing[k, n, 1]
-            if row == _HOPELESS or (row >= 0 and ends[row, column] == UNPROVEN):
+            if row == _HOPELESS or (row >= 0 and lattice.ends[row, column] == UNPROVEN):
                 continue
             look = find_end(lattice, _read(trails[k, n]))
             missing[k, n, 0], missing[k, n, 1] = look.row, look.column
@@ -122,7 +118,12 @@ def _grow(ends, boxes, trails, missing, found):
 
 
 def grow_all(
-    ends: np.ndarray, rounds: np.ndarray, boxes: np.ndarray, trails: np.ndarray, pause: Pause = never_stopped
+    ends: np.ndarray,
+    rounds: np.ndarray,
+    boxes: np.ndarray,
+    trails: np.ndarray,
+    pause: Pause = never_stopped,
+    parts: int = 1,
 ) -> None:
     """All rounds, until one proves nothing new.
 
@@ -138,7 +139,10 @@ def grow_all(
         Of those.
     pause : callable
         Called between two rounds; an exception raised there ends the work.
+    parts : int
+        How many lattices stand above each other in the arrays.
     """
+    lattices = ends.reshape(parts, -1, ends.shape[1])
     this_round = int(rounds.max())
     missing = np.full((len(boxes), IMPACTS, 2), _NOT_LOOKED_UP, np.int32)
     while True:
@@ -146,7 +150,7 @@ def grow_all(
         left = ends[boxes[:, 0], boxes[:, 1]] == UNPROVEN
         boxes, trails, missing = boxes[left], trails[left], missing[left]
         found = np.empty(len(boxes), np.uint16)
-        if not _grow(ends, boxes, trails, missing, found):
+        if not _grow(lattices, boxes, trails, missing, found):
             return
         this_round += 1
         new = found != UNPROVEN

@@ -47,7 +47,7 @@ def grown(machine, oscillator, targets, lattices):
             targets = targets._replace(lattice=lattice)
         boxes = np.argwhere(lattice.ends == UNPROVEN).astype(np.int32)
         ends, trails = np.zeros(len(boxes), np.uint16), empty_trails(len(boxes))
-        follow_boxes(machine, oscillator, targets, boxes, 0, ends, trails)
+        follow_boxes(machine, oscillator, targets, boxes, ends, trails)
         # They come to boxes of rounds before.
         rounds[tuple(boxes[ends != UNPROVEN].T)] = rounds.max() + 1
         lattice.ends[tuple(boxes.T)] = ends

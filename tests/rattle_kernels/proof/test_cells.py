@@ -17,8 +17,8 @@ from rattle_kernels import (
 )
 from rattle_kernels.proof.cells import ENDS_ELSEWHERE, WHOLE, prove_cells
 from rattle_kernels.proof.growth import empty_trails, follow_boxes, grow_all
-from rattle_kernels.proof.lattice import refined
-from rattle_kernels.proof.machine import machine_of
+from rattle_kernels.proof.lattice import UNPROVEN, common_ends, refined
+from rattle_kernels.proof.machine import centre_of, machine_of, parts_of
 from rattle_kernels.proof.targets import prove_targets
 
 FIG_7 = Oscillator(0.6, 0.1, 0.6)
@@ -27,12 +27,16 @@ GRID = CellGrid(time_cells=60, velocity_cells=60)
 _DEPARTURES = 40_000
 
 
-@functools.cache
-def _proven(oscillator, levels, refinements=1, columns=256):
+def _attractors(oscillator):
     random = np.random.default_rng(0)
     settled = next_impacts(oscillator, random.random(300), 7.0 * random.random(300), 1000)
     rattling = np.isfinite(settled.t)
-    attractors = find_attractors(oscillator, settled.t[rattling], settled.v[rattling])
+    return find_attractors(oscillator, settled.t[rattling], settled.v[rattling])
+
+
+@functools.cache
+def _proven(oscillator, levels, refinements=1, columns=256):
+    attractors = _attractors(oscillator)
     machine = machine_of(oscillator)
     targets = prove_targets(machine, oscillator, attractors, fastest=7.0, columns=columns).targets
     rounds = np.zeros_like(targets.lattice.ends)
@@ -42,7 +46,7 @@ def _proven(oscillator, levels, refinements=1, columns=256):
             rounds = rounds.repeat(2, 0).repeat(2, 1)
         boxes = np.argwhere(targets.lattice.ends == 0).astype(np.int32)
         ends, trails = np.zeros(len(boxes), np.uint16), empty_trails(len(boxes))
-        follow_boxes(machine, oscillator, targets, boxes, 0, ends, trails)
+        follow_boxes(machine, oscillator, targets, boxes, ends, trails)
         targets.lattice.ends[boxes[:, 0], boxes[:, 1]] = ends
         grow_all(targets.lattice.ends, rounds, boxes, trails)
     images = map_cells(oscillator, GRID, 1499, (0, 60), (0, 60))
@@ -84,6 +88,42 @@ def test_no_departure_of_a_proven_box_ends_elsewhere(oscillator):
         v = (lattice.first + i[some] + random.random(some.size)) * lattice.height
         ended = _names(oscillator, attractors, map_points(oscillator, GRID, 1499, t, v))
         np.testing.assert_array_equal(1 + ended, lattice.ends[i[some], j[some]])
+
+
+def _followed(machines, targets):
+    """Lattices of several machines above each other, with what is found of their boxes."""
+    ends, found = np.tile(targets.lattice.ends, (len(machines), 1)), []
+    for n, machine in enumerate(machines):
+        boxes = np.argwhere(targets.lattice.ends == UNPROVEN).astype(np.int32)
+        own, trails = np.zeros(len(boxes), np.uint16), empty_trails(len(boxes))
+        follow_boxes(machine, centre_of(machine), targets, boxes, own, trails)
+        boxes[:, 0] += n * targets.lattice.ends.shape[0]
+        ends[boxes[:, 0], boxes[:, 1]] = own
+        found.append((boxes, trails))
+    return ends, *(np.concatenate(each) for each in zip(*found, strict=True))
+
+
+def test_lattices_of_parts_grow_each_by_its_own_and_hold_for_every_machine():
+    random, tolerances = np.random.default_rng(3), {"damping": (0.598, 0.602)}
+    attractors, whole = _attractors(LOSSY), machine_of(LOSSY, tolerances)
+    targets = prove_targets(whole, LOSSY, attractors, fastest=7.0, columns=256).targets
+    machines = parts_of(whole)
+    assert len(machines) == 4
+    ends, boxes, trails = _followed(machines, targets)
+    grow_all(ends, np.zeros_like(ends), boxes, trails, parts=4)
+    for n, machine in enumerate(machines):
+        alone, own, its = _followed([machine], targets)
+        grow_all(alone, np.zeros_like(alone), own, its)
+        np.testing.assert_array_equal(np.split(ends, 4)[n], alone)
+    lattice = targets.lattice._replace(ends=common_ends(ends, 4))
+    i, j = np.nonzero(lattice.ends)
+    assert np.count_nonzero(targets.lattice.ends) < i.size < np.count_nonzero(ends) / 4
+    for damping in (0.598, 0.599, *random.uniform(*tolerances["damping"], 6), 0.602):
+        some = random.integers(0, i.size, 2000)
+        t = (j[some] + random.random(some.size)) / lattice.ends.shape[1]
+        v = (lattice.first + i[some] + random.random(some.size)) * lattice.height
+        quiet = map_points(LOSSY.at(damping=float(damping)), GRID, 1499, t, v).image_cell == PERMANENT_CONTACT
+        np.testing.assert_array_equal(quiet, lattice.ends[i[some], j[some]] == 1)
 
 
 def test_refinement_proves_more_and_takes_nothing_back():

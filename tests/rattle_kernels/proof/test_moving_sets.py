@@ -85,7 +85,7 @@ def test_trails_hold_images_in_single_precision():
     targets = Targets(lattice, NOTHING_RATTLES, np.empty((0, 8)))
     boxes = np.stack([random.integers(0, n, _BOXES) for n in lattice.ends.shape], axis=1).astype(np.int32)
     ends, trails = np.zeros(_BOXES, np.uint16), empty_trails(_BOXES)
-    follow_boxes(machine, oscillator, targets, boxes, 0, ends, trails)
+    follow_boxes(machine, oscillator, targets, boxes, ends, trails)
     assert not ends.any() and trails.shape == (_BOXES, IMPACTS, 7)
     t, v = boxes[:, 1] / 2**16, (2**21 + boxes[:, 0]) * 2.0**-20
     sides = np.stack([t, t + 2.0**-16, v, v + 2.0**-20], axis=1)

@@ -1,6 +1,7 @@
 """Targets: what is proven of them holds for exact flights, and they are as large as they can be, nearly."""
 
 import functools
+import math
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from rattle_kernels import (
 )
 from rattle_kernels.numerics.interval import point
 from rattle_kernels.proof.flight import Matrix
-from rattle_kernels.proof.machine import centre_of, halves_of, machine_of
+from rattle_kernels.proof.machine import MOST_PARTS, centre_of, halves_of, machine_of, parts_of
 from rattle_kernels.proof.orbit_disc import disc_rows, maps_into_itself, orbit_disc, spectral_norm
 from rattle_kernels.proof.quiet_core import quiet_level
 from rattle_kernels.proof.targets import prove_targets
@@ -203,7 +204,27 @@ def test_halves_hold_all_machines_and_their_own_centres(oscillator):
 
 def _ranges(machine):
     rows = [row[each : each + 2] for row in machine.harmonics.tolist() for each in (1, 3)]
-    return [tuple(each) for each in (machine.damping, machine.half_backlash, machine.restitution, *rows)]
+    return tuple(tuple(each) for each in (machine.damping, machine.half_backlash, machine.restitution, *rows))
+
+
+@pytest.mark.parametrize("oscillator", OSCILLATORS)
+def test_parts_hold_all_machines_once(oscillator):
+    machine = machine_of(oscillator, tolerances_of(oscillator))
+    parts = parts_of(machine)
+    assert len(parts) == MOST_PARTS
+    sides = [{low for low, _ in each} for each in zip(*map(_ranges, parts), strict=True)]
+    # Parts are alike, and as many as there are places for them: so they fill the whole.
+    assert math.prod(map(len, sides)) == len({_ranges(part) for part in parts}) == MOST_PARTS
+    for place, (low, high) in enumerate(_ranges(machine)):
+        ends = sorted({_ranges(part)[place] for part in parts})
+        assert (ends[0][0], ends[-1][1]) == (low, high)
+        assert [first for first, _ in ends[1:]] == [last for _, last in ends[:-1]]
+
+
+def test_narrow_tolerances_are_not_cut():
+    assert len(parts_of(machine_of(FIG_7))) == 1
+    assert len(parts_of(machine_of(FIG_7, {"damping": (0.5997, 0.6003)}))) == 1
+    assert len(parts_of(machine_of(FIG_7, {"half_backlash": (0.598, 0.602)}))) == 4
 
 
 def test_a_machine_without_tolerances_has_no_halves():

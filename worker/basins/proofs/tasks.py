@@ -113,7 +113,7 @@ def follow_part(location: str, digest: str, part: int, level: int) -> float:
         here = slice(*np.searchsorted(boxes[:, 0], (below, above)))
         targets = known.targets._replace(lattice=lattice._replace(ends=lattice.ends[below:above]))
         local = boxes[here] - np.array([below, 0], np.int32)
-        follow_boxes(machine, centre_of(machine), targets, local, below, ends[here], trails[here])
+        follow_boxes(machine, centre_of(machine), targets, local, ends[here], trails[here])
     seconds = time.perf_counter() - begin
     store.write_followed(part, ends, trails)
     return seconds
@@ -129,7 +129,7 @@ def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
     rows, columns = known.boxes[followed != UNPROVEN].T
     ends[rows, columns] = followed[followed != UNPROVEN]
     rounds[rows, columns] = rounds.max() + 1
-    grow_all(ends, rounds, known.boxes, trails, stop_if_cancelled)
+    grow_all(ends, rounds, known.boxes, trails, stop_if_cancelled, len(known.parts))
     seconds = time.perf_counter() - begin
     store.write_lattice(level + 1, level + 1 == LEVELS, ends, rounds)
     return GrowthReceipt(ends.size, int(np.count_nonzero(ends)), int(rounds.max()), seconds)
