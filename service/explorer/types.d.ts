@@ -21,6 +21,9 @@ interface Oscillator {
 
 interface Swept { parameter: string; values?: number[]; start?: number; stop?: number; count?: number }
 
+/** What is to be proven: how often cells are cut, and least and greatest values of parameters. */
+interface Proof { levels: number; tolerances: Record<string, number[]> }
+
 interface BasinRequest {
   kind?: string;
   oscillator: Oscillator;
@@ -28,6 +31,7 @@ interface BasinRequest {
   iterations?: number;
   vary?: Swept[];
   sample?: object;
+  prove?: Proof | boolean;
 }
 
 interface Progress {

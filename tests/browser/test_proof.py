@@ -132,6 +132,22 @@ def test_a_basin_without_a_proof_offers_none(explorer, service):
     expect(explorer.page.locator("#legend")).not_to_contain_text("roven")
 
 
+def test_a_proof_is_asked_for_by_its_box(explorer):
+    """Where every motion falls quiet it takes seconds."""
+    page = explorer.visit().page
+    explorer.fill(eccentricity=0.05, time__cells=40, velocity__cells=40)
+    box = page.get_by_label("prove it")
+    box.check()
+    explorer.compute()
+    explorer.state("Complete")
+    expect(page.locator("#legend").get_by_role("heading", name="Proven: 100.00 %", exact=True)).to_be_visible()
+    expect(page).to_have_url(re.compile("prove=3"))
+    expect(box).to_be_checked()
+    explorer.open_drawer()
+    page.locator("[name=vary]").select_option("damping")
+    expect(box).to_be_hidden()
+
+
 def test_nothing_keeps_anyone_out(opened):
     opened.page.evaluate(AXE.read_text())
     found = opened.page.evaluate("axe.run().then(({ violations }) => violations)")

@@ -9,9 +9,11 @@ const REQUEST = {
   iterations: 1499,
 };
 const SPRINGS = { ...REQUEST, oscillator: { ...REQUEST.oscillator, model: "piecewise_linear", stiffness: 1e4, permanent_contact: "one_rotation", allow_no_quiet_solution: true } };
+const PROVEN = { ...REQUEST, prove: true };
+const WITHIN = { ...REQUEST, prove: { levels: 0, tolerances: { damping: [0.59, 0.61], phase_2: [0, 0.25] } } };
 const SWEEP = { ...REQUEST, vary: [{ parameter: "damping", values: [0.5, 0.6, 0.7] }] };
 
-for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRINGS, sweep: SWEEP })) {
+for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRINGS, sweep: SWEEP, proven: PROVEN, within: WITHIN })) {
   test(`an address holds the whole of what is seen: ${name}`, () => {
     const seen = {
       job: "abc", panel: 2, request, view: { t0: 0.25, t1: 0.5, v0: 1, v1: 2 }, whole: { t0: 0, t1: 1, v0: 0, v1: 6 },

@@ -22,3 +22,10 @@ test("the Python of a sweep names the values that are swept once", () => {
   const text = pythonOf({ oscillator: { model: "impacting", damping: 0.6, eccentricity: 0.1 }, grid: GRID, iterations: 61, vary });
   assert.match(text, /rattle\.sweep\(\n {4}damping=\[0\.5, 0\.6\], eccentricity=0\.1,/);
 });
+
+test("the Python of a proof has its levels and tolerances", () => {
+  const request = { oscillator: { model: "impacting", damping: 0.6 }, grid: GRID, iterations: 61 };
+  assert.match(pythonOf({ ...request, prove: true }), /iterations=61,\n {4}prove=True,\n\)/);
+  const prove = { levels: 1, tolerances: { damping: [0.59, 0.61] } };
+  assert.match(pythonOf({ ...request, prove }), /prove=True,\n {4}levels=1,\n {4}tolerances=\{"damping": \(0\.59, 0\.61\)\},\n\)/);
+});

@@ -119,7 +119,7 @@ def test_the_norm_of_a_matrix_is_bounded_closely():
 
 
 def test_orbits_of_several_impacts_have_discs_that_boxes_fit_into():
-    """The disc is covered by small parts where its edge is near; by few large ones it was 5e-6."""
+    """The disc is covered by small parts where its edge is near; by few large ones it was five times smaller."""
     oscillator = Oscillator(damping=0.55, eccentricity=0.1, half_backlash=0.6)
     settled = next_impacts(oscillator, np.linspace(0.0, 1.0, 100), np.full(100, 4.5), 1000)
     rattling = np.isfinite(settled.t)

@@ -94,14 +94,34 @@ def test_what_the_lattice_grew_from_is_gone(store):
     assert sorted(store._group["proof"].array_keys()) == ["ends", "rattling", "rounds"]
 
 
-def test_tolerances_prove_for_every_machine_within(tmp_path):
-    """What is proven of all is proven of one of them."""
-    prove = {"levels": 0, "tolerances": {"damping": (0.5999999, 0.6000001)}}
+@pytest.mark.parametrize(("least", "greatest", "parts"), [(0.5999999, 0.6000001, 0), (0.597, 0.603, 8)])
+def test_tolerances_prove_for_every_machine_within(tmp_path, least, greatest, parts):
+    """What is proven of all is proven of one of them; wide tolerances are cut in parts."""
+    prove = {"levels": 0, "tolerances": {"damping": (least, greatest)}}
     within = run(BasinJob(oscillator=LOSSY, grid=JOB.grid, prove=prove), tmp_path / "within.zarr")
     some = run(BasinJob(oscillator=LOSSY, grid=JOB.grid, prove={"levels": 0}), tmp_path / "one.zarr")
     (proven,), (alone,) = within.read_whole((PROVEN,)), some.read_whole((PROVEN,))
-    assert within.certificate["machine"]["damping"] == [0.5999999, 0.6000001]
-    assert 0 < proven.sum() <= alone.sum()
+    certificate, (ends, _) = within.certificate, within.read_lattice(LEVELS, True)
+    assert certificate["machine"]["damping"] == [least, greatest]
+    assert len(certificate["parts"]) == parts
+    assert ends.shape[0] == max(parts, 1) * certificate["lattice"]["rows"]
+    assert certificate["counts"]["boxes"] == ends.size
+    assert 0.2 * alone.sum() < proven.sum() <= alone.sum()
+
+
+def test_a_proof_in_parts_that_was_stopped_goes_on_to_the_same_bytes(tmp_path):
+    prove = {"levels": 0, "tolerances": {"damping": (0.598, 0.602)}}
+    job = BasinJob(oscillator=LOSSY, grid=CellGrid(time_cells=20, velocity_cells=20), prove=prove)
+    cancel = threading.Event()
+
+    def stop(progress):
+        if progress.stage is Stage.PROVING:
+            cancel.set()
+
+    with pytest.raises(JobCancelled):
+        run(job, tmp_path / "stopped.zarr", report=stop, cancel=cancel)
+    whole = run(job, tmp_path / "whole.zarr", threads=2)
+    assert content(run(job, tmp_path / "stopped.zarr").location) == content(whole.location)
 
 
 def test_a_lattice_that_is_proven_whole_is_not_followed_any_more(tmp_path):

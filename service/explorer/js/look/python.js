@@ -14,7 +14,7 @@ function pair(one, other) {
  * Python for the request of a basin or a sweep.
  * @param {BasinRequest} request
  */
-export function pythonOf({ oscillator, grid, iterations, vary }) {
+export function pythonOf({ oscillator, grid, iterations, vary, prove }) {
   const { model: _, harmonics, ...parameters } = oscillator;
   const swept = Object.fromEntries((vary ?? []).map(({ parameter, values, start, stop, count }) =>
     [parameter, values ? literal(values) : `(${start}, ${stop}, ${count})`]));
@@ -26,6 +26,12 @@ export function pythonOf({ oscillator, grid, iterations, vary }) {
     `cells=${pair(time.cells, velocity.cells)}, time=${pair(time.start, time.stop)}, velocity=${pair(velocity.start, velocity.stop)}`,
     `iterations=${iterations}`,
   ];
+  if (prove) lines.push("prove=True");
+  if (typeof prove === "object") {
+    lines.push(`levels=${prove.levels}`);
+    const tolerances = Object.entries(prove.tolerances).map(([name, [low, high]]) => `"${name}": (${low}, ${high})`);
+    if (tolerances.length) lines.push(`tolerances={${tolerances.join(", ")}}`);
+  }
   const verb = vary ? "sweep" : "basin";
   return `import rattle\n\n${verb} = rattle.${verb}(\n${lines.map((line) => `    ${line},\n`).join("")})\n${verb}.rattle.plot()`;
 }

@@ -119,7 +119,7 @@ export class Form {
 
   /** Fill the form from a request. */
   fill(request) {
-    const { oscillator, grid, iterations, vary } = request;
+    const { oscillator, grid, iterations, vary, prove } = request;
     this.#field("model").value = oscillator.model ?? "impacting";
     for (const name of NUMBERS) {
       const value = oscillator[name] ?? USUAL[name];
@@ -136,6 +136,9 @@ export class Form {
       if (value !== undefined) this.#field(name).value = value;
     }
     this.#field("iterations").value = iterations;
+    this.#field("prove").checked = Boolean(prove);
+    // Levels and tolerances have no fields: those of the request stay.
+    this.proof = typeof prove === "object" ? prove : true;
     const swept = vary?.length === 1 ? vary[0] : null;
     this.#field("vary").value = swept?.parameter ?? "";
     if (swept) {
@@ -158,6 +161,7 @@ export class Form {
       if (model !== only && vary.value === name) vary.value = "";
     }
     this.form.querySelectorAll("[data-vary]").forEach((/** @type {HTMLElement} */ part) => (part.hidden = vary.value === ""));
+    this.form.querySelector("[data-proof]").toggleAttribute("hidden", model !== "impacting" || vary.value !== "");
     // The sweep sets the values of this parameter.
     for (const name of NUMBERS) this.#field(name).disabled = name === vary.value;
     this.button.textContent = vary.value ? "Compute the sweep" : "Compute";
@@ -196,6 +200,7 @@ export class Form {
     const request = { oscillator, grid: { time: axis("time"), velocity: axis("velocity") }, iterations: value("iterations") };
     const parameter = this.#field("vary").value;
     if (parameter) request.vary = [{ parameter, start: value("vary.start"), stop: value("vary.stop"), count: value("vary.count") }];
+    else if (model === "impacting" && this.#field("prove").checked) request.prove = this.proof ?? true;
     return request;
   }
 

@@ -48,7 +48,7 @@ function valuesOf({ values, start, stop, count }) {
 }
 
 /** @param {BasinRequest} request */
-function requestFields({ oscillator, grid, iterations, vary }) {
+function requestFields({ oscillator, grid, iterations, vary, prove }) {
   const fields = [];
   if (oscillator.model === "piecewise_linear") fields.push(["model", "piecewise_linear"]);
   for (const name of NUMBERS) if (oscillator[name] !== undefined) fields.push([name, short(oscillator[name])]);
@@ -57,7 +57,22 @@ function requestFields({ oscillator, grid, iterations, vary }) {
   if (oscillator.allow_no_quiet_solution) fields.push(["allow_no_quiet_solution", "true"]);
   fields.push(["grid", windowText(viewOf(grid))], ["cells", `${grid.time.cells},${grid.velocity.cells}`], ["k", String(iterations)]);
   for (const swept of vary ?? []) fields.push(["vary", [swept.parameter, ...valuesOf(swept).map(short)].join(",")]);
+  const { levels, tolerances } = typeof prove === "object" ? prove : { levels: "true", tolerances: {} };
+  if (prove) fields.push(["prove", String(levels)]);
+  for (const [name, ends] of Object.entries(tolerances)) fields.push(["tolerance", [name, ...ends.map(short)].join(",")]);
   return fields;
+}
+
+/** What is to be proven, as a part of a request. */
+function proofOf(query) {
+  const levels = query.get("prove");
+  if (levels === null) return {};
+  if (levels === "true") return { prove: true };
+  const tolerances = query.getAll("tolerance").map((text) => {
+    const [name, ...ends] = text.split(",");
+    return [name, ends.map(Number)];
+  });
+  return { prove: { levels: Number(levels), tolerances: Object.fromEntries(tolerances) } };
 }
 
 function requestOf(query) {
@@ -84,7 +99,7 @@ function requestOf(query) {
     const [parameter, ...values] = text.split(",");
     return { parameter, values: values.map(Number) };
   });
-  return vary.length ? { ...request, vary } : request;
+  return vary.length ? { ...request, vary } : { ...request, ...proofOf(query) };
 }
 
 /**
