@@ -1,6 +1,6 @@
 """Each deliberate fault in the proof is caught by a test: an inflation removed, a bound halved, a branch forgotten.
 
-The tests run on a copy of the kernels with the fault; without compiling it, but for the targets, which take long.
+The tests run on a copy of the kernels with the fault; without compiling it, but for targets and cells, which take long.
 """
 
 import os
@@ -14,8 +14,8 @@ import pytest
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
 _ROOT = Path(__file__).parents[3]
 _NUMERICS, _IMAGES = "numerics", "proof/test_images.py"
-_LOW, _MOVING, _LATTICE, _TARGETS = (
-    f"proof/test_{each}.py" for each in ("low_bounces", "moving_sets", "lattice", "targets")
+_LOW, _MOVING, _LATTICE, _TARGETS, _CELLS = (
+    f"proof/test_{each}.py" for each in ("low_bounces", "moving_sets", "lattice", "targets", "cells")
 )
 _FAULTS = [
     (_NUMERICS, "numerics/interval.py",
@@ -114,6 +114,12 @@ _FAULTS = [
     (_LATTICE, "proof/lattice.py",
      "min((j + 1) / columns, strip.t.high)",
      "j / columns"),
+    (_LATTICE, "proof/lattice.py",
+     "(each == each[0]).all(axis=0)",
+     "(each == each[0]).any(axis=0)"),
+    (_CELLS, "proof/growth.py",
+     "ends[boxes[k, 0] // ends.shape[1]]",
+     "ends[0]"),
     (_TARGETS, "proof/quiet_core.py",
      "multiply(square(v), v)",
      "square(v)"),
@@ -130,8 +136,11 @@ _FAULTS = [
      "root(scale(add(squares, gap), 0.5))",
      "root(scale(add(squares, gap), 0.25))"),
     (_TARGETS, "proof/machine.py",
-     "centre=machine.centre._replace(damping=point(middle(half)))",
-     "centre=machine.centre"),
+     "one: Any = point(middle(half))",
+     "one: Any = getattr(machine.centre, place.name)"),
+    (_TARGETS, "proof/machine.py",
+     "Interval(middle(a), a.high)",
+     "Interval(middle(a), middle(a))"),
     (_TARGETS, "proof/rattling_set.py",
      "range(span.left, span.right + 1)",
      "range(span.left, span.right)"),
@@ -150,7 +159,7 @@ def test_a_fault_is_caught(tmp_path, tests, file, right, wrong):
     faulty.write_text(text.replace(right, wrong, 1))
     options = ["-q", "-x", "-p", "no:cacheprovider", "--timeout", "800"]
     command = [sys.executable, "-m", "pytest", *options, f"tests/rattle_kernels/{tests}"]
-    plain = "0" if tests == _TARGETS else "1"
+    plain = "0" if tests in (_TARGETS, _CELLS) else "1"
     environment = {
         **os.environ,
         "NUMBA_DISABLE_JIT": plain,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from rattle_kernels.numerics.interval import Interval
-from rattle_kernels.proof.lattice import UNPROVEN, Lattice, Strip, end_of, find_end, refined
+from rattle_kernels.proof.lattice import UNPROVEN, Lattice, Strip, common_ends, end_of, find_end, refined
 
 _STRIPS, _POINTS = 300, 40
 
@@ -73,3 +73,13 @@ def test_a_refined_lattice_says_the_same():
     for strip in _strips(random):
         if end_of(lattice, strip) != UNPROVEN:
             assert end_of(finer, strip) == end_of(lattice, strip)
+
+
+def test_common_ends_are_those_of_all_parts():
+    random = np.random.default_rng(10)
+    parts = [random.integers(0, 3, (4, 5)).astype(np.uint16) for _ in range(3)]
+    common = common_ends(np.concatenate(parts), 3)
+    for place, end in np.ndenumerate(common):
+        seen = {int(part[place]) for part in parts}
+        assert end == (seen.pop() if len(seen) == 1 else UNPROVEN)
+    np.testing.assert_array_equal(common_ends(parts[0], 1), parts[0])
