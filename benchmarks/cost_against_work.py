@@ -1,8 +1,9 @@
 """Cost against work, as a picture: ``python -m benchmarks.cost_against_work``.
 
 One basin or sweep after another is computed by two workers of an embedded cluster, from request to complete store. One
-quantity grows at a time: cells, applications k, basins. The seconds go to ``docs/cost-against-work.json``, the picture
-to ``docs/pictures``.
+quantity grows at a time: cells, applications k, basins. Then workers: each of ever more threads sleeps for a minute, a
+second a task, so that two cores stand for a large cluster. The seconds go to ``docs/cost-against-work.json``, the
+picture to ``docs/pictures``.
 """
 
 import json
@@ -15,6 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from cpuinfo import get_cpu_info
 
+from benchmarks.waiting_workers import RUN_SECONDS, cluster_of, keep_busy
 from rattle_kernels import CellGrid
 from worker.basins.pipeline import run_basin
 from worker.cluster.connection import local_cluster
@@ -26,6 +28,8 @@ from worker.jobs.swept_parameter import SweptParameter
 SIDES = (32, 100, 316, 1000)
 ITERATIONS = (1, 11, 101, 1499)
 BASINS = (2, 10, 100, 1000)
+THREADS = (1, 10, 100, 1000)
+WAITING = f"threads that sleep for {RUN_SECONDS:g} s"
 ROUNDS = 2
 
 
@@ -58,13 +62,20 @@ def seconds_of(job, client):
     return min(taken)
 
 
+def seconds_of_waiting(threads):
+    """Seconds until all threads have slept for their minute."""
+    with cluster_of(threads) as client:
+        return RUN_SECONDS / keep_busy(client, sum(client.nthreads().values()), 1.0)["busy"]
+
+
 def draw(measured, path):
-    """One panel for each quantity, both axes logarithmic; the line is what cost in proportion would be."""
+    """One panel for each quantity, both axes logarithmic; the line is cost in proportion, or no cost beside sleep."""
     _, panels = plt.subplots(1, len(measured), figsize=(4 * len(measured), 3.4), sharey=True, layout="constrained")
     for panel, (name, series) in zip(panels, measured.items(), strict=True):
         work, seconds = np.array(series).T
         panel.loglog(work, seconds, "o-", label="measured")
-        panel.loglog(work, seconds[-1] * work / work[-1], "--", color="grey", label="in proportion")
+        ideal = np.full(work.size, RUN_SECONDS) if name == WAITING else seconds[-1] * work / work[-1]
+        panel.loglog(work, ideal, "--", color="grey", label="in proportion")
         panel.set(xlabel=name, title="")
     panels[0].set_ylabel("seconds, two workers")
     panels[0].legend()
@@ -79,7 +90,9 @@ def main():
         seconds_of(square(60), client)
         for name, series in SERIES.items():
             measured[name] = [(work, seconds_of(job, client)) for work, job in series]
-            print(name, [f"{work:g}: {seconds:.3g} s" for work, seconds in measured[name]], flush=True)
+    measured[WAITING] = [(threads, seconds_of_waiting(threads)) for threads in THREADS]
+    for name, series in measured.items():
+        print(name, [f"{work:g}: {seconds:.3g} s" for work, seconds in series])
     told = {"processor": get_cpu_info()["brand_raw"], "seconds": measured}
     (docs / "cost-against-work.json").write_text(json.dumps(told, indent=1) + "\n")
     draw(measured, docs / "pictures" / "cost-against-work.png")

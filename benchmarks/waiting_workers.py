@@ -7,6 +7,7 @@ workers' connections. Every count of threads is tried with tasks as short as a t
 import sys
 import threading
 import time
+from contextlib import contextmanager
 
 import dask
 from distributed import Client, LocalCluster
@@ -43,13 +44,23 @@ def keep_busy(client, threads, seconds):
     }
 
 
+@contextmanager
+def cluster_of(threads):
+    """A client of a cluster of this many threads, or a few more."""
+    processes = min(-(-threads // _THREADS_A_PROCESS), _MOST_PROCESSES)
+    options = {"n_workers": processes, "threads_per_worker": -(-threads // processes), "dashboard_address": ":0"}
+    with (
+        dask.config.set({**_MESSAGES_KEPT, **_EMBEDDED}),
+        LocalCluster(processes=True, memory_limit=0, **options) as cluster,
+        Client(cluster) as client,
+    ):
+        yield client
+
+
 def main(counts):
     """Print a line for every count of threads."""
-    dask.config.set({**_MESSAGES_KEPT, **_EMBEDDED})
     for threads in counts:
-        processes = min(-(-threads // _THREADS_A_PROCESS), _MOST_PROCESSES)
-        options = {"n_workers": processes, "threads_per_worker": -(-threads // processes), "dashboard_address": ":0"}
-        with LocalCluster(processes=True, memory_limit=0, **options) as cluster, Client(cluster) as client:
+        with cluster_of(threads) as client:
             for seconds in TASK_SECONDS:
                 figures = keep_busy(client, sum(client.nthreads().values()), seconds)
                 told = ", ".join(f"{name.replace('_', ' ')} {value:.3g}" for name, value in figures.items())
