@@ -168,17 +168,24 @@ def _seeds(job_class: type[Job], _: FieldInfo) -> Group:
     argument = Argument("seeds", list[tuple[float, ...]] | None, None, text)
 
     def read(given: Values) -> list[dict[str, Any]] | None:
-        return [_seed(each, "seeds", with_period) for each in given.get("seeds") or ()] or None
+        return [_seed(each, "seeds", with_period) for each in _listed(given.get("seeds"))] or None
 
     return Group((argument,), read)
 
 
+def _listed(value: Any) -> list[Any]:
+    """The values of an argument that takes several; one is a list of itself."""
+    if value is None:
+        return []
+    return list(value) if isinstance(value, list | tuple) else [value]
+
+
 def _seed(value: Any, name: str, with_period: bool) -> Any:
-    if not isinstance(value, list | tuple):
+    if isinstance(value, dict):  # as in a request
         return value
     fields = ("time", "velocity", "period")[: 3 if with_period else 2]
-    if not 2 <= len(value) <= len(fields):
-        raise InvalidJob(f"{name} are departures ({', '.join(fields)}), not {value!r}", (name,))
+    if not (isinstance(value, list | tuple) and 2 <= len(value) <= len(fields)):
+        raise InvalidJob(f"{name} are a list of departures ({', '.join(fields)}), not {value!r}", (name,))
     return {name: plain(part) for name, part in zip(fields, value, strict=False)}
 
 
@@ -203,8 +210,10 @@ def _saddles(*_: Any) -> Group:
     argument = Argument("saddles", list[Any], ..., "(t, v) or (t, v, period) close to a saddle, or P(1,1,0); several")
 
     def read(given: Values) -> list[Any]:
-        several = [given["saddles"]] if isinstance(given["saddles"], str) else given["saddles"]
-        return [{"itinerary": each} if isinstance(each, str) else _seed(each, "saddles", True) for each in several]
+        return [
+            {"itinerary": each} if isinstance(each, str) else _seed(each, "saddles", True)
+            for each in _listed(given["saddles"])
+        ]
 
     return Group((argument,), read)
 

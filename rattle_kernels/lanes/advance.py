@@ -8,14 +8,14 @@ vectors (`lyapunov`).
 from rattle_kernels.lanes.contact import follow_contacts_carefully, guess_contacts, refine_contacts
 from rattle_kernels.lanes.flight import fly_carefully, guess_durations, refine_durations
 from rattle_kernels.lanes.lane_fields import END_PHASE, END_VELOCITY, LANES, PHASE, VELOCITY
-from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.jit import always_inlined, inlined
 from rattle_kernels.numerics.phase import wrap
 
 # A lane without a point flies at so many times the largest grazing speed, where it is never unsure.
 IDLE_SPEED = 1e6
 
 
-@inlined
+@always_inlined
 def fly(lanes, corners, oscillator, tables):
     """Fly every lane to the next wall; return how many took the careful path."""
     guess_durations(lanes, corners, oscillator, tables)
@@ -25,7 +25,7 @@ def fly(lanes, corners, oscillator, tables):
     return unsure
 
 
-@inlined
+@always_inlined
 def stay(lanes, corners, oscillator, tables, slow):
     """Follow the contact of every lane after its flight (finite stiffness); return how many took the careful path."""
     guess_contacts(lanes, corners, tables)
@@ -35,7 +35,7 @@ def stay(lanes, corners, oscillator, tables, slow):
     return unsure
 
 
-@inlined
+@always_inlined
 def begin_at_the_end(lanes):
     """Make the end of every lane's flight or contact the state from which it goes on."""
     for i in range(LANES):

@@ -26,7 +26,7 @@ from rattle_kernels.lanes.shortcuts import (
     settles,
 )
 from rattle_kernels.model.contact import slow_part
-from rattle_kernels.numerics.jit import inlined, lane_kernel
+from rattle_kernels.numerics.jit import always_inlined, inlined, lane_kernel
 from rattle_kernels.numerics.phase import part_turn
 
 BOXES = 2048
@@ -80,7 +80,7 @@ def _look(oscillator, bound, around, lane, streak, candidate, t, v):
     return hit if streak[lane] >= _ARRIVAL_STREAK else _NOT_ARRIVED
 
 
-@inlined
+@always_inlined
 def _advance(lanes, corners, oscillator, tables, stiff, slow):
     """Move every lane to the end of a flight and of the contact after it."""
     fly(lanes, corners, oscillator, tables)
@@ -141,7 +141,7 @@ def follow(oscillator, tables, around, looks, t, v, place):
             _advance(lanes, corners, oscillator, tables, stiff, slow)
 
 
-@inlined
+@always_inlined
 def _note_boxes(lanes, largest_grazing_speed, here, first, row, box):
     """Note the box of every lane that departs now and goes on."""
     for i in range(LANES):

@@ -47,7 +47,7 @@ from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, CONTACT_ABOVE, CONTACT
 from rattle_kernels.model.contact_end import follow_contact
 from rattle_kernels.model.flight import TWO_PI, rest_acceleration
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
-from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.jit import always_inlined, inlined
 from rattle_kernels.numerics.phase import part_turn, wrap
 from rattle_kernels.numerics.polynomials import cosine_of_half_turns, second_phi_of_part, sine_of_half_turns
 
@@ -55,7 +55,7 @@ from rattle_kernels.numerics.polynomials import cosine_of_half_turns, second_phi
 _LARGEST_TURN = 2e-3
 
 
-@inlined
+@always_inlined
 def guess_contacts(lanes, corners, tables):
     """First pass: wall and first guess of every contact."""
     turn_phases(lanes, END_PHASE)
@@ -73,7 +73,7 @@ def guess_contacts(lanes, corners, tables):
     look_up(lanes, corners, tables.contact)
 
 
-@inlined
+@always_inlined
 def refine_contacts(lanes, permanent_after, slow_part):
     """Second pass: one evaluation of every contact, one step of fifth order, and the state at its end.
 

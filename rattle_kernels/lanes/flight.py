@@ -62,7 +62,7 @@ from rattle_kernels.lanes.lane_fields import (
 from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, DROP, FALL_BACK, GRAZES, PHASES, RISE, ROW
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI, displacement_rate, start_flight, velocity_after
 from rattle_kernels.model.harmonics import add_rest_acceleration
-from rattle_kernels.numerics.jit import inlined, inlined_in_lanes
+from rattle_kernels.numerics.jit import always_inlined, inlined, inlined_in_lanes
 from rattle_kernels.numerics.phase import part_turn, wrap
 from rattle_kernels.numerics.polynomials import (
     cosine_of_half_turns,
@@ -88,7 +88,7 @@ def fifth_order_step(q, bend, jerk, snap):
     return q * (1.0 + q * (-b2 + q * (2.0 * square - b3)) + last), last * q
 
 
-@inlined
+@always_inlined
 def turn_phases(lanes, field):
     """Sine and cosine of the phase that every lane has in a field; the reduction to a quarter turn is exact."""
     for i in range(LANES):
@@ -101,7 +101,7 @@ def turn_phases(lanes, field):
         lanes[COSINE + i] = sign * cosine_of_half_turns(r)
 
 
-@inlined
+@always_inlined
 def _graze_speeds(lanes, corners, graze_speed):
     """v* at every lane's phase, interpolated in its table."""
     for i in range(LANES):
@@ -117,7 +117,7 @@ def _graze_speeds(lanes, corners, graze_speed):
         lanes[GRAZING + i] = low + lanes[ROW_PART + i] * (lanes[LOW_PAIR + 2 * i + 1] - low)
 
 
-@inlined
+@always_inlined
 def _classify(lanes, corners, tables, two_beta, harmonics):
     """Kind of each flight, its target, and the node of its guess in the tables; selects only, no branch."""
     for i in range(LANES):
@@ -145,7 +145,7 @@ def _classify(lanes, corners, tables, two_beta, harmonics):
         corners[i] = int(block + m * ROW + n)
 
 
-@inlined
+@always_inlined
 def look_up(lanes, corners, guess):
     """Interpolate the guesses bilinearly. The loads dominate the cost, so they have a loop of their own."""
     for i in range(LANES):
@@ -160,7 +160,7 @@ def look_up(lanes, corners, guess):
         lanes[DURATION + i] *= low + f * (high - low)
 
 
-@inlined
+@always_inlined
 def guess_durations(lanes, corners, oscillator, tables):
     """First pass: kind of flight, target and first guess."""
     turn_phases(lanes, PHASE)
@@ -169,7 +169,7 @@ def guess_durations(lanes, corners, oscillator, tables):
     look_up(lanes, corners, tables.guess)
 
 
-@inlined
+@always_inlined
 def _expand(lanes, d):
     """Polynomials in the guessed duration of every flight, beside those of its phase."""
     for i in range(LANES):
@@ -183,7 +183,7 @@ def _expand(lanes, d):
         lanes[PHI2 + i] = second_phi_of_part(d * tau)
 
 
-@inlined
+@always_inlined
 def _evaluate(lanes, d, e, harmonics):
     """Distance by which the guess misses the target, and the velocity there."""
     for i in range(LANES):
@@ -200,7 +200,7 @@ def _evaluate(lanes, d, e, harmonics):
         lanes[SINE_CHANGE + i], lanes[COSINE_CHANGE + i] = ds, dc
 
 
-@inlined
+@always_inlined
 def refine_durations(lanes, oscillator):
     """Second pass: one evaluation of every flight, one step of fifth order, and the state at its end.
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.jit import always_inlined, inlined
 
 LANES = 64
 
@@ -57,7 +57,7 @@ def lane_buffer(fields):
     return longer[first : first + fields * LANES]
 
 
-@inlined
+@always_inlined
 def count_set(lanes, field):
     """Number of lanes in which a flag field is set."""
     # An integer sum: one of floats would not vectorise without reassociation.

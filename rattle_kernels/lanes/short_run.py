@@ -33,7 +33,7 @@ from rattle_kernels.model.outcome import (
     OUTCOME_PERMANENT_CONTACT,
     OUTCOME_RETURNED,
 )
-from rattle_kernels.numerics.jit import inlined, lane_kernel
+from rattle_kernels.numerics.jit import always_inlined, inlined, lane_kernel
 from rattle_kernels.numerics.pausing import Pause
 from rattle_kernels.numerics.phase import wrap
 
@@ -57,7 +57,7 @@ _APPLICATIONS_A_LEG = 1 << 22
 _CHUNK = 4096
 
 
-@inlined
+@always_inlined
 def _depart(lanes, t, v, applications, largest_grazing_speed):
     """Let the lanes depart with neighbouring points; those that are no departures, and lanes without a point, idle."""
     for i in range(t.size):
@@ -69,7 +69,7 @@ def _depart(lanes, t, v, applications, largest_grazing_speed):
         idle(lanes, i, largest_grazing_speed)
 
 
-@inlined
+@always_inlined
 def _land(lanes, t, v, outcome, lower_impacts):
     """Write down where the neighbouring points of `_depart` are."""
     for i in range(t.size):
@@ -80,7 +80,7 @@ def _land(lanes, t, v, outcome, lower_impacts):
         lower_impacts[i] = np.int64(lanes[DROPS + i])
 
 
-@inlined
+@always_inlined
 def _load(lanes, t, v, left, points, largest_grazing_speed):
     """Give the lanes points that wait; lanes without one idle."""
     for i in range(points.size):
@@ -90,7 +90,7 @@ def _load(lanes, t, v, left, points, largest_grazing_speed):
         idle(lanes, i, largest_grazing_speed)
 
 
-@inlined
+@always_inlined
 def _store(lanes, t, v, outcome, lower_impacts, points):
     """Write down where the points of `_load` are."""
     for i in range(points.size):
@@ -100,7 +100,7 @@ def _store(lanes, t, v, outcome, lower_impacts, points):
         lower_impacts[point] += np.int64(lanes[DROPS + i])
 
 
-@inlined
+@always_inlined
 def _decide(lanes, capture_bound, radian):
     """What comes of every lane at the end of its flight: its outcome, and where it departs next or at last.
 
@@ -127,7 +127,7 @@ def _decide(lanes, capture_bound, radian):
         lanes[VELOCITY + i] = end_velocity
 
 
-@inlined
+@always_inlined
 def _list_those_on_the_way(lanes, points, waiting, left, tail):
     """Add the points of the lanes that have not landed to those that wait; return how many wait."""
     for i in range(points.size):

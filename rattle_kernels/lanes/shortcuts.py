@@ -29,7 +29,7 @@ from rattle_kernels.lanes.lane_fields import (
     count_set,
 )
 from rattle_kernels.lanes.traps import NOWHERE, nearest_point, potential_in
-from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.jit import always_inlined, inlined
 
 _LONGEST_LEG = 1024.0
 _NEAR_ENOUGH = 1e-9
@@ -51,7 +51,7 @@ RUN_FIELDS = FLIGHT_FIELDS + 10
 NOTHING, FINISHED, CAPTURED, LOCKED, LOST, LOOKS = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
 
 
-@inlined
+@always_inlined
 def note_events(lanes, capture_bound, radian, lock_tolerance, largest_grazing_speed):
     """Move every lane to the end of its flight and note what has happened there; return how many have an event."""
     speed_tolerance = lock_tolerance * largest_grazing_speed
