@@ -33,7 +33,7 @@ from rattle_kernels.model.outcome import (
     OUTCOME_PERMANENT_CONTACT,
     OUTCOME_RETURNED,
 )
-from rattle_kernels.numerics.jit import always_inlined, inlined, lane_kernel
+from rattle_kernels.numerics.jit import always_inlined, lane_kernel
 from rattle_kernels.numerics.pausing import Pause
 from rattle_kernels.numerics.phase import wrap
 
