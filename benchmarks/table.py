@@ -1,16 +1,19 @@
-"""Condense the JSON of a run of the benchmarks: figures into a smaller JSON, and the table of docs/performance.md.
+"""Condense the JSON of a run of the benchmarks: docs/performance.json and the tables of docs/performance.md.
+
+Both keep the last run of each processor.
 
 ``python -m benchmarks.table RUN.json`` is what `make bench` ends with.
 """
 
 import json
 import sys
+from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 _DOCS = Path(__file__).parents[1] / "docs"
-_BEGIN, _END = "<!-- table of make bench: begin -->", "<!-- end -->"
+_BEGIN, _END = "<!-- tables of make bench: begin -->", "<!-- end -->"
 _PACKAGES = ("numpy", "numba", "llvmlite", "dask", "distributed", "zarr")
 
 
@@ -41,25 +44,35 @@ def _number(value: Any) -> str:
     return str(value)
 
 
-def table(figures: dict[str, Any]) -> str:
-    """Markdown: name, least seconds of a round, and the other figures in words."""
-    rows = ["| benchmark | s | figures |", "|---|---|---|"]
+def section(run: dict[str, Any]) -> str:
+    """Heading of a run, and its table: name, least seconds of a round, and the other figures in words."""
+    machine = f"{run['processor']}, {run['cores']} cores"
+    versions = ", ".join(f"{package} {number}" for package, number in run["versions"].items())
+    lines = [
+        f"### {machine}",
+        f"{run['date']}, Python {run['python']}, {versions}.",
+        "| benchmark | s | figures |\n|---|---|---|\n" + "\n".join(_rows(run["figures"])),
+    ]
+    return "\n\n".join(lines)
+
+
+def _rows(figures: dict[str, Any]) -> Iterator[str]:
     for name, values in sorted(figures.items()):
         others = [f"{key.replace('_', ' ')} {_number(value)}" for key, value in values.items() if key != "seconds"]
-        rows.append(
-            f"| {name.removeprefix('test_').replace('_', ' ')} | {values['seconds']:.3g} | {'; '.join(others)} |"
-        )
-    return "\n".join(rows)
+        yield f"| {name.removeprefix('test_').replace('_', ' ')} | {values['seconds']:.3g} | {'; '.join(others)} |"
 
 
 def main() -> None:
-    """Write docs/performance.json and the table in docs/performance.md."""
-    condensed = condense(json.loads(Path(sys.argv[1]).read_text()))
-    (_DOCS / "performance.json").write_text(json.dumps(condensed, indent=1) + "\n")
+    """Enter a run in docs/performance.json, and write the tables of all processors in docs/performance.md."""
+    run = condense(json.loads(Path(sys.argv[1]).read_text()))
+    kept = _DOCS / "performance.json"
+    runs = json.loads(kept.read_text()) | {run["processor"]: run}
+    kept.write_text(json.dumps(runs, indent=1) + "\n")
     page = _DOCS / "performance.md"
     before, rest = page.read_text().split(_BEGIN)
     _, after = rest.split(_END)
-    page.write_text(f"{before}{_BEGIN}\n{table(condensed['figures'])}\n{_END}{after}")
+    tables = "\n\n".join(section(runs[processor]) for processor in sorted(runs))
+    page.write_text(f"{before}{_BEGIN}\n\n{tables}\n\n{_END}{after}")
 
 
 if __name__ == "__main__":
