@@ -15,7 +15,7 @@ from rattle_kernels.numerics.phase import wrap
 IDLE_SPEED = 1e6
 
 
-@always_inlined
+@inlined
 def fly(lanes, corners, oscillator, tables):
     """Fly every lane to the next wall; return how many took the careful path."""
     guess_durations(lanes, corners, oscillator, tables)
@@ -25,7 +25,7 @@ def fly(lanes, corners, oscillator, tables):
     return unsure
 
 
-@always_inlined
+@inlined
 def stay(lanes, corners, oscillator, tables, slow):
     """Follow the contact of every lane after its flight (finite stiffness); return how many took the careful path."""
     guess_contacts(lanes, corners, tables)
