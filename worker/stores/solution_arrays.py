@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind
-from worker.errors import as_store_failure
+from worker.errors import DamagedMetadata, as_store_failure
 from worker.fence import Fence
 from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
@@ -34,7 +34,10 @@ class SolutionArrays:
         self._handles: dict[str, Any] = {}
 
     def _array(self, variable: Variable) -> Any:
-        return self._group[variable.path].with_config(CONFIG)
+        try:
+            return self._group[variable.path].with_config(CONFIG)
+        except (KeyError, TypeError, ValueError) as error:  # they are missing, or JSON that Zarr does not take
+            raise DamagedMetadata(self.location, variable.path) from error
 
     def _kept(self, variable: Variable) -> Any:
         if variable.path not in self._handles:

@@ -96,6 +96,15 @@ def test_every_reader_names_store_array_and_tile(store, reader):
     assert str(caught.value).startswith(f"the store {store} is damaged: tile 1/0 of solution")
 
 
+@pytest.mark.parametrize("content", ["{", '{"zarr_format": 3, "node_type": "array"}'])
+@pytest.mark.parametrize("reader", ["picture", "tile", "store"])
+def test_readers_name_metadata_that_cannot_be_read(store, reader, content):
+    (store / "solution" / "zarr.json").write_text(content)
+    with pytest.raises(StoreFailed) as caught:
+        READERS[reader](str(store))
+    assert str(caught.value).startswith(f"the store {store} is damaged: the metadata solution/zarr.json cannot be read")
+
+
 def test_a_summary_names_a_damaged_ledger(store):
     flip(store / "tile_state" / "c" / "0" / "0")
     with pytest.raises(StoreFailed, match="damaged: tile 0/0 of tile_state"):

@@ -2,6 +2,7 @@
 
 Every chunk ends in the CRC-32C of its other bytes (Zarr's codec ``crc32c``). Zarr checks it, too, but says neither in
 which store nor in which chunk it fails. Arrays of older stores have no checksums, and are read without a check.
+Metadata have none either. Those that are no JSON any more are named.
 """
 
 import json
@@ -12,7 +13,7 @@ import numpy as np
 from zarr.abc.store import Store
 from zarr.core.buffer import default_buffer_prototype
 
-from worker.errors import DamagedChunk
+from worker.errors import DamagedChunk, DamagedMetadata
 
 _CHECKSUM = 4
 METADATA = "zarr.json"
@@ -22,7 +23,7 @@ CHUNKS = "c"
 
 
 class ChecksChunks(Store):
-    """A Zarr store that names a chunk whose checksum is wrong. Mixed into a store that reads.
+    """A Zarr store that names a chunk whose checksum is wrong, or broken metadata. Mixed into a store that reads.
 
     Attributes
     ----------
@@ -33,9 +34,12 @@ class ChecksChunks(Store):
     name: str
 
     async def get(self, key: str, prototype: Any = None, byte_range: Any = None) -> Any:
-        """Read a file, and check it if it is a chunk with a checksum."""
+        """Read a file, and check it if it is a chunk with a checksum or metadata."""
         prototype = prototype or default_buffer_prototype()
         found = await super().get(key, prototype, byte_range)
+        node, _, name = key.rpartition("/")
+        if found is not None and name == METADATA and not _is_json(found.to_bytes()):
+            raise DamagedMetadata(self.name, node)
         array, is_chunk, chunk = key.rpartition(f"/{CHUNKS}/")
         if found is None or byte_range is not None or not is_chunk or has_checksum(found.as_numpy_array()):
             return found
@@ -43,6 +47,14 @@ class ChecksChunks(Store):
         if metadata is None or not is_checked(json.loads(metadata.to_bytes())):
             return found
         raise DamagedChunk(self.name, array, chunk)
+
+
+def _is_json(content: bytes) -> bool:
+    try:
+        json.loads(content)
+    except ValueError:
+        return False
+    return True
 
 
 def has_checksum(content: np.ndarray) -> bool:
