@@ -170,7 +170,7 @@ class DamagedMetadata(Damaged):
 
 
 class DamagedChunk(Damaged):
-    """A chunk of a store does not hold the bytes that were written: its checksum is another.
+    """A chunk of a store does not hold the bytes that were written, or is missing from a finished store.
 
     Parameters
     ----------
@@ -180,6 +180,8 @@ class DamagedChunk(Damaged):
         Path of the array within the store.
     chunk : str
         Numbers of the chunk along each dimension. One tile is one chunk.
+    what : str
+        What is wrong with it.
 
     Examples
     --------
@@ -188,14 +190,13 @@ class DamagedChunk(Damaged):
     the store basin.zarr is damaged: tile 3/0 of solution does not have its checksum; `rattle check` mends it
     """
 
-    def __init__(self, store: str, array: str, chunk: str) -> None:
-        super().__init__(store, array, chunk)
-        self.store, self.array, self.chunk = store, array, chunk
+    def __init__(self, store: str, array: str, chunk: str, what: str = "does not have its checksum") -> None:
+        super().__init__(store, array, chunk, what)
+        self.store, self.array, self.chunk, self.what = store, array, chunk, what
 
     def __str__(self) -> str:
         return (
-            f"the store {self.store} is damaged: tile {self.chunk} of {self.array} does not have its checksum; "
-            "`rattle check` mends it"
+            f"the store {self.store} is damaged: tile {self.chunk} of {self.array} {self.what}; `rattle check` mends it"
         )
 
 
