@@ -138,8 +138,39 @@ class StoreFailed(WorkerError):
     """
 
 
-class DamagedChunk(StoreFailed, OSError):
-    """A chunk of a store does not hold the bytes that were written: its checksum is another.
+class Damaged(StoreFailed, OSError):
+    """A file of a store does not hold what was written."""
+
+
+class DamagedMetadata(Damaged):
+    """The metadata of a store, or of an array or group within, cannot be read.
+
+    Parameters
+    ----------
+    store : str
+        Location of the store.
+    node : str
+        Path of the array or group within the store; empty for the store itself.
+
+    Examples
+    --------
+    >>> from worker.errors import DamagedMetadata
+    >>> print(DamagedMetadata("basin.zarr", "solution"))
+    the store basin.zarr is damaged: the metadata solution/zarr.json cannot be read; `rattle check` mends it
+    """
+
+    def __init__(self, store: str, node: str) -> None:
+        super().__init__(store, node)
+        self.store, self.node = store, node
+
+    def __str__(self) -> str:
+        of_node = f"{self.node}/" if self.node else ""
+        rest = "; `rattle check` mends it" if self.node else ", and nothing else says what it holds"
+        return f"the store {self.store} is damaged: the metadata {of_node}zarr.json cannot be read{rest}"
+
+
+class DamagedChunk(Damaged):
+    """A chunk of a store does not hold the bytes that were written, or is missing from a finished store.
 
     Parameters
     ----------
@@ -149,6 +180,8 @@ class DamagedChunk(StoreFailed, OSError):
         Path of the array within the store.
     chunk : str
         Numbers of the chunk along each dimension. One tile is one chunk.
+    what : str
+        What is wrong with it.
 
     Examples
     --------
@@ -157,14 +190,13 @@ class DamagedChunk(StoreFailed, OSError):
     the store basin.zarr is damaged: tile 3/0 of solution does not have its checksum; `rattle check` mends it
     """
 
-    def __init__(self, store: str, array: str, chunk: str) -> None:
-        super().__init__(store, array, chunk)
-        self.store, self.array, self.chunk = store, array, chunk
+    def __init__(self, store: str, array: str, chunk: str, what: str = "does not have its checksum") -> None:
+        super().__init__(store, array, chunk, what)
+        self.store, self.array, self.chunk, self.what = store, array, chunk, what
 
     def __str__(self) -> str:
         return (
-            f"the store {self.store} is damaged: tile {self.chunk} of {self.array} does not have its checksum; "
-            "`rattle check` mends it"
+            f"the store {self.store} is damaged: tile {self.chunk} of {self.array} {self.what}; `rattle check` mends it"
         )
 
 
@@ -209,7 +241,7 @@ def as_store_failure(location: str) -> Iterator[None]:
     """Say of any failure of the system which store it befell."""
     try:
         yield
-    except DamagedChunk:
+    except Damaged:
         raise
     except _failures() as error:
         raise StoreFailed(f"the store {location} cannot be read or written: {_reason(error)}") from error

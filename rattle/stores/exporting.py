@@ -3,6 +3,7 @@
 import io
 import json
 import re
+import uuid
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -32,6 +33,8 @@ def export(
 ) -> Path:  # fmt: skip
     """Write a finished result as a zipped RO-Crate 1.1: its request, versions, tables and pictures.
 
+    The certificate of a proof is part of it.
+
     Parameters
     ----------
     store : str or path
@@ -46,7 +49,7 @@ def export(
     Returns
     -------
     Path
-        The file. The same store gives the same bytes.
+        The file, in place of one that was there. The same store gives the same bytes.
 
     Raises
     ------
@@ -76,8 +79,18 @@ def export(
             raise InvalidJob(f"{location} is not finished: the call that began it goes on from what is there")
         files = dict(_files(location, dataset))
         metadata = crate_metadata(dataset.attrs, files, creator, license or dataset.attrs.get("license", LICENSE))
-    target.write_bytes(_zipped({METADATA: metadata} | {name: file.content for name, file in files.items()}))
+    _write_whole(target, _zipped({METADATA: metadata} | {name: file.content for name, file in files.items()}))
     return target
+
+
+def _write_whole(target: Path, content: bytes) -> None:
+    """Write a file, or leave the one that is there: a full disk leaves no half of it."""
+    partial = target.with_name(f"{target.name}.{uuid.uuid4().hex}.partial")
+    try:
+        partial.write_bytes(content)
+        partial.replace(target)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 def _files(location: str, dataset: xr.Dataset) -> Iterator[tuple[str, CrateFile]]:
@@ -86,6 +99,9 @@ def _files(location: str, dataset: xr.Dataset) -> Iterator[tuple[str, CrateFile]
     names = ("versions", "git_revision", "fused_multiply_add", "layout_version")
     versions = {name: _unpacked(dataset.attrs.get(name)) for name in names}
     yield "versions.json", CrateFile(json.dumps(versions, indent=1).encode(), "application/json", "What computed it")
+    if certificate := dataset.attrs.get("certificate"):
+        text = json.dumps(json.loads(certificate), indent=1)
+        yield "certificate.json", CrateFile(text.encode(), "application/json", "Certificate of the proof")
     for name in _small_tables(dataset):
         text = write_table(table_of(dataset, name), TableFormat.CSV)
         yield f"tables/{name}.csv", CrateFile(text.encode(), "text/csv", f"Table of {name}")

@@ -1,8 +1,10 @@
 """The Dockerfile and the compose file are sound, say what they must, and keep no secret."""
 
+import os
 import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -100,3 +102,26 @@ def test_a_processor_is_told_and_kept_where_it_is_given():
     assert name_of() in ("x86-64-v4 -prefer-256-bit", "x86-64-v3", "none none")
     assert name_of(NUMBA_CPU_NAME="x86-64-v4") == "x86-64-v4 -prefer-256-bit"
     assert name_of(NUMBA_CPU_NAME="x86-64-v3") == "x86-64-v3"
+
+
+@pytest.mark.parametrize("seconds, code", [(100, 1), (3600, 0)])
+def test_a_task_of_slurm_whose_time_is_too_short_says_so(tmp_path, seconds, code):
+    """The script alone under bash: what it calls does nothing, and `dask` ends the task as Slurm would."""
+    programs = tmp_path / "venv" / "bin"
+    programs.mkdir(parents=True)
+    for name, body in (("python", "exit 0"), ("dask", 'echo "$@" > "$TOLD"; kill -USR1 "$PPID"')):
+        (programs / name).write_text(f"#!/bin/sh\n{body}\n")
+        (programs / name).chmod(0o755)
+    (tmp_path / "scheduler").write_text("tls://node1:8786\n")
+    slurm = {"SLURM_JOB_ID": "1", "SLURM_CPUS_PER_TASK": "8", "SLURM_JOB_END_TIME": str(int(time.time()) + seconds)}
+    done = subprocess.run(
+        ["bash", DOCKER / "slurm" / "workers.sbatch", tmp_path], capture_output=True, text=True, timeout=60,
+        env={"PATH": os.environ["PATH"], "TMPDIR": str(tmp_path), "TOLD": str(tmp_path / "told"), **slurm},
+    )  # fmt: skip
+    assert done.returncode == code, done.stderr
+    assert ("no time is left for workers" in done.stderr) == (code == 1) == (not (tmp_path / "told").exists())
+    if code == 0:
+        told = (tmp_path / "told").read_text()
+        assert told.startswith("worker tls://node1:8786 --nworkers 8 --nthreads 1")
+        (lifetime,) = re.findall(r"--lifetime (\d+)s", told)
+        assert seconds - 240 - 60 <= int(lifetime) <= seconds - 240

@@ -70,4 +70,5 @@ def test_the_metadata_is_valid_and_says_who_and_what(distribution):
     metadata = Metadata.from_email(written, validate=True)
     assert str(metadata.version) == rattle.__version__
     assert metadata.author == "The gear-rattle developers" and metadata.license_expression == "BSD-3-Clause"
+    assert metadata.project_urls == {"Paper": "https://doi.org/10.1142/S021812740902283X"}
     assert metadata.description_content_type == "text/markdown" and "# gear-rattle" in metadata.description

@@ -7,7 +7,6 @@ import numpy as np
 from worker.basins.basin_run import BasinRun
 from worker.basins.numbering import Numbered
 from worker.stores.basin_store import BasinStore
-from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import TileState
 from worker.stores.solution_table import share_error
 
@@ -92,10 +91,9 @@ class Ledger:
             self._ledger_saved = now
 
     def save(self) -> None:
-        """Write everything."""
-        with synced_together(self._store.location):
-            self._store.write_image_counts(self._image_counts)
-            self._store.write_solutions(self.table)
+        """Write everything. Each file is synced by itself: the next driver reads the tables, whatever is claimed."""
+        self._store.write_image_counts(self._image_counts)
+        self._store.write_solutions(self.table)
         self._store.write_ledger(self.states)
         self._ledger_saved = self._table_saved = time.monotonic()
         self._table_changed = False

@@ -174,11 +174,12 @@ class AnalysisStore:
             consolidate(self.location, self._fence)
 
     def remove_parts(self) -> None:
-        """Remove the parts of a store whose tables are complete (driver only)."""
+        """Remove the parts of a store whose tables are complete, and what killed writers have left (driver only)."""
         self._fence()
         with as_store_failure(self.location):
             if PARTS in self._group:
                 del self._group[PARTS]
+            place_at(self.location).sweep()
             consolidate(self.location, self._fence)
 
 

@@ -23,6 +23,7 @@ from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
 from worker.stores import layout
+from worker.stores.files.write_over import write_over
 from worker.stores.layout import Variable
 from worker.stores.new_store import consolidate, create_store, places_of, tiling_of, write_coordinates
 from worker.stores.opening import create_unless_there, demand_same_request, open_group, open_store_at
@@ -141,7 +142,7 @@ class BasinStore(SolutionArrays, ProofArrays):
 
     def _write(self, variable: Variable, values: np.ndarray, *index: Any) -> None:
         with as_store_failure(self.location):
-            self._kept(variable)[index] = values
+            write_over(self._kept(variable), index, values)
 
     def read_ledger(self) -> np.ndarray:
         """State of each tile, flat, basin by basin, as `TileState` codes."""

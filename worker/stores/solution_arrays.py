@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind
-from worker.errors import as_store_failure
+from worker.errors import DamagedMetadata, as_store_failure
 from worker.fence import Fence
 from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
-from worker.stores.files.synced_files import synced_together
+from worker.stores.files.write_over import write_over
 from worker.stores.layout import Places, Variable
 from worker.stores.new_store import CONFIG, consolidate, create_array
 from worker.stores.solution_table import Motion, SolutionTable
@@ -34,7 +34,10 @@ class SolutionArrays:
         self._handles: dict[str, Any] = {}
 
     def _array(self, variable: Variable) -> Any:
-        return self._group[variable.path].with_config(CONFIG)
+        try:
+            return self._group[variable.path].with_config(CONFIG)
+        except (KeyError, TypeError, ValueError) as error:  # they are missing, or JSON that Zarr does not take
+            raise DamagedMetadata(self.location, variable.path) from error
 
     def _kept(self, variable: Variable) -> Any:
         if variable.path not in self._handles:
@@ -64,17 +67,15 @@ class SolutionArrays:
                 return
             names = [motion.name for motion in table.motions]
             columns = [np.array(column) for column in zip(*table.motions, strict=True)]
-            with synced_together(self.location):
-                for variable in self._measured():
-                    self._array(variable).resize((*self.job.sweep_shape, room[0]))
-                for variable, values in zip(
-                    layout.MOTIONS, (*columns, np.array(names, np.dtypes.StringDType())), strict=True
-                ):
-                    array = self._array(variable)
-                    array.resize(room[:1])
-                    array[: len(names)] = values
-                flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
-                self._group[self.places.solution.path].update_attributes(flags)
+            for variable in self._measured():
+                self._array(variable).resize((*self.job.sweep_shape, room[0]))
+            columns.append(np.array(names, np.dtypes.StringDType()))
+            for variable, values in zip(layout.MOTIONS, columns, strict=True):
+                array = self._array(variable)
+                array.resize(room[:1])
+                array[: len(names)] = values
+            flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
+            self._group[self.places.solution.path].update_attributes(flags)
             # Points come last, because their shape says how much room there is. A driver killed earlier starts over.
             for variable in reversed(layout.POINTS):
                 self._array(variable).resize((*self.job.sweep_shape, *room))
@@ -106,7 +107,7 @@ class SolutionArrays:
                 for number, attractor in zip(numbers, attractors, strict=True):
                     values = getattr(attractor, field)
                     padded[number, : values.size] = values
-                self._kept_with_room(variable, shape)[*place, : shape[0], : shape[1]] = padded
+                write_over(self._kept_with_room(variable, shape), (*place, *map(slice, shape)), padded)
 
     def write_solutions(self, table: SolutionTable) -> None:
         """Write the properties of solutions in each basin, as far as there is room (driver only)."""

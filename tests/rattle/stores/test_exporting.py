@@ -1,6 +1,7 @@
 """An export is an RO-Crate 1.1 by the rules of its specification, and the same store gives the same bytes."""
 
 import json
+import pathlib
 import re
 import zipfile
 
@@ -101,6 +102,32 @@ def test_nobody_is_named_unless_asked(exported, tmp_path):
         by_id = entities(archive)
     assert "#creator" not in by_id and "author" not in by_id["./"]
     assert by_id["./"]["license"] == {"@id": "https://spdx.org/licenses/CC0-1.0"}
+
+
+def test_it_holds_the_certificate_of_a_proof(tmp_path):
+    rattle.basin(damping=1.5, cells=20, prove=True, levels=0, store=tmp_path / "proven", progress=False)
+    rattle.export(tmp_path / "proven", tmp_path / "crate.zip")
+    with rattle.open(tmp_path / "proven") as dataset, zipfile.ZipFile(tmp_path / "crate.zip") as archive:
+        assert json.loads(archive.read("certificate.json")) == dataset.rattle.certificate
+        assert entities(archive)["certificate.json"]["encodingFormat"] == "application/json"
+
+
+def test_a_file_that_was_there_is_replaced_as_a_whole_or_not_at_all(exported, tmp_path, monkeypatch):
+    target = tmp_path / "crate.zip"
+    target.write_text("older")
+
+    def fails(path, content):
+        with path.open("wb") as file:
+            file.write(content[:10])
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as full:
+        full.setattr(pathlib.Path, "write_bytes", fails)
+        with pytest.raises(OSError, match="No space"):
+            rattle.export(exported[0], target)
+    assert target.read_text() == "older" and list(tmp_path.iterdir()) == [target]
+    rattle.export(exported[0], target)
+    assert zipfile.is_zipfile(target) and list(tmp_path.iterdir()) == [target]
 
 
 def test_what_cannot_be_exported_is_told(tmp_path):

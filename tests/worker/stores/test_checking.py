@@ -11,7 +11,7 @@ from rattle_kernels import CellGrid
 from tests.object_store import BUCKET
 from tests.store_content import content
 from tests.worker.stores.test_flipped_bits import flip
-from worker.errors import JobCancelled, StoreConflict
+from worker.errors import JobCancelled, StoreConflict, StoreFailed
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
@@ -118,6 +118,57 @@ def test_missing_chunks_and_metadata_are_told_and_mended(finished, tmp_path):
     assert mended(copy, finished / "basin", damage) == {
         "solution/c/1/0", "period/zarr.json", "assembly/words/zarr.json"
     }  # fmt: skip
+
+
+def _replaced_in_copy(store, array, old, new):
+    """Change what the root says once more of an array."""
+    file = store / "zarr.json"
+    document = json.loads(file.read_text())
+    nodes = document["consolidated_metadata"]["metadata"]
+    nodes[array] = json.loads(json.dumps(nodes[array]).replace(old, new, 1))
+    file.write_text(json.dumps(document))
+
+
+@pytest.mark.parametrize(
+    "array, old, new",
+    [("solution", "100", "500"), ("landing_time", "float64", "gloat64"), ("assembly", "group", "grouq")],
+)
+def test_right_metadata_are_not_replaced_by_a_damaged_copy_of_the_root(finished, tmp_path, array, old, new):
+    copy = shutil.copytree(finished / "basin", tmp_path / "store")
+    named = mended(copy, finished / "basin", lambda: _replaced_in_copy(copy, array, old, new))
+    assert named == {f"{array}/zarr.json"}
+    whole = {path.relative_to(copy): path.read_bytes() for path in copy.rglob("*/zarr.json")}
+    assert all((finished / "basin" / path).read_bytes() == content for path, content in whole.items())
+
+
+@pytest.mark.parametrize("old, new", [("100", "500"), ("int16", "knt16")])
+def test_damaged_metadata_are_replaced_by_those_of_the_root(finished, tmp_path, old, new):
+    copy, own = shutil.copytree(finished / "basin", tmp_path / "store"), "solution/zarr.json"
+
+    def damage():
+        (copy / own).write_text((copy / own).read_text().replace(old, new, 1))
+
+    assert mended(copy, finished / "basin", damage) == {own}
+    assert json.loads((copy / own).read_text()) == json.loads((finished / "basin" / own).read_text())
+
+
+def test_files_that_are_none_of_the_store_are_left_alone(finished, tmp_path):
+    copy = shutil.copytree(finished / "basin", tmp_path / "store")
+    strays = [copy / "notes.txt", copy / "solution" / "c" / "0" / "9", copy / "solution" / "c" / "1" / "1.bak"]
+    for stray in strays:
+        stray.write_text("mine")
+    found = rattle.check(copy)
+    assert found.damages == () and found.mended and all(stray.read_text() == "mine" for stray in strays)
+
+
+def test_a_store_whose_root_cannot_be_read_is_no_place_for_another(finished, tmp_path):
+    copy = shutil.copytree(finished / "basin", tmp_path / "store")
+    (copy / "zarr.json").write_text((copy / "zarr.json").read_text()[:500])
+    before = content(copy)
+    for call in (rattle.open, rattle.check, lambda place: rattle.compute(JOBS["basin"], store=place, progress=False)):
+        with pytest.raises(StoreFailed, match="store is damaged: the metadata zarr.json cannot be read"):
+            call(copy)
+    assert content(copy) == before
 
 
 def test_an_interrupted_mending_goes_on(finished, tmp_path):

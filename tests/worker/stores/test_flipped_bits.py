@@ -18,11 +18,13 @@ from worker.errors import DamagedChunk, StoreFailed
 from worker.jobs.basin_job import BasinJob
 from worker.pictures.panel_picture import Look
 from worker.stores.basin_store import BasinStore
+from worker.stores.layout import SOLUTION
 from worker.stores.opening import open_group
 from worker.stores.storage import place_at, whole
 from worker.stores.summary import summarise
 from worker.views.tile_labels import read_tile_labels
 
+POINTS = ("attractor_time", "attractor_velocity")
 JOB = BasinJob(grid=CellGrid(time_cells=100, velocity_cells=100), iterations=101)
 
 
@@ -78,6 +80,23 @@ def test_a_chunk_that_is_cut_short_is_told(store, left):
         rattle.open(store).solution.load()
 
 
+def test_a_chunk_that_a_finished_store_has_lost_is_told_and_not_read_as_data(store):
+    lost = [path for path in chunks(store) if path.relative_to(store).parts[0] not in ("assembly", *POINTS)]
+    assert len(lost) > 20
+    for path in lost:
+        kept = path.read_bytes()
+        path.unlink()
+        array, _, chunk = path.relative_to(store).as_posix().rpartition("/c/")
+        with pytest.raises(DamagedChunk, match=f"tile {chunk} of {array} is missing"):
+            rattle.open(store)[array].load()
+        path.write_bytes(kept)
+
+
+def test_an_unfinished_store_may_lack_chunks(tmp_path):
+    BasinStore.create_or_resume(str(tmp_path / "begun"), JOB)
+    assert (rattle.open(tmp_path / "begun").solution.load() == SOLUTION.fill).all()
+
+
 READERS = {
     "xarray": lambda place: rattle.open(place).solution.values,
     "table of all": lambda place: rattle.open(place).load(),
@@ -94,6 +113,15 @@ def test_every_reader_names_store_array_and_tile(store, reader):
     with pytest.raises(StoreFailed) as caught:
         READERS[reader](str(store))
     assert str(caught.value).startswith(f"the store {store} is damaged: tile 1/0 of solution")
+
+
+@pytest.mark.parametrize("content", ["{", '{"zarr_format": 3, "node_type": "array"}'])
+@pytest.mark.parametrize("reader", ["picture", "tile", "store"])
+def test_readers_name_metadata_that_cannot_be_read(store, reader, content):
+    (store / "solution" / "zarr.json").write_text(content)
+    with pytest.raises(StoreFailed) as caught:
+        READERS[reader](str(store))
+    assert str(caught.value).startswith(f"the store {store} is damaged: the metadata solution/zarr.json cannot be read")
 
 
 def test_a_summary_names_a_damaged_ledger(store):

@@ -1,12 +1,15 @@
 """A power cut takes all that is not on the disk, or any part of it: the same job goes on to the same bytes."""
 
 import contextlib
+import itertools
 import os
 import threading
 
+import numpy as np
 import pytest
 
-from rattle_kernels import CellGrid
+from rattle_kernels import CellGrid, CellGroups
+from rattle_kernels.cell_mapping.image_set import ImageSet
 from tests.forgetful_disk import ForgetfulDisk
 from tests.store_content import content
 from worker.basins import pipeline
@@ -15,6 +18,7 @@ from worker.cluster.connection import thread_cluster
 from worker.cluster.driver import Driver
 from worker.errors import StoreFailed
 from worker.jobs.basin_job import BasinJob, SweepJob
+from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
 from worker.kinds import KINDS
 from worker.stores.basin_store import BasinStore
@@ -27,8 +31,15 @@ BASIN = BasinJob(grid=CellGrid(time_cells=128, velocity_cells=128), iterations=4
 SWEEP = SweepJob(
     grid=CellGrid(time_cells=24, velocity_cells=24), iterations=101, vary=(SweptParameter("damping", (0.7, 0.65, 0.6)),)
 )
+SMALL = CellGrid(time_cells=24, velocity_cells=24)
 GRAZING = KINDS["grazing_curve"].job_class(order=1)
-JOBS = {"basin": BASIN, "sweep": SWEEP, "grazing curve": GRAZING}
+JOBS = {
+    "basin": BASIN,
+    "sweep": SWEEP,
+    "sample": BasinJob(grid=SMALL, iterations=101, sample=Sample(points=200)),
+    "proven": BasinJob(grid=SMALL, iterations=101, prove={"levels": 0}),
+    "grazing curve": GRAZING,
+}
 # Nothing that was not synced survives; all of it does; and three mixtures.
 CHANCES = (0.0, 1.0, 0.3, 0.5, 0.9)
 
@@ -66,6 +77,21 @@ def cut_at_every_report(job, disk, client, folder):
     return left
 
 
+def cut_before_syncs(job, disk, client, folder, every, chances=CHANCES):
+    """Run a job whose power is cut before every n-th sync, the chances in turn. Return what is left."""
+    left, syncs = [], itertools.count(1)
+
+    def cut():
+        if next(syncs) % every == 0:
+            left.append(folder / f"{len(left)}")
+            disk.power_cut(left[-1], chances[len(left) % len(chances)], seed=len(left))
+
+    disk.before_sync = cut
+    run(job, disk.root / "store.zarr", client)
+    disk.before_sync = lambda: None
+    return [place / "store.zarr" for place in left]
+
+
 def claimed_tiles_are_there(location):
     """Number of tiles that the ledger speaks of; each of them is read whole."""
     store = BasinStore(str(location))
@@ -100,6 +126,41 @@ def test_what_a_power_cut_leaves_is_gone_on_with_to_the_same_bytes(name, disk, t
         location = place / "store.zarr"
         run(job, location, threads)
         assert content(location) == undisturbed, place
+
+
+def test_after_a_cut_before_any_sync_what_the_next_driver_reads_is_whole(disk, threads, tmp_path):
+    left = cut_before_syncs(SWEEP, disk, threads, tmp_path, 2, (0.7,))
+    left = [each for each in left if holds_store(str(each))]
+    assert len(left) > 100
+    for location in left:
+        store = BasinStore(str(location))
+        store.read_solutions()
+        store.read_image_counts()
+        claimed_tiles_are_there(location)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("name, every", [("sweep", 7), ("sample", 9), ("proven", 23), ("grazing curve", 5)])
+def test_a_cut_before_any_sync_is_gone_on_with_to_the_same_bytes(name, every, disk, threads, tmp_path):
+    job, folder = JOBS[name], tmp_path / "left"
+    folder.mkdir()
+    left = cut_before_syncs(job, disk, threads, folder, every)
+    undisturbed = content(disk.root / "store.zarr")
+    assert len(left) > 10 and len(undisturbed) > 5
+    for location in left:
+        run(job, location, threads)
+        assert content(location) == undisturbed, location
+
+
+@pytest.mark.parametrize("left", [b"", b"the first bytes"])
+def test_a_part_of_a_chunk_is_written_over_whatever_a_cut_has_left_of_it(tmp_path, left):
+    stores = [BasinStore.create_or_resume(str(tmp_path / name), SWEEP) for name in ("cut", "whole")]
+    write_file(tmp_path / "cut", "assembly/group/c/1/0", left)
+    groups = CellGroups(ImageSet(*np.zeros((2, 1), np.int64)), *np.ones((3, 5), np.int32))
+    for store in stores:
+        store.write_groups(1, groups)
+    assert content(tmp_path / "cut") == content(tmp_path / "whole")
 
 
 def test_a_finished_store_survives_whole(disk, threads, tmp_path):
@@ -159,7 +220,8 @@ def test_new_files_of_a_block_are_synced_at_its_end_and_others_at_once(disk):
     with synced_together("store"):
         write_file(disk.root, "array/c/0/1", b"new")
         write_file(disk.root, "ledger", b"newer")
-        assert b"newer" in disk.contents.values() and b"new" not in disk.contents.values()
+        write_file(disk.root, "array/zarr.json", b"metadata")
+        assert {b"newer", b"metadata"} <= set(disk.contents.values()) and b"new" not in disk.contents.values()
     assert b"new" in disk.contents.values()
 
 

@@ -212,7 +212,7 @@ def test_a_picture_of_any_window_reads_few_chunks_and_shows_its_cells(large, mon
 
 
 def test_what_a_level_lacks_is_an_error_that_names_the_level(large):
-    with pytest.raises(StoreFailed, match="lost a part of pyramid/2/step"):
+    with pytest.raises(StoreFailed, match="tile 0/0 of pyramid/2/step is missing"):
         read_tile_labels(large[0], 0, level=2)
 
 

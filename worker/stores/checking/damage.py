@@ -11,9 +11,10 @@ from worker.jobs.job import Job
 from worker.kinds import KINDS
 from worker.stores.analysis_store import PARTS, AnalysisStore, kind_of_store
 from worker.stores.checking.expected import expected_chunks
+from worker.stores.checking.metadata import COPY_IS_WRONG, damaged_metadata, nodes_of
 from worker.stores.files.checked_chunks import CHUNKS, METADATA
 from worker.stores.opening import open_group
-from worker.stores.storage import place_at, whole
+from worker.stores.storage import place_at
 
 Report = Callable[[int, int], None]
 """Called with the number of files that have been read, and of all."""
@@ -36,6 +37,11 @@ class Damage:
     array: str
     chunk: tuple[int, ...]
     what: str
+
+    @property
+    def restored(self) -> bool:
+        """Whether it is metadata that are written anew, as the root has them."""
+        return not self.chunk and self.what != COPY_IS_WRONG
 
     @property
     def path(self) -> str:
@@ -94,14 +100,13 @@ def check_store(location: str, report: Report = lambda done, total: None) -> Fin
     """
     kind = kind_of_store(location)
     with as_store_failure(location):
-        root = open_group(location, "r", consolidated=True)
+        root = open_group(location, "r")
         paths = place_at(location).paths()
     nodes = nodes_of(location)
     job, complete = _job_of(location, kind, root.attrs), bool(root.attrs["complete"])
-    damages = list(_damaged_metadata(location, nodes, complete))
-    arrays = {path: root[path] for path, node in nodes.items() if node["node_type"] == "array"}
-    arrays |= _arrays_of_parts(location, paths)
-    chunks = [chunk for path in paths if (chunk := _chunk_of(path)) is not None and chunk[0] in arrays]
+    damages = [Damage(path, (), what) for path, what in damaged_metadata(location, job, nodes, complete)]
+    arrays = _arrays_of(location, root, nodes, damages) | _arrays_of_parts(location, paths)
+    chunks = [chunk for path in paths if (chunk := _chunk_of(path)) is not None and _has_place(arrays, *chunk)]
     for done, (array, numbers) in enumerate(chunks):
         report(done, len(chunks))
         if what := _damage_of(arrays[array], numbers):
@@ -111,6 +116,23 @@ def check_store(location: str, report: Report = lambda done, total: None) -> Fin
     damages += [Damage(*chunk, "it is missing") for chunk in expected if chunk not in there]
     report(len(chunks), len(chunks))
     return Findings(location, job, complete, len(paths), tuple(damages))
+
+
+def _arrays_of(location: str, root: Any, nodes: dict[str, Any], damages: list[Damage]) -> dict[str, Any]:
+    """Arrays of a store, opened by their own metadata or, where those are damaged, by those that the root has."""
+    lost = {damage.array for damage in damages if damage.restored}
+    with as_store_failure(location):
+        copied = open_group(location, "r", consolidated=True) if lost else root
+    paths = [path for path, node in nodes.items() if node["node_type"] == "array"]
+    return {path: copied[path] if path in lost else root[path] for path in paths}
+
+
+def _has_place(arrays: dict[str, Any], array: str, chunk: tuple[int, ...]) -> bool:
+    """Whether an array has such a chunk. Another file with the name of one is none of the store."""
+    if array not in arrays:
+        return False
+    shape = arrays[array].cdata_shape
+    return len(chunk) == len(shape) and all(number < most for number, most in zip(chunk, shape, strict=True))
 
 
 def _arrays_of_parts(location: str, paths: list[str]) -> dict[str, Any]:
@@ -136,44 +158,6 @@ def _job_of(location: str, kind: str, attributes: Any) -> Job:
     if job.digest != attributes["request_sha256"]:
         raise StoreConflict(f"{location} has lost its request: it does not have the digest that it was stored with")
     return job
-
-
-def nodes_of(location: str) -> dict[str, Any]:
-    """Metadata of every array and group by its path, as the root says them once more; without parts, which pass.
-
-    Parameters
-    ----------
-    location : str
-
-    Returns
-    -------
-    dict of str to dict
-    """
-    with as_store_failure(location):
-        file = place_at(location).read(METADATA, whole)
-    nodes = json.loads(file.content)["consolidated_metadata"]["metadata"] if file else {}
-    lasting = {path: node for path, node in nodes.items() if path.split("/")[0] != PARTS}
-    return {
-        path: {name: node[name] for name in node if name != "consolidated_metadata"} for path, node in lasting.items()
-    }
-
-
-def _damaged_metadata(location: str, nodes: dict[str, Any], complete: bool) -> Iterator[Damage]:
-    """Arrays and groups whose own metadata are not those that the root says once more.
-
-    Those of an unfinished store may differ: a driver may have been stopped between the two.
-    """
-    for path, node in nodes.items():
-        with as_store_failure(location):
-            file = place_at(location).read(f"{path}/{METADATA}", whole)
-        try:
-            own = None if file is None else json.loads(file.content)
-        except ValueError:
-            own = {}
-        if own is None:
-            yield Damage(path, (), "they are missing")
-        elif not own or (complete and {name: own.get(name) for name in node} != node):
-            yield Damage(path, (), "they are not those that the root has")
 
 
 def _chunk_of(path: str) -> tuple[str, tuple[int, ...]] | None:

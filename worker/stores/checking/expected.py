@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from worker.errors import DamagedChunk
+from worker.errors import Damaged
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState, Variable
@@ -17,8 +17,6 @@ from worker.stores.summary import WITHOUT_POINTS
 
 Chunk = tuple[str, tuple[int, ...]]
 """Path of an array, and numbers of a chunk along each dimension."""
-# A damaged chunk; metadata that are missing; metadata that are no JSON, or not Zarr's.
-_UNREADABLE = (DamagedChunk, KeyError, ValueError)
 
 
 def expected_chunks(location: str, arrays: dict[str, Any]) -> Iterator[Chunk]:
@@ -65,7 +63,7 @@ def readable_ledger(store: BasinStore) -> np.ndarray:
     try:
         states = store.read_ledger()
         return np.where(states == 0, _unreadable(store), states)
-    except _UNREADABLE:
+    except Damaged:
         return np.full(store.tiling.tiles, _unreadable(store), np.uint8)
 
 
@@ -88,7 +86,7 @@ def _readable_table(store: BasinStore) -> SolutionTable:
     """The table of solutions; an empty one if it cannot be read, as all is written anew then."""
     try:
         return store.read_solutions()
-    except _UNREADABLE:
+    except Damaged:
         return SolutionTable.empty(store.job)
 
 
@@ -122,5 +120,5 @@ def _has_images(store: BasinStore, basin: int) -> bool:
     """Whether any image lies in the window, so that there are groups to look up."""
     try:
         return bool(store.read_image_words(basin).size)
-    except _UNREADABLE:
+    except Damaged:
         return True

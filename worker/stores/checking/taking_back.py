@@ -8,8 +8,9 @@ from worker.errors import as_store_failure
 from worker.stores import layout
 from worker.stores.analysis_store import PARTS, AnalysisStore, kind_of_store
 from worker.stores.basin_store import BasinStore
-from worker.stores.checking.damage import Damage, Findings, nodes_of
+from worker.stores.checking.damage import Damage, Findings
 from worker.stores.checking.expected import readable_ledger
+from worker.stores.checking.metadata import nodes_of
 from worker.stores.files.checked_chunks import METADATA
 from worker.stores.layout import TileState
 from worker.stores.proofs.layout import PROOF, PROVEN, UNPROVEN_REASON
@@ -66,8 +67,8 @@ def _discard(found: Findings) -> None:
 
 
 def _restore_metadata(found: Findings) -> None:
-    """Write the metadata of arrays and groups as the root has them."""
-    lost = [damage.array for damage in found.damages if not damage.chunk]
+    """Write the metadata of arrays and groups as the root has them, unless those are the wrong ones."""
+    lost = [damage.array for damage in found.damages if damage.restored]
     if not lost:
         return
     nodes = nodes_of(found.location)

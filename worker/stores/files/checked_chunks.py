@@ -2,6 +2,7 @@
 
 Every chunk ends in the CRC-32C of its other bytes (Zarr's codec ``crc32c``). Zarr checks it, too, but says neither in
 which store nor in which chunk it fails. Arrays of older stores have no checksums, and are read without a check.
+Metadata have none either. Those that are no JSON any more are named. So is a chunk that a finished store has lost.
 """
 
 import json
@@ -12,17 +13,19 @@ import numpy as np
 from zarr.abc.store import Store
 from zarr.core.buffer import default_buffer_prototype
 
-from worker.errors import DamagedChunk
+from worker.errors import DamagedChunk, DamagedMetadata
 
 _CHECKSUM = 4
 METADATA = "zarr.json"
 """Name of the file of each array and each group."""
 CHUNKS = "c"
 """Folder of an array's chunks."""
+# Arrays whose length is found while computing, and which are not filled up.
+_SOME_CHUNKS = ("assembly/", "attractor_")
 
 
 class ChecksChunks(Store):
-    """A Zarr store that names a chunk whose checksum is wrong. Mixed into a store that reads.
+    """A Zarr store that names a chunk whose checksum is wrong, or broken metadata. Mixed into a store that reads.
 
     Attributes
     ----------
@@ -33,16 +36,41 @@ class ChecksChunks(Store):
     name: str
 
     async def get(self, key: str, prototype: Any = None, byte_range: Any = None) -> Any:
-        """Read a file, and check it if it is a chunk with a checksum."""
+        """Read a file, and check it if it is a chunk with a checksum or metadata."""
         prototype = prototype or default_buffer_prototype()
         found = await super().get(key, prototype, byte_range)
+        node, _, name = key.rpartition("/")
+        if found is not None and name == METADATA and not _is_json(found.to_bytes()):
+            raise DamagedMetadata(self.name, node)
         array, is_chunk, chunk = key.rpartition(f"/{CHUNKS}/")
+        if found is None and is_chunk and await self._has_all_chunks_of(array):
+            raise DamagedChunk(self.name, array, chunk, "is missing")
         if found is None or byte_range is not None or not is_chunk or has_checksum(found.as_numpy_array()):
             return found
         metadata = await super().get(f"{array}/{METADATA}", prototype)
         if metadata is None or not is_checked(json.loads(metadata.to_bytes())):
             return found
         raise DamagedChunk(self.name, array, chunk)
+
+    async def _has_all_chunks_of(self, array: str) -> bool:
+        """Whether this is a finished store, which has every chunk of an array: Zarr takes a missing one for empty."""
+        if array.startswith(_SOME_CHUNKS):
+            return False
+        prototype = default_buffer_prototype()
+        files = [await super(ChecksChunks, self).get(path, prototype) for path in (METADATA, f"{array}/{METADATA}")]
+        try:
+            root, own = (json.loads(file.to_bytes()) for file in files if file is not None)
+        except ValueError:  # one of them is not there, or no JSON
+            return False
+        return bool(root["attributes"].get("complete")) and is_checked(own)
+
+
+def _is_json(content: bytes) -> bool:
+    try:
+        json.loads(content)
+    except ValueError:
+        return False
+    return True
 
 
 def has_checksum(content: np.ndarray) -> bool:

@@ -4,8 +4,11 @@ Guarantees. A file takes its name as a whole. Outside `synced_together` it is on
 is its name. Inside, a new file may follow later: all of them are on the disk when the block ends. So what is written
 after a block, such as the ledger, never speaks of a file that a power cut can take away.
 
-A file that replaces another is synced before it takes that one's name, inside such a block, too: some file systems
-would otherwise be left with an empty file after a power cut.
+Inside such a block, too, two kinds of files are synced before they take their names. A file that replaces another: some
+file systems would otherwise be left with an empty one after a power cut. And metadata: whoever goes on with a store
+reads those of every array that has a name, claimed or not.
+
+So a power cut may leave an empty or partial chunk that nothing claims. `write_over` takes it for none.
 """
 
 import asyncio
@@ -114,7 +117,7 @@ def write_file(root: Path, key: str, content: Any) -> None:
     path, together = root / key, _together.get()
     path.parent.mkdir(parents=True, exist_ok=True)
     replaces = path.exists()
-    later = together is not None and not replaces
+    later = together is not None and not replaces and path.name != METADATA
     partial = path.with_name(f"{path.name}.{uuid.uuid4().hex}.partial")
     try:
         with partial.open("wb") as file:
