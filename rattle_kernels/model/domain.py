@@ -143,10 +143,12 @@ def _demand_positive(felt: TrigonometricPolynomial, equation: str, what: str, ch
     """Refuse harmonics with which a polynomial is not positive at every phase."""
     least, phase = least_value(felt)
     if not least > 0.0:
+        # What they take from the mean grows as they do.
+        part = felt.mean / (felt.mean - least)
         message = (
             f"{what} must be positive at every phase ({equation}): its mean is {felt.mean:.6g}, and with these "
             f"harmonics and eccentricity {checked.eccentricity:g} it falls to {least:.6g} at t = {phase:.4f}; lower "
-            "their amplitudes"
+            f"their amplitudes: all of them times less than {part:.6g} are within the bound"
         )
         raise OutsideDomain("harmonics", least, equation, 0.0, message)
 

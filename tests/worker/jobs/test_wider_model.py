@@ -39,7 +39,10 @@ def test_harmonics_are_in_the_order_of_their_orders():
         ({"restitution": 0}, "restitution: Input should be greater than 0"),
         ({"restitution": 1.5}, "restitution: Input should be less than or equal to 1"),
         ({"contact_damping": 0.1}, "contact_damping belongs to the piecewise linear model"),
-        ({"model": "piecewise_linear", "stiffness": 100, "restitution": 0.9}, "restitution"),
+        (
+            {"model": "piecewise_linear", "stiffness": 100, "restitution": 0.9},
+            "restitution belongs to the impacting model: give contact_damping",
+        ),
         ({"model": "piecewise_linear", "stiffness": 100, "contact_damping": 1}, "less than 1"),
     ],
 )
