@@ -170,6 +170,26 @@ def _check_stiffness(checked: Oscillator) -> None:
         raise OutsideDomain("stiffness", checked.stiffness, "ringing", limit, message)
 
 
+def closed_edges(parameter: str) -> tuple[float, float]:
+    """Least and largest value that a parameter may have, where the domain ends with that value itself.
+
+    Parameters
+    ----------
+    parameter : str
+        One of `Oscillator.parameters`.
+
+    Returns
+    -------
+    (float, float)
+        Infinite on a side where there is none: the domain is open there, as at damping 0, or ends elsewhere (Eq. 8).
+    """
+    if parameter == "restitution":
+        return -math.inf, 1.0
+    if parameter in ("eccentricity", "contact_damping") or parameter.startswith("amplitude_"):
+        return 0.0, math.inf
+    return -math.inf, math.inf
+
+
 def check_impacting(oscillator: Oscillator) -> Oscillator:
     """Return the oscillator as `check_domain` does, or raise if its stiffness is finite.
 
