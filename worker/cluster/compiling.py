@@ -4,6 +4,7 @@ Kernels for a number of harmonics are compiled when a job first needs them, and 
 """
 
 import contextlib
+import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -46,8 +47,15 @@ class Compiling:
     """
 
     def __init__(self, client: Client) -> None:
-        self._jobs: set[Address] = set()
-        client.subscribe_topic(_TOPIC, self._take)
+        self._client, self._jobs = client, set[Address]()
+        self._lock, self._listens = threading.Lock(), False
+
+    def listen(self) -> None:
+        """Hear what workers say from now on."""
+        with self._lock:
+            if not self._listens:
+                self._client.subscribe_topic(_TOPIC, self._take)
+            self._listens = True
 
     def _take(self, event: tuple[float, Any]) -> None:
         location, digest = event[1]

@@ -45,8 +45,7 @@ _NO_WORKER_SECONDS = 180.0
 _CALLS_A_THREAD = 2
 # Some 0.4 cores, measured with tasks that only wait (`benchmarks.waiting_workers`).
 _CALLS_A_SECOND = 100
-# A first picture waits no longer than the shortest call. A killed worker loses no more than the longest, and the other
-# jobs wait no longer.
+# A first picture waits for the shortest call at most. A killed worker loses the longest at most; so long wait others.
 _SHORTEST_CALL_SECONDS, _LONGEST_CALL_SECONDS = 0.1, 10.0
 _LOST = "the connection to the scheduler is lost; submit again when it is back"
 
@@ -136,6 +135,7 @@ class Driver:
         JobCancelled, TileFailed, ClusterFailed, or the WorkerError of a task
             Tasks still in flight have then been cancelled.
         """
+        self._compiling.listen()
         window = _Window(self, address, within)
         last_seen = time.monotonic()
         try:
