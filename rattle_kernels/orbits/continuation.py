@@ -225,9 +225,9 @@ def continue_orbit(
     orbit : PeriodicOrbit
         From `find_orbits` or ``find_periodic_orbit``.
     parameter : str
-        ``damping``, ``eccentricity``, ``half_backlash`` or ``stiffness``.
+        One of `Oscillator.parameters`.
     bounds : (float, float)
-        Values of the parameter at which to stop.
+        Values of the parameter at which to stop; it stops on a closed edge of the domain, too, such as restitution 1.
     direction : {"up", "down", "both"}
         Direction in which the parameter changes first. A fold may reverse it.
     most_points : int
