@@ -93,6 +93,19 @@ def test_what_the_oscillator_does_not_have_cannot_be_swept(oscillator, parameter
         OrbitsJob(continuation={"parameter": "amplitude_2", "start": 0.0, "stop": 0.1})
 
 
+@pytest.mark.parametrize(
+    ("parameter", "start", "stop", "told"),
+    [
+        ("restitution", 0.5, 1.2, "restitution ends at 1: it cannot be followed from 0.5 to 1.2"),
+        ("amplitude_2", -0.01, 0.02, "amplitude_2 ends at 0: it cannot be followed from -0.01 to 0.02"),
+        ("restitution", 0.5, 0.9, "bounds that hold its value 1"),
+    ],
+)
+def test_bounds_of_a_continuation_where_there_is_nothing_are_named(parameter, start, stop, told):
+    with pytest.raises(InvalidJob, match=told):
+        OrbitsJob(oscillator=WIDER, continuation={"parameter": parameter, "start": start, "stop": stop})
+
+
 def test_a_swept_value_beyond_the_bound_is_named():
     with pytest.raises(ValueError, match="value 1 of amplitude_2"):
         SweepJob(oscillator=WIDER, vary=[{"parameter": "amplitude_2", "values": [0.001, 0.09]}])
