@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from worker.progress import Progress
+from worker.progress import Progress, Stage
 
 # Plain lines come ever more seldom, from every few seconds on to one a minute.
 _PLAIN_LINE_SECONDS = 5.0
@@ -37,15 +37,23 @@ class ProgressLine:
         self.console, self.bar, self.unit = console, bar, unit
         self.task = bar.add_task("waiting", total=None, unit=unit, pace="") if bar else None
         self.stage, self.said, self.pause = "", 0.0, _PLAIN_LINE_SECONDS
+        self._said_compiling = False
 
     def compiling(self, done: int, total: int) -> None:
         """Show how many kernels are compiled, of how many."""
-        if self.stage != "compiling":
-            say_compiling(self.console)
+        self._say_compiling_once()
         self.show("compiling", (done, total), unit="kernels")
+
+    def _say_compiling_once(self) -> None:
+        if not self._said_compiling:
+            say_compiling(self.console)
+        self._said_compiling = True
 
     def report(self, progress: Progress) -> None:
         """Show the progress of a job."""
+        if progress.stage is Stage.COMPILING:
+            self._say_compiling_once()
+            return
         tiles, basins = (progress.tiles_done, progress.tiles_total), (progress.basins_done, progress.basins_total)
         self.show(progress.stage, tiles, basins, progress.cells_per_second)
 

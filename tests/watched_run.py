@@ -57,7 +57,7 @@ class InThisThread:
     def __init__(self, watch):
         self.watch = watch
 
-    def run_tasks(self, address, next_task, cancel, within=contextlib.nullcontext):
+    def run_tasks(self, address, next_task, cancel, within=contextlib.nullcontext, compiling=None):
         while (task := next_task()) is not None:
             self.watch.begin()
             with within():

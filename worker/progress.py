@@ -1,7 +1,7 @@
 """How far a job is."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 
@@ -10,6 +10,8 @@ class Stage(StrEnum):
 
     COMPUTING = "computing"
     """All of the following: of a sweep whose basins are at different stages, or of a small basin in one go."""
+    COMPILING = "compiling"
+    """Workers compile kernels, a minute or so: the first job with a number of harmonics needs its own."""
     MAPPING = "mapping"
     """Tiles compute the images of their cells."""
     ASSEMBLING = "assembling"
@@ -74,6 +76,10 @@ class Progress:
     """Basins of a sweep that are complete, and how many there are; one where nothing is swept."""
     under_way: tuple[BasinProgress, ...] = ()
     """Basins of a sweep that are begun and not complete, a few at any time."""
+
+    def while_compiling(self) -> "Progress":
+        """The same progress, while workers compile and nothing else goes on."""
+        return replace(self, stage=Stage.COMPILING, seconds_left=None)
 
 
 Report = Callable[[Progress], None]

@@ -167,10 +167,11 @@ def harmonic_of(text: str) -> tuple[float, ...]:
         If it has another form.
     """
     try:
-        order, amplitude, *phase = text.split(":")
-        return int(order), float(amplitude), *(float(each) for each in phase[:1])
+        order, amplitude, phase = text.split(":") if text.count(":") > 1 else (*text.split(":"), "0")
+        return int(order), float(amplitude), float(phase)
     except ValueError as error:
-        raise InvalidJob(f"--harmonic {text}: write order, amplitude and phase, as in 2:0.01:0.25") from error
+        told = "write order, amplitude and phase, as in 2:0.01:0.25; an order is a whole number"
+        raise InvalidJob(f"--harmonic {text}: {told}") from error
 
 
 def measured_of(text: str) -> TransmissionError:

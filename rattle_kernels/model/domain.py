@@ -143,10 +143,12 @@ def _demand_positive(felt: TrigonometricPolynomial, equation: str, what: str, ch
     """Refuse harmonics with which a polynomial is not positive at every phase."""
     least, phase = least_value(felt)
     if not least > 0.0:
+        # What they take from the mean grows as they do.
+        part = felt.mean / (felt.mean - least)
         message = (
             f"{what} must be positive at every phase ({equation}): its mean is {felt.mean:.6g}, and with these "
             f"harmonics and eccentricity {checked.eccentricity:g} it falls to {least:.6g} at t = {phase:.4f}; lower "
-            "their amplitudes"
+            f"their amplitudes: all of them times less than {part:.6g} are within the bound"
         )
         raise OutsideDomain("harmonics", least, equation, 0.0, message)
 
@@ -166,6 +168,26 @@ def _check_stiffness(checked: Oscillator) -> None:
             f"{checked.stiffness:g}: contacts ring only above it (Eq. 35); infinite stiffness is the impacting model"
         )
         raise OutsideDomain("stiffness", checked.stiffness, "ringing", limit, message)
+
+
+def closed_edges(parameter: str) -> tuple[float, float]:
+    """Least and largest value that a parameter may have, where the domain ends with that value itself.
+
+    Parameters
+    ----------
+    parameter : str
+        One of `Oscillator.parameters`.
+
+    Returns
+    -------
+    (float, float)
+        Infinite on a side where there is none: the domain is open there, as at damping 0, or ends elsewhere (Eq. 8).
+    """
+    if parameter == "restitution":
+        return -math.inf, 1.0
+    if parameter in ("eccentricity", "contact_damping") or parameter.startswith("amplitude_"):
+        return 0.0, math.inf
+    return -math.inf, math.inf
 
 
 def check_impacting(oscillator: Oscillator) -> Oscillator:

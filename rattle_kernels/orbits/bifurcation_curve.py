@@ -98,6 +98,10 @@ def _one_way(plane: _Plane, start: np.ndarray, way: float) -> tuple[list[np.ndar
             return points, f"back where it began, at {plane.where(start)}"
         if len(points) >= plane.most_points:
             return points, f"as many points as were asked for, at {plane.where(point.z)}"
+    found = plane.space.edge_near(points[-1])
+    edge = None if found is None else solve(plane.system, *found)
+    if edge is not None:
+        return [*points, edge.z], f"a bound, at {plane.where(edge.z)}"
     return points, _stall(plane, points[-1])
 
 

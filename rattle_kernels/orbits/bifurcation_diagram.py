@@ -260,7 +260,7 @@ def bifurcation_diagram(
     oscillator : Oscillator
         Either model. Its own value of the varied parameter does not matter.
     parameter : str
-        ``damping``, ``eccentricity``, ``half_backlash`` or ``stiffness``.
+        One of `Oscillator.parameters`.
     values : array_like, shape (n,)
         Values to visit. They are sorted first.
     t, v : array_like, shape (seeds,)

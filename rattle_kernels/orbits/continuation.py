@@ -32,7 +32,7 @@ from rattle_kernels.orbits.branch_points import (
 from rattle_kernels.orbits.closure import OrbitShape, area_factor
 from rattle_kernels.orbits.orbit_equations import closing_system, unknowns
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
-from rattle_kernels.orbits.station import BranchTask, Station, are_neighbours, station_at
+from rattle_kernels.orbits.station import BranchTask, Station, are_neighbours, on_edge, station_at
 
 
 class BranchEnd(StrEnum):
@@ -196,6 +196,10 @@ def _one_way(task: BranchTask, start: Station) -> _Side:
             return walk.stations, walk.points, _end(task, BranchEnd.CLOSED, value)
         if len(walk.stations) >= task.most_points:
             return walk.stations, walk.points, _end(task, BranchEnd.POINTS, value)
+    if (edge := on_edge(task, walk.system, walk.stations[-1])) is not None:
+        if edge is not walk.stations[-1]:
+            walk.goes_to(walk.stretch_to(edge))
+        return walk.stations, walk.points, _end(task, BranchEnd.BOUND, edge.oscillator.value_of(task.parameter))
     end, last = _why_it_stalls(task, walk.stations[-1])
     new = [point for point in last if not any(coincide(task, point, passed) for passed in walk.points)]
     return walk.stations, walk.points + new, end
@@ -221,9 +225,9 @@ def continue_orbit(
     orbit : PeriodicOrbit
         From `find_orbits` or ``find_periodic_orbit``.
     parameter : str
-        ``damping``, ``eccentricity``, ``half_backlash`` or ``stiffness``.
+        One of `Oscillator.parameters`.
     bounds : (float, float)
-        Values of the parameter at which to stop.
+        Values of the parameter at which to stop; it stops on a closed edge of the domain, too, such as restitution 1.
     direction : {"up", "down", "both"}
         Direction in which the parameter changes first. A fold may reverse it.
     most_points : int

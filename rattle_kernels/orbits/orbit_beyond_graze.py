@@ -88,7 +88,7 @@ def orbit_beyond_graze(point: SpecialPoint, lower_speed: float = 0.01) -> tuple[
 
     touch = _touch_phase(oscillator, float(point.t[0]))
     guess = space.write(oscillator, touch, lower_speed * scale)
-    solution = solve(with_differences(gap), guess, np.array([0.0, 1.0, 0.0]))
+    solution = solve(with_differences(gap, space), guess, np.array([0.0, 1.0, 0.0]))
     read = None if solution is None else space.read(solution.z)
     if read is None:
         return None

@@ -11,7 +11,7 @@ from rattle_kernels.impact_map.apply import FORWARDS, next_impact, walk
 from rattle_kernels.impact_map.flights import UPPER
 from rattle_kernels.model.contact import enter_contact, state_in_contact
 from rattle_kernels.model.contact_end import follow_contact
-from rattle_kernels.model.domain import OutsideDomain, check_domain
+from rattle_kernels.model.domain import OutsideDomain, check_domain, closed_edges
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import inlined, kernel
@@ -20,6 +20,8 @@ from rattle_kernels.orbits.closure import OrbitShape, closure, grazing_speed_at,
 
 # Step of central differences. The quantities are known to about 1e-13: truncation 1e-12, round-off 1e-7.
 _DIFFERENCE = 1e-6
+# Scaled parameters so close beyond a closed edge of their domain are rounded; so close to it, a curve has come to it.
+_ROUNDED, _AT_EDGE = 1e-12, 1e-8
 
 
 class SpecialKind(StrEnum):
@@ -43,12 +45,30 @@ class Unknowns(NamedTuple):
         """Oscillator, t and v of z; v is 0 if it is not an unknown. None outside the domain of the map."""
         values = z * self.scales
         first = len(z) - len(self.parameters)
+        inside = self.within(z) * self.scales
+        values = np.where(np.abs(inside - values) <= _ROUNDED * self.scales, inside, values)
         named = dict(zip(self.parameters, values[first:].tolist(), strict=True))
         try:
             oscillator = check_domain(self.oscillator.at(**named))
         except OutsideDomain:
             return None
         return oscillator, float(values[0]), float(values[1]) if self.with_speed else 0.0
+
+    def within(self, z: np.ndarray) -> np.ndarray:
+        """The nearest z whose parameters are not beyond a closed edge of their domain."""
+        first = len(z) - len(self.parameters)
+        low, high = np.array([closed_edges(name) for name in self.parameters]).T / self.scales[first:]
+        return np.concatenate([z[:first], np.clip(z[first:], low, high)])
+
+    def edge_near(self, z: np.ndarray) -> np.ndarray | None:
+        """The z on a closed edge that a parameter of z has come to, and 1 for that parameter; None if none has."""
+        first = len(z) - len(self.parameters)
+        for place, name in enumerate(self.parameters, first):
+            for edge in closed_edges(name):
+                if abs(z[place] - edge / self.scales[place]) <= _AT_EDGE:
+                    along = np.eye(len(z))[place]
+                    return np.array([z + (edge / self.scales[place] - z[place]) * along, along])
+        return None
 
     def write(self, oscillator: Oscillator, t: float, v: float) -> np.ndarray:
         """Unknowns z of an oscillator and a departure."""
@@ -93,19 +113,22 @@ def closing_system(space: Unknowns, shape: OrbitShape, lower: int | None = None)
     return system
 
 
-def with_differences(function: Callable[[np.ndarray], np.ndarray | None]) -> System:
-    """System with a Jacobian by central differences."""
+def with_differences(function: Callable[[np.ndarray], np.ndarray | None], space: Unknowns) -> System:
+    """System with a Jacobian by central differences, one-sided ones on a closed edge of the domain."""
 
     def system(z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         value = function(z)
-        ends = [[function(z + side * _DIFFERENCE * axis) for side in (1, -1)] for axis in np.eye(z.size)]
         if value is None:
             return None
         columns = []
-        for ahead, behind in ends:
+        for place, axis in enumerate(np.eye(z.size)):
+            places = [z + side * _DIFFERENCE * axis for side in (1, -1)]
+            inside = [space.within(each) for each in places]
+            ahead, behind = function(inside[0]), function(inside[1])
             if ahead is None or behind is None:
                 return None
-            columns.append((ahead - behind) / (2.0 * _DIFFERENCE))
+            lost = sum(abs(there[place] - here[place]) for there, here in zip(places, inside, strict=True))
+            columns.append((ahead - behind) / (2.0 * _DIFFERENCE - lost))
         return value, np.column_stack(columns)
 
     return system
@@ -123,7 +146,7 @@ def _special_equation(kind: SpecialKind, space: Unknowns, shape: OrbitShape) -> 
         multiplier = 1.0 if kind == SpecialKind.SADDLE_NODE else -1.0
         return None if closed is None else np.array([stability_gap(oscillator, shape, closed.jacobian, multiplier)])
 
-    return with_differences(value)
+    return with_differences(value, space)
 
 
 @inlined
@@ -174,7 +197,7 @@ def special_system(kind: SpecialKind, space: Unknowns, shape: OrbitShape, lower:
     System
     """
     if kind == SpecialKind.CONTACT_LOSS:
-        return with_differences(_touch_equations(space, shape))
+        return with_differences(_touch_equations(space, shape), space)
     closing, special = closing_system(space, shape, lower), _special_equation(kind, space, shape)
 
     def system(z: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:

@@ -25,12 +25,10 @@ import numpy as np
 
 from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI, second_phi, second_phi_slope
+from rattle_kernels.model.forcing_rate import eccentricity_at_rate, phases_at_rate
 from rattle_kernels.model.grazing_curve import grazing_velocity
+from rattle_kernels.model.harmonics import Harmonic
 from rattle_kernels.model.oscillator import Oscillator
-
-# Samples of e'(t) for a period of the highest order.
-_MESH = 64
-_HALVINGS = 60
 
 
 class SingleContactOrbit(NamedTuple):
@@ -52,8 +50,10 @@ class SingleContactOrbit(NamedTuple):
         return self.grazing_margin <= 0.0
 
 
-def eccentricity_bound_single_contact(damping: float, forcing_periods: int = 1, restitution: float = 1.0) -> float:
-    """Eccentricity at which the two orbits P(m, 1, 0) are born under one harmonic: the exact form of Eq. (41).
+def eccentricity_bound_single_contact(
+    damping: float, forcing_periods: int = 1, restitution: float = 1.0, harmonics: tuple[Harmonic, ...] = ()
+) -> float:
+    """Eccentricity at which the first orbits P(m, 1, 0) are born: the exact form of Eq. (41).
 
     Parameters
     ----------
@@ -63,12 +63,21 @@ def eccentricity_bound_single_contact(damping: float, forcing_periods: int = 1, 
         m > 0.
     restitution : float
         r.
+    harmonics : tuple of Harmonic
+        Those beside the first.
 
     Returns
     -------
     float
-        ``x coth(x/2) - 2 + x (1 - r)/(1 + r)`` with x = delta m, accurate to rounding even where it is tiny.
+        ``x coth(x/2) - 2 + x (1 - r)/(1 + r)`` with x = delta m, accurate to rounding even where it is tiny. With
+        harmonics there is no formula, and it is found by bisection; 0 if they make such orbits without eccentricity.
     """
+    others = Oscillator(harmonics=tuple(Harmonic(*each) for each in harmonics))
+    return eccentricity_at_rate(others, _rate_at_departure(damping, forcing_periods, restitution))
+
+
+def _rate_at_departure(damping: float, forcing_periods: int, restitution: float) -> float:
+    """Rate of the forcing, e'(t)/(2 pi), at which an orbit P(m, 1, 0) departs."""
     x = damping * forcing_periods
     # x coth(x/2) - 2 = x (2 phi2 - phi1)/phi1, and phi1 - 2 phi2 = x phi2': nothing cancels.
     elastic = -x * x * float(second_phi_slope(x)) / (1.0 - x * float(second_phi(x)))
@@ -101,32 +110,8 @@ def single_contact_orbits(oscillator: Oscillator, forcing_periods: int = 1) -> t
     Sec. 5.2, Eq. (41), given there as a series without derivation (Halse et al., 2007; Mason et al., 2007).
     """
     checked = check_impacting(oscillator)
-    bound = eccentricity_bound_single_contact(checked.damping, forcing_periods, checked.restitution)
-    if checked.harmonics:
-        return tuple(_at_phase(checked, forcing_periods, t) for t in _phases_at_rate(checked, bound))
-    if not checked.eccentricity > bound:
-        return ()
-    turn = math.asin(bound / checked.eccentricity) / TWO_PI
-    return tuple(_at_phase(checked, forcing_periods, t) for t in (1.0 - turn, 0.5 + turn))
-
-
-def _phases_at_rate(oscillator: Oscillator, rate: float) -> list[float]:
-    """Phases at which e'(t)/(2 pi) has a value, ascending; a pair closer than the mesh is not seen."""
-    order, amplitude, phase = np.array(oscillator.all_harmonics).T
-
-    def above(t: np.ndarray) -> np.ndarray:
-        return np.asarray(-np.sin(TWO_PI * (np.multiply.outer(t, order) + phase)) @ (order * amplitude) > rate)
-
-    low = np.arange(_MESH * int(order.max())) / (_MESH * order.max())
-    high = np.append(low[1:], 1.0)
-    crossed = above(low) != above(high)
-    low, high = low[crossed], high[crossed]
-    begins = above(low)
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        as_before = above(middle) == begins
-        low, high = np.where(as_before, middle, low), np.where(as_before, high, middle)
-    return list(map(float, low))
+    rate = _rate_at_departure(checked.damping, forcing_periods, checked.restitution)
+    return tuple(_at_phase(checked, forcing_periods, t) for t in phases_at_rate(checked, rate))
 
 
 def _at_phase(oscillator: Oscillator, forcing_periods: int, t: float) -> SingleContactOrbit:

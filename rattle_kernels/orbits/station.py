@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
+from rattle_kernels.model.domain import closed_edges
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause
 from rattle_kernels.numerics.pseudo_arclength import LEAST_COSINE, Steps, System, solve
@@ -108,3 +109,28 @@ def are_neighbours(task: BranchTask, before: Station, after: Station) -> bool:
     along = min(float(chord @ before.motion), float(chord @ after.motion))
     steady = abs(_level(task, after) - _level(task, before)) <= _MOST_TRACE
     return steady and along >= LEAST_COSINE * float(np.linalg.norm(chord))
+
+
+def on_edge(task: BranchTask, system: System, last: Station) -> Station | None:
+    """The station on a closed edge of the domain, such as restitution 1, if a branch has come to one.
+
+    Parameters
+    ----------
+    task : BranchTask
+    system : callable
+        The equations of the branch.
+    last : Station
+        Of the branch; it is the answer if it lies on the edge itself.
+
+    Returns
+    -------
+    Station or None
+    """
+    found = task.space.edge_near(last.z)
+    if found is None or found[0][-1] == last.z[-1]:
+        return None if found is None else last
+    landed = solve(system, *found)
+    there = None if landed is None else station_at(task, landed.z, last.tangent)
+    edge = next(edge for edge in closed_edges(task.parameter) if math.isfinite(edge))
+    # Scaled and back, the edge may be rounded.
+    return None if there is None else there._replace(oscillator=there.oscillator.at(**{task.parameter: edge}))

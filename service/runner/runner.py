@@ -249,10 +249,11 @@ class _Throttled:
         self.pace = run_metrics.Pace()
 
     def __call__(self, progress: Progress) -> None:
-        self.pace(progress)
-        reached = progress.stage, progress.tiles_done
-        self.first = self.first or reached
-        self.advanced |= reached != self.first
+        if progress.stage is not Stage.COMPILING:  # in which nothing advances
+            self.pace(progress)
+            reached = progress.stage, progress.tiles_done
+            self.first = self.first or reached
+            self.advanced |= reached != self.first
         now = time.monotonic()
         if progress.stage == self.stage and now - self.written < _PROGRESS_SECONDS:
             return

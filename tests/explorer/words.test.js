@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { axisTicks } from "../../service/explorer/js/charts/ticks.js";
+import { stateInWords } from "../../service/explorer/js/jobs/words.js";
 import { expectedInWords, loudnessInWords, solutionInWords } from "../../service/explorer/js/look/explain.js";
 import { isBehind } from "../../service/explorer/js/net/follow.js";
 import { linesOf } from "../../service/explorer/js/plane/curves.js";
@@ -50,6 +51,14 @@ test("events older than what is known of a job are behind", () => {
   assert.ok(!isBehind({ state: "running", progress: progress("mapping", 4) }, job));
   assert.ok(!isBehind({ state: "succeeded", progress: null }, job));
   assert.ok(!isBehind({ state: "queued", progress: null }, { state: "queued", progress: null }));
+  const compiling = { state: "running", progress: progress("compiling", 0) };
+  assert.ok(isBehind(compiling, job));
+  assert.ok(!isBehind({ state: "running", progress: progress("mapping", 1) }, compiling));
+});
+
+test("a job whose workers compile says so", () => {
+  const progress = { stage: "compiling", tiles_done: 0, tiles_total: 16, basins_done: 0, basins_total: 1, seconds_left: null };
+  assert.equal(stateInWords({ state: "running", progress }).text, "Compiling kernels, a minute or so: 0 of 16 tiles.");
 });
 
 function outline(names) {

@@ -37,8 +37,10 @@ def test_losses_make_a_machine_quieter_and_python_and_shell_ask_the_same(tmp_pat
 
 def test_the_shell_takes_harmonics():
     job = rattle.BasinJob(oscillator={"harmonics": [{"order": 2, "amplitude": 0.01, "phase": 0.25}]})
-    told = CliRunner().invoke(app, ["basin", "--harmonic", "2:0.01:x", "--out", "never.zarr"])
-    assert told.exit_code == 2 and "--harmonic 2:0.01:x: write order, amplitude and phase" in told.output
+    for text in ("2:0.01:x", "2.5:0.01", "2", "2:0.01:0.25:0.5"):
+        told = CliRunner().invoke(app, ["basin", "--harmonic", text, "--out", "never.zarr"])
+        assert told.exit_code == 2 and f"--harmonic {text}: write order, amplitude and phase" in told.output
+    assert harmonic_of("3:0.01") == (3, 0.01, 0.0)
     given = {"harmonics": [harmonic_of("2:0.01:0.25")]}
     assert job_of(rattle.BasinJob, given, "basin").digest == job.digest
 

@@ -87,7 +87,10 @@ def run_analysis(
         return
     run = _Run(analysis, job, store.parts(), report)
     try:
-        for task, seconds in driver.run_tasks((location, store.digest), run.next_task, cancel):
+        tasks = driver.run_tasks(
+            (location, store.digest), run.next_task, cancel, compiling=lambda: report(run.progress().while_compiling())
+        )
+        for task, seconds in tasks:
             task.then(task.number, seconds)
     finally:
         store.publish(analysis.layout(job), analysis.assemble(job, run.parts))
@@ -137,9 +140,14 @@ class _Run:
         """Report the progress of a stage."""
         if stage != self._stage:
             self._stage, self._since, self._at_start = stage, time.monotonic(), self._plan.done
+        self.report(self.progress())
+
+    def progress(self) -> Progress:
+        """Progress of the stage that was reported last."""
         elapsed, done = time.monotonic() - self._since, self._plan.done - self._at_start
         left = elapsed / done * (self._plan.total - self._plan.done) if done else None
-        self.report(Progress(stage, self._plan.done, self._plan.total, 0, 0, 0.0, left, 0, 0))
+        stage = self._stage or self._plan.stage
+        return Progress(stage, self._plan.done, self._plan.total, 0, 0, 0.0, left, 0, 0)
 
 
 def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, AnalysisStore]:

@@ -12,6 +12,9 @@ Every basin finds its own catalogue, independently of its neighbours. Then, in t
 
 The neighbours are the previous basin along the last swept parameter and, for solutions that this one lacks, the
 previous basin along the first. So the numbers depend on the catalogues alone, not on the order in which they are found.
+
+A phase comes around: 0 and 1 are the same machine. Its only neighbour is then the earlier basin of that machine, so
+that both have the same numbers, whatever happened on the way.
 """
 
 from collections import OrderedDict
@@ -20,11 +23,14 @@ from typing import NamedTuple
 
 from rattle_kernels import Attractor, Oscillator, attractor_distance, continue_attractor
 from worker.jobs.basin_job import BasinJob
+from worker.jobs.swept_parameter import is_phase
 from worker.stores.solution_table import Motion, SolutionTable, motion_of
 
 # Newton's method converges to 1e-11. Orbits closer than this are the same.
 _SAME_ORBIT = 1e-6
 _POINTS_KEPT = 256
+# Phases that agree to so many digits are the same machine; values between a start and a stop are rounded to 15.
+_PHASE_DIGITS = 12
 
 Catalogue = tuple[Attractor, ...]
 
@@ -54,6 +60,8 @@ class Numbering:
         self._kept = 1 if len(job.vary) < 2 else job.sweep_shape[-1]
         self._recent: OrderedDict[int, Numbered] = OrderedDict()
         self._seen = table.last_seen()
+        self._earlier_twin = _earlier_twins(job)
+        self._twins: dict[int, Numbered] = {}
 
     def _neighbours(self, basin: int) -> list[int]:
         place, row = self.job.place_of(basin), self.job.sweep_shape[-1] if self.job.vary else 1
@@ -69,6 +77,15 @@ class Numbering:
         self._recent[basin] = Numbered(tuple(_thinned(each) for each in numbered.attractors), numbered.numbers)
         while len(self._recent) > self._kept + 1:
             del self._recent[min(self._recent)]
+
+    def _known(self, basin: int) -> list[Numbered]:
+        """Numbered attractors of the basin's neighbours; where it is an earlier basin's machine, of that one alone."""
+        twin = self._earlier_twin.get(basin)
+        if twin is None:
+            return [self._of(neighbour) for neighbour in self._neighbours(basin)]
+        if twin not in self._twins:
+            self._twins[twin] = self._read(twin)
+        return [self._twins[twin]]
 
     def _earlier(self, motion: Motion, number_of: dict[int, int]) -> int | None:
         """Number of a motion that the basin does not have yet. If there are several, the one seen last."""
@@ -95,8 +112,8 @@ class Numbering:
         oscillator = self.job.oscillator_of(basin)
         attractors = list(catalogue)
         number_of: dict[int, int] = {}
-        for neighbour in self._neighbours(basin):
-            known = [each for each in zip(*self._of(neighbour), strict=True) if each[1] not in number_of.values()]
+        for neighbour in self._known(basin):
+            known = [each for each in zip(*neighbour, strict=True) if each[1] not in number_of.values()]
             _continue(oscillator, known, attractors, number_of)
             _match(oscillator, known, attractors, number_of)
         for index, attractor in enumerate(attractors):
@@ -107,7 +124,27 @@ class Numbering:
         self._seen |= dict.fromkeys(number_of.values(), basin)
         numbered = Numbered(tuple(attractors), [number_of[index] for index in range(len(attractors))])
         self._keep(basin, numbered)
+        if basin in self._earlier_twin.values():
+            self._twins[basin] = self._recent[basin]
         return numbered
+
+
+def _earlier_twins(job: BasinJob) -> dict[int, int]:
+    """Basins of a machine that an earlier basin has as well, since a phase came around, and the first of those."""
+    periodic = [is_phase(swept.parameter) for swept in job.vary]
+    if not any(periodic):
+        return {}
+    turns = [
+        [round(value % 1.0, _PHASE_DIGITS) % 1.0 if comes_around else value for value in swept.values]
+        for swept, comes_around in zip(job.vary, periodic, strict=True)
+    ]
+    first: dict[tuple[float, ...], int] = {}
+    twins = {}
+    for basin in range(job.basins):
+        machine = tuple(values[place] for values, place in zip(turns, job.place_of(basin), strict=True))
+        if first.setdefault(machine, basin) != basin:
+            twins[basin] = first[machine]
+    return twins
 
 
 def _thinned(attractor: Attractor) -> Attractor:

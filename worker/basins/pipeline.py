@@ -65,7 +65,10 @@ def run_basin(
     report(pace.progress())
     try:
         within = partial(synced_together, location)
-        tasks = driver.run_tasks((location, store.digest), schedule.next_task, cancel, within=within)
+        tasks = driver.run_tasks(
+            (location, store.digest), schedule.next_task, cancel, within=within,
+            compiling=lambda: report(pace.progress().while_compiling()),
+        )  # fmt: skip
         with contextlib.closing(tasks) as done:
             for task, receipt in done:
                 schedule.take(task, receipt)
@@ -90,7 +93,10 @@ def _prove(
     proof = ProofRun(store, ledger.catalogue(0).attractors)
     report(proof.progress())
     within = partial(synced_together, store.location)
-    tasks = driver.run_tasks((store.location, store.digest), proof.next_task, cancel, within=within)
+    tasks = driver.run_tasks(
+        (store.location, store.digest), proof.next_task, cancel, within=within,
+        compiling=lambda: report(proof.progress().while_compiling()),
+    )  # fmt: skip
     with contextlib.closing(tasks) as done:
         for task, receipt in done:
             proof.take(task, receipt)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from distributed import get_worker, secede
 
 from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
+from worker.cluster.compiling import telling_of_compilation
 from worker.cluster.task import stop_if_cancelled
 from worker.errors import UnlikeWorkers
 from worker.rounding import with_or_without
@@ -62,7 +63,7 @@ def compute_alike(call: Call) -> Receipts:
         )
     begin = time.perf_counter()
     values = []
-    with call.within():
+    with telling_of_compilation((call.location, call.digest)), call.within():
         for task in call.tasks:
             stop_if_cancelled()
             values.append(call.function(call.location, call.digest, *task))

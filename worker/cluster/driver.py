@@ -7,8 +7,8 @@ are gathered in one message, and submitted in one: one by one they took five tim
 again under a new key, because Dask would return the old, cancelled future for a known key. A task that fails a few
 times by itself fails the job.
 
-Driver and scheduler together handle some hundreds of futures a second. So a future is a call of several tasks where
-tasks are short for the number of threads: `_Window._next_call`. Stores do not change, as a tile stays a tile.
+Driver and scheduler handle some hundreds of futures a second. So a future is a call of several tasks where tasks are
+short for the number of threads: `_Window._next_call`. Stores do not change, as a tile stays a tile.
 
 Jobs that run at the same time share one driver, and so its window. The scheduler takes tasks in the order in which they
 were submitted. So each job gets its turn, and a job that has just begun waits for at most a few tasks of the others.
@@ -27,6 +27,7 @@ from typing import Any, NamedTuple, cast
 from distributed import Client, Future
 
 from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
+from worker.cluster.compiling import Compiling
 from worker.cluster.computed_alike import Call, Receipts, compute_alike
 from worker.cluster.task import Task
 from worker.errors import ClusterFailed, JobCancelled, StoreFailed, TileFailed, WorkerError
@@ -44,8 +45,7 @@ _NO_WORKER_SECONDS = 180.0
 _CALLS_A_THREAD = 2
 # Some 0.4 cores, measured with tasks that only wait (`benchmarks.waiting_workers`).
 _CALLS_A_SECOND = 100
-# A first picture waits no longer than the shortest call. A killed worker loses no more than the longest, and the other
-# jobs wait no longer.
+# A first picture waits for the shortest call at most. A killed worker loses the longest at most; so long wait others.
 _SHORTEST_CALL_SECONDS, _LONGEST_CALL_SECONDS = 0.1, 10.0
 _LOST = "the connection to the scheduler is lost; submit again when it is back"
 
@@ -72,6 +72,7 @@ class Driver:
         self._lock = threading.Lock()
         self._jobs = 0
         self._seconds: dict[Callable[..., Any], float] = {}
+        self._compiling = Compiling(client)
 
     @property
     def window_size(self) -> int:
@@ -107,6 +108,7 @@ class Driver:
         next_task: Callable[[], Task | None],
         cancel: threading.Event,
         within: Callable[[], AbstractContextManager[None]] = nullcontext,
+        compiling: Callable[[], None] = lambda: None,
     ) -> Generator[tuple[Task, Any], None, None]:
         """Run the tasks of one job, and yield each with its receipt as it completes.
 
@@ -119,8 +121,9 @@ class Driver:
         cancel : threading.Event
             Set it to stop the work.
         within : callable
-            Makes the context that a worker runs tasks in, those of one call together. When it has been left, their
-            receipts are sent.
+            Makes the context that a worker runs the tasks of a call in. When it has been left, receipts are sent.
+        compiling : callable
+            Called while nothing has completed since a worker began to compile kernels for the job.
 
         Yields
         ------
@@ -132,6 +135,7 @@ class Driver:
         JobCancelled, TileFailed, ClusterFailed, or the WorkerError of a task
             Tasks still in flight have then been cancelled.
         """
+        self._compiling.listen()
         window = _Window(self, address, within)
         last_seen = time.monotonic()
         try:
@@ -143,6 +147,8 @@ class Driver:
                     return
                 done = window.wait()
                 last_seen = time.monotonic() if done else _check_workers(self.client, last_seen)
+                if self._compiling.has_begun(address) and not done:
+                    compiling()
                 yield from window.take(done)
         finally:
             window.close()

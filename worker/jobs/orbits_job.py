@@ -7,11 +7,12 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import ConfigDict, Field
 
 from rattle_kernels import Oscillator
+from rattle_kernels.model.domain import closed_edges
 from worker.errors import InvalidJob
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import SEARCH_CELLS, Departure, Region
 from worker.jobs.request import Count, Real, values_config
-from worker.jobs.swept_parameter import Parameter
+from worker.jobs.swept_parameter import Parameter, is_phase
 
 _EXAMPLE: dict[str, Any] = {
     "kind": "orbits",
@@ -81,8 +82,12 @@ class Continuation:
             message = f"{self.parameter} is none of its parameters: {', '.join(oscillator.parameters)}"
             raise InvalidJob(message, (place, "parameter"))
         value = oscillator.value_of(self.parameter)
-        lowest = -math.inf if self.parameter.startswith("phase_") else 0.0
-        if not (lowest <= self.start <= value <= self.stop and math.isfinite(self.stop - self.start)):
+        lowest, highest = -math.inf if is_phase(self.parameter) else 0.0, closed_edges(self.parameter)[1]
+        edge = lowest if self.start < lowest else highest if self.stop > highest else None
+        if edge is not None:
+            message = f"{self.parameter} ends at {edge:g}: it cannot be followed from {self.start:g} to {self.stop:g}"
+            raise InvalidJob(message, (place,))
+        if not (self.start <= value <= self.stop and math.isfinite(self.stop - self.start)):
             message = f"{self.parameter} must be followed between bounds that hold its value {value:g}"
             raise InvalidJob(f"{message}, not {self.start:g} and {self.stop:g}", (place,))
         if self.most_points < 2:

@@ -166,6 +166,13 @@ class PiecewiseLinearOscillator(_Common):
         False, description="Accept an eccentricity beyond the bound of Eq. (3), where no quiet solution exists"
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _without_impacts(cls, value: Any) -> Any:
+        if isinstance(value, dict) and "restitution" in value:
+            raise ValueError("restitution belongs to the impacting model: give contact_damping, or leave out the model")
+        return value
+
     def to_oscillator(self) -> Oscillator:
         """Oscillator of the kernels, which check its bounds."""
         return Oscillator(
@@ -204,14 +211,12 @@ def oscillator_request(
 
 def _of_wider_model(oscillator: Oscillator) -> dict[str, Any]:
     """What goes beyond the paper's model. Requests without it are what they were, and so are their digests."""
-    fields: dict[str, Any] = {}
-    if oscillator.restitution != _DEFAULT.restitution:
-        fields["restitution"] = oscillator.restitution
-    if oscillator.contact_damping != _DEFAULT.contact_damping:
-        fields["contact_damping"] = oscillator.contact_damping
-    if oscillator.harmonics:
-        fields["harmonics"] = harmonic_requests(oscillator.harmonics)
-    return fields
+    fields = {
+        "restitution": oscillator.restitution,
+        "contact_damping": oscillator.contact_damping,
+        "harmonics": harmonic_requests(oscillator.harmonics),
+    }
+    return {name: value for name, value in fields.items() if value != getattr(_DEFAULT, name)}
 
 
 def with_swept_stiffness(oscillator: Any) -> Any:

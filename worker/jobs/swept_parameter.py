@@ -29,6 +29,11 @@ def is_of_harmonic(name: str) -> bool:
     return _OF_HARMONICS.fullmatch(name) is not None
 
 
+def is_phase(name: str) -> bool:
+    """Whether a name is that of the phase of a harmonic, of which whole numbers change nothing."""
+    return is_of_harmonic(name) and name.startswith("phase_")
+
+
 def known_parameter(name: str) -> str:
     """The name of a parameter that some oscillator has.
 

@@ -1,6 +1,7 @@
 """The bounds of Eqs. (3), (8), (22) against values computed elsewhere in high precision."""
 
 import math
+import re
 
 import pytest
 
@@ -79,6 +80,18 @@ def test_harmonics_beyond_equation_8_are_refused_with_the_least_acceleration_and
     ) as told:
         check_domain(beyond)
     assert told.value.parameter == "harmonics" and told.value.value == pytest.approx(least, abs=1e-12)
+
+
+def test_the_refusal_says_by_how_much_all_amplitudes_must_shrink():
+    def shrunk(part):
+        return Oscillator(eccentricity=0.15 * part, harmonics=((2, 0.02 * part, 0.1), (5, 0.003 * part, 0.7)))
+
+    with pytest.raises(OutsideDomain, match="all of them times less than") as told:
+        check_domain(shrunk(1.0))
+    part = float(re.search(r"less than (\S+) are", str(told.value))[1])
+    check_domain(shrunk(part * (1 - 1e-5)))  # it is written with six digits
+    with pytest.raises(OutsideDomain):
+        check_domain(shrunk(part * (1 + 1e-5)))
 
 
 @pytest.mark.parametrize(

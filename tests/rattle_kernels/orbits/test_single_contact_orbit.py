@@ -86,3 +86,28 @@ def test_several_harmonics_have_pairs_of_their_own():
         orbit = find_periodic_orbit(oscillator, closed.t + 1e-4, closed.v * 1.0001, 1, closed.v)
         assert (orbit.t[0], orbit.v[0]) == pytest.approx((closed.t, closed.v), abs=1e-10)
         assert orbit.multipliers.sum().real == pytest.approx(closed.trace, abs=1e-9)
+
+
+def test_under_several_harmonics_the_bound_is_where_the_first_orbits_are_born():
+    harmonics = ((2, 0.01, 0.1), (3, 0.002, 0.4))
+    bound = eccentricity_bound_single_contact(0.6, restitution=0.95, harmonics=harmonics)
+    oscillator = Oscillator(restitution=0.95, harmonics=harmonics)
+    assert single_contact_orbits(oscillator.at(eccentricity=bound * (1 - 1e-6))) == ()
+    late = oscillator.at(eccentricity=bound + 0.002)
+    assert len(single_contact_orbits(late)) == 2
+    t = np.arange(100_000) / 100_000
+
+    def largest_rate(eccentricity):
+        waves = ((1, eccentricity, 0.0), *harmonics)
+        return max(-sum(n * size * np.sin(2 * np.pi * (n * t + phase)) for n, size, phase in waves))
+
+    # The rate's second derivative is 10 at most, and its top 5e-6 from the mesh at most.
+    needed = eccentricity_bound_single_contact(0.6, restitution=0.95)
+    assert needed - 10 / 2 * 5e-6**2 <= largest_rate(bound) <= needed + 1e-14
+
+
+def test_harmonics_may_make_orbits_without_eccentricity():
+    assert eccentricity_bound_single_contact(0.6, harmonics=((2, 0.035, 0.1),)) == 0.0
+    assert eccentricity_bound_single_contact(0.6, harmonics=((2, 0.0),)) == pytest.approx(
+        eccentricity_bound_single_contact(0.6), rel=1e-12
+    )

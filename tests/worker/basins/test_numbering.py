@@ -100,3 +100,47 @@ def test_the_distance_of_orbits_does_not_depend_on_where_a_turn_begins():
     turn = Attractor(AttractorKind.PERIODIC, 2, 2, 0, -1.0, 0.0, np.array([0.1, 0.6]), np.array([1.0, 2.0]))
     shifted = turn._replace(time=turn.time[::-1], velocity=turn.velocity[::-1])
     assert attractor_distance(Oscillator(), turn, shifted) == 0.0
+
+
+# Two harmonics beside the first, as in other tests: kernels are compiled for each number of them.
+TURN = Oscillator(harmonics=((2.0, 0.01, 0.5), (3.0, 0.0005, 0.3)))
+
+
+def sweep_of_phases(*phases, beside=()):
+    return SweepJob(oscillator=TURN, vary=(*beside, SweptParameter("phase_2", phases)))
+
+
+def test_a_phase_that_has_come_around_has_the_numbers_of_its_machine():
+    pairs = (1.0, 4.0), (2.0, 5.0), (3.0, 6.0), (1.0, 4.0)  # from value to value, the closest of the last swap numbers
+    catalogues = [[QUIET, chaos(slow), chaos(fast)] for slow, fast in pairs]
+    _, basins = numbered(catalogues, sweep_of_phases(-0.5, 0.1, 0.2, 0.5))
+    assert [basin.numbers for basin in basins] == [[0, 1, 2]] * 4
+    _, basins = numbered(catalogues, sweep_of_phases(-0.5, 0.1, 0.2, 0.4))
+    assert basins[3].numbers == [0, 2, 1]
+
+
+def test_a_phase_that_has_come_around_has_no_motion_more_than_its_machine():
+    once = find_attractors(TURN, [0.89829], [1.2 * np.pi])[1]
+    catalogues = [QUIET], [QUIET, once], [QUIET]
+    _, basins = numbered(catalogues, sweep_of_phases(0.5, 1.0, 1.5))
+    assert [basin.numbers for basin in basins] == [[0], [0, 1], [0]]
+    _, basins = numbered(catalogues, sweep_of_phases(0.5, 1.0, 1.49))
+    assert basins[2].numbers == [0, 1]
+
+
+def test_phases_come_around_at_each_value_of_another_parameter():
+    restitution = SweptParameter("restitution", (0.9, 0.8))
+    catalogues = [[QUIET, chaos(speed)] for speed in (1.0, 2.0, 1.0, 7.0, 8.0, 7.0)]
+    catalogues[1] = [QUIET]
+    _, basins = numbered(catalogues, sweep_of_phases(0.0, 0.3, 1.0, beside=(restitution,)))
+    assert [basin.numbers for basin in basins] == [[0, 1], [0], [0, 1], [0, 1], [0, 1], [0, 1]]
+
+
+def test_numbers_of_a_phase_that_has_come_around_are_read_where_a_run_is_resumed():
+    catalogues = [[QUIET, chaos(slow), chaos(fast)] for slow, fast in ((1.0, 4.0), (2.0, 5.0), (3.0, 6.0), (1.0, 4.0))]
+    job = sweep_of_phases(0.0, 0.1, 0.2, 1.0)
+    table, whole = numbered(catalogues, job)
+    for basin, each in enumerate(whole[:3]):
+        table.enter(basin, each.numbers, each.attractors, np.zeros(len(each.numbers)))
+    resumed = Numbering(job, table, lambda basin: whole[basin])
+    assert resumed.assign(3, tuple(catalogues[3])).numbers == [0, 1, 2]

@@ -39,7 +39,10 @@ def test_harmonics_are_in_the_order_of_their_orders():
         ({"restitution": 0}, "restitution: Input should be greater than 0"),
         ({"restitution": 1.5}, "restitution: Input should be less than or equal to 1"),
         ({"contact_damping": 0.1}, "contact_damping belongs to the piecewise linear model"),
-        ({"model": "piecewise_linear", "stiffness": 100, "restitution": 0.9}, "restitution"),
+        (
+            {"model": "piecewise_linear", "stiffness": 100, "restitution": 0.9},
+            "restitution belongs to the impacting model: give contact_damping",
+        ),
         ({"model": "piecewise_linear", "stiffness": 100, "contact_damping": 1}, "less than 1"),
     ],
 )
@@ -88,6 +91,19 @@ def test_what_the_oscillator_does_not_have_cannot_be_swept(oscillator, parameter
         SweepJob(oscillator=oscillator, vary=[{"parameter": parameter, "values": [0.5, 0.9]}])
     with pytest.raises(InvalidJob, match="amplitude_2 is none of its parameters"):
         OrbitsJob(continuation={"parameter": "amplitude_2", "start": 0.0, "stop": 0.1})
+
+
+@pytest.mark.parametrize(
+    ("parameter", "start", "stop", "told"),
+    [
+        ("restitution", 0.5, 1.2, "restitution ends at 1: it cannot be followed from 0.5 to 1.2"),
+        ("amplitude_2", -0.01, 0.02, "amplitude_2 ends at 0: it cannot be followed from -0.01 to 0.02"),
+        ("restitution", 0.5, 0.9, "bounds that hold its value 1"),
+    ],
+)
+def test_bounds_of_a_continuation_where_there_is_nothing_are_named(parameter, start, stop, told):
+    with pytest.raises(InvalidJob, match=told):
+        OrbitsJob(oscillator=WIDER, continuation={"parameter": parameter, "start": start, "stop": stop})
 
 
 def test_a_swept_value_beyond_the_bound_is_named():

@@ -17,6 +17,7 @@ export function isBehind(event, job) {
   if (then !== now || !job.progress) return then < now;
   const { progress } = event;
   if (!progress) return true;
+  if (job.progress.stage === "compiling") return false; // the stage before goes on after it
   const count = ({ basins_done, tiles_done }) => 1e9 * (basins_done ?? 0) + tiles_done;
   return progress.stage === job.progress.stage ? count(progress) < count(job.progress) : progress.tiles_total === job.progress.tiles_total;
 }
