@@ -21,7 +21,7 @@ from rattle_kernels.proof.flight import Matrix
 from rattle_kernels.proof.machine import MOST_PARTS, centre_of, halves_of, machine_of, parts_of
 from rattle_kernels.proof.orbit_disc import disc_rows, maps_into_itself, orbit_disc, spectral_norm
 from rattle_kernels.proof.quiet_core import quiet_level
-from rattle_kernels.proof.targets import prove_targets
+from rattle_kernels.proof.targets import _holds_no_other, prove_targets
 from tests.rattle_kernels.proof.exact_flights import ExactMap
 from tests.rattle_kernels.proof.machines import OSCILLATORS, machine_and_some, tolerances_of
 
@@ -173,6 +173,15 @@ def test_a_set_that_rattles_for_ever_is_mapped_into_itself():
         landed = exact.image(t, v)
         row = int(np.floor(float(landed.v) / lattice.height)) - lattice.first
         assert lattice.ends[row, int(np.floor(float(landed.t) * columns)) % columns] == 1 + certificate.rattling
+
+
+def test_a_set_that_holds_another_known_motion_is_not_said_to_rattle():
+    attractors, certificate = _certificate()
+    lattice, machine = certificate.targets.rattling, machine_of(FIG_7)
+    chaos = attractors[certificate.rattling]
+    others = [each for each in attractors if each is not chaos]
+    for known, expected in ((others, True), ([*others, chaos._replace(time=chaos.time + 1.0)], False)):
+        assert _holds_no_other(machine, lattice, certificate.level, certificate.discs.values(), known) == expected
 
 
 def test_departures_of_proven_boxes_end_there():
