@@ -96,6 +96,10 @@ def _accelerations(machine, phases):
     return least, greatest
 
 
+ABOVE_ZERO = ("damping", "half_backlash", "restitution")
+"""Parameters that no machine has at 0: their tolerances end above it."""
+
+
 def parameters_within(oscillator: Oscillator) -> dict[str, tuple[float, float]]:
     """Parameters that may have a tolerance, and between which values each must lie.
 
