@@ -92,6 +92,8 @@ def _accelerations(machine, phases):
     least, greatest = math.inf, 0.0
     for i in range(phases):
         felt = acceleration(machine, error_at(machine, Interval(i / phases, (i + 1) / phases)))
+        if not felt.low <= felt.high:
+            return math.nan, math.nan
         least, greatest = min(least, felt.low), max(greatest, felt.high)
     return least, greatest
 
