@@ -104,7 +104,8 @@ def test_trails_hold_images_in_single_precision():
 def _moved_by_turns(times, moved):
     for k in range(times.size):
         moving = _without_turns(set_out(Box(point(times[k]), point(1.0)), False))
-        moved[k, 0], moved[k, 1], moved[k, 2] = moving.t, *moving.all.t
+        moved[k, 0] = moving.t
+        moved[k, 1], moved[k, 2] = moving.all.t
 
 
 def test_whole_turns_are_taken_off_without_rounding():
