@@ -124,7 +124,7 @@ def _prove(_: type[Job], field: FieldInfo) -> Group:
         beside = {name: given[name] for name in ("levels", "tolerances") if given.get(name) is not None}
         if given.get("prove", False) is False:
             for name in beside:
-                raise InvalidJob(f"{name} belongs to a proof: give prove=True", (name,))
+                raise InvalidJob(f"{name} belongs to a proof: give prove=True (--prove)", (name,))
             return None
         return beside if given["prove"] is True else given["prove"]
 

@@ -61,7 +61,8 @@ def oscillator_group(impacting_only: bool = False, sweeps: bool = False) -> Grou
         harmonics = _harmonics(given)
         if len(request) < len(own) and not sweeps:
             several = next(name for name in own if name not in request)
-            raise InvalidJob(f"{several} has one value here; a sweep takes several values", (several,))
+            others = "a sweep takes several values, and a proof (prove=True) a tolerance"
+            raise InvalidJob(f"{several} has one value here; {others}", (several,))
         foreign, belongs = _FOREIGN["stiffness" in own]
         for argument in of_impacts if "stiffness" in own else of_contacts:
             if own.get(argument.name, argument.default) != argument.default:

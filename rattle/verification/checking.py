@@ -5,16 +5,12 @@ from functools import partial
 from typing import Literal
 
 import numpy as np
-from flint import arb
 
-from rattle.verification.ends import in_disc
-from rattle.verification.machine import cover, holds
-from rattle.verification.moving import box
+from rattle.verification.same_store import same_store
 from rattle.verification.targets.discs import discs
 from rattle.verification.targets.quiet import COLUMNS, acceleration_at_rest
-from rattle.verification.verdict import Part, Verification, contradicted
+from rattle.verification.verdict import Part, Verification
 from rattle.verification.work import Crew, Subject, subject_at
-from rattle_kernels import AttractorKind
 
 Counting = Callable[[str, int, int], None]
 
@@ -36,7 +32,7 @@ def prove_again(
 
 def _targets(subject: Subject) -> list[Part]:
     claims = subject.claims
-    parts = [_same(subject), acceleration_at_rest(claims.machine)]
+    parts = [same_store(subject), acceleration_at_rest(claims.machine)]
     return [*parts, discs(claims)] if claims.discs else parts
 
 
@@ -46,29 +42,6 @@ def _core(subject: Subject) -> list[tuple[str, Part, np.ndarray]]:
         return []
     places = np.argwhere(np.ones((len(claims.parts), COLUMNS)))
     return [("core", Part(f"quiet core, level {claims.core.level:.6g}", len(places)), places)]
-
-
-def _same(subject: Subject) -> Part:
-    """The certificate is about the motions of this store."""
-    claims, proof = subject.claims, subject.proof
-    part = Part("the certificate is about this store", 3 + len(claims.discs))
-    part.add(1, [] if holds(claims.machine, proof.job.oscillator) else [
-        contradicted("machine", "the oscillator of the store is none of the certificate's")])  # fmt: skip
-    part.add(1, [] if cover(claims.parts, claims.machine) else [
-        contradicted("parts", "some machine belongs to no part")])  # fmt: skip
-    names = tuple(each.name for each in proof.attractors)
-    kinds = dict(enumerate(each.kind for each in proof.attractors))
-    right = names == claims.motions
-    right &= claims.core is None or kinds.get(claims.core.motion) == AttractorKind.PERMANENT_CONTACT
-    part.add(1, [] if right else [contradicted("motions", f"the store has {', '.join(names)}")])
-    for disc in claims.discs:
-        orbit = proof.attractors[disc.motion] if disc.motion in kinds else None
-        held = orbit is not None and any(
-            in_disc(disc, box(arb(t), arb(v))) for t, v in zip(orbit.time, orbit.velocity, strict=True)
-        )
-        place = f"disc around t = {disc.t!r}, v = {disc.v!r}"
-        part.add(1, [] if held else [contradicted(place, "no departure of its motion in the store lies inside")])
-    return part
 
 
 def _tried_one_by_one(

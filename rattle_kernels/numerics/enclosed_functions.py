@@ -24,7 +24,7 @@ from rattle_kernels.numerics.jit import inlined_as_written
 
 TWO_PI = Interval(6.283185307179586, 6.283185307179588)
 _TURN = 6.283185307179586
-# Bound on the absolute error of the polynomials below: truncation, coefficients and Horner's rule.
+# Bound on the absolute error of the polynomials below: truncation, coefficients, Horner's rule and the reduced angle.
 _ERROR = 2.0**-49
 _SINE = tuple((-1.0) ** n / math.factorial(2 * n + 1) for n in range(9))
 _COSINE = tuple((-1.0) ** n / math.factorial(2 * n) for n in range(10))
@@ -44,11 +44,22 @@ class Wave(NamedTuple):
 
 
 @inlined_as_written
+def _reduced(turns):
+    """The nearest quarter turn, -2 to 2, and what is left: at most an eighth, and rounded by at most 2^-54.
+
+    Both differences are exact, but for the doubles just below 1/2 and 1/8: there the sum with 1/2 is rounded up to a
+    whole number.
+    """
+    part = turns - math.floor(turns + 0.5)
+    quarter = math.floor(4.0 * part + 0.5)
+    return quarter, part - 0.25 * quarter
+
+
+@inlined_as_written
 def _waves_of_number(turns):
     """Cosine and sine of 2 pi `turns`, each up to `_ERROR`."""
-    part = turns - math.floor(turns + 0.5)  # exact, as the next difference is
-    quarter = math.floor(4.0 * part + 0.5)
-    x = _TURN * (part - 0.25 * quarter)  # at most pi/4
+    quarter, rest = _reduced(turns)
+    x = _TURN * rest
     z = x * x
     sine, cosine = _SINE[8], _COSINE[9]
     for n in range(7, -1, -1):
@@ -67,7 +78,11 @@ def _waves_of_number(turns):
 
 @inlined_as_written
 def _nearby(value, slope, angle):
-    """Values of a cosine or sine within `angle` of where it and its slope are these."""
+    """Values of a cosine or sine within `angle` of where it and its slope are these.
+
+    Where an end is not cut off at -1 or 1, spread and pull are together below 3. So the three sums are rounded by less
+    than 2^-50, and the `_ERROR` that the spread has for itself is more.
+    """
     bend = up(0.5 * up(angle * angle))
     spread = up(up(abs(slope) + _ERROR) * angle) + _ERROR
     # cos d is between 1 - d^2/2 and 1: it pulls the value towards 0.

@@ -142,7 +142,7 @@ def _slow_impacts(machine, box, turn):
     value there, and fall no further than 2 beta less the least height. So it turns soon, and the impact was slow.
     """
     depth = subtract(negative(scale(machine.half_backlash, 2.0)), point(turn.height.low)).high
-    if not depth > 0.0:
+    if depth < 0.0:
         depth = 0.0
     times, before, most = turn.t, 0.0, 0.0
     least = machine.least_acceleration

@@ -92,8 +92,14 @@ def _accelerations(machine, phases):
     least, greatest = math.inf, 0.0
     for i in range(phases):
         felt = acceleration(machine, error_at(machine, Interval(i / phases, (i + 1) / phases)))
+        if not felt.low <= felt.high:
+            return math.nan, math.nan
         least, greatest = min(least, felt.low), max(greatest, felt.high)
     return least, greatest
+
+
+ABOVE_ZERO = ("damping", "half_backlash", "restitution")
+"""Parameters that no machine has at 0: their tolerances end above it."""
 
 
 def parameters_within(oscillator: Oscillator) -> dict[str, tuple[float, float]]:
@@ -147,7 +153,8 @@ def machine_of(oscillator: Oscillator, tolerances: dict[str, tuple[float, float]
     machine = Machine(*_parameters(oscillator, tolerances or {}), centre, not tolerances, 0.0, 0.0, 0.0)
     least, greatest = _accelerations(machine, _PHASES)
     if not least > 0.0:
-        message = f"the acceleration at rest must be positive at every phase (Eq. 8): it may fall to {least:.6g}"
+        where = " within the tolerances" if tolerances else ""
+        message = f"the acceleration at rest must be positive at every phase (Eq. 8): it may fall to {least:.6g}{where}"
         raise OutsideDomain("eccentricity", least, "Eq. 8", 0.0, message)
     # While it falls, y'' = a - delta y' is at least a: it falls v^2/(2 a) at most.
     deepest = down(4.0 * down(least * machine.half_backlash.low))

@@ -53,8 +53,8 @@ def set_out(box, grazed):
 
 @inlined_as_written
 def _without_turns(moved):
-    """The set with its middle in [0, 1): whole turns are taken off without rounding."""
-    turns = math.floor(moved.t)
+    """The set with its middle below 1: whole turns are taken off, which rounds nothing; none are added, which would."""
+    turns = max(math.floor(moved.t), 0)
     every = Box(subtract(moved.all.t, point(turns)), moved.all.w)
     return MovingSet(moved.t - turns, moved.v, moved.dt, moved.dv, moved.slope, moved.rest, every, moved.grazed)
 

@@ -2,7 +2,8 @@
 
 Lengths are those of the orbit's eigenframe F: |F x|. The disc is covered by parts. If P^p maps each into the disc, and
 DP^p has a norm below 1 over each, then it brings points closer together, for the disc is convex. So the disc holds
-exactly one periodic point, to which all others come (Banach).
+exactly one periodic point, to which all others come (Banach). A disc is narrower than a period: then it meets none of
+its copies a whole number of periods away, and all of its image lies in the same one.
 """
 
 import math
@@ -35,6 +36,8 @@ from rattle_kernels.proof.machine import Machine
 from rattle_kernels.proof.moving_set import advance, set_out
 
 _LARGEST, _SMALLEST, _SHRINK = 0.3, 1e-8, 0.85
+# Half the width in time of a disc, in periods: it does not meet itself.
+_WIDEST = 0.5
 _LONGEST = 64
 # How often a part of a disc is halved, and how many are followed by one impact each, before the proof is given up.
 _DEPTH, _MOST_PARTS = 16, 65536
@@ -126,6 +129,8 @@ def maps_into_itself(machine, oscillator, impacts, disc):
     """
     frame = np.array([[disc[3], disc[4]], [disc[5], disc[6]]])
     dt, dv, inverse = _extent(frame, up(math.sqrt(disc[7])))
+    if not dt < _WIDEST:
+        return False
     linear = Matrix(point(disc[3]), point(disc[4]), point(disc[5]), point(disc[6]))
     stack = np.empty((_DEPTH + 2, 5))
     stack[0] = down(disc[1] - dt), up(disc[1] + dt), down(disc[2] - dv), up(disc[2] + dv), 0.0

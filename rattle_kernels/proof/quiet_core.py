@@ -93,10 +93,13 @@ def _columns(count: int) -> list[Interval]:
 
 @kernel_as_written
 def _slowest(machine, tau, phases):
-    """Least speed of all departures that last this long."""
+    """Least speed of all departures that last this long; 0 if it is not known."""
     least = math.inf
     for i in range(phases):
-        least = min(least, low_bounces(machine, Interval(i / phases, (i + 1) / phases), point(tau)).speed.low)
+        speed = low_bounces(machine, Interval(i / phases, (i + 1) / phases), point(tau)).speed.low
+        if not speed > 0.0:
+            return 0.0
+        least = min(least, speed)
     return least
 
 
@@ -150,6 +153,8 @@ def _level_of(machine: Machine, fastest: float) -> float:
     enough = fastest**3 / weakest
     # A faster departure takes longer: up to this speed all bounces are short.
     low = _slowest(machine, short, _FINE_COLUMNS)
+    if low == 0.0:
+        return 0.0
     for _ in range(_MOST_STRIPS):
         least = down(down(low * low * low) / machine.greatest_acceleration)
         if not least < level:

@@ -118,7 +118,8 @@ def prove_targets(
     rattling, chaos = NOTHING_RATTLES, None
     for n, each in enumerate(attractors):
         found = rattling_set(machine, oscillator, each, 1 + n, pause) if each.is_chaotic and chaos is None else None
-        if found is not None and _holds_no_other(machine, found, level, discs.values()):
+        others = [other for other in attractors if other is not each]
+        if found is not None and _holds_no_other(machine, found, level, discs.values(), others):
             rattling, chaos = found, n
     return Certificate(level, discs, chaos, Targets(lattice, rattling, disc_rows(discs)))
 
@@ -132,10 +133,13 @@ def _lattice_for(
     return empty_lattice(0.0, top, columns, 2.0 ** math.floor(math.log2(usual / columns))), top
 
 
-def _holds_no_other(machine: Machine, rattling: Lattice, level: float, discs: Iterable[OrbitDisc]) -> bool:
-    """Whether a set that rattles for ever lies above the quiet core and clear of all discs.
+def _holds_no_other(
+    machine: Machine, rattling: Lattice, level: float, discs: Iterable[OrbitDisc], others: Iterable[Attractor]
+) -> bool:
+    """Whether a set that rattles for ever lies above the quiet core, clear of all discs and of all other motions.
 
-    A motion of the set that fell quiet would enter the core; one that came to an orbit would enter its disc.
+    A motion of the set that fell quiet would enter the core; one that came to an orbit would enter its disc. A motion
+    without a disc is known by numbers only: were it inside, its departures would be said to end otherwise.
     """
     rows, columns = np.nonzero(rattling.ends)
     if rows.size == 0:
@@ -150,4 +154,12 @@ def _holds_no_other(machine: Machine, rattling: Lattice, level: float, discs: It
         apart_v = np.abs((rattling.first + rows + 0.5) * rattling.height - disc.v) - rattling.height > near_v
         if not (apart_t | apart_v).all():
             return False
-    return True
+    return not any(_visits(each, rattling) for each in others)
+
+
+def _visits(attractor: Attractor, lattice: Lattice) -> bool:
+    """Whether a motion has a departure in a box of a set."""
+    rows = np.floor(attractor.velocity / lattice.height).astype(np.int64) - lattice.first
+    columns = np.floor(attractor.time * lattice.ends.shape[1]).astype(np.int64) % lattice.ends.shape[1]
+    inside = (rows >= 0) & (rows < lattice.ends.shape[0])
+    return bool(lattice.ends[rows[inside], columns[inside]].any())

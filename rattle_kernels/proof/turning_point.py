@@ -111,5 +111,7 @@ def turning_points(machine, centre, box, duration):
         times = add(turn, within)
         if lies_within(times, sought):
             change = add(multiply(down_t, dt), multiply(down_w, dw))
-            return TurningPoints(True, times, add(displacement(machine, start, turn), change))
+            height = add(displacement(machine, start, turn), change)
+            # No number where the box is so wide that some of it departs after others turned: then nothing is known.
+            return TurningPoints(height.low <= height.high, times, height)
     return TurningPoints(False, nothing, nothing)

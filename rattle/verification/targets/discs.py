@@ -1,7 +1,8 @@
 """Discs: P^p maps each into itself and brings all its points nearer to each other, so they end in one periodic orbit.
 
 The disc is covered by parts. If P^p maps each into the disc, and |DP^p| < 1 over each in the disc's coordinates, that
-is so, by the mean value theorem (the disc is convex and compact) and Banach's.
+is so, by the mean value theorem (the disc is convex and compact) and Banach's. A disc is narrower than a period, so
+that it does not meet its copies whole periods away, and its image, which is connected, lies in one of them.
 """
 
 from flint import arb
@@ -32,6 +33,8 @@ def _disc(machine: Machine, disc: Disc) -> Failure | None:
     place = f"{disc.impacts} impacts, around t = {disc.t!r}, v = {disc.v!r}, radius {disc.radius:.6g}"
     inverse, radius = _inverse(disc), arb(disc.radius)
     dt, dv = (radius * _length(*row).upper() for row in ((inverse.tt, inverse.tv), (inverse.vt, inverse.vv)))
+    if not 2 * dt < 1:
+        return contradicted(place, "it is as wide as a period")
     return _of_part(machine, disc, inverse, arb(disc.t) + dt * UNIT, arb(disc.v) + dv * UNIT, _DEPTH, place)
 
 

@@ -13,6 +13,8 @@ from rattle_kernels.numerics.interval import Interval, point
 
 _POINTS = 3000
 _UNIT = Fraction(1, 2**53)
+# By how much the reduced part of a turn may be rounded.
+_REDUCED = Fraction(1, 2**54)
 
 
 def _holds(a, exact):
@@ -86,6 +88,7 @@ def _errors_of_waves():
     angle = (
         quarter * (_UNIT + abs(Fraction(functions._TURN) - Fraction("6.28318530717958647692528676655900577")) / 6) * 2
     )
+    angle += _REDUCED * Fraction("6.2831853071795865")
     by_sine = _horner_error(functions._SINE, sine, z * (1 + 3 * _UNIT)) + quarter * 3 * _UNIT
     by_cosine = _horner_error(functions._COSINE, cosine, z * (1 + 3 * _UNIT))
     left_out = quarter**19 / math.factorial(19), quarter**20 / math.factorial(20)
@@ -111,6 +114,26 @@ def test_the_error_allowed_to_polynomials_is_the_least_power_of_two_that_is_prov
     """So half of it would not be proven."""
     worst = max(*_errors_of_waves(), _error_of_exponential(), *_errors_of_phis())
     assert Fraction(functions._ERROR) == _least_power_of_two_above(worst)
+
+
+def test_an_angle_is_reduced_up_to_a_rounding():
+    """Doubles next to multiples of an eighth are the ones for which the nearest quarter is in doubt."""
+    tried = {0.0, 1e-300, *np.random.default_rng(4).uniform(-3.0, 3.0, _POINTS).tolist()}
+    for eighth in range(-24, 25):
+        for beside in (-math.inf, math.inf):
+            near = eighth / 8.0
+            for _ in range(3):
+                tried.add(near)
+                near = math.nextafter(near, beside)
+    rounded = 0
+    for turns in tried:
+        quarter, rest = functions._reduced(turns)
+        off = abs(Fraction(turns) - Fraction(quarter, 4) - Fraction(rest)) % 1
+        off = min(off, 1 - off)
+        assert off <= _REDUCED and abs(rest) <= 0.125 and abs(quarter) <= 2
+        rounded += off > 0
+    # Of all these, the doubles just below 1/2 and 1/8.
+    assert rounded == 2
 
 
 def test_an_interval_of_more_than_a_turn_knows_nothing():

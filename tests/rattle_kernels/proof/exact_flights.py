@@ -28,9 +28,9 @@ class Flight:
     """A flight after its departure, by the time since."""
 
     def __init__(self, exact, t, w):
-        self.exact, self.t, self.w = exact, t, w
-        self.start, rate, _ = exact.error(t)
-        self.drag = w - 4 * arb.pi() - rate
+        self.exact, self.t, self.w = exact, arb(t), arb(w)
+        self.start, rate, _ = exact.error(self.t)
+        self.drag = self.w - 4 * arb.pi() - rate
 
     def displacement(self, tau):
         value, _, _ = self.exact.error(self.t + tau)
@@ -86,14 +86,12 @@ class ExactMap:
         tau = _root(lambda at: flight.displacement(at) - height, flight.velocity, arb(near))
         return tau, flight.velocity(tau)
 
-    def image(self, t, v):
-        """Image of a departure under P: time, which is not reduced, and speed."""
+    def lower_impact(self, t, v):
+        """Departure from -beta after an impact there of a flight from +beta; None if that keeps clear of -beta."""
         flight = Flight(self, arb(t), -arb(v))
-        over = fly_over(self.oscillator, float(t), -float(v)).duration
-        turn, lowest = self.turning_point(flight, over)
+        turn, lowest = self.turning_point(flight, self.over(t, v))
         if lowest + 2 * self.half_backlash > 0:
-            tau, velocity = self.arrival(flight, arb(0), over)
-            return Point(arb(t) + tau, self.restitution * velocity)
+            return None
         contact = next_contact(self.oscillator, UPPER, float(t), -float(v), 1.0)
         # Near grazing the kernel may take the other wall: a parabola about the turning point is good enough there.
         parabola = float(turn - (-2 * (lowest + 2 * self.half_backlash) / flight.acceleration(turn)).sqrt())
@@ -101,11 +99,22 @@ class ExactMap:
             flight, -2 * self.half_backlash, contact.duration if contact.wall == LOWER else parabola
         )
         assert down < turn
-        left, speed = arb(t) + down, -self.restitution * velocity
-        near = next_contact(self.oscillator, LOWER, float(left), float(speed), 1.0).duration
-        up, velocity = self.arrival(Flight(self, left, speed), 2 * self.half_backlash, near)
+        return Point(arb(t) + down, -self.restitution * velocity)
+
+    def over(self, t, v):
+        """Duration, about, of a flight from +beta as if -beta were not there."""
+        return fly_over(self.oscillator, float(t), -float(v)).duration
+
+    def image(self, t, v):
+        """Image of a departure under P: time, which is not reduced, and speed."""
+        lower = self.lower_impact(t, v)
+        if lower is None:
+            tau, velocity = self.arrival(Flight(self, arb(t), -arb(v)), arb(0), self.over(t, v))
+            return Point(arb(t) + tau, self.restitution * velocity)
+        near = next_contact(self.oscillator, LOWER, float(lower.t), float(lower.v), 1.0).duration
+        up, velocity = self.arrival(Flight(self, *lower), 2 * self.half_backlash, near)
         assert velocity > 0
-        return Point(left + up, self.restitution * velocity)
+        return Point(lower.t + up, self.restitution * velocity)
 
 
 def _root(function, slope, guess):

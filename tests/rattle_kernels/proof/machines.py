@@ -19,17 +19,19 @@ OSCILLATORS = (
 TOLERANCES = {"damping": 0.01, "half_backlash": 0.003, "eccentricity": 0.02, "restitution": 0.05}
 """Parts of the parameters by which they may differ; that of harmonics is `_HARMONIC`."""
 _HARMONIC = 0.05
+# Parameters are not in the middle of their tolerances: else the sign of a slope would not matter.
+_BELOW = 0.5
 
 
 def tolerances_of(oscillator, part=1.0):
-    """Ranges around an oscillator's parameters, of `part` of `TOLERANCES`."""
+    """Ranges around an oscillator's parameters, of `part` of `TOLERANCES` above and of half of that below."""
     ranges, parts = {}, dict(TOLERANCES)
     for order, _, _ in oscillator.harmonics:
         parts |= {f"amplitude_{order:g}": _HARMONIC, f"phase_{order:g}": _HARMONIC}
     for name, each in parts.items():
         value = oscillator.value_of(name)
         ranges[name] = (
-            value * (1.0 - part * each),
+            value * (1.0 - _BELOW * part * each),
             min(value * (1.0 + part * each), 1.0 if name == "restitution" else math.inf),
         )
     return ranges

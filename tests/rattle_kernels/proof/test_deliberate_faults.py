@@ -14,8 +14,8 @@ import pytest
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
 _ROOT = Path(__file__).parents[3]
 _NUMERICS, _IMAGES = "numerics", "proof/test_images.py"
-_LOW, _MOVING, _LATTICE, _TARGETS, _CELLS = (
-    f"proof/test_{each}.py" for each in ("low_bounces", "moving_sets", "lattice", "targets", "cells")
+_LOW, _MOVING, _LATTICE, _TARGETS, _CELLS, _TURNS = (
+    f"proof/test_{each}.py" for each in ("low_bounces", "moving_sets", "lattice", "targets", "cells", "turning_points")
 )
 _FAULTS = [
     (_NUMERICS, "numerics/interval.py",
@@ -87,6 +87,24 @@ _FAULTS = [
     (_IMAGES, "proof/impact.py",
      "kept, one = negative(machine.restitution)",
      "kept, one = point(-machine.restitution.low)"),
+    (_IMAGES, "proof/flight.py",
+     "lagging = negative(multiply(tau, departure.lag))",
+     "lagging = multiply(tau, departure.lag)"),
+    (_TURNS, "proof/turning_point.py",
+     "return by_t, by_w, negative(lowered), reached",
+     "return by_t, by_w, lowered, reached"),
+    (_TURNS, "proof/turning_point.py",
+     "TurningPoints(height.low <= height.high, ",
+     "TurningPoints(True, "),
+    (_TURNS, "proof/impact.py",
+     "multiply(machine.restitution, Interval(0.0, fastest))",
+     "multiply(machine.restitution, Interval(0.5 * fastest, fastest))"),
+    (_MOVING, "proof/moving_set.py",
+     "turns = max(math.floor(moved.t), 0)",
+     "turns = math.floor(moved.t)"),
+    (_TARGETS, "proof/targets.py",
+     "return not any(_visits(each, rattling) for each in others)",
+     "return True"),
     (_IMAGES, "proof/machine.py",
      "Interval(machine.harmonics[n, 1], machine.harmonics[n, 2])",
      "point(machine.harmonics[n, 1])"),
@@ -135,6 +153,12 @@ _FAULTS = [
     (_TARGETS, "proof/orbit_disc.py",
      "root(scale(add(squares, gap), 0.5))",
      "root(scale(add(squares, gap), 0.25))"),
+    (_TARGETS, "proof/orbit_disc.py",
+     "moving.slope), inverse)) < 1.0",
+     "moving.slope), inverse)) < 2.0"),
+    (_TARGETS, "proof/targets.py",
+     "box_at(lattice, 0, j).t)).low",
+     "box_at(lattice, 0, j).t)).high"),
     (_TARGETS, "proof/machine.py",
      "one: Any = point(middle(half))",
      "one: Any = getattr(machine.centre, place.name)"),

@@ -1,22 +1,25 @@
 """Sets that are followed for some impacts hold the exact images of their departures, as boxes, strips and trails."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from flint import arb
 
 from rattle_kernels import largest_grazing_speed
-from rattle_kernels.numerics.interval import Interval
+from rattle_kernels.numerics.interval import Interval, point
 from rattle_kernels.numerics.jit import kernel_as_written
 from rattle_kernels.proof.flight import Box
 from rattle_kernels.proof.growth import IMPACTS, empty_trails, follow_boxes
 from rattle_kernels.proof.lattice import empty_lattice
-from rattle_kernels.proof.moving_set import advance, set_out, strip_of
+from rattle_kernels.proof.moving_set import _without_turns, advance, set_out, strip_of
 from rattle_kernels.proof.rattling_set import NOTHING_RATTLES
 from rattle_kernels.proof.targets import Targets
 from tests.rattle_kernels.proof.exact_flights import ExactMap
 from tests.rattle_kernels.proof.machines import OSCILLATORS, departures_in, machine_and_some
 
 _BOXES = 100
+_TIMES = 1000
 
 
 @kernel_as_written
@@ -95,3 +98,24 @@ def test_trails_hold_images_in_single_precision():
     off, looked_at = _off(ExactMap(oscillator), sides, strips, random, height=2.0**-20)
     assert off == []
     assert looked_at > _BOXES
+
+
+@kernel_as_written
+def _moved_by_turns(times, moved):
+    for k in range(times.size):
+        moving = _without_turns(set_out(Box(point(times[k]), point(1.0)), False))
+        moved[k, 0] = moving.t
+        moved[k, 1], moved[k, 2] = moving.all.t
+
+
+def test_whole_turns_are_taken_off_without_rounding():
+    """A disc around an orbit near phase 0 has departures before it: to add a turn to them would round."""
+    random = np.random.default_rng(8)
+    times = np.concatenate([random.uniform(0.0, 3.0, _TIMES), -(10.0 ** random.uniform(-18.0, -0.1, _TIMES))])
+    moved = np.empty((times.size, 3))
+    _moved_by_turns(times, moved)
+    assert moved[:, 0].max() < 1.0
+    for time, (middle, early, late) in zip(times.tolist(), moved.tolist(), strict=True):
+        turns = Fraction(time) - Fraction(middle)
+        assert turns.denominator == 1 and turns >= 0
+        assert Fraction(early) <= Fraction(time) - turns <= Fraction(late)

@@ -16,12 +16,14 @@ from rattle_kernels import (
     map_points,
     next_impacts,
 )
-from rattle_kernels.numerics.interval import point
-from rattle_kernels.proof.flight import Matrix
+from rattle_kernels.numerics.interval import Interval, point
+from rattle_kernels.numerics.jit import kernel_as_written
+from rattle_kernels.proof.flight import Box, Matrix
+from rattle_kernels.proof.impact import PROVEN, enclose_images
 from rattle_kernels.proof.machine import MOST_PARTS, centre_of, halves_of, machine_of, parts_of
-from rattle_kernels.proof.orbit_disc import disc_rows, maps_into_itself, orbit_disc, spectral_norm
+from rattle_kernels.proof.orbit_disc import _comes_nearer, disc_rows, maps_into_itself, orbit_disc, spectral_norm
 from rattle_kernels.proof.quiet_core import quiet_level
-from rattle_kernels.proof.targets import prove_targets
+from rattle_kernels.proof.targets import _holds_no_other, prove_targets
 from tests.rattle_kernels.proof.exact_flights import ExactMap
 from tests.rattle_kernels.proof.machines import OSCILLATORS, machine_and_some, tolerances_of
 
@@ -118,6 +120,31 @@ def test_the_norm_of_a_matrix_is_bounded_closely():
         assert 1.0 - 1e-12 < np.linalg.norm(matrix, 2) / bound < 1.0 + 1e-15
 
 
+@kernel_as_written
+def _come_nearer(machine, oscillator, boxes, discs, nearer):
+    one, none = point(1.0), point(0.0)
+    plain = Matrix(one, none, none, one)
+    for k in range(boxes.shape[0]):
+        box = Box(Interval(boxes[k, 0], boxes[k, 1]), Interval(boxes[k, 2], boxes[k, 3]))
+        nearer[k] = _comes_nearer(machine, oscillator, 1, discs[k], box, plain, plain)
+
+
+def test_departures_that_come_into_a_disc_but_no_nearer_prove_nothing():
+    """Tiny boxes that land in the middle of a large disc: only the norm of DP decides."""
+    random, machine = np.random.default_rng(11), machine_of(FIG_7)
+    t, v = random.random(300), random.uniform(0.1, 7.0, 300)
+    boxes = np.stack([t, t + 1e-9, v, v + 1e-9], axis=1)
+    images = enclose_images(machine, FIG_7, boxes)
+    known = images.states == PROVEN
+    norms = np.linalg.norm(images.slopes.mean(axis=3)[known], 2, axis=(1, 2))
+    discs = np.array([[1.0, h[0] % 1.0, h[2], 1.0, 0.0, 0.0, 1.0, 0.01] for h in images.hulls[known]])
+    nearer = np.empty(norms.size, np.bool_)
+    _come_nearer(machine, FIG_7, boxes[known], discs, nearer)
+    decided = np.abs(norms - 1.0) > 1e-3
+    np.testing.assert_array_equal(nearer[decided], norms[decided] < 1.0)
+    assert nearer.any() and not nearer.all()
+
+
 def test_orbits_of_several_impacts_have_discs_that_boxes_fit_into():
     """The disc is covered by small parts where its edge is near; by few large ones it was five times smaller."""
     oscillator = Oscillator(damping=0.55, eccentricity=0.1, half_backlash=0.6)
@@ -175,6 +202,15 @@ def test_a_set_that_rattles_for_ever_is_mapped_into_itself():
         assert lattice.ends[row, int(np.floor(float(landed.t) * columns)) % columns] == 1 + certificate.rattling
 
 
+def test_a_set_that_holds_another_known_motion_is_not_said_to_rattle():
+    attractors, certificate = _certificate()
+    lattice, machine = certificate.targets.rattling, machine_of(FIG_7)
+    chaos = attractors[certificate.rattling]
+    others = [each for each in attractors if each is not chaos]
+    for known, expected in ((others, True), ([*others, chaos._replace(time=chaos.time + 1.0)], False)):
+        assert _holds_no_other(machine, lattice, certificate.level, certificate.discs.values(), known) == expected
+
+
 def test_departures_of_proven_boxes_end_there():
     """The lattice before it grows: the quiet core."""
     _, certificate = _certificate()
@@ -184,6 +220,10 @@ def test_departures_of_proven_boxes_end_there():
     t = (columns + random.random(rows.size)) / lattice.ends.shape[1]
     v = (lattice.first + rows + random.random(rows.size)) * lattice.height
     assert (v < grazing_velocity(FIG_7, t)).all()
+    # All of a box lies in the core: its upper edge, at the phase where a is least.
+    top = (lattice.first + rows + 1) * lattice.height
+    for part in (0.0, 0.5, 1.0):
+        assert (top**3 < certificate.level * _felt(FIG_7, (columns + part) / lattice.ends.shape[1])).all()
     assert (map_points(FIG_7, CellGrid(), 1499, t, v).image_cell == PERMANENT_CONTACT).all()
 
 

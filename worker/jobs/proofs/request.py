@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, ConfigDict, Field
 
 from rattle_kernels import Oscillator
 from rattle_kernels.proof.cells import MOST_LEVELS
-from rattle_kernels.proof.machine import machine_of, parameters_within
+from rattle_kernels.proof.machine import ABOVE_ZERO, machine_of, parameters_within
 from worker.errors import InvalidJob
 from worker.jobs.request import Real, Request
 
@@ -48,7 +48,8 @@ def check_proof(
     Raises
     ------
     InvalidJob
-        If it cannot be proven, or a tolerance is of a parameter that the oscillator lacks, or does not hold its value.
+        If it cannot be proven, or a tolerance is of a parameter that the oscillator lacks, does not hold its value, or
+        ends in reverse or where no machine is.
     OutsideDomain
         If Eq. (8) cannot be proven for all machines within.
     """
@@ -67,10 +68,14 @@ def check_proof(
         if name not in known:
             raise InvalidJob(f"{name} has no tolerance: use one of {', '.join(known)}", place)
         value = oscillator.value_of(name)
+        if least > greatest:
+            raise InvalidJob(f"the tolerance of {name} ends below its beginning: {least:g} to {greatest:g}", place)
         if not least <= value <= greatest:
             raise InvalidJob(f"{name} = {value:g} does not lie between {least:g} and {greatest:g}", place)
         if not known[name][0] <= least <= greatest <= known[name][1]:
             raise InvalidJob(f"{name} lies between {known[name][0]:g} and {known[name][1]:g}", place)
+        if least == 0.0 and name in ABOVE_ZERO:
+            raise InvalidJob(f"{name} must lie above 0 in all of its tolerance", place)
     machine_of(oscillator, proof.tolerances)
     tolerances = {name: proof.tolerances[name] for name in known if name in proof.tolerances}
     return ProofRequest(levels=proof.levels, tolerances=tolerances)
