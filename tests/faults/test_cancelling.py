@@ -9,7 +9,7 @@ from tests.faults.farm import local_workers, wait_for
 
 MAPPING = {"grid": {"time": {"cells": 2000}, "velocity": {"cells": 2000}}, "iterations": 15013}
 SAMPLE = {"sample": {"points": 50000}, "iterations": 200003}
-LABELLING = {"grid": {"time": {"cells": 1000}, "velocity": {"cells": 1000}}, "iterations": 1}
+LABELLING = {"grid": {"time": {"cells": 2000}, "velocity": {"cells": 2000}}, "iterations": 1}
 
 
 def seconds_used(workers):
