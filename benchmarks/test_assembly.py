@@ -3,6 +3,7 @@
 import shutil
 import threading
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from worker.cluster.driver import Driver
 from worker.cluster.task import Task
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
+from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import LABELLED, MAPPED
 
 SIDE = 10_000
@@ -134,7 +136,9 @@ def test_a_hundred_million_cells_through_the_store(benchmark, tmp_path):
     def whole(client):
         def run(function, numbers):
             tasks = iter([Task(function, number) for number in numbers])
-            results = Driver(client).run_tasks((location, store.digest), lambda: next(tasks, None), threading.Event())
+            results = Driver(client).run_tasks(
+                (location, store.digest), lambda: next(tasks, None), threading.Event(), partial(synced_together, location)
+            )
             return [receipt for _, receipt in results]
 
         marks = [time.perf_counter()]

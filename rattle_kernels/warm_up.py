@@ -132,10 +132,9 @@ def _run_kernels_of_basins() -> None:
     if has_members(members, (0, 4), (0, 4), grid.time_cells):
         place_images(members, (0, 0), grid.time_cells, images.image_cell, place)
     members_of(members)
-    groups = find_groups(members, place)
-    small = groups._replace(group=groups.group.astype(np.int16), step=groups.step.astype(np.int16))
-    for found_or_read in (groups, small):
-        label_cells(found_or_read, np.arange(grid.cells), images.image_cell.ravel())
+    tail_too_long_for_int16 = np.arange(-1, np.iinfo(np.int16).max, dtype=np.int32)
+    for places in (place, tail_too_long_for_int16):
+        label_cells(find_groups(members, places), np.arange(grid.cells), images.image_cell.ravel())
     build_trap_table(oscillator, attractors)
     loudness(oscillator, attractors[1])
     for other in (_STIFF, _WEAK):

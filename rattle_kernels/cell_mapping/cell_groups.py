@@ -3,23 +3,26 @@
 A cell map sends each cell to one image. The sequence of images from any cell therefore ends on a cycle of cells (a
 group, whose length is the period) or in a reserved image. The *image set* R holds the distinct images of all cells. It
 is closed under the map and contains every cycle, and for ``P^k`` with a large k it is far smaller than the grid. So
-`find_groups` runs Hsu's algorithm on R only. `label_cells` then labels any cells by their images: ``group(c) =
-group(image(c))``, and ``step(c) = step(image(c)) + 1`` unless c is on a cycle.
+`find_groups` runs Hsu's algorithm on R only, or on the images of R, of these, and so on while they shrink. `label_cells`
+then labels any cells by their images: ``group(c) = group(image(c))``, and ``step(c) = step(image(c)) + 1`` unless c is
+on a cycle.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.cell_mapping.image_set import ImageSet, place_of
+from rattle_kernels.cell_mapping.generations import generations_of, number_outwards, places_within
+from rattle_kernels.cell_mapping.image_set import ImageSet, place_of, with_counts
 from rattle_kernels.numerics.jit import kernel
 
 
 class CellGroups(NamedTuple):
     """Hsu's numbers on the image set.
 
-    ``members`` is the image set R. ``group`` and ``step`` (int32, or both int16) have an entry for each member, in
-    ascending order. ``group`` is 1, 2, ... in the order of each cycle's lowest cell number, 0 for the sink, -1 for
+    ``members`` is the image set R. ``group`` and ``step`` (both int16 if all numbers fit, else int32) have an entry for
+    each member, in ascending order. They lie side by side, two columns of one array, so that a look-up of both takes one
+    line of the cache. ``group`` is 1, 2, ... in the order of each cycle's lowest cell number, 0 for the sink, -1 for
     permanent contact, -2 for undecided. ``step`` is the number of applications to the cycle (0 on it) or to the
     reserved image. ``period_of_group`` (int32) is the length of each group's cycle, 0 for entry 0.
     """
@@ -91,6 +94,17 @@ def _step_back(place, order, peeled, step):
             place[member], step[member] = place[image], step[image] + 1
 
 
+def _solve(place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Group and step of members (int32), and the groups' periods, from the places of their images. Overwrites these."""
+    order, degree = np.empty(place.size, np.int32), np.zeros(place.size, np.int32)
+    peeled = _peel(place, degree, order)
+    period = np.zeros(place.size - peeled + 1, np.int32)
+    cycles = _number_cycles(place, degree, period)
+    group, step = place, degree  # the same arrays, overwritten
+    _step_back(group, order, peeled, step)
+    return group, step, period[: cycles + 1].copy()
+
+
 def find_groups(members: ImageSet, place: np.ndarray) -> CellGroups:
     """Run Hsu's algorithm on the image set.
 
@@ -110,13 +124,16 @@ def find_groups(members: ImageSet, place: np.ndarray) -> CellGroups:
     ----------
     Hsu and Guttalu (1980); Hsu, Cell-to-Cell Mapping (1987), Sec. 8.
     """
-    order, degree = np.empty(members.size, np.int32), np.zeros(members.size, np.int32)
-    peeled = _peel(place, degree, order)
-    period = np.zeros(members.size - peeled + 1, np.int32)
-    cycles = _number_cycles(place, degree, period)
-    group, step = place, degree  # the same arrays, overwritten
-    _step_back(group, order, peeled, step)
-    return CellGroups(members, group, step, period[: cycles + 1].copy())
+    generations = generations_of(place)
+    core = with_counts(generations[-1])
+    # If nobody leaves, a copy would only cost memory.
+    group, step, period = _solve(places_within(core, place) if len(generations) > 1 else place)
+    # Each generation adds at most one step to those of the next.
+    highest = max(period.size - 1, int(step.max(initial=0)) + len(generations) - 1)
+    small = highest <= np.iinfo(np.int16).max
+    numbers = place.view(np.int16).reshape(-1, 2) if small else np.empty((place.size, 2), np.int32)
+    number_outwards(generations, core, place, group, step, numbers)
+    return CellGroups(members, numbers[:, 0], numbers[:, 1], period)
 
 
 @kernel

@@ -50,13 +50,11 @@ def _list_members(words, cells):
     found = 0
     for i in range(words.size):
         word = words[i]
-        bit = 0
         while word != 0:
-            if word & np.uint64(1):
-                cells[found] = i * 64 + bit
-                found += 1
-            word >>= np.uint64(1)
-            bit += 1
+            bit = word & -word
+            word ^= bit
+            cells[found] = i * 64 + bits_below(bit)
+            found += 1
 
 
 @inlined
@@ -70,6 +68,12 @@ def place_of(image_set, cell):
     if words[number] & bit == 0:
         return -1
     return before[number] + _count_bits(words[number] & (bit - np.uint64(1)))
+
+
+@inlined
+def bits_below(bit):
+    """Number of the only bit that is set in a word."""
+    return _count_bits(bit - np.uint64(1))
 
 
 @inlined

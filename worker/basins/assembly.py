@@ -19,8 +19,8 @@ from worker.stores.layout import MAPPED
 from worker.stores.tiles import Tile
 
 _IMAGE_CELL = MAPPED[:1]
-# Chunks are decoded without the GIL, and other workers may wait for this one.
-_READERS = 2
+# Chunks are decoded without the GIL, and other workers may wait for this one. Three keep two cores busy.
+_READERS = 3
 
 
 def _tiles_with_members(store: BasinStore, basin: int, members: ImageSet) -> list[Tile]:

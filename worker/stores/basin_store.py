@@ -35,8 +35,8 @@ from worker.stores.solution_arrays import SolutionArrays
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tile
 
-# Chunks are encoded without the GIL, and other workers may wait for this one.
-_WRITERS = 2
+# Chunks are encoded without the GIL, and other workers may wait for this one. Three keep two cores busy.
+_WRITERS = 3
 
 
 class BasinStore(SolutionArrays, ProofArrays):
@@ -170,12 +170,15 @@ class BasinStore(SolutionArrays, ProofArrays):
         with ThreadPoolExecutor(_WRITERS) as writers:
             # In the caller's context, as in Zarr's own threads.
             written = [
-                writers.submit(copy_context().run, partial(self._write, variable, values[chunk], *place, chunk))
+                writers.submit(copy_context().run, partial(self._write_int32, variable, values[chunk], *place, chunk))
                 for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True)
                 for chunk in self._chunks(variable, values.size)
             ]
         for each in written:
             each.result()
+
+    def _write_int32(self, variable: Variable, values: np.ndarray, *index: Any) -> None:
+        self._write(variable, values.astype(np.int32), *index)
 
     def read_solution(self, basin: int) -> np.ndarray:
         """Read the solution of every cell or point of a basin."""
@@ -185,19 +188,16 @@ class BasinStore(SolutionArrays, ProofArrays):
         """Read Hsu's numbers on a basin's image set: as int16 if all groups and steps fit, which halves the memory."""
         members = self.read_image_words(basin)
         place = self.job.place_of(basin)
-        group, step = (self._read_small(each, members.size, *place) for each in layout.IMAGE_SET[:2])
+        numbers = np.empty((members.size, 2), np.int16)
+        for column, variable in enumerate(layout.IMAGE_SET[:2]):
+            for chunk in self._chunks(variable, members.size):
+                some = self._read(variable, *place, chunk)
+                fits = np.result_type(numbers, np.min_scalar_type(-1 - int(some.max())))
+                numbers = numbers.astype(fits, copy=False)
+                numbers[chunk, column] = some
+        group, step = numbers.T
         period = self._read(layout.IMAGE_SET[2], *place, slice(int(group.max(initial=0)) + 1))
-        both = np.result_type(group, step)
-        return CellGroups(members, group.astype(both, copy=False), step.astype(both, copy=False), period)
-
-    def _read_small(self, variable: Variable, size: int, *place: int) -> np.ndarray:
-        """The first numbers of an array of int32, as int16 if all of them fit."""
-        values = np.empty(size, np.int16)
-        for chunk in self._chunks(variable, size):
-            numbers = self._read(variable, *place, chunk)
-            values = values.astype(np.result_type(values, np.min_scalar_type(-1 - int(numbers.max()))), copy=False)
-            values[chunk] = numbers
-        return values
+        return CellGroups(members, group, step, period)
 
     def _chunks(self, variable: Variable, size: int) -> list[slice]:
         """The first numbers of an array, chunk by chunk. Zarr copies what it reads or writes of several at once."""

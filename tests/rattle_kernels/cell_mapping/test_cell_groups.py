@@ -43,9 +43,13 @@ def image_set_hsu(image):
 
 
 def groups_of(members, image):
+    return find_groups(members, places_of(members, image))
+
+
+def places_of(members, image):
     place = np.empty(members.size, np.int32)
     place_images(members, (0, 0), image.size, image.reshape(1, -1), place)
-    return find_groups(members, place)
+    return place
 
 
 @st.composite
