@@ -137,7 +137,10 @@ def test_a_hundred_million_cells_through_the_store(benchmark, tmp_path):
         def run(function, numbers):
             tasks = iter([Task(function, number) for number in numbers])
             results = Driver(client).run_tasks(
-                (location, store.digest), lambda: next(tasks, None), threading.Event(), partial(synced_together, location)
+                (location, store.digest),
+                lambda: next(tasks, None),
+                threading.Event(),
+                partial(synced_together, location),
             )
             return [receipt for _, receipt in results]
 

@@ -12,7 +12,6 @@ import numpy as np
 from rattle_kernels.attractors.attractor import Attractor
 from rattle_kernels.lanes.arrival import boxes_passed
 from rattle_kernels.lanes.batch import Rules
-from rattle_kernels.lanes.run import LOCK_TOLERANCE
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.lanes.traps import NO_TRAPS
 from rattle_kernels.model.oscillator import Oscillator
@@ -64,33 +63,34 @@ def _distinct(box: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, bool]:
 
 
 def fly_and_note(
-    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, lanes: np.ndarray, box: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Apply P as often as `box` has columns, with shortcuts, and note the boxes passed.
+    oscillator: Oscillator, rules: Rules, t: np.ndarray, v: np.ndarray, rows: np.ndarray, visits: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Apply P leg by leg, and note where legs begin and which boxes are passed.
 
     Parameters
     ----------
     oscillator : Oscillator
         Checked by the caller.
+    rules : Rules
+        Of each leg.
     t, v : ndarray of float64, shape (n,)
-        Departures. Not changed.
-    lanes : ndarray of int64, shape (n,)
-        Row of `box` for each.
-    box : ndarray of int64, shape (rows, IMAGES)
-        Filled: numbers of boxes, negative after a capture or a lock.
+        Departures. They become where those land that return: to the bit what `run_lanes` says, leg by leg.
+    rows : ndarray of int64, shape (n,)
+        Row of `visits` and of the boxes for each.
+    visits : ndarray of float64, shape (legs, 2, rows)
+        Becomes phase and speed at the beginning of each leg that is begun.
 
     Returns
     -------
     kept : ndarray of bool, shape (n,)
         Which departures are not captured.
-    t, v : ndarray of float64
-        Where these are then: to the bit what `run_lanes` says.
+    box : ndarray of int64, shape (legs, rows, IMAGES)
+        Numbers of boxes, negative after a capture or a lock. Rows that are nobody's hold anything.
     """
-    times, speeds, returned = t.copy(), v.copy(), np.zeros(t.size, np.bool_)
-    tables = lane_tables(oscillator)
-    rules = Rules(float(box.shape[1]), tables.capture_bound, LOCK_TOLERANCE)
-    boxes_passed(oscillator, tables, rules, NO_TRAPS, times, speeds, returned, lanes, box)
-    return returned, times[returned], speeds[returned]
+    legs, _, width = visits.shape
+    box, kept = np.empty(legs * width * IMAGES + 1, np.int64), np.zeros(t.size, np.bool_)
+    boxes_passed(oscillator, lane_tables(oscillator), rules, NO_TRAPS, t, v, kept, rows, visits, box)
+    return kept, box[:-1].reshape(legs, width, IMAGES)
 
 
 def keep_boxes(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, box: np.ndarray, lanes: np.ndarray) -> None:
@@ -117,11 +117,11 @@ def _boxes(oscillator: Oscillator, times: bytes, speeds: bytes, passed: _Passed)
     if passed.boxes is not None:
         return passed.boxes
     t, v = np.frombuffer(times).copy(), np.frombuffer(speeds).copy()
-    box, rows = np.empty((t.size, IMAGES), np.int64), np.arange(t.size)
+    rows = np.arange(t.size)
     # Without shortcuts: low bounces mark their boxes, too.
     rules = Rules(IMAGES - 1.0, 0.0, -1.0)
-    boxes_passed(oscillator, lane_tables(oscillator), rules, NO_TRAPS, t, v, np.zeros(t.size, np.bool_), rows, box)
-    return _distinct(box[None], rows)[0]
+    _, box = fly_and_note(oscillator, rules, t, v, rows, np.empty((1, 2, t.size)))
+    return _distinct(box, rows)[0]
 
 
 def boxes_of(oscillator: Oscillator, motion: Attractor) -> np.ndarray:

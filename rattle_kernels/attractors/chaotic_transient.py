@@ -18,8 +18,10 @@ import numpy as np
 from rattle_kernels.attractors.attractor import ENSEMBLE, SHORTEST_RUN
 from rattle_kernels.attractors.chaotic_boxes import IMAGES, fly_and_note, keep_boxes
 from rattle_kernels.cell_mapping.iterations import settled_iterations
+from rattle_kernels.lanes.batch import Rules
 from rattle_kernels.lanes.lyapunov import TangentGrowth, tangent_growth
-from rattle_kernels.lanes.run import run_lanes
+from rattle_kernels.lanes.run import LOCK_TOLERANCE, run_lanes
+from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import Outcome
 from rattle_kernels.numerics.pausing import Pause, never_stopped
@@ -117,16 +119,18 @@ def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = n
     visits = np.full((_LEGS, 2, ENSEMBLE), np.nan)
     going = np.flatnonzero(np.isfinite(begun.t))
     times, speeds = begun.t[going], begun.v[going]
+    boxes = None
     # Where a leg takes as many impacts as a point marks boxes with, these are the same flights.
-    boxes = np.empty((_LEGS, ENSEMBLE, IMAGES if leg == IMAGES else 0), np.int64)
-    for visit, box in zip(visits, boxes, strict=True):
-        visit[:, going] = times, speeds
-        if box.size:
-            pause()
-            kept, times, speeds = fly_and_note(oscillator, times, speeds, going, box)
-        else:
+    if leg == IMAGES:
+        pause()
+        rules = Rules(float(leg), lane_tables(oscillator).capture_bound, LOCK_TOLERANCE)
+        kept, boxes = fly_and_note(oscillator, rules, times, speeds, going, visits)
+        times, speeds, going = times[kept], speeds[kept], going[kept]
+    else:
+        for visit in visits:
+            visit[:, going] = times, speeds
             kept, times, speeds = _carried(oscillator, times, speeds, leg, pause)
-        going = going[kept]
+            going = going[kept]
     ended, grown_over = _resolved_growth(oscillator, times, speeds)
     there = np.isfinite(ended.growth)
     low = ended.elapsed < _LOW_PACE * grown_over
@@ -147,7 +151,7 @@ def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = n
         math.log(_REGULAR_GROWTH * grown_over), turns, pace, *points,
         ENSEMBLE - int(there.sum()) + int((~kept).sum()), np.column_stack(ends),
     )  # fmt: skip
-    if boxes.size and ensemble.chaotic:
+    if boxes is not None and ensemble.chaotic:
         keep_boxes(oscillator, *points, boxes, stayed)
     return ensemble
 

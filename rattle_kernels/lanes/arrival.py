@@ -141,22 +141,44 @@ def follow(oscillator, tables, around, looks, t, v, place):
             _advance(lanes, corners, oscillator, tables, stiff, slow)
 
 
+@inlined
+def _box_number(lanes, i, largest_grazing_speed):
+    up, column = box_of(largest_grazing_speed, lanes[PHASE + i], -lanes[VELOCITY + i])
+    return int(up) * BOXES + column
+
+
 @always_inlined
-def _note_boxes(lanes, largest_grazing_speed, here, first, row, box):
-    """Note the box of every lane that departs now and goes on."""
+def _note_boxes(lanes, largest_grazing_speed, images, first_note, here, place, box):
+    """Note the box of every lane that departs now and goes on.
+
+    Selects and stores, no branch: the last number of `box` takes the boxes of the other lanes.
+    """
+    nowhere = box.size - 1
     for i in range(LANES):
-        up, column = box_of(largest_grazing_speed, lanes[PHASE + i], -lanes[VELOCITY + i])
-        here[i] = int(up) * BOXES + column
-    for i in range(min(LANES, row.size - first)):
-        done = int(lanes[DONE + i])
-        goes_on = lanes[EVENT + i] != LOST and lanes[VELOCITY + i] != 0.0 and lanes[POINT + i] != _NO_POINT
-        if lanes[DROPS + i] == 0.0 and goes_on and done < box.shape[1]:
-            box[row[first + i], done] = here[i]
+        here[i] = _box_number(lanes, i, largest_grazing_speed)
+        done = lanes[DONE + i]
+        goes_on = (lanes[EVENT + i] != LOST) & (lanes[VELOCITY + i] != 0.0) & (lanes[POINT + i] != _NO_POINT)
+        noted = (lanes[DROPS + i] == 0.0) & goes_on & (done < images)
+        place[i] = first_note[i] + int(done) if noted else nowhere
+    for i in range(LANES):
+        box[place[i]] = here[i]
+
+
+@inlined
+def _begin_leg(lanes, i, point, departure, rules, largest_grazing_speed, visit, notes):
+    """Let lane i depart on a leg; note where, and the first box. The others of the leg are still missing."""
+    begin_run(lanes, i, point, rules.applications, _FIRST_CHECKPOINT, math.inf)
+    visit[0], visit[1] = departure
+    depart(lanes, i, visit[0], visit[1])
+    notes[:] = UNMARKED
+    notes[0] = _box_number(lanes, i, largest_grazing_speed)
 
 
 @lane_kernel
-def boxes_passed(oscillator, tables, rules, traps, t, v, returned, row, box):
-    """Apply P to points as `run.run_lanes` does, to the bit, and note the boxes in which they and their images lie.
+def boxes_passed(oscillator, tables, rules, traps, t, v, returned, row, visits, box):
+    """Apply P to points as `run.run_lanes` does, to the bit, leg by leg, and note the boxes in which they depart.
+
+    A lane begins its next leg at once, whatever leg the others are on.
 
     Parameters
     ----------
@@ -164,33 +186,36 @@ def boxes_passed(oscillator, tables, rules, traps, t, v, returned, row, box):
         Checked by the caller.
     tables : LaneTables
     rules : Rules
+        Of each leg.
     traps : LaneTraps
         NO_TRAPS.
     t, v : ndarray of float64, shape (n,)
         Departures from +beta. They become where those land that return.
     returned : ndarray of bool, shape (n,)
-        Becomes whether a point has done its applications, and was not captured or lost before.
+        Becomes whether a point has done all legs, and was not captured or lost before.
     row : ndarray of int64, shape (n,)
-        Row of `box` for each point.
-    box : ndarray of int64, shape (rows, images)
-        Becomes row times BOXES plus column of each departure, the points themselves first; -1 after an end or a lock.
+        Row of `visits` and `box` for each point.
+    visits : ndarray of float64, shape (legs, 2, rows)
+        Becomes phase and speed at the beginning of each leg that a point begins.
+    box : ndarray of int64, shape (legs * rows * images + 1,)
+        For each leg and row becomes row times BOXES plus column of the departures of the leg, its first one first; -1
+        after an end or a lock. The last number means nothing.
     """
     lanes, corners = lane_buffer(RUN_FIELDS), np.zeros(LANES, np.int64)
-    here = np.zeros(LANES, np.int64)
+    here, place, first_note = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
+    leg = np.zeros(LANES, np.int64)
     stiff, radian, slow = math.isfinite(oscillator.stiffness), ringing_radian(oscillator), slow_part(oscillator)
     top = tables.largest_grazing_speed
+    legs, _, rows = visits.shape
+    images = box.size // (legs * rows)
     for first in range(0, t.size, LANES):
         flying = min(LANES, t.size - first)
         for i in range(LANES):
-            point = float(first + i) if i < flying else _NO_POINT
-            begin_run(lanes, i, point, rules.applications, _FIRST_CHECKPOINT, math.inf)
-            lanes[DROPS + i] = 0.0
-            if i < flying:
-                depart(lanes, i, t[first + i], v[first + i])
-                box[row[first + i], :] = UNMARKED
-            else:
-                idle(lanes, i, top)
-        _note_boxes(lanes, top, here, first, row, box)
+            begin_run(lanes, i, _NO_POINT, math.inf, math.inf, math.inf)
+        for i in range(flying):
+            at, leg[i], first_note[i] = first + i, 0, row[first + i] * images
+            notes = box[first_note[i] : first_note[i] + images]
+            _begin_leg(lanes, i, float(at), (t[at], v[at]), rules, top, visits[0, :, row[at]], notes)
         while flying > 0:
             for i in range(LANES):
                 if lanes[POINT + i] == _NO_POINT:
@@ -199,7 +224,7 @@ def boxes_passed(oscillator, tables, rules, traps, t, v, returned, row, box):
             if stiff:
                 stay(lanes, corners, oscillator, tables, slow)
             events = note_events(lanes, rules.capture_bound, radian, rules.lock_tolerance, top)
-            _note_boxes(lanes, top, here, first, row, box)
+            _note_boxes(lanes, top, images, first_note, here, place, box)
             if events == 0:
                 continue
             for i in range(LANES):
@@ -208,5 +233,11 @@ def boxes_passed(oscillator, tables, rules, traps, t, v, returned, row, box):
                 at = first + i
                 t[at], v[at] = lanes[PHASE + i], -lanes[VELOCITY + i]
                 returned[at] = lanes[EVENT + i] != CAPTURED and lanes[EVENT + i] != LOST
-                begin_run(lanes, i, _NO_POINT, math.inf, math.inf, math.inf)
-                flying -= 1
+                leg[i] += 1
+                if returned[at] and leg[i] < legs:
+                    first_note[i] += rows * images
+                    notes = box[first_note[i] : first_note[i] + images]
+                    _begin_leg(lanes, i, float(at), (t[at], v[at]), rules, top, visits[leg[i], :, row[at]], notes)
+                else:
+                    begin_run(lanes, i, _NO_POINT, math.inf, math.inf, math.inf)
+                    flying -= 1

@@ -117,22 +117,22 @@ def _node(oscillator, largest_grazing_speed, grazes, kind, i, j):
 
 
 @inlined
-def _fill_node(oscillator, largest_grazing_speed, grazes, guess, nodes, weights):
-    """Interpolate a node from six of its row or column; solve for it where four of them say otherwise."""
-    kind, i, j, first, stride = nodes
+def _interpolated(guess, first, stride, weights):
+    """A node interpolated from six of its row or column, and from four of them."""
     six, four = 0.0, 0.0
     for at in range(6):
         value = guess[first[at] * stride[0] + stride[1]]
         six += weights[0, at] * value
         four += weights[1, at] * value
-    solved = abs(six - four) > _DOUBT * abs(six)
-    guess[kind * BLOCK + i * ROW + j] = _node(oscillator, largest_grazing_speed, grazes, kind, i, j) if solved else six
+    return six, four
 
 
 @kernel
 def _fill_guess(oscillator, largest_grazing_speed, along_row, along_column, guess):
+    """Solve for every fourth node of every fourth row; interpolate the others, or solve where two orders differ."""
     columns, row_weights = along_row
     rows, column_weights = along_column
+    off = np.empty(ABSCISSAE + 1)
     for pass_ in range(2):
         for i in range(PHASES + 1):
             if (i % _EVERY == 0) != (pass_ == 0):
@@ -140,16 +140,24 @@ def _fill_guess(oscillator, largest_grazing_speed, along_row, along_column, gues
             grazes = _grazes(oscillator, i)
             for kind in range(3):
                 at = kind * BLOCK + i * ROW
+                row = guess[at : at + ROW]
                 if pass_ == 0:
                     for j in range(0, ABSCISSAE + 1, _EVERY):
-                        guess[at + j] = _node(oscillator, largest_grazing_speed, grazes, kind, i, j)
+                        row[j] = _node(oscillator, largest_grazing_speed, grazes, kind, i, j)
+                    for j in range(ABSCISSAE + 1):
+                        if j % _EVERY != 0:
+                            six, four = _interpolated(row, columns[j], (1, 0), row_weights[j])
+                            row[j], off[j] = six, abs(six - four)
+                        else:
+                            off[j] = 0.0
+                else:
+                    first, weights = rows[i], column_weights[i]
+                    for j in range(ABSCISSAE + 1):
+                        six, four = _interpolated(guess, first, (ROW, kind * BLOCK + j), weights)
+                        row[j], off[j] = six, abs(six - four)
                 for j in range(ABSCISSAE + 1):
-                    if pass_ == 1:
-                        nodes = kind, i, j, rows[i], (ROW, kind * BLOCK + j)
-                        _fill_node(oscillator, largest_grazing_speed, grazes, guess, nodes, column_weights[i])
-                    elif j % _EVERY != 0:
-                        nodes = kind, i, j, columns[j], (1, at)
-                        _fill_node(oscillator, largest_grazing_speed, grazes, guess, nodes, row_weights[j])
+                    if off[j] > _DOUBT * abs(row[j]):
+                        row[j] = _node(oscillator, largest_grazing_speed, grazes, kind, i, j)
 
 
 def _stencils(intervals: int, *, wraps: bool) -> tuple[np.ndarray, np.ndarray]:

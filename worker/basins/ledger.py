@@ -40,7 +40,7 @@ class Ledger:
         assembled = (self.states.reshape(-1, store.tiling.tiles_of_basin) == TileState.ASSEMBLED).all(axis=1)
         self.basins = int(np.cumprod(self.table.complete & assembled).sum())
         self.table.forget_after(self.basins)
-        self._ledger_saved = self._table_saved = 0.0
+        self._ledger_saved = self._table_saved = time.monotonic()
         self._table_changed = False
 
     def mapped(self, basin: int) -> frozenset[int]:

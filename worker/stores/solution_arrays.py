@@ -68,17 +68,17 @@ class SolutionArrays:
             names = [motion.name for motion in table.motions]
             columns = [np.array(column) for column in zip(*table.motions, strict=True)]
             for variable in self._measured():
-                self._array(variable).resize((*self.job.sweep_shape, room[0]))
+                self._kept(variable).resize((*self.job.sweep_shape, room[0]))
             columns.append(np.array(names, np.dtypes.StringDType()))
             for variable, values in zip(layout.MOTIONS, columns, strict=True):
-                array = self._array(variable)
+                array = self._kept(variable)
                 array.resize(room[:1])
                 array[: len(names)] = values
             flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
             self._group[self.places.solution.path].update_attributes(flags)
             # Points come last, because their shape says how much room there is. A driver killed earlier starts over.
             for variable in reversed(layout.POINTS):
-                self._array(variable).resize((*self.job.sweep_shape, *room))
+                self._kept(variable).resize((*self.job.sweep_shape, *room))
             consolidate(self.location, self._fence)
 
     def empty_solutions(self) -> None:
@@ -115,7 +115,7 @@ class SolutionArrays:
         with as_store_failure(self.location):
             # Shares come last, because they say which basins are complete.
             for variable, values in reversed(list(zip(self._measured(), table.columns, strict=False))):
-                array = self._array(variable)
+                array = self._kept(variable)
                 room = min(array.shape[-1], len(table.motions))
                 array[..., :room] = values[:, :room].reshape(*self.job.sweep_shape, room)
 

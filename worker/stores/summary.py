@@ -3,7 +3,9 @@
 import dataclasses
 import math
 from collections import OrderedDict
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -188,7 +190,8 @@ def expected_in(store: BasinStore, table: SolutionTable, basin: int) -> Expected
     if not numbers:
         return None
     key = store.location, basin, table.share[basin].tobytes()
-    if key not in _expectations:
+    expected = _expectations.get(key)
+    if expected is None:
         oscillator, catalogue = store.job.oscillator_of(basin), store.read_catalogue(basin, table, numbers)
         if not all(each.time.size or each.kind in WITHOUT_POINTS for each in catalogue):
             return None  # points are still being written
@@ -198,10 +201,11 @@ def expected_in(store: BasinStore, table: SolutionTable, basin: int) -> Expected
         of_sets = None
         if sample is not None and sample.scramblings > 1:
             of_sets = shares_of_sets(store.read_solution(basin), numbers, sample)
-        _expectations[key] = expected_loudness(table.share[basin, numbers], heard, points, of_sets)
+        expected = expected_loudness(table.share[basin, numbers], heard, points, of_sets)
+        _expectations[key] = expected
         while len(_expectations) > _EXPECTATIONS_KEPT:
             _expectations.popitem(last=False)
-    return _expectations[key]
+    return expected
 
 
 def count_images(store: BasinStore) -> dict[str, int]:
@@ -217,12 +221,13 @@ def count_images(store: BasinStore) -> dict[str, int]:
 
 def _basins(store: BasinStore, table: SolutionTable) -> tuple[SweptBasinSummary, ...]:
     job = store.job
+    with ThreadPoolExecutor() as threads:
+        expected = list(threads.map(partial(expected_in, store, table), range(job.basins)))
     basins = []
     for basin, complete in enumerate(table.complete.tolist()):
         shares = {number: float(table.share[basin, number]) for number in table.numbers_in(basin)}
         errors = {number: float(table.share_error[basin, number]) for number in shares} if job.sample else {}
-        expected = expected_in(store, table, basin)
-        basins.append(SweptBasinSummary(job.values_of(basin), complete, shares, errors, expected))
+        basins.append(SweptBasinSummary(job.values_of(basin), complete, shares, errors, expected[basin]))
     return tuple(basins)
 
 

@@ -7,7 +7,9 @@ from rattle_kernels.attractors import chaotic_boxes
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.attractors.chaotic_boxes import IMAGES, boxes_of, fly_and_note, keep_boxes
 from rattle_kernels.attractors.chaotic_transient import follow_ensemble
-from rattle_kernels.lanes.run import run_lanes
+from rattle_kernels.lanes.batch import Rules
+from rattle_kernels.lanes.run import LOCK_TOLERANCE, run_lanes
+from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.outcome import Outcome
 
@@ -20,16 +22,27 @@ def _points(number):
     return rng.random(number), 0.01 + 7.0 * rng.random(number)
 
 
+def _flown(t, v, legs):
+    """Who is kept, where these end, where legs begin, and the boxes; in rows 50 and up of 50 more than there are."""
+    rules = Rules(float(IMAGES), lane_tables(RATTLING).capture_bound, LOCK_TOLERANCE)
+    t, v, visits = t.copy(), v.copy(), np.full((legs, 2, t.size + 50), np.nan)
+    kept, box = fly_and_note(RATTLING, rules, t, v, np.arange(50, t.size + 50), visits)
+    return kept, (t[kept], v[kept]), visits[:, :, 50:], box[:, 50:]
+
+
 def test_who_flies_past_boxes_lands_where_runs_land():
     t, v = _points(150)
-    box = np.empty((200, IMAGES), np.int64)
-    kept, times, speeds = fly_and_note(RATTLING, t, v, np.arange(50, 200), box)
-    landed, _ = run_lanes(RATTLING, t, v, IMAGES, shortcuts=True)
-    returned = landed.outcome == Outcome.RETURNED
-    assert 0 < returned.sum() < t.size  # some are captured
-    np.testing.assert_array_equal(kept, returned)
-    np.testing.assert_array_equal(times, landed.t[returned])
-    np.testing.assert_array_equal(speeds, landed.v[returned])
+    kept, ends, visits, _ = _flown(t, v, 3)
+    going = np.arange(t.size)
+    for leg in range(3):
+        np.testing.assert_array_equal(visits[leg][:, going], [t, v])
+        assert np.isnan(np.delete(visits[leg], going, axis=1)).all()
+        landed, _ = run_lanes(RATTLING, t, v, IMAGES, shortcuts=True)
+        returned = landed.outcome == Outcome.RETURNED
+        going, t, v = going[returned], landed.t[returned], landed.v[returned]
+    assert 0 < going.size < kept.size  # some are captured
+    np.testing.assert_array_equal(np.flatnonzero(kept), going)
+    np.testing.assert_array_equal(ends, [t, v])
 
 
 def test_boxes_are_missing_after_a_capture_or_a_lock():
@@ -37,8 +50,7 @@ def test_boxes_are_missing_after_a_capture_or_a_lock():
     t[0], v[0] = (
         field[0] for field in run_lanes(RATTLING, np.array([0.89829]), np.array([3.76991]), 4096, shortcuts=True)[0][:2]
     )
-    box = np.empty((t.size, IMAGES), np.int64)
-    kept, *_ = fly_and_note(RATTLING, t, v, np.arange(t.size), box)
+    kept, _, _, (box,) = _flown(t, v, 1)
     assert kept[0] and box[0, 0] >= 0 and box[0, -1] < 0  # on P(1,1,0): locked
     assert (box[~kept, -1] < 0).all()
     assert (box[kept, -1] >= 0).any()

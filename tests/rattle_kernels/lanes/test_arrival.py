@@ -18,14 +18,22 @@ def test_the_boxes_passed_are_those_of_the_map_impact_by_impact():
     rng = np.random.default_rng(5)
     t, v = next_impacts(RATTLING, *SEEDS, applications=300)[:2]
     t, v = np.concatenate([t, t + 1e-3 * rng.random(2)]) % 1.0, np.concatenate([v, v])
-    tables, box = lane_tables(RATTLING), np.empty((t.size, 40), np.int64)
-    rules, returned = Rules(39.0, 0.0, -1.0), np.zeros(t.size, np.bool_)
-    boxes_passed(RATTLING, tables, rules, NO_TRAPS, t.copy(), v.copy(), returned, np.arange(t.size), box)
+    tables, legs, images = lane_tables(RATTLING), 3, 40
+    visits, box = np.empty((legs, 2, t.size)), np.empty(legs * t.size * images + 1, np.int64)
+    # A leg goes one application further than it notes boxes: the next one begins there.
+    rules, returned = Rules(float(images), 0.0, -1.0), np.zeros(t.size, np.bool_)
+    ends = t.copy(), v.copy()
+    boxes_passed(RATTLING, tables, rules, NO_TRAPS, *ends, returned, np.arange(t.size), visits, box)
     assert returned.all()
-    for at in range(box.shape[1]):
-        expected = (v / tables.largest_grazing_speed * BOXES).astype(np.int64) * BOXES + (t * BOXES).astype(np.int64)
-        np.testing.assert_array_equal(box[:, at], expected)
-        t, v = next_impacts(RATTLING, t, v)[:2]
+    for leg, noted in enumerate(box[:-1].reshape(legs, t.size, images)):
+        np.testing.assert_array_equal(visits[leg], [t, v])
+        for at in range(images):
+            expected = (v / tables.largest_grazing_speed * BOXES).astype(np.int64) * BOXES + (t * BOXES).astype(
+                np.int64
+            )
+            np.testing.assert_array_equal(noted[:, at], expected)
+            t, v = next_impacts(RATTLING, t, v)[:2]
+    np.testing.assert_array_equal(ends, [t, v])
 
 
 def test_a_point_ends_where_it_ends_whoever_is_followed_beside_it():
