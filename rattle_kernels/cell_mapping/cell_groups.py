@@ -3,9 +3,9 @@
 A cell map sends each cell to one image. The sequence of images from any cell therefore ends on a cycle of cells (a
 group, whose length is the period) or in a reserved image. The *image set* R holds the distinct images of all cells. It
 is closed under the map and contains every cycle, and for ``P^k`` with a large k it is far smaller than the grid. So
-`find_groups` runs Hsu's algorithm on R only, or on the images of R, of these, and so on while they shrink. `label_cells`
-then labels any cells by their images: ``group(c) = group(image(c))``, and ``step(c) = step(image(c)) + 1`` unless c is
-on a cycle.
+`find_groups` runs Hsu's algorithm on R only, or on the images of R, of these, and so on while they shrink
+(`generations`). `label_cells` then labels any cells by their images: ``group(c) = group(image(c))``, and ``step(c) =
+step(image(c)) + 1`` unless c is on a cycle.
 """
 
 from typing import NamedTuple
@@ -21,8 +21,8 @@ class CellGroups(NamedTuple):
     """Hsu's numbers on the image set.
 
     ``members`` is the image set R. ``group`` and ``step`` (both int16 if all numbers fit, else int32) have an entry for
-    each member, in ascending order. They lie side by side, two columns of one array, so that a look-up of both takes one
-    line of the cache. ``group`` is 1, 2, ... in the order of each cycle's lowest cell number, 0 for the sink, -1 for
+    each member, in ascending order. They are columns of one array, so that a look-up of both takes one line of the
+    cache. ``group`` is 1, 2, ... in the order of each cycle's lowest cell number, 0 for the sink, -1 for
     permanent contact, -2 for undecided. ``step`` is the number of applications to the cycle (0 on it) or to the
     reserved image. ``period_of_group`` (int32) is the length of each group's cycle, 0 for entry 0.
     """

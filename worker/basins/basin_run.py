@@ -1,8 +1,8 @@
 """One basin in progress: it takes the receipts of its tasks and returns the tasks that come next.
 
-    map tiles -> assemble -> label tiles -> ... -> its solutions are known
-                                 ^       |
-                                 +-------+ extended by landing points that reached no attractor
+    (weigh ->) map tiles -> assemble -> label tiles -> ... -> its solutions are known
+                                          ^       |
+                                          +-------+ extended by landing points that reached no attractor
 
 Nothing here depends on other basins, or on the order in which receipts arrive.
 """
@@ -25,7 +25,9 @@ from worker.basins.tasks import (
     label_tile,
     map_tile,
     survey_tile,
+    weigh_tiles,
 )
+from worker.basins.tile_weights import worth_weighing
 from worker.cluster.task import Task
 from worker.progress import Stage
 from worker.stores.basin_store import BasinStore
@@ -82,10 +84,23 @@ class BasinRun:
     def begin(self) -> list[Task]:
         """Tasks that map the missing tiles, and survey those in the store."""
         # From the top. Low departures are captured early, so the last tiles are quick and all workers end together.
+        from_the_top = list(reversed(self._tiles))
+        if not worth_weighing(self.store):
+            return self._map(from_the_top)
+        # Workers have the uppermost tiles until the others have been weighed.
+        across = self.store.tiling.shape[1]
+        weighed = partial(self._take_weights, from_the_top[across:])
+        return [self._task(weigh_tiles, self.number, then=weighed), *self._map(from_the_top[:across])]
+
+    def _map(self, tiles: list[int]) -> list[Task]:
         return [
             self._task(survey_tile if tile in self._mapped else map_tile, tile, then=self._take_images)
-            for tile in reversed(self._tiles)
+            for tile in tiles
         ]
+
+    def _take_weights(self, tiles: list[int], _: int, weights: list[int]) -> list[Task]:
+        weight_of = dict(zip(self._tiles, weights, strict=True))
+        return self._map(sorted(tiles, key=weight_of.__getitem__, reverse=True))
 
     def adopt(
         self, attractors: tuple[Attractor, ...], counts: np.ndarray, reserved: np.ndarray, seconds: dict[str, float]

@@ -3,7 +3,6 @@
 Each returns a receipt, never the arrays. The worker itself writes those to the store.
 """
 
-import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,15 +25,14 @@ from rattle_kernels import (
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import Seeds, choose_seeds
 from rattle_kernels.cell_mapping.image_set import MarkedWords, mark_images
+from worker.basins import just_mapped
 from worker.basins.assembly import assemble_groups, groups_of
 from worker.basins.landings import name_landings
+from worker.basins.tile_weights import weigh
 from worker.cluster.task import stop_if_cancelled
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import demand_same_digest
 from worker.stores.tiles import Tile, bands, runs_of_points
-
-# Images of a basin of one tile, between mapping it and labelling it in the same thread.
-_just_mapped = threading.local()
 
 
 @dataclass(frozen=True)
@@ -129,9 +127,14 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     images = (_map_in_bands if store.job.sample is None else _map_sample)(store, tile)
     seconds = time.perf_counter() - begin
     store.write_tile(store.places.mapped, tile, images[:3])
-    if store.tiling.tiles_of_basin == 1:
-        _just_mapped.images = (location, digest, number), images
+    just_mapped.keep(location, digest, number, images)
     return _receipt(store, tile.basin, images, seconds)
+
+
+def weigh_tiles(location: str, digest: str, basin: int) -> list[int]:
+    """How long each tile of a basin will take, beside the others."""
+    store = open_store(location, digest)
+    return [weigh(store, store.tiling.tile(number)) for number in store.tiling.numbers_of(basin)]
 
 
 def _read_images(store: BasinStore, tile: Tile) -> CellImages:
@@ -140,10 +143,9 @@ def _read_images(store: BasinStore, tile: Tile) -> CellImages:
 
 
 def _images(location: str, digest: str, number: int) -> CellImages:
-    """Images of a tile, from the store unless this thread has just mapped it."""
-    key, images = getattr(_just_mapped, "images", (None, None))
-    _just_mapped.images = None, None
-    if images is not None and key == (location, digest, number):
+    """Images of a tile, from the store unless this process has just mapped it."""
+    images = just_mapped.take(location, digest, number)
+    if images is not None:
         return images
     store = open_store(location, digest)
     return _read_images(store, store.tiling.tile(number))
