@@ -43,7 +43,7 @@ from rattle_kernels.lanes.lane_fields import (
     UNSURE,
     count_set,
 )
-from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, CONTACT_ABOVE, CONTACT_BELOW, PHASES, ROW
+from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, CONTACT_ABOVE, CONTACT_BELOW, ENDLESS, PHASES, ROW
 from rattle_kernels.model.contact_end import follow_contact
 from rattle_kernels.model.flight import TWO_PI, rest_acceleration
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
@@ -140,13 +140,15 @@ def refine_contacts(lanes, permanent_after, slow_part):
         unsure = unsure if fading <= 1.0 else 1.0
         lasting = (side > 0.0) & (tau + step_ > permanent_after)
         unsure = 1.0 if lasting else unsure
-        lanes[UNSURE + i] = unsure
+        endless = tau == ENDLESS
+        lanes[UNSURE + i] = 0.0 if endless else unsure
         sure = unsure == 0.0
         phase = lanes[END_PHASE + i] + tau + step_
         lanes[DURATION + i] = tau + step_
         bend = x2 + step_ * (x3 + 0.5 * step_ * x4)
         lanes[END_PHASE + i] = wrap(phase) if sure else lanes[END_PHASE + i]
-        lanes[END_VELOCITY + i] = -side * leaving if sure else velocity
+        stays = 0.0 if endless else velocity
+        lanes[END_VELOCITY + i] = -side * leaving if sure else stays
         acceleration = side * (bend - damping * leaving)
         lanes[END_ACCELERATION + i] = acceleration if sure else lanes[END_ACCELERATION + i]
     return count_set(lanes, UNSURE)

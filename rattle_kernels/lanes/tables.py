@@ -13,7 +13,8 @@ root removes the singularity at grazing):
 
 Under several harmonics the abscissa of FALL_BACK is 3 v/(v* + 2 v), whose nodes crowd at speed 0 (`fall_divisor`).
 Here u_ref is the largest v*, and u_con = 4 pi delta/sqrt(2 kappa). Only the piecewise linear model has contacts. One
-above may last for several swings (`contact_swings`), or for ever, and its duration jumps. There the table holds NaN.
+above may last for several swings (`contact_swings`), or for ever, and its duration jumps. There the table holds NaN,
+and ENDLESS where all of them last for ever.
 """
 
 import math
@@ -27,7 +28,7 @@ from rattle_kernels.impact_map.flights import LOWER, UPPER, leave_upper, next_co
 from rattle_kernels.lanes.harmonics import fall_speed
 from rattle_kernels.model.contact import enter_contact
 from rattle_kernels.model.contact_end import follow_contact
-from rattle_kernels.model.contact_swings import ends_late_around
+from rattle_kernels.model.contact_swings import ends_late_around, lasts_around
 from rattle_kernels.model.flight import TWO_PI, acceleration_range, rest_acceleration
 from rattle_kernels.model.grazing_curve import LEAVING, MESH, grazing_flight, grazing_speeds
 from rattle_kernels.model.oscillator import Oscillator
@@ -53,6 +54,10 @@ _DOUBT = 1e-5
 # Intervals of the grazing curve's own table: every second node of the mesh shows how much it errs. It is interpolated
 # linearly, and only flights within some 1e-5 of the curve are unsure.
 GRAZES = MESH // 2
+
+ENDLESS = 1e30
+"""Duration of a contact that is permanent, as all those near it. Beside a finite one there is NaN, so what is
+interpolated is this number or none of its size."""
 
 # Distance of the abscissa from 1 at the upper end of contacts: speeds there are some 1e6 times u_con.
 _FASTEST = 1e-6
@@ -192,17 +197,20 @@ def _speed_of(contact_speed, j):
 
 @inlined
 def _duration_above(oscillator, contact_speed, phase, j):
-    """Duration of a contact above; NaN where one nearby may end a swing or more before it, and where none ends."""
+    """Duration of a contact above; NaN where one nearby may end a swing or more before it, or may end or not."""
     speed = _speed_of(contact_speed, j)
     ended = follow_contact(oscillator, UPPER, phase, speed)
     # A contact of one swing lasts at most a turn of the ringing, nearly so if it grazes the wall from inside.
-    if ended.outcome != OUTCOME_RETURNED or ended.duration < 0.95 * TWO_PI / math.sqrt(2.0 * oscillator.stiffness):
+    if ended.duration < 0.95 * TWO_PI / math.sqrt(2.0 * oscillator.stiffness):
         return ended.duration
     contact = enter_contact(oscillator, UPPER, phase, 0.0, speed)
     least_press, _ = acceleration_range(oscillator)
     speed_step = _speed_of(contact_speed, j + 0.5) - speed
-    late = ends_late_around(contact, ended.duration, least_press, 0.5 / PHASES, speed_step)
-    return ended.duration if late else math.nan
+    if ended.outcome == OUTCOME_RETURNED:
+        alike, duration = ends_late_around(contact, ended.duration, least_press, 0.5 / PHASES, speed_step), ended.duration
+    else:  # a contact that is permanent by the paper's rule alone, or was not followed to its end, may have one
+        alike, duration = lasts_around(contact, least_press, 0.5 / PHASES, speed_step), ENDLESS
+    return duration if alike else math.nan
 
 
 @kernel
@@ -211,7 +219,8 @@ def _fill_contact(oscillator, contact_speed, contact):
         phase = (i % PHASES) / PHASES
         at = i * ROW
         contact[CONTACT_BELOW * BLOCK + at] = 2.0 * contact_speed / rest_acceleration(oscillator, phase)
-        contact[CONTACT_ABOVE * BLOCK + at] = math.nan
+        from_rest = _duration_above(oscillator, contact_speed, phase, 0)
+        contact[CONTACT_ABOVE * BLOCK + at] = from_rest if from_rest == ENDLESS else math.nan
         for j in range(1, ABSCISSAE + 1):
             contact[CONTACT_ABOVE * BLOCK + at + j] = _duration_above(oscillator, contact_speed, phase, j)
             below = follow_contact(oscillator, LOWER, phase, _speed_of(contact_speed, j))

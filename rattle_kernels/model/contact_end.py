@@ -97,14 +97,14 @@ def _is_clear_for_good(contact, tau, ringing):
 
 
 @inlined
-def _clear_ahead(contact, state):
-    """Time for which the slow part exceeds the ringing that is left now: there is no zero before it falls to that."""
-    if contact.mean + state.slow <= state.ringing:
+def time_above_ringing(contact, state, ringing):
+    """Time for which the slow part exceeds a ringing from here on: there is no zero before it falls to that."""
+    if contact.mean + state.slow <= ringing:
         return 0.0
     if len(contact.harmonics) > 0:
-        return _clear_of_parabola(contact, state, state.ringing)
+        return _clear_of_parabola(contact, state, ringing)
     angle = math.atan2(-state.slow_rate, TWO_PI * state.slow)
-    falls = math.acos(min(max((state.ringing - contact.mean) / contact.swing, -1.0), 1.0))
+    falls = math.acos(min(max((ringing - contact.mean) / contact.swing, -1.0), 1.0))
     return (falls - angle) / TWO_PI
 
 
@@ -192,7 +192,7 @@ def follow_contact_from(oscillator, side, phase, depth, speed):
             # The start, or a graze from inside that rounding put on the wall: contact goes on.
             ahead = _step_from_wall(contact, state.rate, state.acceleration, state.ringing)
         else:
-            ahead = max(_sure_step(contact, state), _clear_ahead(contact, state))
+            ahead = max(_sure_step(contact, state), time_above_ringing(contact, state, state.ringing))
             if _is_within_reach(contact, state, ahead):
                 ended = _land(tau, state)
                 return ended if ended.duration <= permanent_after else _ENDLESS
