@@ -207,7 +207,10 @@ def _duration_above(oscillator, contact_speed, phase, j):
     least_press, _ = acceleration_range(oscillator)
     speed_step = _speed_of(contact_speed, j + 0.5) - speed
     if ended.outcome == OUTCOME_RETURNED:
-        alike, duration = ends_late_around(contact, ended.duration, least_press, 0.5 / PHASES, speed_step), ended.duration
+        alike, duration = (
+            ends_late_around(contact, ended.duration, least_press, 0.5 / PHASES, speed_step),
+            ended.duration,
+        )
     else:  # a contact that is permanent by the paper's rule alone, or was not followed to its end, may have one
         alike, duration = lasts_around(contact, least_press, 0.5 / PHASES, speed_step), ENDLESS
     return duration if alike else math.nan
