@@ -9,6 +9,8 @@ Depths are sampled, at most h apart. Let M and J bound the second and third deri
 (`model.contact`), and a the acceleration at rest from below. At the wall x'' is at least a - delta x'. So x' rises from
 the beginning, where it is not negative, for (a - delta u)/J, and it has risen for a/J before the end, where it is not
 positive: neither stretch has a minimum. At any other minimum x' = 0, so the nearest sample is at most M h^2/8 deeper.
+
+A contact may also last for ever. Then the samples go on until the slow part exceeds what is left of the ringing.
 """
 
 import math
@@ -32,8 +34,8 @@ class _Box(NamedTuple):
     """Bounds within a box of contacts, half of whose sides are `phase_step` and `speed_step`.
 
     The slow part changes by ``shift`` at most. ``ringing`` bounds the ringing at the beginning, ``bend`` and ``jerk``
-    the derivatives of x. ``between`` is how much deeper than a minimum the nearest sample may be, with what is of second
-    order in the phase; ``most`` bounds how much x changes anywhere in the box, and that. Samples are ``h`` apart.
+    the derivatives of x. ``between`` is how much deeper than a minimum the nearest sample may be, with what is of
+    second order in the phase. ``most`` adds how much x changes anywhere in the box. Samples are ``h`` apart.
     """
 
     phase_step: float

@@ -25,10 +25,10 @@ from rattle_kernels import (
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import Seeds, choose_seeds
 from rattle_kernels.cell_mapping.image_set import MarkedWords, mark_images
-from worker.basins import just_mapped
 from worker.basins.assembly import assemble_groups, groups_of
 from worker.basins.landings import name_landings
-from worker.basins.tile_weights import weigh
+from worker.basins.tiles import just_mapped
+from worker.basins.tiles.weights import weigh
 from worker.cluster.task import stop_if_cancelled
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import demand_same_digest

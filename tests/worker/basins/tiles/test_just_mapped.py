@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rattle_kernels import CellImages
-from worker.basins import just_mapped
+from worker.basins.tiles import just_mapped
 
 
 @pytest.fixture(autouse=True)
