@@ -1,4 +1,4 @@
-"""No contact ends a swing before the nodes of its cell in the table of guesses say, or ends where they say none does."""
+"""No contact ends before the nodes of its cell in the table of guesses say, or ends where they say that none does."""
 
 import math
 
