@@ -22,6 +22,10 @@ from worker.stores.pyramid.levels import Level, levels_of
 from worker.stores.storage import place_at
 from worker.stores.tiles import Tiling, cut, cut_row
 
+# Consolidated metadata are Zarr-Python's own, not yet in the specification. Other readers ignore them. Silenced for the
+# process: `catch_warnings` of one thread undoes that of another, such as that of Numba where it compiles meanwhile.
+warnings.filterwarnings("ignore", "Consolidated metadata is currently not", ZarrUserWarning)
+
 # Zarr does not store this: a handle opened without it would delete chunks that equal the fill value.
 CONFIG = {"write_empty_chunks": True}
 # The checksum is of the compressed bytes, as they lie on the disk.
@@ -44,10 +48,7 @@ def tiling_of(job: BasinJob) -> Tiling:
 
 def consolidate(location: str, fence: Fence = unfenced) -> None:
     """Collect all metadata at the root, so that readers get them in one read. Called after every change of metadata."""
-    with warnings.catch_warnings():
-        # Consolidated metadata are Zarr-Python's own, not yet in the specification. Other readers ignore them.
-        warnings.simplefilter("ignore", ZarrUserWarning)
-        zarr.consolidate_metadata(place_at(location, fence).zarr, zarr_format=3)
+    zarr.consolidate_metadata(place_at(location, fence).zarr, zarr_format=3)
 
 
 def create_array(

@@ -94,7 +94,10 @@ def test_what_the_lattice_grew_from_is_gone(store):
     assert sorted(store._group["proof"].array_keys()) == ["ends", "rattling", "rounds"]
 
 
-@pytest.mark.parametrize(("least", "greatest", "parts"), [(0.5999999, 0.6000001, 0), (0.597, 0.603, 8)])
+@pytest.mark.parametrize(
+    ("least", "greatest", "parts"),
+    [(0.5999999, 0.6000001, 0), pytest.param(0.597, 0.603, 8, marks=pytest.mark.slow)],
+)
 def test_tolerances_prove_for_every_machine_within(tmp_path, least, greatest, parts):
     """What is proven of all is proven of one of them; wide tolerances are cut in parts."""
     prove = {"levels": 0, "tolerances": {"damping": (least, greatest)}}
