@@ -85,12 +85,12 @@ class BasinRun:
         """Tasks that map the missing tiles, and survey those in the store."""
         # From the top. Low departures are captured early, so the last tiles are quick and all workers end together.
         from_the_top = list(reversed(self._tiles))
-        if not worth_weighing(self.store):
-            return self._map(from_the_top)
         # Workers have the uppermost tiles until the others have been weighed.
-        across = self.store.tiling.shape[1]
-        weighed = partial(self._take_weights, from_the_top[across:])
-        return [self._task(weigh_tiles, self.number, then=weighed), *self._map(from_the_top[:across])]
+        later = [tile for tile in from_the_top[self.store.tiling.shape[1] :] if tile not in self._mapped]
+        if not worth_weighing(self.store.job, len(later)):
+            return self._map(from_the_top)
+        weighing = self._task(weigh_tiles, self.number, (later,), partial(self._take_weights, later))
+        return [weighing, *self._map([tile for tile in from_the_top if tile not in later])]
 
     def _map(self, tiles: list[int]) -> list[Task]:
         return [
@@ -99,7 +99,7 @@ class BasinRun:
         ]
 
     def _take_weights(self, tiles: list[int], _: int, weights: list[int]) -> list[Task]:
-        weight_of = dict(zip(self._tiles, weights, strict=True))
+        weight_of = dict(zip(tiles, weights, strict=True))
         return self._map(sorted(tiles, key=weight_of.__getitem__, reverse=True))
 
     def adopt(

@@ -131,10 +131,10 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     return _receipt(store, tile.basin, images, seconds)
 
 
-def weigh_tiles(location: str, digest: str, basin: int) -> list[int]:
-    """How long each tile of a basin will take, beside the others."""
+def weigh_tiles(location: str, digest: str, basin: int, numbers: Sequence[int]) -> list[int]:
+    """How long each of some tiles of a basin will take, beside the others."""
     store = open_store(location, digest)
-    return [weigh(store, store.tiling.tile(number)) for number in store.tiling.numbers_of(basin)]
+    return [weigh(store, store.tiling.tile(number), stop_if_cancelled) for number in numbers]
 
 
 def _read_images(store: BasinStore, tile: Tile) -> CellImages:

@@ -3,6 +3,8 @@
 import contextlib
 import itertools
 import os
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -244,3 +246,22 @@ def test_a_killed_writer_leaves_no_half_file(disk, monkeypatch):
         write_file(disk.root, "ledger", b"newer")
     assert [path.name for path in disk.root.iterdir()] == ["ledger"] and SyncedFiles(disk.root).name == str(disk.root)
     assert (disk.root / "ledger").read_bytes() == b"old"
+
+
+def test_a_fork_syncs_with_threads_of_its_own(tmp_path):
+    """The threads of this process are not there in a fork: it would wait for them for ever."""
+    program = f"""
+import os
+import subprocess
+import sys
+from pathlib import Path
+from worker.stores.files.synced_files import write_file
+root = Path({str(tmp_path)!r})
+write_file(root, "a/zarr.json", b"1")
+child = os.fork()
+write_file(root, f"{{bool(child)}}/zarr.json", b"2")
+if child:
+    assert os.waitpid(child, 0)[1] == 0
+"""
+    subprocess.run([sys.executable, "-c", program], check=True, timeout=60)
+    assert sorted(path.parent.name for path in tmp_path.rglob("zarr.json")) == ["False", "True", "a"]

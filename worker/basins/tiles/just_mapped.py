@@ -1,6 +1,6 @@
 """Images of the tiles that this process has mapped last, so that it need not read them back to label them.
 
-In a cluster about as many tiles are labelled where they were mapped as there are workers to one; in threads all are.
+Of n workers each labels about one in n of the tiles that it has mapped. Threads of one process read none back.
 """
 
 import threading

@@ -9,7 +9,8 @@ import numpy as np
 
 from rattle_kernels import map_points
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
-from worker.cluster.task import stop_if_cancelled
+from rattle_kernels.numerics.pausing import Pause
+from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.tiles import Tile
 
@@ -19,10 +20,10 @@ _EACH_WAY = 8
 _FEWEST_TILES, _MOST_TILES = 6, 256
 
 
-def worth_weighing(store: BasinStore) -> bool:
-    """Whether the order of a job's tiles matters: of one basin with some tiles that are not all alike."""
-    alike = store.job.sample is not None or store.job.basins > 1 or store.job.iterations == 1
-    return not alike and _FEWEST_TILES <= store.tiling.tiles_of_basin <= _MOST_TILES
+def worth_weighing(job: BasinJob, tiles: int) -> bool:
+    """Whether the order of some tiles that are to be mapped matters: of one basin, and not all alike."""
+    alike = job.sample is not None or job.basins > 1 or job.iterations == 1
+    return not alike and _FEWEST_TILES <= tiles <= _MOST_TILES
 
 
 def _some(span: tuple[int, int]) -> np.ndarray:
@@ -30,12 +31,10 @@ def _some(span: tuple[int, int]) -> np.ndarray:
     return start + ((np.arange(_EACH_WAY) + 0.5) / _EACH_WAY * (stop - start)).astype(np.int64)
 
 
-def weigh(store: BasinStore, tile: Tile) -> int:
+def weigh(store: BasinStore, tile: Tile, pause: Pause) -> int:
     """Applications of P that some cells of a tile take."""
     job, oscillator = store.job, store.job.oscillator_of(tile.basin)
-    traps = traps_of_seeds(oscillator, job.grid, job.iterations, job.grid.cells, stop_if_cancelled)
+    traps = traps_of_seeds(oscillator, job.grid, job.iterations, job.grid.cells, pause)
     t, v = np.meshgrid(job.grid.time_centres()[_some(tile.columns)], job.grid.velocity_centres()[_some(tile.rows)])
-    images = map_points(
-        oscillator, job.grid, job.iterations, t.ravel(), v.ravel(), traps=traps, pause=stop_if_cancelled
-    )  # fmt: skip
+    images = map_points(oscillator, job.grid, job.iterations, t.ravel(), v.ravel(), traps=traps, pause=pause)
     return images.applications

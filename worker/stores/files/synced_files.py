@@ -18,6 +18,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +27,16 @@ from zarr.storage import LocalStore
 from worker.errors import as_store_failure
 from worker.stores.files.checked_chunks import CHUNKS, METADATA, ChecksChunks
 
-# A journal takes what is synced at the same time in one go. The threads stay: starting them takes longer than a sync.
-_syncing = ThreadPoolExecutor(32, "sync")
+# A journal takes what is synced at the same time in one go.
+_AT_A_TIME = 32
 # Windows cannot open a folder to sync it.
 _FOLDERS_CAN_BE_SYNCED = os.name == "posix"
+
+
+@cache
+def _syncing(process: int) -> ThreadPoolExecutor:
+    """Threads that stay, since starting them takes longer than a sync. A fork has none of them, and starts its own."""
+    return ThreadPoolExecutor(_AT_A_TIME, "sync")
 
 
 class Unsynced:
@@ -42,7 +49,7 @@ class Unsynced:
     def sync(self) -> None:
         """Wait until all are on the disk, in any order: nothing has spoken of them yet."""
         folders = list(self.folders) if _FOLDERS_CAN_BE_SYNCED else []
-        list(_syncing.map(_sync, self.files + folders))
+        list(_syncing(os.getpid()).map(_sync, self.files + folders))
 
 
 # Zarr writes in other threads. They see this variable, since asyncio hands the caller's context to them.

@@ -5,7 +5,7 @@ import pytest
 
 from rattle_kernels import CellGrid, map_cells
 from worker.basins.basin_run import BasinRun
-from worker.basins.tasks import map_tile, weigh_tiles
+from worker.basins.tasks import map_tile, survey_tile, weigh_tiles
 from worker.basins.tiles.weights import worth_weighing
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
@@ -25,7 +25,7 @@ def _store(folders, job):
 
 
 def test_a_weight_is_what_the_tile_takes(store):
-    weights = weigh_tiles(store.location, store.digest, 0)
+    weights = weigh_tiles(store.location, store.digest, 0, range(16))
     assert len(weights) == store.tiling.tiles == 16
     takes = []
     for number in range(16):
@@ -40,9 +40,20 @@ def test_the_uppermost_tiles_go_first_and_then_the_longest(store):
     weigh, *first = BasinRun(store, 0, frozenset(), numbered=True).begin()
     assert weigh.function is weigh_tiles
     assert [(task.function, task.number) for task in first] == [(map_tile, number) for number in (15, 14, 13, 12)]
-    weights = [5, 1, 3, 2, 9, 8, 7, 6, 4, 0, 11, 10, 99, 99, 99, 99]
-    rest = [task.number for task in weigh.then(0, weights)]
+    assert weigh.arguments == (list(range(11, -1, -1)),)
+    rest = [task.number for task in weigh.then(0, [10, 11, 0, 4, 6, 7, 8, 9, 2, 3, 1, 5])]
     assert rest == [10, 11, 4, 5, 6, 7, 0, 8, 2, 3, 1, 9]
+
+
+def test_tiles_in_the_store_are_not_weighed(store):
+    weigh, *others = BasinRun(store, 0, frozenset({14, 3, 2, 1}), numbered=True).begin()
+    assert weigh.arguments == ([11, 10, 9, 8, 7, 6, 5, 4, 0],)
+    assert [(task.function, task.number) for task in others] == [
+        (map_tile, 15), (survey_tile, 14), (map_tile, 13), (map_tile, 12),
+        (survey_tile, 3), (survey_tile, 2), (survey_tile, 1),
+    ]  # fmt: skip
+    all_of_them = BasinRun(store, 0, frozenset(range(16)), numbered=True).begin()
+    assert [(task.function, task.number) for task in all_of_them] == [(survey_tile, tile) for tile in range(15, -1, -1)]
 
 
 @pytest.mark.parametrize(
@@ -56,4 +67,5 @@ def test_the_uppermost_tiles_go_first_and_then_the_longest(store):
     ids=["tiles alike", "one tile", "points", "others wait"],
 )
 def test_the_order_does_not_matter(tmp_path_factory, job):
-    assert not worth_weighing(_store(tmp_path_factory, job))
+    tiling = _store(tmp_path_factory, job).tiling
+    assert not worth_weighing(job, tiling.tiles_of_basin)
