@@ -8,6 +8,7 @@ from zarr.storage import LocalStore
 from rattle_kernels import CellGrid
 from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE
 from worker.jobs.basin_job import BasinJob
+from worker.stores import storage
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 from worker.stores.pyramid.levels import LABELS
@@ -63,19 +64,27 @@ def large_store(location):
 
 
 class ChunksRead:
-    """Counts the chunks that are read from folders, by array."""
+    """Counts the chunks that are read from folders, by array: by Zarr, and whole tiles."""
 
     def __init__(self, monkeypatch):
-        self.arrays, self._get = [], LocalStore.get
-        counter = self
+        self.arrays = []
+        get, read = LocalStore.get, storage._Folder.read
 
-        async def get(store, key, *arguments, **options):
-            array, is_chunk, _ = key.rpartition("/c/")
-            if is_chunk:
-                counter.arrays.append(array)
-            return await counter._get(store, key, *arguments, **options)
+        async def counted_get(store, key, *arguments, **options):
+            self._count(key)
+            return await get(store, key, *arguments, **options)
 
-        monkeypatch.setattr(LocalStore, "get", get)
+        def counted_read(folder, path, part):
+            self._count(path)
+            return read(folder, path, part)
+
+        monkeypatch.setattr(LocalStore, "get", counted_get)
+        monkeypatch.setattr(storage._Folder, "read", counted_read)
+
+    def _count(self, path):
+        array, is_chunk, _ = path.rpartition("/c/")
+        if is_chunk:
+            self.arrays.append(array)
 
     @property
     def of_cells(self):

@@ -11,7 +11,9 @@ P is applied to a seed (a landing point) until its final motion is clear:
    errors, this is chaos: an attractor if no trajectory leaves it, else a transient, listed with the motions after it.
 5. Otherwise it is listed as undecided.
 
-Seeds are processed in ascending order, so the catalogue depends only on the set of seeds.
+A few seeds from all over the plane come first, as many as lanes follow at a time. Most of the others have arrived at
+the motions of those already, and need not be followed until they settle. Within each part seeds are processed in
+ascending order, so the catalogue depends only on the set of seeds.
 """
 
 from collections.abc import Sequence
@@ -29,6 +31,7 @@ from rattle_kernels.attractors.chaotic_boxes import hit_the_same_boxes
 from rattle_kernels.attractors.chaotic_transient import follow_ensemble
 from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
+from rattle_kernels.lanes.lane_fields import LANES
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.oscillator import Oscillator
@@ -131,6 +134,36 @@ def _settle(
     return np.concatenate(times), np.concatenate(speeds)
 
 
+def _unknown(
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, catalogue: Sequence[Attractor], pause: Pause
+) -> tuple[np.ndarray, np.ndarray]:
+    """Those of some points that arrive at no motion of the catalogue."""
+    places = locate(oscillator, neighbourhoods(oscillator, catalogue, pause), t, v)
+    return t[places < 0], v[places < 0]
+
+
+def _search(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, catalogue: list[Attractor], pause: Pause) -> None:
+    """Add the motions that some seeds end in, and that the catalogue lacks."""
+    if any(motion.time.size for motion in catalogue):
+        t, v = _unknown(oscillator, t, v, catalogue, pause)
+    t, v = _settle(oscillator, t, v, _SETTLING, pause)
+    fruitless = 0
+    while fruitless < _FRUITLESS_SEEDS:
+        pause()
+        t, v = _unknown(oscillator, t, v, catalogue, pause)
+        if not t.size:
+            return
+        motions = _motions_of(oscillator, float(t[0]), float(v[0]), pause)
+        t, v = t[1:], v[1:]
+        if any([_list(oscillator, motion, catalogue, pause) for motion in motions]):
+            fruitless = 0
+        else:
+            fruitless += 1
+            # A long transient: the other seeds are probably on one too. Lanes follow them a hundred times faster than
+            # one by one.
+            t, v = _settle(oscillator, t, v, 16 * _SETTLING, pause)
+
+
 def _canonical(found: Sequence[Attractor]) -> tuple[Attractor, ...]:
     def key(attractor: Attractor) -> tuple[float, ...]:
         kinds = AttractorKind.PERMANENT_CONTACT, AttractorKind.PERIODIC, AttractorKind.CHAOTIC
@@ -176,21 +209,7 @@ def find_attractors(
     checked = check_domain(oscillator)
     catalogue = list(known) or [PERMANENT_CONTACT_ATTRACTOR]
     seeds = np.unique(np.column_stack([np.asarray(t, np.float64), np.asarray(v, np.float64)]), axis=0)
-    t_left, v_left = _settle(checked, seeds[:, 0].copy(), seeds[:, 1].copy(), _SETTLING, pause)
-    fruitless = 0
-    while t_left.size and fruitless < _FRUITLESS_SEEDS:
-        pause()
-        places = locate(checked, neighbourhoods(checked, catalogue, pause), t_left, v_left)
-        t_left, v_left = t_left[places < 0], v_left[places < 0]
-        if not t_left.size:
-            break
-        motions = _motions_of(checked, float(t_left[0]), float(v_left[0]), pause)
-        t_left, v_left = t_left[1:], v_left[1:]
-        if any([_list(checked, motion, catalogue, pause) for motion in motions]):
-            fruitless = 0
-        else:
-            fruitless += 1
-            # A long transient: the other seeds are probably on one too. Lanes follow them a hundred times faster than
-            # one by one.
-            t_left, v_left = _settle(checked, t_left, v_left, 16 * _SETTLING, pause)
+    first = np.arange(len(seeds)) % -(-max(len(seeds), 1) // LANES) == 0
+    for some in (seeds[first], seeds[~first]):
+        _search(checked, some[:, 0].copy(), some[:, 1].copy(), catalogue, pause)
     return _canonical(catalogue)

@@ -52,6 +52,8 @@ class Schedule:
         self._admitted = self._to_number = ledger.basins
         self._ready: list[tuple[int, int, Task]] = []
         self._pushed = 0
+        # Whether a task has been given since the last receipt, so that another receipt will come.
+        self._given = False
         self.small = store.tiling.tiles_of_basin == 1 and store.job.basins > 1
 
     def _push(self, tasks: Iterable[Task]) -> None:
@@ -61,12 +63,15 @@ class Schedule:
 
     def next_task(self) -> Task | None:
         """The next task, from the first basin that has one or from a basin that begins. None if there is none yet."""
-        if not self._ready:
+        if not self._ready and not self._given:
             self._catch_up()
         if not self._ready and self._admitted < self._store.job.basins and len(self.basins) < self._most_basins:
             self._begin(self._admitted)
             self._admitted += 1
-        return heapq.heappop(self._ready)[2] if self._ready else None
+        if not self._ready:
+            return None
+        self._given = True
+        return heapq.heappop(self._ready)[2]
 
     def _begin(self, number: int) -> None:
         mapped, numbered = self._ledger.mapped(number), number == 0
@@ -80,6 +85,7 @@ class Schedule:
     def take(self, task: Task, receipt: Any) -> None:
         """Take the receipt of a task, and queue the tasks that it makes possible."""
         self._catch_up()
+        self._given = False
         self._push(task.then(task.number, receipt))
 
     def _solved(self, number: int, receipt: BasinReceipt) -> Iterable[Task]:
@@ -90,8 +96,8 @@ class Schedule:
     def _catch_up(self) -> None:
         """Number and complete the basins that the receipts taken so far allow to.
 
-        Where the store has to grow for new solutions, this takes tens of milliseconds. So it waits until the next
-        receipt comes or no task is ready. Meanwhile the workers have the tasks that a receipt made possible.
+        Where the store has to grow for new solutions, this takes tens of milliseconds. So it waits for the next receipt
+        if the last one has made a task possible. Meanwhile the workers have that.
         """
         self._number()
         self._complete()

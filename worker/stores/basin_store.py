@@ -11,18 +11,18 @@ import json
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from rattle_kernels import CellGroups
 from rattle_kernels.cell_mapping.image_set import ImageSet, with_counts
-from worker.errors import StoreConflict, StoreFailed, as_store_failure
+from worker.errors import DamagedChunk, StoreConflict, StoreFailed, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
 from worker.stores import layout
+from worker.stores.files.whole_chunks import read_chunk, write_chunk
 from worker.stores.files.write_over import write_over
 from worker.stores.layout import Variable
 from worker.stores.new_store import consolidate, create_store, places_of, tiling_of, write_coordinates
@@ -71,6 +71,7 @@ class BasinStore(SolutionArrays, ProofArrays):
         levels = levels_of(self.job, self.tiling)
         # Stores from before there were levels have none.
         self.levels = levels if ATTRIBUTE in self._group.attrs else levels[:1]
+        self._place = place_at(location)
         super().__init__()
 
     @classmethod
@@ -101,34 +102,60 @@ class BasinStore(SolutionArrays, ProofArrays):
         """Levels that can be read: of an unfinished store only the basins themselves."""
         return self.levels if self.complete else self.levels[:1]
 
-    def _region(self, tile: Tile, every: int = 1) -> tuple[int | slice, ...]:
-        """Every n-th cell of a tile in an array. The one row of a sample has no dimension of its own."""
-        rows, columns = slice(*tile.rows, every), slice(*tile.columns, every)
-        within = (rows, columns) if self.job.sample is None else (columns,)
-        return (*self.job.place_of(tile.basin), *within)
+    def _chunk(self, tile: Tile) -> str:
+        """Numbers of a tile's chunk in any array of cells. The one row of a sample has no dimension of its own."""
+        within = (tile.row, tile.column) if self.job.sample is None else (tile.column,)
+        return "/".join(map(str, (*self.job.place_of(tile.basin), *within)))
 
     def write_tile(self, variables: Sequence[Variable], tile: Tile, values: Sequence[np.ndarray]) -> None:
         """Write one tile, of shape (rows, columns), of some variables."""
-        region = self._region(tile)
+        chunk = self._chunk(tile)
         with as_store_failure(self.location):
             for variable, value in zip(variables, values, strict=True):
-                self._kept(variable)[region] = value if self.job.sample is None else value[0]
+                own = value if self.job.sample is None else value[0]
+                write_chunk(self._place, self._kept(variable), chunk, own)
 
-    def read_tile(self, variables: Sequence[Variable], tile: Tile, every: int = 1) -> tuple[np.ndarray, ...]:
-        """Read one tile of some variables, or every n-th cell of it each way. All of it must have been written.
+    def read_tile(self, variables: Sequence[Variable], tile: Tile) -> tuple[np.ndarray, ...]:
+        """Read one tile, of shape (rows, columns), of some variables. All of them must have been written.
 
         Raises
         ------
         StoreFailed
-            If it cannot be read or is missing. Zarr returns fill values for missing chunks, which are not data.
+            If it cannot be read or is missing.
         """
-        region = self._region(tile, every)
-        shape = tuple(-(-(stop - start) // every) for start, stop in (tile.rows, tile.columns))
+        return tuple(self._demand_tile_of(variable, tile) for variable in variables)
+
+    def _demand_tile_of(self, variable: Variable, tile: Tile) -> np.ndarray:
+        values = self._read_tile_of(variable, tile)
+        if values is not None:
+            return values
+        if self.complete:
+            raise DamagedChunk(self.location, variable.path, self._chunk(tile), "is missing")
+        raise StoreFailed(f"the store {self.location} has lost a part of {variable.path}: {tile}")
+
+    def _read_tile_of(self, variable: Variable, tile: Tile) -> np.ndarray | None:
+        """One tile of one variable; None if it is not there."""
         with as_store_failure(self.location):
-            values = tuple(np.asarray(self._kept(variable)[region]).reshape(shape) for variable in variables)
-        for variable, value in zip(variables, values, strict=True):
-            if (value == variable.fill).any():
-                raise StoreFailed(f"the store {self.location} has lost a part of {variable.path}: {tile}")
+            chunk = read_chunk(self._place, self._kept(variable), self._chunk(tile), self.location)
+        if chunk is None:
+            return None
+        rows, columns = (stop - start for start, stop in (tile.rows, tile.columns))
+        # Tiles at the upper edges are smaller than their chunk.
+        return np.ascontiguousarray(chunk.reshape(-1, chunk.shape[-1])[:rows, :columns])
+
+    def read_cells(
+        self, variable: Variable, basin: int, rows: tuple[int, int], columns: tuple[int, int], every: int
+    ) -> np.ndarray:
+        """Read every n-th cell, each way, of a rectangle of a basin. All of it must have been written.
+
+        Raises
+        ------
+        StoreFailed
+            If it cannot be read or a part is missing. Zarr returns fill values there, which are not data.
+        """
+        values = self._read(variable, *self.job.place_of(basin), slice(*rows, every), slice(*columns, every))
+        if (values == variable.fill).any():
+            raise StoreFailed(f"the store {self.location} has lost a part of {variable.path}")
         return values
 
     def read_whole(self, variables: Sequence[Variable]) -> tuple[np.ndarray, ...]:
@@ -166,19 +193,15 @@ class BasinStore(SolutionArrays, ProofArrays):
 
     def write_groups(self, basin: int, groups: CellGroups) -> None:
         """Write Hsu's numbers on a basin's image set, for tiles to look up."""
-        place = self.job.place_of(basin)
-        with ThreadPoolExecutor(_WRITERS) as writers:
+        with as_store_failure(self.location), ThreadPoolExecutor(_WRITERS) as writers:
             # In the caller's context, as in Zarr's own threads.
             written = [
-                writers.submit(copy_context().run, partial(self._write_int32, variable, values[chunk], *place, chunk))
+                writers.submit(copy_context().run, write_chunk, self._place, self._kept(variable), chunk, values[part])
                 for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True)
-                for chunk in self._chunks(variable, values.size)
+                for chunk, part in self._chunks(variable, basin, values.size)
             ]
-        for each in written:
-            each.result()
-
-    def _write_int32(self, variable: Variable, values: np.ndarray, *index: Any) -> None:
-        self._write(variable, values.astype(np.int32), *index)
+            for each in written:
+                each.result()
 
     def read_solution(self, basin: int) -> np.ndarray:
         """Read the solution of every cell or point of a basin."""
@@ -190,19 +213,22 @@ class BasinStore(SolutionArrays, ProofArrays):
         place = self.job.place_of(basin)
         numbers = np.empty((members.size, 2), np.int16)
         for column, variable in enumerate(layout.IMAGE_SET[:2]):
-            for chunk in self._chunks(variable, members.size):
-                some = self._read(variable, *place, chunk)
+            for _, part in self._chunks(variable, basin, members.size):
+                some = self._read(variable, *place, part)
                 fits = np.result_type(numbers, np.min_scalar_type(-1 - int(some.max())))
                 numbers = numbers.astype(fits, copy=False)
-                numbers[chunk, column] = some
+                numbers[part, column] = some
         group, step = numbers.T
         period = self._read(layout.IMAGE_SET[2], *place, slice(int(group.max(initial=0)) + 1))
         return CellGroups(members, group, step, period)
 
-    def _chunks(self, variable: Variable, size: int) -> list[slice]:
-        """The first numbers of an array, chunk by chunk. Zarr copies what it reads or writes of several at once."""
-        length = self._kept(variable).chunks[-1]
-        return [slice(start, min(start + length, size)) for start in range(0, size, length)]
+    def _chunks(self, variable: Variable, basin: int, size: int) -> list[tuple[str, slice]]:
+        """Chunks of a basin's first numbers in an array. Zarr copies what it reads of several at once."""
+        place, length = self.job.place_of(basin), self._kept(variable).chunks[-1]
+        return [
+            ("/".join(map(str, (*place, number))), slice(number * length, min((number + 1) * length, size)))
+            for number in range(-(-size // length))
+        ]
 
     def write_grazing_velocity(self, basin: int, velocity: np.ndarray) -> None:
         """Write the grazing curve of a basin."""

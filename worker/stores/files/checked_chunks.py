@@ -15,7 +15,7 @@ from zarr.core.buffer import default_buffer_prototype
 
 from worker.errors import DamagedChunk, DamagedMetadata
 
-_CHECKSUM = 4
+CHECKSUM_BYTES = 4
 METADATA = "zarr.json"
 """Name of the file of each array and each group."""
 CHUNKS = "c"
@@ -73,11 +73,15 @@ def _is_json(content: bytes) -> bool:
     return True
 
 
+def checksum_of(content: Any) -> bytes:
+    """CRC-32C of bytes, as it stands at the end of a chunk."""
+    computed: int = google_crc32c.value(content)
+    return computed.to_bytes(CHECKSUM_BYTES, "little")
+
+
 def has_checksum(content: np.ndarray) -> bool:
     """Whether bytes end in the CRC-32C of the others."""
-    inner, checksum = content[:-_CHECKSUM], content[-_CHECKSUM:]
-    computed: int = google_crc32c.value(inner)
-    return computed.to_bytes(_CHECKSUM, "little") == checksum.tobytes()
+    return checksum_of(content[:-CHECKSUM_BYTES]) == content[-CHECKSUM_BYTES:].tobytes()
 
 
 def is_checked(metadata: dict[str, Any]) -> bool:

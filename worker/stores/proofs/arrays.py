@@ -14,7 +14,7 @@ from worker.errors import StoreFailed, as_store_failure
 from worker.fence import Fence
 from worker.jobs.basin_job import BasinJob
 from worker.stores.files.synced_files import synced_together
-from worker.stores.layout import NOT_THERE, Variable
+from worker.stores.layout import Variable
 from worker.stores.new_store import create_array
 from worker.stores.proofs.layout import (
     FOLLOWED,
@@ -47,7 +47,7 @@ class ProofArrays:
     def _kept(self, variable: Variable) -> Any:
         raise NotImplementedError
 
-    def _region(self, tile: Tile) -> tuple[int | slice, ...]:
+    def _read_tile_of(self, variable: Variable, tile: Tile) -> np.ndarray | None:
         raise NotImplementedError
 
     @property
@@ -58,9 +58,8 @@ class ProofArrays:
 
     def read_proof(self, tile: Tile) -> tuple[np.ndarray, np.ndarray] | None:
         """Read what is proven of a tile's cells, and why not all is; None until both are written."""
-        with as_store_failure(self.location):
-            proven, reason = (np.asarray(self._kept(each)[self._region(tile)]) for each in (PROVEN, UNPROVEN_REASON))
-        return None if (proven == NOT_THERE).any() or (reason == NOT_THERE).any() else (proven, reason)
+        proven, reason = (self._read_tile_of(each, tile) for each in (PROVEN, UNPROVEN_REASON))
+        return None if proven is None or reason is None else (proven, reason)
 
     @property
     def certificate(self) -> dict[str, Any] | None:

@@ -1,0 +1,87 @@
+"""A chunk written or read as a whole, in the thread of the caller: a tile is one chunk of each array.
+
+Zarr finds out which parts of which chunks a write concerns, and hands each step to another thread. That takes longer
+than compressing a tile (docs/decisions/0043-whole-chunks.md). The bytes are those that Zarr writes: little endian, row
+by row, compressed by Zstandard, with their CRC-32C at the end.
+"""
+
+from typing import Any
+
+import numpy as np
+from numcodecs.zstd import Zstd
+
+from worker.errors import DamagedChunk
+from worker.stores.files.checked_chunks import CHECKSUM_BYTES, CHUNKS, checksum_of, has_checksum
+from worker.stores.new_store import CODECS
+from worker.stores.storage import Place, whole
+
+_COMPRESSION, _CHECKSUM = CODECS
+_ZSTD = Zstd(level=_COMPRESSION.level)
+
+
+def write_chunk(place: Place, array: Any, numbers: str, values: np.ndarray) -> None:
+    """Write a chunk. Where it ends beyond the array, its rest has the fill value.
+
+    Parameters
+    ----------
+    place : Place
+        Of the store.
+    array : zarr.Array
+    numbers : str
+        Numbers of the chunk along each dimension, with slashes between.
+    values : ndarray
+        As many dimensions as the array, or fewer if the chunk has one value along the first ones.
+    """
+    chunk = array.chunks[-values.ndim :]
+    stored = array.dtype.newbyteorder("<")
+    if values.shape == chunk:
+        values = np.ascontiguousarray(values, stored)
+    else:
+        inside = tuple(map(slice, values.shape))
+        values, part = np.full(chunk, array.fill_value, stored), values
+        values[inside] = part
+    content: bytes = _ZSTD.encode(values)
+    place.write(_file(array, numbers), content + checksum_of(content) if _is_checked(array) else content)
+
+
+def read_chunk(place: Place, array: Any, numbers: str, name: str) -> np.ndarray | None:
+    """Read a chunk with all dimensions of its array; None if it is not there.
+
+    Parameters
+    ----------
+    place : Place
+        Of the store.
+    array : zarr.Array
+    numbers : str
+        Numbers of the chunk along each dimension, with slashes between.
+    name : str
+        Name of the store in errors.
+
+    Raises
+    ------
+    DamagedChunk
+        If it does not hold what was written.
+    """
+    file = place.read(_file(array, numbers), whole)
+    if file is None:
+        return None
+    content = np.frombuffer(file.content, np.uint8)
+    if _is_checked(array):
+        if not has_checksum(content):
+            raise DamagedChunk(name, array.path, numbers)
+        content = content[:-CHECKSUM_BYTES]
+    values = np.empty(array.chunks, array.dtype.newbyteorder("<"))
+    try:
+        _ZSTD.decode(content, out=values)
+    except (RuntimeError, ValueError) as error:  # only where there is no checksum
+        raise DamagedChunk(name, array.path, numbers, "cannot be decompressed") from error
+    return values.astype(array.dtype, copy=False)
+
+
+def _file(array: Any, numbers: str) -> str:
+    return f"{array.path}/{CHUNKS}/{numbers}"
+
+
+def _is_checked(array: Any) -> bool:
+    """Whether the chunks of an array have checksums, which those of layout 3 lack."""
+    return _CHECKSUM in array.compressors
