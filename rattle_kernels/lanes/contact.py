@@ -35,6 +35,8 @@ from rattle_kernels.lanes.lane_fields import (
     HALF_SINE,
     LANES,
     LAST_TERM,
+    NEAR,
+    NEARLY,
     PHI2,
     RING_COSINE,
     RING_SINE,
@@ -44,15 +46,17 @@ from rattle_kernels.lanes.lane_fields import (
     count_set,
 )
 from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, CONTACT_ABOVE, CONTACT_BELOW, ENDLESS, PHASES, ROW
-from rattle_kernels.model.contact_end import follow_contact
+from rattle_kernels.model.contact import enter_contact
+from rattle_kernels.model.contact_end import Contact, end_near, follow_contact
 from rattle_kernels.model.flight import TWO_PI, rest_acceleration
-from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
+from rattle_kernels.model.outcome import OUTCOME_NOT_CONVERGED, OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import always_inlined, inlined
 from rattle_kernels.numerics.phase import part_turn, wrap
 from rattle_kernels.numerics.polynomials import cosine_of_half_turns, second_phi_of_part, sine_of_half_turns
 
 # The speed at the end is Taylor's polynomial of x' to fourth order, exact to 3e-16 for steps this long.
 _LARGEST_TURN = 2e-3
+_NOT_FOUND = Contact(math.nan, math.nan, OUTCOME_NOT_CONVERGED)
 
 
 @always_inlined
@@ -133,8 +137,9 @@ def refine_contacts(lanes, permanent_after, slow_part):
         step_, last = fifth_order_step(-x * inverse, x2 * inverse, x3 * inverse, x4 * inverse)
         leaving = -(x1 + step_ * (x2 + step_ * (0.5 * x3 + step_ * (x4 * (1.0 / 6.0) + step_ * x5 * (1.0 / 24.0)))))
         # Selects instead of one condition, whose short circuit would be a branch. NaN ends up unsure.
-        unsure = 0.0 if abs(last) <= LAST_TERM * tau else 1.0
-        unsure = unsure if abs(step_) * frequency <= _LARGEST_TURN else 1.0
+        near = NEARLY if abs(last) <= NEAR * tau else 1.0
+        unsure = 0.0 if abs(last) <= LAST_TERM * tau else near
+        unsure = unsure if abs(step_) * frequency <= _LARGEST_TURN else near
         unsure = unsure if x1 < 0.0 else 1.0
         unsure = unsure if leaving > 0.0 else 1.0
         unsure = unsure if fading <= 1.0 else 1.0
@@ -155,6 +160,13 @@ def refine_contacts(lanes, permanent_after, slow_part):
 
 
 @inlined
+def _polished(lanes, i, oscillator, side):
+    """End of a contact that is nearly known."""
+    contact = enter_contact(oscillator, side, lanes[END_PHASE + i], 0.0, abs(lanes[END_VELOCITY + i]))
+    return end_near(contact, lanes[DURATION + i])
+
+
+@inlined
 def follow_contacts_carefully(lanes, oscillator):
     """Third pass: the lanes that are not sure, by the scalar path.
 
@@ -165,7 +177,9 @@ def follow_contacts_carefully(lanes, oscillator):
             continue
         velocity = lanes[END_VELOCITY + i]
         side = LOWER if velocity > 0.0 else UPPER
-        contact = follow_contact(oscillator, side, lanes[END_PHASE + i], abs(velocity))
+        contact = _polished(lanes, i, oscillator, side) if lanes[UNSURE + i] == NEARLY else _NOT_FOUND
+        if contact.outcome != OUTCOME_RETURNED:
+            contact = follow_contact(oscillator, side, lanes[END_PHASE + i], abs(velocity))
         if contact.outcome == OUTCOME_PERMANENT_CONTACT:
             lanes[END_VELOCITY + i] = 0.0
             continue

@@ -17,7 +17,6 @@ import math
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd, next_contact
 from rattle_kernels.lanes.harmonics import (
     FORCED,
-    NEARLY,
     RATE_0,
     RATE_1,
     RATE_2,
@@ -48,6 +47,7 @@ from rattle_kernels.lanes.lane_fields import (
     LAST_TERM,
     LOW_PAIR,
     MISS,
+    NEARLY,
     PHASE,
     PHI2,
     RATE,

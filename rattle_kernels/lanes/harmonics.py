@@ -19,7 +19,8 @@ from rattle_kernels.lanes.lane_fields import (
     HALF_COSINE,
     HALF_SINE,
     LANES,
-    LAST_TERM,
+    NEAR,
+    NEARLY,
     ORDER_COSINE,
     ORDER_CUBIC,
     ORDER_HALF_COSINE,
@@ -45,10 +46,6 @@ FORCED, RATE_0, RATE_1, RATE_2, RATE_3, RATE_4, RATE_5, RATE_6 = (SUMS + n * LAN
 # Sums of a contact: slow part and rate where it begins, their changes by the guess, second to fifth derivative there.
 HERE, HERE_1, CHANGE, CHANGE_1, SLOW_2, SLOW_3, SLOW_4, SLOW_5 = (SUMS + n * LANES for n in range(8))
 _SUMS = 8
-
-# A flag between sure and unsure: guesses off by the part 1.4e-2 at most, ten times what a sure flight's is off.
-NEARLY = 0.5
-_NEAR = 1e4 * LAST_TERM
 
 # How many times as close as in the middle nodes of falls back lie at speed 0, and how many times as wide at v*.
 _CROWDED = 3.0
@@ -94,7 +91,7 @@ def doubt(terms, total, place):
     method (NEARLY), and need no search for a bracket.
     """
     unsure, last, tau = place
-    return max(unsure, NEARLY if abs(last) <= _NEAR * tau else total)
+    return max(unsure, NEARLY if abs(last) <= NEAR * tau else total)
 
 
 @inlined

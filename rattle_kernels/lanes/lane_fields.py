@@ -47,6 +47,10 @@ ORDER_HALF_SINE, ORDER_HALF_COSINE = HIGH_PAIR, HIGH_PAIR + LANES
 # A flight is sure when the last term of its step, 5 r^4 or so for a guess off by the part r, is below this part of the
 # duration: r < 1.4e-3, and what the series leaves out, 14 r^5, below 1e-13.
 LAST_TERM = 2e-11
+# In place of 1.0 in UNSURE: the guess is off by the part 1.4e-2 at most, ten times what a sure one is. So the end is
+# the zero next to it, and needs no search.
+NEARLY = 0.5
+NEAR = 1e4 * LAST_TERM
 
 
 @inlined

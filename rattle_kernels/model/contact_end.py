@@ -133,6 +133,27 @@ def _land(tau, state):
 
 
 @inlined
+def end_near(contact, tau):
+    """End of a contact that is known to be the zero next to tau; NOT_CONVERGED if it takes more than a short step.
+
+    Parameters
+    ----------
+    contact : ContactMotion
+    tau : float
+        Before the end or after it.
+
+    Returns
+    -------
+    Contact
+    """
+    state = state_in_contact(contact, tau)
+    steep = 2.0 * bend_bound(contact, state.ringing) * abs(state.depth) <= state.rate * state.rate
+    if state.rate < 0.0 and steep and abs(state.depth) * contact.frequency <= -_SHORT * state.rate:
+        return _land(tau, state)
+    return Contact(math.nan, math.nan, OUTCOME_NOT_CONVERGED)
+
+
+@inlined
 def follow_contact(oscillator, side, phase, speed):
     """Follow one contact from its beginning at the wall to its first end.
 
