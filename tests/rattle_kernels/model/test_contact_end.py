@@ -41,7 +41,7 @@ def test_an_end_that_is_near_is_the_end(oscillator, side):
         if searched.outcome != OUTCOME_RETURNED or near.outcome == OUTCOME_NOT_CONVERGED:
             continue
         found += 1
-        # Both evaluate the depth to some units of its largest term (1.2 were seen), and the slope turns that into a time.
+        # Both evaluate the depth to some units of its largest term (1.2 were seen); the slope turns that into a time.
         terms = speed / contact.frequency + abs(contact.mean) + contact.swing + contact.ringing
         apart = 5.0 * _UNIT * (terms / near.speed + searched.duration)
         assert abs(near.duration - searched.duration) <= apart
