@@ -1,8 +1,8 @@
-"""Vectors as wide as the processor's registers, for kernels of processes that are this project's own.
+"""Vectors as wide as the registers of the first processors with AVX-512, for processes that are this project's own.
 
-LLVM uses half of the registers of Intel processors with AVX-512, since the first of these slowed their clock down for
-whole ones. From Ice Lake on they do not. On older ones both are timed, once for each kind of processor, and the answer
-is kept in the user's cache folder. Results are the same bytes.
+From Ice Lake on kernels choose them by themselves (`rattle_kernels.numerics.whole_registers`). Older processors slow
+their clock down for whole registers. Both widths are timed on them, once for each kind of processor, and the answer is
+kept in the user's cache folder. Results are the same bytes.
 """
 
 import json
@@ -14,8 +14,7 @@ from pathlib import Path
 
 _TARGET = "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"
 _WHOLE = ",-prefer-256-bit"
-# The first processors with AVX-512 lack it: Skylake, Cascade Lake and Cooper Lake.
-_SINCE_ICE_LAKE = "+avx512vbmi2"
+_AVX512, _SINCE_ICE_LAKE = "avx512f", "avx512vbmi2"
 # How much faster whole registers must be, beyond what runs differ by: the fastest of three, taken in turn.
 _GAIN = 1.05
 _TURNS = 3
@@ -31,9 +30,11 @@ def use_whole_registers() -> None:
         return
     import llvmlite.binding as llvm
 
-    features = llvm.get_host_cpu_features().flatten()
-    processor = f"{llvm.get_host_cpu_name()} {llvm.llvm_version_info} {features}"
-    if _SINCE_ICE_LAKE in features or ("+avx512f" in features and _pays(processor, features)):
+    there = llvm.get_host_cpu_features()
+    if not there.get(_AVX512) or there.get(_SINCE_ICE_LAKE):
+        return
+    features = there.flatten()
+    if _pays(f"{llvm.get_host_cpu_name()} {llvm.llvm_version_info} {features}", features):
         os.environ["NUMBA_CPU_FEATURES"] = features + _WHOLE
 
 

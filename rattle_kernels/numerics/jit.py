@@ -22,11 +22,14 @@ import numpy as np
 from numba.core import config, event
 from numba.extending import overload
 
+from rattle_kernels.numerics.whole_registers import compiler
+
 # Contraction to FMA only. Reassociation and the no-NaN flags would blur the small differences that decide grazing.
 _CAREFUL = {"contract"}
 # The lanes divide by what they have just tested, and they need not distinguish -0 from +0.
 _LANES = {"contract", "nsz", "arcp"}
-_INLINED = {"nogil": True, "error_model": "numpy", "fastmath": _CAREFUL}
+_AS_WRITTEN: dict[str, Any] = {"nogil": True, "error_model": "numpy", "pipeline_class": compiler()}
+_INLINED = _AS_WRITTEN | {"fastmath": _CAREFUL}
 
 
 def _sources_hash() -> str:
@@ -155,12 +158,12 @@ def mapped_over_tuple(of_one: Any) -> Any:
 
 def inlined_in_lanes(function: Callable[..., Any]) -> Any:
     """Compile a branch-free piece that LLVM inlines into a loop over lanes and vectorises."""
-    return numba.njit(nogil=True, error_model="numpy", fastmath=_LANES)(function)
+    return numba.njit(**_AS_WRITTEN, fastmath=_LANES)(function)
 
 
 def inlined_as_written(function: Callable[..., Any]) -> Any:
     """Compile a scalar piece in which each operation is rounded once, as written: bounds are proven for that."""
-    return numba.njit(nogil=True, error_model="numpy")(function)
+    return numba.njit(**_AS_WRITTEN)(function)
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -183,7 +186,7 @@ def _cached(function: Callable[..., Any], fastmath: set[str]) -> Any:
     elsewhere = config.CACHE_DIR
     config.CACHE_DIR = _CACHE_FOLDER
     try:
-        compiled = numba.njit(nogil=True, error_model="numpy", fastmath=fastmath, cache=True)(function)
+        compiled = numba.njit(**_AS_WRITTEN, fastmath=fastmath, cache=True)(function)
     finally:
         config.CACHE_DIR = elsewhere
     KERNELS.append(compiled)
