@@ -3,6 +3,7 @@
 import numpy as np
 
 from worker.stores.basin_store import BasinStore
+from worker.stores.layout import NOT_THERE
 from worker.stores.new_store import consolidate, create_array
 from worker.stores.proofs import layout as proof_layout
 
@@ -13,12 +14,15 @@ CERTIFICATE = {
 
 
 def lay_proof(location, proven, reason, certificate=CERTIFICATE):
-    """Add a proof to a store of one basin; cells of 255 have not been tried."""
+    """Add a proof to a store of one basin; tiles that hold a 255 have not been tried."""
     store = BasinStore(location)
-    tile = store.tiling.tile_rows, store.tiling.tile_columns
+    shape = store.tiling.tile_rows, store.tiling.tile_columns
     for variable, values in ((proof_layout.PROVEN, proven), (proof_layout.UNPROVEN_REASON, reason)):
-        array = create_array(store._group, store.job, variable, store.job.grid.shape, tile)
-        array[...] = np.asarray(values, np.uint8)
+        create_array(store._group, store.job, variable, store.job.grid.shape, shape)
+        for tile in map(store.tiling.tile, store.tiling.numbers_of(0)):
+            cells = np.asarray(values, np.uint8)[slice(*tile.rows), slice(*tile.columns)]
+            if (cells != NOT_THERE).all():
+                store.write_tile((variable,), tile, (cells,))
     store._group.create_group("proof", attributes=certificate)
     consolidate(location)
     return BasinStore(location)
