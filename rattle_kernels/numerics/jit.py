@@ -28,7 +28,10 @@ from rattle_kernels.numerics.whole_registers import compiler
 _CAREFUL = {"contract"}
 # The lanes divide by what they have just tested, and they need not distinguish -0 from +0.
 _LANES = {"contract", "nsz", "arcp"}
-_AS_WRITTEN: dict[str, Any] = {"nogil": True, "error_model": "numpy", "pipeline_class": compiler()}
+# An option that a function lacks it takes from whatever is being compiled when it is first called. So each has all.
+_AS_WRITTEN: dict[str, Any] = {
+    "nogil": True, "error_model": "numpy", "fastmath": False, "forceinline": False, "pipeline_class": compiler(),
+}  # fmt: skip
 _INLINED = _AS_WRITTEN | {"fastmath": _CAREFUL}
 
 
@@ -118,7 +121,7 @@ def always_inlined(function: Callable[..., Any]) -> Any:
     For loops alone. The scalar pieces of the careful path are left to LLVM: inlined everywhere, they fuse other
     products, and last digits change.
     """
-    return numba.njit(**_INLINED, forceinline=True)(function)
+    return numba.njit(**_INLINED | {"forceinline": True})(function)
 
 
 def summed_over_tuple(function: Callable[..., Any]) -> Any:
@@ -158,7 +161,7 @@ def mapped_over_tuple(of_one: Any) -> Any:
 
 def inlined_in_lanes(function: Callable[..., Any]) -> Any:
     """Compile a branch-free piece that LLVM inlines into a loop over lanes and vectorises."""
-    return numba.njit(**_AS_WRITTEN, fastmath=_LANES)(function)
+    return numba.njit(**_AS_WRITTEN | {"fastmath": _LANES})(function)
 
 
 def inlined_as_written(function: Callable[..., Any]) -> Any:
@@ -173,7 +176,7 @@ def kernel(function: Callable[..., Any]) -> Any:
 
 def kernel_as_written(function: Callable[..., Any]) -> Any:
     """Compile an entry point of `inlined_as_written` pieces, cached on disk."""
-    return _cached(function, set())
+    return _cached(function, False)
 
 
 def lane_kernel(function: Callable[..., Any]) -> Any:
@@ -181,12 +184,12 @@ def lane_kernel(function: Callable[..., Any]) -> Any:
     return _cached(function, _LANES)
 
 
-def _cached(function: Callable[..., Any], fastmath: set[str]) -> Any:
+def _cached(function: Callable[..., Any], fastmath: set[str] | bool) -> Any:
     # Numba reads its cache folder when a function is decorated; other users of Numba in this process keep theirs.
     elsewhere = config.CACHE_DIR
     config.CACHE_DIR = _CACHE_FOLDER
     try:
-        compiled = numba.njit(**_AS_WRITTEN, fastmath=fastmath, cache=True)(function)
+        compiled = numba.njit(**_AS_WRITTEN | {"fastmath": fastmath}, cache=True)(function)
     finally:
         config.CACHE_DIR = elsewhere
     KERNELS.append(compiled)
