@@ -16,6 +16,7 @@ the motions of those already, and need not be followed until they settle. Within
 ascending order, so the catalogue depends only on the set of seeds.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -209,7 +210,8 @@ def find_attractors(
     checked = check_domain(oscillator)
     catalogue = list(known) or [PERMANENT_CONTACT_ATTRACTOR]
     seeds = np.unique(np.column_stack([np.asarray(t, np.float64), np.asarray(v, np.float64)]), axis=0)
-    first = np.arange(len(seeds)) % -(-max(len(seeds), 1) // LANES) == 0
+    every = max(1, math.ceil(len(seeds) / LANES))
+    first = np.arange(len(seeds)) % every == 0
     for some in (seeds[first], seeds[~first]):
         _search(checked, some[:, 0].copy(), some[:, 1].copy(), catalogue, pause)
     return _canonical(catalogue)

@@ -28,7 +28,7 @@ from rattle_kernels.numerics.whole_registers import compiler
 _CAREFUL = {"contract"}
 # The lanes divide by what they have just tested, and they need not distinguish -0 from +0.
 _LANES = {"contract", "nsz", "arcp"}
-# An option that a function lacks it takes from whatever is being compiled when it is first called. So each has all.
+# A function that lacks an option takes it from whatever is being compiled when it is first called. So each has all.
 _AS_WRITTEN: dict[str, Any] = {
     "nogil": True, "error_model": "numpy", "fastmath": False, "forceinline": False, "pipeline_class": compiler(),
 }  # fmt: skip

@@ -83,7 +83,7 @@ def create_array(
 def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     """Create a new store. The attributes that identify it as a store are written last.
 
-    Zarr makes it in memory, and the files are then written all at once: one by one they took twice as long.
+    Zarr makes its arrays in memory, and their files are then written all at once: one by one they took twice as long.
     """
     planned = MemoryStore()
     group = zarr.create_group(planned, zarr_format=3)
@@ -91,7 +91,6 @@ def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     tile = _create_arrays(group, job)
     for level in levels[1:]:
         _create_level(group, job, level)
-    write_coordinates(group, job, levels)
     title = "Basins of attraction of a rattling gear pair"
     born = birth_certificate(title, job.request(), job.digest)
     # In one write: `attrs.update` writes once per attribute.
@@ -100,6 +99,7 @@ def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     begun = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
     with synced_together(location):
         sync(_copy_all_but(METADATA, planned, begun.store))
+        write_coordinates(begun, job, levels)
     sync(_copy(METADATA, planned, begun.store))
 
 
