@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections import Counter
 
 import psutil
 
@@ -93,14 +94,10 @@ def kill(pids):
     return killed
 
 
-def starts(path, function="map_tile"):
-    """How often each tile was started by one function."""
-    counted = {}
-    for line in path.read_text().splitlines() if path.exists() else ():
-        name, _, tile = line.split(" ", 1)[1].split("-")[:3]
-        if name == function:
-            counted[int(tile)] = counted.get(int(tile), 0) + 1
-    return counted
+def starts(path):
+    """How often each tile was started."""
+    lines = path.read_text().splitlines() if path.exists() else []
+    return Counter(int(line.split()[1]) for line in lines)
 
 
 def wait_for(condition, seconds, step=0.05):

@@ -1,12 +1,11 @@
-"""Loaded by every worker of the fault tests: writes down which tasks are started, and knows a tile that kills.
+"""Loaded by every worker of the fault tests: writes down which tiles are started, and knows a tile that kills.
 
 Named in ``DASK_DISTRIBUTED__WORKER__PRELOAD``; the service knows nothing of it.
 """
 
 import os
 import signal
-
-from distributed import WorkerPlugin
+from functools import wraps
 
 from worker.basins import tasks
 
@@ -14,15 +13,16 @@ POISON = 0.6180339887
 """Damping of an oscillator whose tiles kill their worker."""
 
 
-class StartsLog(WorkerPlugin):
-    """One line for each start of a task, in a file that outlives the worker."""
+def _written_down(function, path):
+    """A task that first writes a line into a file that outlives the worker: which tile it starts."""
+    file = os.open(path, os.O_APPEND | os.O_CREAT | os.O_WRONLY)
 
-    def __init__(self, path):
-        self.file = os.open(path, os.O_APPEND | os.O_CREAT | os.O_WRONLY)
+    @wraps(function)
+    def map_tile(location, digest, number):
+        os.write(file, f"{os.getpid()} {number}\n".encode())
+        return function(location, digest, number)
 
-    def transition(self, key, start, finish, **_):
-        if finish == "executing":
-            os.write(self.file, f"{os.getpid()} {key}\n".encode())
+    return map_tile
 
 
 def _poisoned(function):
@@ -38,4 +38,4 @@ async def dask_setup(worker):
     """Install both."""
     tasks.map_cells = _poisoned(tasks.map_cells)
     if path := os.environ.get("RATTLE_STARTS"):
-        await worker.plugin_add(StartsLog(path), name="starts-log")
+        tasks.map_tile = _written_down(tasks.map_tile, path)

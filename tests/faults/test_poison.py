@@ -1,6 +1,7 @@
 """A tile that kills whoever computes it fails its own job, and no other."""
 
 from tests.faults.conftest import BASIN
+from tests.faults.farm import starts
 from tests.faults.preload import POISON
 
 POISONED = {
@@ -16,6 +17,6 @@ def test_a_poison_tile_fails_its_own_job_only(a_service, right, undisturbed, sta
         assert poisoned["state"] == "failed" and poisoned["error"]["kind"] == "tile-failed"
         assert "KilledWorker" in poisoned["error"]["detail"] and "map_tile 0" in poisoned["error"]["detail"]
         assert service.wait(innocent["id"], seconds=120.0)["state"] == "succeeded"
-        deaths = sum("map_tile" in line for line in starts_file.read_text().splitlines()) - undisturbed["basin"].tiles
+        deaths = starts(starts_file).total() - undisturbed["basin"].tiles
         assert 2 <= deaths <= 20
         service.wait_until_ready()  # the workers that it has killed come back
