@@ -31,6 +31,8 @@ from worker.stores.tiles import Tiling, cut, cut_row
 # Consolidated metadata are Zarr-Python's own, not yet in the specification. Other readers ignore them. Silenced for the
 # process: `catch_warnings` of one thread undoes that of another, such as that of Numba where it compiles meanwhile.
 warnings.filterwarnings("ignore", "Consolidated metadata is currently not", ZarrUserWarning)
+# Files and folders on the way: of a cancelled job some tasks still write while its metadata are collected.
+warnings.filterwarnings("ignore", "Object at .* is not recognized as a component", ZarrUserWarning)
 
 # Zarr does not store this: a handle opened without it would delete chunks that equal the fill value.
 CONFIG = {"write_empty_chunks": True}
