@@ -97,11 +97,12 @@ check-explorer: node_modules  ## unit tests, lint and types of the explorer's sc
 	npm run --silent types
 	npm run --silent test
 
-check: $(READY) check-explorer docs  ## formatting, lint, types, import layers, spelling, and the documentation site
+check: $(READY) check-explorer docs  ## formatting, lint, types, import layers, declared dependencies, spelling, and the documentation site
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/deptry .
 	$(BIN)/codespell rattle_kernels worker service rattle tests docs demo README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff
 
 bench: $(READY)  ## time kernels, assembly and panels; docs/performance.json and the table in docs/performance.md
