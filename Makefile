@@ -21,7 +21,7 @@ install = { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install --yes 
 # Tests of one file share what they have built.
 ON_TWO_CORES := --numprocesses 2 --dist loadfile
 
-.PHONY: help demo test test-pythons test-processors test-slow test-faults test-load test-backends test-containers test-hosts test-browser screenshots check check-explorer bench docs dist serve openapi settings lock clean
+.PHONY: help demo test test-pythons test-processors test-golden test-slow test-faults test-load test-backends test-containers test-hosts test-browser test-all screenshots check check-explorer bench docs dist serve openapi settings lock clean
 
 help:  ## list the verbs
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -47,6 +47,12 @@ test-pythons:  ## run the tests on every Python from 3.11 to 3.14 that is here
 # On a cold cache most of their time is spent on compiling the kernels for each target.
 test-processors: $(READY)  ## the same bytes for every processor that this one can stand in for (minutes)
 	$(BIN)/python -m pytest -m '' tests/rattle_kernels/numerics/test_fused_multiply_add.py tests/worker/basins/test_same_bytes.py
+
+# They are among the slow ones, too; before a change is merged they run by themselves.
+GOLDEN := tests/golden tests/rattle_kernels/proof/test_deliberate_faults.py tests/rattle/verification/test_faults.py
+
+test-golden: $(READY)  ## results to the byte against golden stores, and the proof's deliberate faults (minutes)
+	$(BIN)/python -m pytest -m '' $(ON_TWO_CORES) $(GOLDEN)
 
 # In lanes a wrong index corrupts other lanes without a sign, unless it is checked.
 BOUNDS_CHECKED := $(addprefix tests/rattle_kernels/,numerics impact_map lanes cell_mapping attractors/test_classify.py)
@@ -80,6 +86,9 @@ test-hosts: $(READY)  ## compose file, Kubernetes manifests and Slurm's scripts 
 test-browser: $(READY) node_modules  ## the explorer in the system's Chromium
 	@command -v chromium >/dev/null || $(call install,chromium fonts-dejavu-core)
 	$(BIN)/python -m pytest tests/browser -m browser --numprocesses 1 --timeout 240
+
+test-all:  ## every suite, also after one that fails; build/suites.json has when each last passed (hours; as root)
+	@$(PYTHON) .ci/test-all $(SUITES)
 
 screenshots: $(READY)  ## pictures of every state of the explorer: screenshots, and the README's in docs/pictures
 	@command -v chromium >/dev/null || $(call install,chromium fonts-dejavu-core)

@@ -6,6 +6,7 @@ import contextvars
 import json
 import logging
 import queue
+import threading
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from enum import StrEnum
@@ -57,8 +58,41 @@ class _Json(logging.Formatter):
         return json.dumps({name: value for name, value in line.items() if value is not None})
 
 
+class _Forwarding(logging.StreamHandler):
+    """Hands records to the service's own handler. Dask silences its loggers by the level of their stream handlers."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        for handler in logging.getLogger().handlers:
+            handler.handle(record)
+
+
+def _gather() -> None:
+    """Let every logger that a library gave a stream of its own write through the service's handler, warnings as well.
+
+    What ends a thread is logged, too.
+    """
+    for logger in list(logging.Logger.manager.loggerDict.values()):
+        if isinstance(logger, logging.Logger) and any(type(each) is logging.StreamHandler for each in logger.handlers):
+            forwarding = _Forwarding()
+            forwarding.setLevel(logging.WARNING)
+            logger.handlers[:] = [forwarding]
+            logger.propagate = False
+    logging.captureWarnings(True)
+    threading.excepthook = _log_of_thread
+
+
+def _log_of_thread(ended: threading.ExceptHookArgs) -> None:
+    if ended.exc_value is None or isinstance(ended.exc_value, SystemExit):
+        return
+    name = ended.thread.name if ended.thread else "unknown"
+    why = (ended.exc_type, ended.exc_value, ended.exc_traceback)
+    logging.getLogger("rattle.service").error("the thread %s has ended", name, exc_info=why)
+
+
 def write_logs(form: LogFormat, level: str) -> QueueListener:
-    """Write this service's log to standard error, from a thread of its own: the event loop does not wait for it.
+    """Write the log of this process to standard error: of the service and of every library, and Python's warnings.
+
+    A thread of its own writes it: the event loop does not wait for it.
 
     Parameters
     ----------
@@ -78,6 +112,7 @@ def write_logs(form: LogFormat, level: str) -> QueueListener:
     logging.getLogger("rattle").setLevel(level.upper())
     # Malformed HTTP from a client gets an error response. It is no fault of the service.
     logging.getLogger("uvicorn.error").setLevel(logging.ERROR)
+    _gather()
     listener = QueueListener(handler.queue, logging.StreamHandler())
     listener.start()
     atexit.register(listener.stop)

@@ -4,7 +4,6 @@ import contextlib
 import os
 import subprocess
 import sys
-import time
 import urllib.error
 import urllib.request
 
@@ -12,6 +11,7 @@ import obstore
 from obstore.store import S3Store
 
 from tests.ports import free_port
+from tests.waiting import wait_until
 
 BUCKET = "results"
 
@@ -32,7 +32,12 @@ class ObjectStore:
         """Start it, with an empty bucket."""
         command = [sys.executable, "-W", "ignore", "-m", "moto.server", "-H", self.host, "-p", str(self.port)]
         self.process = subprocess.Popen(self._on(command), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        make_bucket(self.variables["AWS_ENDPOINT_URL"])
+        make_bucket(self.variables["AWS_ENDPOINT_URL"], self._why_not)
+
+    def _why_not(self):
+        """Why it will never answer; None while its process lives."""
+        code = self.process.poll()
+        return None if code is None else f"it has ended with {code}"
 
     def kill(self):
         """End it at once; what it held is gone."""
@@ -53,17 +58,16 @@ class ObjectStore:
         }  # fmt: skip
 
 
-def make_bucket(endpoint, patience=30.0):
-    """Make the bucket, once the server answers."""
+def make_bucket(endpoint, why_not=lambda: None):
+    """Make the bucket, once the server answers; `why_not` says why it never will."""
     request = urllib.request.Request(f"{endpoint}/{BUCKET}", method="PUT")
-    end = time.monotonic() + patience
-    while True:
-        try:
+
+    def made():
+        with contextlib.suppress(urllib.error.URLError, OSError):
             urllib.request.urlopen(request, timeout=5).close()
-            return
-        except (urllib.error.URLError, OSError):
-            assert time.monotonic() < end, f"no S3 server answers at {endpoint}"
-            time.sleep(0.1)
+            return True
+
+    wait_until(f"an S3 server answers at {endpoint}", made, why_not)
 
 
 @contextlib.contextmanager

@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import psutil
 
 from tests.object_store import BUCKET
 from tests.ports import free_port
+from tests.waiting import ended, wait_until
 from worker.stores.result_files import result_location
 
 
@@ -53,16 +53,18 @@ class RunningService:
         self.signal(signal.SIGKILL)
         self.process.wait(10)
 
+    def why_not(self):
+        """Why nothing more is to be expected of it; None while its process lives."""
+        code = self.process.poll()
+        return None if code is None else f"the service has ended with {code}: {(self.data / 'serve.log').read_text()}"
+
     def wait_until_ready(self):
-        """Until it answers, and has workers."""
-        patience = time.monotonic() + 90.0
-        while True:
-            with contextlib.suppress(httpx.TransportError):
-                if self.request("GET", "/readyz").status_code == 200:
-                    return
-            log = (self.data / "serve.log").read_text()
-            assert self.process.poll() is None and time.monotonic() < patience, f"the service is not ready: {log}"
-            time.sleep(0.1)
+        """Until it answers, and has workers: as long as its process lives."""
+        wait_until(f"{self.url}/readyz answers 200, see {self.data / 'serve.log'}", self._is_ready, self.why_not)
+
+    def _is_ready(self):
+        with contextlib.suppress(httpx.TransportError):
+            return self.request("GET", "/readyz").status_code == 200
 
     def request(self, method, path, **options):
         """Answer to a request."""
@@ -75,15 +77,20 @@ class RunningService:
         assert answer.status_code == 202, answer.text
         return answer.json()
 
-    def wait(self, job_id, until=lambda job: job["state"] in ("succeeded", "failed", "cancelled"), seconds=100.0):
-        """State of a job once a condition holds."""
-        patience = time.monotonic() + seconds
-        while True:
-            job = self.request("GET", f"/v1/jobs/{job_id}").json()
-            if until(job):
-                return job
-            assert time.monotonic() < patience, f"still {job}"
-            time.sleep(0.05)
+    def wait(self, job_id, until=ended):
+        """State of a job once a condition holds; fails as soon as the job has ended without it."""
+        seen = None
+
+        def holds():
+            nonlocal seen
+            seen = self.request("GET", f"/v1/jobs/{job_id}").json()
+            return until(seen)
+
+        def possible():
+            return f"it is {seen}" if ended(seen) else self.why_not()
+
+        wait_until(f"a condition holds for the job {job_id}", holds, possible)
+        return seen
 
 
 @dataclass

@@ -2,6 +2,7 @@
 
 import errno
 import importlib.util
+import logging
 import signal
 from functools import partial
 from pathlib import Path
@@ -9,12 +10,14 @@ from typing import Annotated
 
 import typer
 
-from rattle.cli.console import err, give_up, out
+from rattle.cli.console import give_up, out
 from rattle.cli.guard.keys import opened_keys
 from service.app import create_app
 from service.logs import write_logs
 from service.server import Server, address, refusal_to_listen
 from service.settings import Settings
+
+_log = logging.getLogger("rattle.serve")
 
 
 def _default(name: str) -> str:
@@ -46,7 +49,7 @@ def serve(
     _demand_port(settings)
     _demand_folder(settings)
     write_logs(settings.log_format, settings.log_level)
-    err.print(f"starting on {address(settings.host, settings.port)}", highlight=False, soft_wrap=True)
+    _log.info("starting on %s", address(settings.host, settings.port))
     # Uvicorn stops gracefully, then raises the caught signal again. A service that was asked to stop has not failed.
     for asked in (signal.SIGTERM, signal.SIGINT):
         signal.signal(asked, lambda *_: None)

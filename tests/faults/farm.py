@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections import Counter
 
 import psutil
@@ -98,15 +97,6 @@ def starts(path):
     """How often each tile was started."""
     lines = path.read_text().splitlines() if path.exists() else []
     return Counter(int(line.split()[1]) for line in lines)
-
-
-def wait_for(condition, seconds, step=0.05):
-    """What a condition says once it says anything true."""
-    patience = time.monotonic() + seconds
-    while not (said := condition()):
-        assert time.monotonic() < patience, "waited in vain"
-        time.sleep(step)
-    return said
 
 
 def begun(service, job):

@@ -9,15 +9,14 @@ import pytest
 
 from tests.analysis_requests import ROUTES
 from tests.faults.conftest import BASIN
-from tests.faults.farm import kill, local_workers, store_of, wait_for
+from tests.faults.farm import kill, local_workers, store_of
 from tests.store_content import content
+from tests.waiting import wait_until
 from worker.cluster.connection import thread_cluster
 from worker.cluster.driver import Driver
 from worker.kinds import KINDS
 
 REQUESTS = {"basins": BASIN, **ROUTES, "grazing-curves": {"order": 4}}
-# Far from the minutes after which the driver gives up waiting for a worker.
-PATIENCE = 120.0
 
 
 def undisturbed(path, place):
@@ -41,6 +40,6 @@ def test_all_workers_killed_twice_in_a_row_are_replaced_and_the_job_ends(a_servi
             others = set(local_workers(service)) - set(first)
             return others if len(others) == 2 else None
 
-        assert kill(wait_for(in_their_place, PATIENCE)) == 2
-        assert service.wait(job["id"], seconds=PATIENCE)["state"] == "succeeded"
+        assert kill(wait_until("workers are there in their place", in_their_place)) == 2
+        assert service.wait(job["id"])["state"] == "succeeded"
     assert content(store_of(service, job)) == undisturbed(path, tmp_path / "undisturbed.zarr")

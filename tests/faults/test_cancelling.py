@@ -5,7 +5,8 @@ import time
 import psutil
 import pytest
 
-from tests.faults.farm import local_workers, wait_for
+from tests.faults.farm import local_workers
+from tests.waiting import wait_until
 
 MAPPING = {"grid": {"time": {"cells": 2000}, "velocity": {"cells": 2000}}, "iterations": 15013}
 SAMPLE = {"sample": {"points": 50000}, "iterations": 200003}
@@ -22,7 +23,10 @@ def seconds_used(workers):
 )
 def test_workers_at_full_load_are_idle_two_seconds_after_a_cancellation(a_service, request_, stage):
     with a_service() as service:
-        workers = [psutil.Process(pid) for pid in wait_for(lambda: local_workers(service), 10)]
+        workers = [
+            psutil.Process(pid)
+            for pid in wait_until("workers are there", lambda: local_workers(service), service.why_not)
+        ]
         job = service.submit(request_)
         service.wait(job["id"], lambda job: job["progress"] and job["progress"]["stage"] == stage)
         before = seconds_used(workers)
@@ -33,7 +37,7 @@ def test_workers_at_full_load_are_idle_two_seconds_after_a_cancellation(a_servic
         before = seconds_used(workers)
         time.sleep(2.0)
         assert seconds_used(workers) - before < 0.25  # of 4: what heartbeats take
-        job = service.wait(job["id"], seconds=1.0)
+        job = service.wait(job["id"])
         assert job["state"] == "cancelled"
         assert not service.request("GET", job["links"]["result"]).json()["complete"]
 
@@ -41,5 +45,5 @@ def test_workers_at_full_load_are_idle_two_seconds_after_a_cancellation(a_servic
 def test_workers_yield_to_the_service(a_service):
     with a_service() as service:
         own = psutil.Process(service.process.pid).nice()
-        workers = wait_for(lambda: local_workers(service), 10)
+        workers = wait_until("workers are there", lambda: local_workers(service), service.why_not)
         assert all(psutil.Process(pid).nice() >= min(19, own + 10) for pid in workers)

@@ -8,8 +8,9 @@ import time
 import pytest
 
 from tests.faults.conftest import BASIN
-from tests.faults.farm import begun, wait_for
+from tests.faults.farm import begun
 from tests.store_content import content
+from tests.waiting import wait_until
 
 
 @pytest.fixture
@@ -38,7 +39,7 @@ def runs(replica, tmp_path, job):
 
 def runs_at(replicas, tmp_path, job):
     """The replica that runs a job, and the other one."""
-    wait_for(lambda: owner(tmp_path, job), 10)
+    wait_until("a replica has the job", lambda: owner(tmp_path, job))
     here, there = sorted(replicas, key=lambda replica: not runs(replica, tmp_path, job))
     return here, there
 
@@ -47,13 +48,13 @@ def test_replicas_share_the_jobs_and_either_tells_of_all(replicas, tmp_path):
     primes = itertools.cycle((15013, 15017, 15031))
     jobs = [replicas[0].submit(BASIN | {"iterations": next(primes)}) for _ in range(2)]
     for job in jobs:
-        replicas[1].wait(job["id"], lambda job: job["state"] == "running", seconds=10.0)
+        replicas[1].wait(job["id"], lambda job: job["state"] == "running")
     assert owner(tmp_path, jobs[0]).split("/")[0] != owner(tmp_path, jobs[1]).split("/")[0]
     for job in jobs:
         answered = replicas[1].request("POST", f"/v1/jobs/{job['id']}/cancel")
         assert answered.json()["state"] in ("cancelling", "cancelled")
     for job in jobs:
-        assert replicas[0].wait(job["id"], seconds=3.0)["state"] == "cancelled"
+        assert replicas[0].wait(job["id"])["state"] == "cancelled"
 
 
 def lease_out(tmp_path, job, seconds):
@@ -64,14 +65,14 @@ def lease_out(tmp_path, job, seconds):
         database.execute("UPDATE jobs SET lease_until = lease_until + ? WHERE id = ?", (seconds, job["id"]))
 
 
-def test_a_dead_replicas_job_is_taken_over_within_half_a_minute(replicas, tmp_path, undisturbed):
+def test_a_dead_replicas_job_is_taken_over_before_its_lease_runs_out(replicas, tmp_path, undisturbed):
     job = replicas[0].submit(BASIN)
     here, there = runs_at(replicas, tmp_path, job)
     begun(there, job)
     here.kill()
     lease_out(tmp_path, job, 3600.0)  # seen to be dead: nobody waits for its lease to run out
-    wait_for(lambda: runs(there, tmp_path, job), 30)
-    assert there.wait(job["id"], seconds=150.0)["state"] == "succeeded"
+    wait_until("the other replica has the job", lambda: runs(there, tmp_path, job), there.why_not)
+    assert there.wait(job["id"])["state"] == "succeeded"
     assert content(tmp_path / "results" / f"{job['id']}.zarr") == undisturbed["basin"].content
 
 
@@ -81,11 +82,11 @@ def test_a_paused_replica_loses_its_job_and_harms_nothing_when_it_wakes(replicas
     begun(there, job)
     here.signal(signal.SIGSTOP)
     begin = time.monotonic()
-    wait_for(lambda: runs(there, tmp_path, job), 30)
+    wait_until("the other replica has the job", lambda: runs(there, tmp_path, job), there.why_not)
     assert time.monotonic() - begin > 10.0  # it might have come back: its lease was respected
     # It wakes while the other one writes, and again is asked for more when all is done.
     here.signal(signal.SIGCONT)
-    assert there.wait(job["id"], seconds=150.0)["state"] == "succeeded"
+    assert there.wait(job["id"])["state"] == "succeeded"
     store = tmp_path / "results" / f"{job['id']}.zarr"
     assert content(store) == undisturbed["basin"].content
     time.sleep(3.0)
@@ -101,4 +102,4 @@ def test_a_cancelled_job_of_a_dead_replica_becomes_cancelled(replicas, tmp_path)
     here.signal(signal.SIGSTOP)
     assert there.request("POST", f"/v1/jobs/{job['id']}/cancel").json()["state"] == "cancelling"
     here.kill()
-    assert there.wait(job["id"], seconds=30.0)["state"] == "cancelled"
+    assert there.wait(job["id"])["state"] == "cancelled"

@@ -6,8 +6,9 @@ import time
 import pytest
 
 from tests.faults.conftest import BASIN, SWEEP
-from tests.faults.farm import begun, store_of, wait_for
+from tests.faults.farm import begun, store_of
 from tests.running_service import RunningService
+from tests.waiting import wait_until
 
 # Tiles in flight, and those whose receipts came after the ledger was last written.
 _LOST_AT_ONCE = 8
@@ -29,7 +30,7 @@ def test_a_service_killed_at_random_moments_loses_nothing(a_service, right):
             kill(service)
     with a_service() as service:
         assert service.submit(BASIN)["id"] == job["id"]
-        assert service.wait(job["id"], seconds=150.0)["state"] == "succeeded"
+        assert service.wait(job["id"])["state"] == "succeeded"
         right(store_of(service, job), "basin", _LOST_AT_ONCE * kills)
 
 
@@ -41,11 +42,11 @@ def test_a_killed_runner_is_started_again_while_the_service_answers(a_service, r
             begun(service, job)
             runner = service.runner()
             runner.kill()
-            wait_for(lambda: service.request("GET", "/readyz").status_code == 503, 10)
+            wait_until("/readyz answers 503", lambda: service.request("GET", "/readyz").status_code == 503)
             assert service.request("GET", f"/v1/jobs/{job['id']}").json()["state"] == "running"
-            wait_for(lambda: service.request("GET", "/readyz").status_code == 200, 60)
+            wait_until("/readyz answers 200", lambda: service.request("GET", "/readyz").status_code == 200)
             assert service.runner().pid != runner.pid
-        assert service.wait(job["id"], seconds=150.0)["state"] == "succeeded"
+        assert service.wait(job["id"])["state"] == "succeeded"
         right(store_of(service, job), "basin", _LOST_AT_ONCE * kills)
 
 
@@ -83,5 +84,5 @@ def test_a_service_killed_at_the_steps_of_a_jobs_life_loses_nothing(a_service, r
             service.wait(job["id"], reached)
             service.kill()
     with a_service() as service:
-        assert service.wait(service.submit(request_)["id"], seconds=150.0)["state"] == "succeeded"
+        assert service.wait(service.submit(request_)["id"])["state"] == "succeeded"
         right(store_of(service, job), kind, _LOST_AT_ONCE * len(STEPS[kind]))

@@ -6,7 +6,8 @@ import time
 import pytest
 
 from tests.faults.conftest import BASIN
-from tests.faults.farm import Farm, begun, kill, local_workers, store_of, wait_for
+from tests.faults.farm import Farm, begun, kill, local_workers, store_of
+from tests.waiting import wait_until
 
 
 @pytest.mark.parametrize(("at_once", "seed"), [(1, 1), (2, 2)], ids=["a worker", "all workers"])
@@ -17,9 +18,9 @@ def test_killed_workers_cost_their_own_tiles_alone(a_service, right, at_once, se
         begun(service, job)
         for _ in range(5):
             time.sleep(chance.uniform(0.2, 1.5))
-            victims = wait_for(lambda: local_workers(service), 30)
+            victims = wait_until("workers are there", lambda: local_workers(service), service.why_not)
             killed += kill(chance.sample(victims, min(at_once, len(victims))))
-        assert service.wait(job["id"], seconds=120.0)["state"] == "succeeded"
+        assert service.wait(job["id"])["state"] == "succeeded"
         # A worker that dies with a receipt that nobody has fetched yet takes two tiles with it.
         right(store_of(service, job), "basin", 2 * killed)
 
@@ -32,10 +33,10 @@ def test_a_killed_scheduler_is_waited_for_and_the_job_goes_on(a_service, right, 
             begun(service, job)
             time.sleep(chance.uniform(0.2, 1.0))
             farm.scheduler.kill()
-            wait_for(lambda: service.request("GET", "/readyz").status_code == 503, 30)
+            wait_until("/readyz answers 503", lambda: service.request("GET", "/readyz").status_code == 503)
             assert service.request("GET", f"/v1/jobs/{job['id']}").json()["state"] in ("queued", "running")
-            wait_for(lambda: service.request("GET", "/readyz").status_code == 200, 60)
-        assert service.wait(job["id"], seconds=120.0)["state"] == "succeeded"
+            wait_until("/readyz answers 200", lambda: service.request("GET", "/readyz").status_code == 200)
+        assert service.wait(job["id"])["state"] == "succeeded"
         # In flight are two tiles a worker, and the ledger is written twice a second.
         right(store_of(service, job), "basin", 8 * kills)
 
@@ -48,5 +49,5 @@ def test_separate_workers_come_back_and_the_service_waits_for_them(a_service, ri
             time.sleep(0.5)
             for worker in farm.workers:
                 worker.kill()
-        assert service.wait(job["id"], seconds=120.0)["state"] == "succeeded"
+        assert service.wait(job["id"])["state"] == "succeeded"
         right(store_of(service, job), "basin", 2 * 3 * len(farm.workers))

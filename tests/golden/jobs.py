@@ -14,7 +14,7 @@ LONGEST = 12
 def computed(service, cases):
     """Finished jobs of the cases by their names."""
     begun = {case["name"]: submitted(service, case)["id"] for case in cases}
-    done = {name: service.wait(job_id, seconds=500) for name, job_id in begun.items()}
+    done = {name: service.wait(job_id) for name, job_id in begun.items()}
     for job in done.values():
         assert job["state"] == "succeeded", job
     return done

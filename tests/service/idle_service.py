@@ -2,7 +2,6 @@
 
 import contextlib
 import threading
-import time
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,6 +13,7 @@ from service.runner import metrics as run_metrics
 from service.server import Server
 from service.settings import Settings
 from tests.running_service import free_port
+from tests.waiting import wait_until
 from worker.jobs.basin_job import BasinJob
 
 
@@ -70,12 +70,13 @@ def idle_service(monkeypatch, data, **settings):
     thread = threading.Thread(target=server.run)
     thread.start()
     try:
-        patience = time.monotonic() + 20
-        while not server.started:
-            assert thread.is_alive() and time.monotonic() < patience, "the service does not start"
-            time.sleep(0.01)
+        wait_until(
+            "the service has started",
+            lambda: server.started,
+            lambda: None if thread.is_alive() else "it has ended",
+            0.01,
+        )
         yield IdleService(f"http://127.0.0.1:{port}", port, app)
     finally:
         server.should_exit = True
-        thread.join(20)
-        assert not thread.is_alive(), "the service does not stop"
+        wait_until("the service has stopped", lambda: not thread.is_alive(), pause=0.01)

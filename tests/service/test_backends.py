@@ -32,7 +32,7 @@ def remote(postgresql, object_store, tmp_path_factory):
 def submitted(service, route, body):
     answer = service.request("POST", route, json=body)
     assert answer.status_code == 202, answer.text
-    job = service.wait(answer.json()["id"], seconds=100)
+    job = service.wait(answer.json()["id"])
     assert job["state"] == "succeeded", job["error"]
     return job
 

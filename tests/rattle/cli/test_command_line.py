@@ -4,7 +4,6 @@ import json
 import socket
 import subprocess
 import sys
-import time
 
 import pytest
 import typer
@@ -13,6 +12,7 @@ from typer.testing import CliRunner
 
 from rattle.cli import app
 from rattle.paper import production
+from tests.waiting import wait_until
 
 SMALL = ["--cells", "24", "20", "--iterations", "101"]
 
@@ -212,10 +212,8 @@ def test_what_cannot_be_done_is_said_in_one_line_without_a_traceback(tmp_path, m
 
 
 def test_a_service_says_when_it_is_ready_and_where_its_data_are(service):
-    log, patience = service.data / "serve.log", time.monotonic() + 10.0
-    while "ready: " not in log.read_text() and time.monotonic() < patience:
-        time.sleep(0.05)
-    assert f"ready: {service.url}, " in log.read_text()
+    log = service.data / "serve.log"
+    wait_until("it says so", lambda: f"ready: {service.url}, " in log.read_text(), service.why_not)
     assert service.results in log.read_text() or f"data in {service.data}" in log.read_text()
     assert "/readyz" not in log.read_text()
 

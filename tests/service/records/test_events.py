@@ -15,6 +15,7 @@ from service.records.events import PROGRESS_KEPT, Events
 from service.records.job_record import JobState
 from service.records.jobs import Jobs
 from tests.service.idle_service import idle_service
+from tests.waiting import wait_until
 
 PROGRESS = {
     "stage": "mapping", "tiles_done": 0, "tiles_total": 500, "cells_done": 0, "cells_total": 100,
@@ -53,18 +54,11 @@ def parsed(lines):
 
 
 @contextlib.contextmanager
-def stream(service, job, last=None, seconds=10.0):
+def stream(service, job, last=None):
     headers = {} if last is None else {"last-event-id": str(last)}
-    with httpx.stream("GET", f"{service.url}/v1/jobs/{job.id}/events", headers=headers, timeout=seconds) as answer:
+    with httpx.stream("GET", f"{service.url}/v1/jobs/{job.id}/events", headers=headers, timeout=None) as answer:
         assert answer.status_code == 200 and answer.headers["content-type"].startswith("text/event-stream")
         yield parsed(answer.iter_lines())
-
-
-def patiently(condition, seconds=5.0):
-    patience = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < patience
-        time.sleep(0.02)
 
 
 def test_a_stream_tells_every_state_and_the_progress_and_ends_with_the_job(service):
@@ -192,8 +186,8 @@ def test_many_followers_cost_one_question_at_a_time_and_leave_nothing_behind(ser
         assert next(asked) - before <= (time.monotonic() - begin) / 0.25 + 2
         start(service.jobs, job)
         assert [next(events)[0] for events in streams] == [2] * 20
-    patiently(lambda: feed.followed == 0)
-    patiently(lambda: feed._polling.done())
+    wait_until("nobody is followed", lambda: feed.followed == 0)
+    wait_until("nobody asks any more", lambda: feed._polling.done())
 
 
 def test_a_service_stops_at_once_with_open_streams(monkeypatch, tmp_path):

@@ -22,7 +22,7 @@ def submitted(service, route, body):
 def finished(service):
     """All four kinds, computed one after another: the job and the result of each, by its route."""
     ids = {route: submitted(service, route, body)["id"] for route, body in ROUTES.items()}
-    jobs = {route: service.wait(job_id, seconds=110) for route, job_id in ids.items()}
+    jobs = {route: service.wait(job_id) for route, job_id in ids.items()}
     for job in jobs.values():
         assert job["state"] == "succeeded", job
     return {route: (job, service.request("GET", job["links"]["result"]).json()) for route, job in jobs.items()}

@@ -4,8 +4,9 @@ import atexit
 import io
 import json
 import logging
+import subprocess
+import sys
 import threading
-import time
 
 import pytest
 
@@ -13,6 +14,7 @@ from service.logs import LogFormat, about_job, write_logs
 from service.records.job_record import JobState
 from service.runner import metrics as run_metrics
 from tests.service.idle_service import idle_service
+from tests.waiting import wait_until
 from worker.cluster.driver import Driver
 from worker.cluster.reconnecting_cluster import ReconnectingCluster
 from worker.progress import Progress, Stage
@@ -92,9 +94,7 @@ def written(form, what, until="", least="info"):
     atexit.unregister(listener.stop)
     try:
         what(logging.getLogger("rattle.test"))
-        patience = time.monotonic() + 10.0
-        while until not in stream.getvalue() and time.monotonic() < patience:
-            time.sleep(0.01)
+        wait_until(f"{until} is logged", lambda: until in stream.getvalue(), pause=0.01)
         listener.stop()
         return stream.getvalue().splitlines()
     finally:
@@ -120,6 +120,35 @@ def test_log_lines_are_json_and_say_which_job_they_are_about():
     assert lines[1]["message"] == "a line\nand another" and lines[1]["level"] == "warning"
     assert lines[2]["traceback"].endswith("ValueError: why")
     assert all(line["time"].endswith("+00:00") and line["logger"] == "rattle.test" for line in lines)
+
+
+_ALL_THAT_LOGS = """
+import logging, threading, warnings
+import distributed  # its loggers have a stream of their own
+from service.logs import LogFormat, write_logs
+
+write_logs(LogFormat.JSON, "info")
+logging.getLogger("distributed.client").warning("Dask's warning\\nof two lines")
+logging.getLogger("distributed.core").error("Dask's error")
+logging.getLogger("distributed.core").info("Dask's news")
+logging.getLogger("uvicorn.error").error("Uvicorn's error")
+warnings.warn("Python's warning")
+ending = threading.Thread(target=lambda: 1 / 0, name="ending")
+ending.start()
+ending.join()
+"""
+
+
+def test_what_libraries_log_and_warn_of_and_what_ends_a_thread_are_lines_of_the_same_log():
+    ran = subprocess.run([sys.executable, "-c", _ALL_THAT_LOGS], capture_output=True, text=True)
+    assert ran.returncode == 0 and ran.stdout == "", ran.stderr
+    told = {line["logger"]: line for line in map(json.loads, ran.stderr.splitlines())}
+    assert set(told) == {"distributed.client", "distributed.core", "uvicorn.error", "py.warnings", "rattle.service"}
+    assert told["distributed.client"]["message"] == "Dask's warning\nof two lines"
+    assert told["distributed.core"]["message"] == "Dask's error" and len(ran.stderr.splitlines()) == 5
+    assert "Python's warning" in told["py.warnings"]["message"]
+    assert "the thread ending has ended" in told["rattle.service"]["message"]
+    assert "ZeroDivisionError" in told["rattle.service"]["traceback"]
 
 
 def test_plain_lines_say_it_too():
