@@ -13,11 +13,14 @@ from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddle
 from rattle_kernels import warm_up_curves
 from service.answers.event_feed import EventFeed
 from service.answers.job_views import JobViews
+from service.answers.large_answers import LargeAnswers
 from service.answers.previews import Previews
 from service.answers.readiness import Probe, Probes
+from service.answers.request_checks import RequestChecks
 from service.api_document import describe
 from service.middleware.access import Access
 from service.middleware.authentication import Authentication
+from service.middleware.pieces import Pieces
 from service.middleware.security_headers import SecurityHeaders
 from service.problems import install_error_handlers
 from service.records.engine import open_database
@@ -87,6 +90,8 @@ def create_app(settings: Settings) -> FastAPI:
         app.state.jobs = Jobs(sessions, settings.quotas)
         app.state.views = JobViews(Revisions(engine), app.state.jobs)
         app.state.previews = Previews()
+        app.state.checks = RequestChecks()
+        app.state.large_answers = LargeAnswers()
         app.state.threads = DatabaseThreads(near=engine.dialect.name == "sqlite")
         app.state.key_ring = KeyRing(Keys(sessions), settings.keys_required)
         app.state.events = Events(sessions)
@@ -102,6 +107,7 @@ def create_app(settings: Settings) -> FastAPI:
         finally:
             app.state.feed.close()
             app.state.previews.close()
+            app.state.checks.close()
             await to_thread.run_sync(app.state.runner.stop)
             await to_thread.run_sync(loading.join, _LOADED_SECONDS)
             engine.dispose()
@@ -113,6 +119,7 @@ def create_app(settings: Settings) -> FastAPI:
     )  # fmt: skip
     app.state.settings = settings
     # The middleware added last sees a request first.
+    app.add_middleware(Pieces)
     app.add_middleware(
         GZipMiddleware, minimum_size=_LEAST_COMPRESSED, compresslevel=4, exclude_content_types=_NOT_COMPRESSED
     )  # fmt: skip

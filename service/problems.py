@@ -20,6 +20,7 @@ from worker.errors import (
     InvalidJob,
     JobCancelled,
     NotFound,
+    Place,
     StoreConflict,
     StoreFailed,
     SweptOutsideDomain,
@@ -64,12 +65,14 @@ class MalformedBody(HTTPException):
     ----------
     status_code : int
     message : str
-        What is wrong with the body as a whole.
+        What is wrong with it.
+    place : tuple of str and int
+        Where; by default the body as a whole.
     """
 
-    def __init__(self, status_code: int, message: str) -> None:
-        super().__init__(status_code, f"body: {message}")
-        self.errors = [{"location": ["body"], "message": message}]
+    def __init__(self, status_code: int, message: str, place: Place = ()) -> None:
+        self.errors = [_fault(place, message)]
+        super().__init__(status_code, _in_words(self.errors))
 
 
 def without_paths(message: str, results: str) -> str:

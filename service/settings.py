@@ -52,6 +52,11 @@ class Settings(ClusterSettings):
     max_basins: PositiveInt = Field(10_000, description="Most basins of a sweep")
     max_sweep_applications: PositiveInt = Field(1_000_000_000_000, description="Most cells times k of a whole sweep")
 
+    max_values: PositiveInt = Field(1_000_000, description="Most values of the parameter of a bifurcation diagram")
+    max_forcing_terms: PositiveInt = Field(
+        3_200_000, description="Most values times harmonics times their highest order, of one job"
+    )
+    max_table_rows: PositiveInt = Field(100_000, description="Most rows of a table sent as JSON or CSV")
     max_hours: PositiveFloat = Field(
         100.0, description="Longest time that a job may be expected to take, by the measured speed of this machine"
     )

@@ -60,10 +60,10 @@ def check_request(body: dict[str, Any], settings: Settings) -> CheckView:
     expected: dict[str, Any] = dict.fromkeys(("applications", "seconds", "bytes"))
     kind = body.get("kind", "sweep" if "vary" in body else "basin")
     try:
-        if kind not in KINDS:
+        if not isinstance(kind, str) or kind not in KINDS:
             raise InvalidJob(f"there is no kind {kind!r}; there are {', '.join(KINDS)}", ("kind",))
         job = job_from(KINDS[kind].job_class, body, settings)
-        expected = {"applications": job.impacts} | estimate(job, settings.workers)._asdict()
+        expected = {"applications": job.impacts} | estimate(job, settings.workers, measuring=False)._asdict()
     except (LimitExceeded, OutsideDomain, InvalidJob) as error:
         errors = [FieldError(**fault) for fault in faults_of(error)]
     return CheckView(accepted=not errors, errors=errors, bounds=_bounds(body.get("oscillator")), **expected)

@@ -15,6 +15,8 @@ from service.records.revisions import Revision, Revisions
 from worker.jobs.job import Job
 
 _CACHE_BYTES = 1 << 25
+# A page ends with the jobs that exceed this. They are read a few at a time.
+_PAGE_BYTES, _AT_ONCE = 1 << 20, 4
 # Size of a cache entry without its text.
 _ENTRY_BYTES = 1024
 
@@ -58,14 +60,22 @@ class JobViews:
         return (revisions[0].id, answers[0]) if answers else None
 
     def page(self, before: int | None, size: int, state: JobState | None) -> str:
-        """Up to `size` jobs, newest first, older than number `before`, as `JobPage` describes them."""
+        """Up to `size` jobs, newest first, older than number `before`, as `JobPage` describes them.
+
+        A page of long requests has fewer jobs: its text is bounded.
+        """
         revisions = self._revisions.page(before, size + 1, state)
+        views: list[str] = []
+        shown = 0
+        while shown < min(size, len(revisions)) and sum(map(len, views)) < _PAGE_BYTES:
+            some = revisions[shown : min(size, shown + _AT_ONCE)]
+            views += [view.body for view in self._render(some)]
+            shown += len(some)
         next_page = None
-        if len(revisions) > size:
+        if len(revisions) > shown:
             in_state = f"&state={state}" if state else ""
-            next_page = f"/v1/jobs?size={size}&before={revisions[size - 1].number}{in_state}"
-        views = ",".join(view.body for view in self._render(revisions[:size]))
-        return f'{{"jobs":[{views}],"next":{json.dumps(next_page)}}}'
+            next_page = f"/v1/jobs?size={size}&before={revisions[shown - 1].number}{in_state}"
+        return f'{{"jobs":[{",".join(views)}],"next":{json.dumps(next_page)}}}'
 
     def of_record(self, record: JobRecord) -> JsonAnswer:
         """The job that a record describes."""

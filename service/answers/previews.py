@@ -70,7 +70,6 @@ class Previews:
         JobCancelled
             If the client is gone.
         """
-        _demand_small(request)
         if len(self._asked) >= _THREADS + _MOST_WAITING:
             raise TooMuch(f"{_MOST_WAITING} previews are waiting: try again in a second, or submit a job", 1)
         stopped = threading.Event()
@@ -101,6 +100,7 @@ class Previews:
 
 
 def _compute(request: PreviewRequest, stopped: threading.Event) -> Preview:
+    _demand_small(request)
     begun = time.monotonic()
     # The first preview with a number of harmonics compiles kernels, half a minute or more. That is no fault of its own.
     with timing_compilation() as compiling:

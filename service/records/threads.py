@@ -37,6 +37,10 @@ class DatabaseThreads:
             return function(*arguments)
         return await to_thread.run_sync(function, *arguments, limiter=self._reading)
 
+    async def read_many(self, function: Callable[[*_Ts], _T], *arguments: *_Ts) -> _T:
+        """Result of a function that reads many records, which takes longer than a switch to a thread."""
+        return await to_thread.run_sync(function, *arguments, limiter=self._reading)
+
     async def write(self, function: Callable[[*_Ts], _T], *arguments: *_Ts) -> _T:
         """Result of a function that may write to the database."""
         return await to_thread.run_sync(function, *arguments, limiter=self._writing)

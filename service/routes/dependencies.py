@@ -5,7 +5,7 @@ than a read of the database.
 """
 
 import re
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Annotated, Any
 
 from fastapi import Depends, Path, Request
@@ -14,7 +14,9 @@ from pydantic import AfterValidator
 
 from service.answers.event_feed import EventFeed
 from service.answers.job_views import JobViews
+from service.answers.large_answers import LargeAnswers
 from service.answers.readiness import Probes
+from service.answers.request_checks import RequestChecks
 from service.errors import JobNotFound, NotYours, WrongKind
 from service.records.events import Events
 from service.records.job_record import JobRecord
@@ -38,6 +40,12 @@ def _from_state(name: str) -> Callable[[Request], Awaitable[Any]]:
 async def _caller(request: Request) -> Caller:
     caller: Caller = request.state.caller
     return caller
+
+
+async def _large_answer(request: Request) -> AsyncIterator[None]:
+    large: LargeAnswers = request.app.state.large_answers
+    async with large.place():
+        yield
 
 
 def _job_id(text: str) -> str:
@@ -101,10 +109,13 @@ _JOB_ID = "[0-9a-f]{32}"
 JobId = Annotated[str, Path(json_schema_extra={"pattern": f"^{_JOB_ID}$"}), AfterValidator(_job_id)]
 EventsHere = Annotated[Events, Depends(_from_state("events"))]
 ProbesHere = Annotated[Probes, Depends(_from_state("probes"))]
+ChecksHere = Annotated[RequestChecks, Depends(_from_state("checks"))]
 FeedHere = Annotated[EventFeed, Depends(_from_state("feed"))]
 CallerHere = Annotated[Caller, Depends(_caller)]
 SettingsHere = Annotated[Settings, Depends(_from_state("settings"))]
 ViewsHere = Annotated[JobViews, Depends(_from_state("views"))]
+LARGE = Depends(_large_answer)
+"""For routes whose answer grows with a job: a few of them are answered at a time."""
 JobsHere = Annotated[Jobs, Depends(_from_state("jobs"))]
 ThreadsHere = Annotated[DatabaseThreads, Depends(_from_state("threads"))]
 RunnerHere = Annotated[RunnerProcess, Depends(_from_state("runner"))]

@@ -23,7 +23,7 @@ class Readiness(BaseModel):
 
 
 @router.get("/healthz", summary="Liveness")
-def healthz() -> Health:
+async def healthz() -> Health:
     """Whether the process answers."""
     return Health()
 

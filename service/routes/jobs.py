@@ -40,7 +40,7 @@ async def list_jobs(
     state: JobState | None = None,
 ) -> Response:
     """Jobs, newest first."""
-    return Response(await threads.read(views.page, before, size, state), media_type="application/json")
+    return Response(await threads.read_many(views.page, before, size, state), media_type="application/json")
 
 
 @router.get("/{job_id}", response_model=JobView, summary="State of a job", responses=_NO_JOB | NOT_MODIFIED)

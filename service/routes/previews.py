@@ -1,17 +1,20 @@
 """Small basins, computed while the client waits."""
 
-from typing import Annotated
+from functools import partial
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Request
 from starlette.concurrency import run_in_threadpool
 
 from service.answers.previews import MOST_APPLICATIONS, MOST_CELLS, Previews
+from service.models.described import described_as, parsed
 from service.models.viewer import PreviewView
-from service.routes.dependencies import problems
+from service.routes.dependencies import ChecksHere, problems
 from service.routes.plain_json import PlainJsonRoute
 from worker.basins.preview_request import PreviewRequest
 
 router = APIRouter(prefix="/v1", tags=["previews"], route_class=PlainJsonRoute)
+_BODY: Any = described_as(PreviewRequest)
 
 
 async def _previews(request: Request) -> Previews:
@@ -35,7 +38,10 @@ async def _previews(request: Request) -> Previews:
     ),
 )
 async def preview(
-    body: PreviewRequest, request: Request, previews: Annotated[Previews, Depends(_previews)]
+    body: _BODY,
+    request: Request,
+    previews: Annotated[Previews, Depends(_previews)],
+    checks: ChecksHere,
 ) -> PreviewView:
     """Compute a small basin, unless its client goes away before."""
 
@@ -43,5 +49,6 @@ async def preview(
         while (await request.receive())["type"] != "http.disconnect":
             pass
 
-    basin = await previews.compute(body, gone)
-    return await run_in_threadpool(PreviewView.from_preview, basin, body.checked().iterations)
+    asked = await checks.run(partial(parsed, PreviewRequest, body))
+    basin = await previews.compute(asked, gone)
+    return await run_in_threadpool(lambda: PreviewView.from_preview(basin, asked.checked().iterations))

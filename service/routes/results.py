@@ -19,7 +19,7 @@ from service.answers.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, json
 from service.answers.result_view import location_of_result, result_fingerprint, summary_of_result
 from service.errors import JobNotFound, NotReady
 from service.models.results import AnyResult
-from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems, require_kind
+from service.routes.dependencies import LARGE, JobId, JobsHere, SettingsHere, problems, require_kind
 from worker.analyses.picture import figure_of_store
 from worker.errors import InvalidJob
 from worker.pictures.colours import Palette
@@ -64,6 +64,7 @@ def _store_path(path: str) -> str:
 @router.get(
     "/result",
     response_model=AnyResult,
+    dependencies=[LARGE],
     summary="Summary of a result",
     responses=_NOTHING_YET | NOT_MODIFIED,
 )
@@ -85,7 +86,7 @@ def _get_figure(name: str, summary: str, responses: Responses) -> Callable[[AnyR
             own = route.__name__ if each == PictureFormat.PNG else f"{route.__name__}_{each}"
             add = router.get(
                 f"/{name}.{each}", summary=f"{summary} as {each.upper()}", response_class=Response, responses=answers,
-                name=own,
+                name=own, dependencies=[LARGE],
             )  # fmt: skip
             add(route)
         return route
@@ -169,6 +170,7 @@ def get_shares(
     summary="The certificate of a proof",
     response_class=Response,
     responses={200: {"content": {"application/json": {}}}, **_NOTHING_YET},
+    dependencies=[LARGE],
 )
 def get_certificate(job_id: JobId, jobs: JobsHere, settings: SettingsHere) -> Response:
     """What a basin is proven from: the machine's intervals, the targets with their constants, counts and shares.
@@ -193,6 +195,7 @@ _TABLES = (
     response_class=Response,
     responses={200: {"content": {TableFormat.JSON.media_type: {}}}, **_TABLES},
     name="get_table_json",
+    dependencies=[LARGE],
 )
 @router.get(
     "/result.csv",
@@ -200,6 +203,7 @@ _TABLES = (
     response_class=Response,
     responses={200: {"content": {TableFormat.CSV.media_type: {}}}, **_TABLES},
     name="get_table_csv",
+    dependencies=[LARGE],
 )
 def get_table(
     job_id: JobId,
@@ -217,7 +221,7 @@ def get_table(
     if known is not None:
         return known
     with open_store(location) as dataset:
-        demand_small_table(dataset, table, settings.max_cells)
+        demand_small_table(dataset, table, settings.max_table_rows, f"/v1/jobs/{job_id}/result.zarr")
         text = write_table(table_of(dataset, table), table_format)
     return Response(text, media_type=table_format.media_type, headers={"etag": etag})
 

@@ -1,16 +1,19 @@
 """Submission of a job of any kind."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Any
 
 from fastapi import Depends, Response
 
 from service.answers.conditional import JsonAnswer
 from service.answers.job_views import JobViews
-from service.answers.limits import job_from
+from service.answers.limits import settled_job
+from service.answers.request_checks import RequestChecks
 from service.records.jobs import Jobs
 from service.records.threads import DatabaseThreads
 from service.routes.dependencies import (
+    ChecksHere,
     JobsHere,
     RunnerHere,
     SettingsHere,
@@ -25,7 +28,7 @@ from worker.jobs.job import Job
 
 @dataclass(frozen=True)
 class Submission:
-    """What a submission needs: records and their views, database threads, the runner, limits and the client's name."""
+    """What a submission needs: records, views, threads, the runner, limits, the client's name and checks."""
 
     jobs: Jobs
     views: JobViews
@@ -33,6 +36,7 @@ class Submission:
     runner: RunnerProcess
     settings: Settings
     submitter: str
+    checks: RequestChecks
 
     async def accept(self, job_class: type[Job], body: dict[str, Any]) -> Response:
         """Record a request as a job, wake the runner if the job is new, and respond with its address.
@@ -53,7 +57,7 @@ class Submission:
         LimitExceeded, OutsideDomain, InvalidJob, TooMuch
             Naming what is wrong with the request.
         """
-        job = job_from(job_class, body, self.settings)
+        job = await self.checks.run(partial(settled_job, job_class, body, self.settings))
         known = await self.threads.read(self.views.answering, job)
         job_id, view = known or await self._record(job)
         return Response(view.body, 202, {"location": f"/v1/jobs/{job_id}"}, "application/json")
@@ -72,8 +76,9 @@ async def _submission(
     runner: RunnerHere,
     settings: SettingsHere,
     submitter: SubmitterHere,
+    checks: ChecksHere,
 ) -> Submission:
-    return Submission(jobs, views, threads, runner, settings, submitter)
+    return Submission(jobs, views, threads, runner, settings, submitter, checks)
 
 
 SubmissionHere = Annotated[Submission, Depends(_submission)]

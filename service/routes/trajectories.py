@@ -1,29 +1,37 @@
 """Time histories, computed while the client waits."""
 
+from functools import partial
+from typing import Any
+
 from fastapi import APIRouter
+from starlette.concurrency import run_in_threadpool
 
 from service.errors import LimitExceeded
+from service.models.described import described_as, parsed
 from service.models.trajectory import TrajectoryView
-from service.routes.dependencies import SettingsHere, problems
+from service.routes.dependencies import LARGE, ChecksHere, SettingsHere, problems
 from service.routes.plain_json import PlainJsonRoute
 from worker.jobs.trajectory_request import TrajectoryRequest
 
 router = APIRouter(prefix="/v1", tags=["trajectories"], route_class=PlainJsonRoute)
+_BODY: Any = described_as(TrajectoryRequest)
 
 
 @router.post(
     "/trajectories",
     summary="Follow one motion",
+    dependencies=[LARGE],
     responses=problems(
         s400="malformed JSON", s413="body too large", s422="what is wrong with the request, field by field"
     ),
 )
-def follow_trajectory(request: TrajectoryRequest, settings: SettingsHere) -> TrajectoryView:
+async def follow_trajectory(body: _BODY, settings: SettingsHere, checks: ChecksHere) -> TrajectoryView:
     """Compute the time history from an initial condition, of either model, and list its contacts."""
+    request = await checks.run(partial(parsed, TrajectoryRequest, body))
     samples = request.periods * request.samples_per_period
     if samples > settings.max_samples:
         raise LimitExceeded(
             f"{samples:.0f} samples (periods times samples_per_period) are more than the limit of "
             f"{settings.max_samples}"
         )
-    return TrajectoryView.from_history(request.follow(settings.max_contacts))
+    return await run_in_threadpool(lambda: TrajectoryView.from_history(request.follow(settings.max_contacts)))

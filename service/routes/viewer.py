@@ -15,7 +15,7 @@ from service.answers.conditional import (
 )
 from service.errors import NotReady
 from service.models.viewer import OutlineView, OverlaysView, OverlayView
-from service.routes.dependencies import JobId, JobsHere, SettingsHere, problems, require_kind
+from service.routes.dependencies import LARGE, JobId, JobsHere, SettingsHere, problems, require_kind
 from service.routes.results import COMPUTING, location_of
 from worker.pictures.overlay_kind import OverlayKind
 from worker.stores.summary import fingerprint
@@ -47,6 +47,7 @@ def _location_of_basins(job_id: str, jobs: JobsHere, settings: SettingsHere, wha
     "/outline",
     response_model=OutlineView,
     summary="All of a basin but its cells",
+    dependencies=[LARGE],
     responses=_NOTHING_YET | NOT_MODIFIED,
 )
 def get_outline(
@@ -65,6 +66,7 @@ def get_outline(
     "/overlays/{kind}",
     response_model=OverlaysView,
     summary="What can be laid over a basin",
+    dependencies=[LARGE],
     responses=_NOTHING_YET | NOT_MODIFIED,
 )
 def get_overlays(
@@ -92,6 +94,7 @@ def get_overlays(
 @router.get(
     "/tiles/{number}",
     summary="Labels of one tile",
+    dependencies=[LARGE],
     response_class=Response,
     responses={
         200: {"content": {"application/octet-stream": {}}},

@@ -37,7 +37,9 @@ class CheckedPreview(NamedTuple):
     @property
     def applications(self) -> int:
         """Approximate number of applications of P for all cells."""
-        return round(self.grid.cells * expected_applications(self.oscillator.damping, min(self.iterations, 10**18)))
+        return round(
+            min(self.grid.cells, 10**18) * expected_applications(self.oscillator.damping, min(self.iterations, 10**18))
+        )
 
 
 class PreviewTimeWindow(TimeWindow):

@@ -1,7 +1,7 @@
 """What to compute: a basin, or one for each combination of swept parameters, on a grid of cells or on a sample."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -12,12 +12,14 @@ from rattle_kernels.cell_mapping.cell_grid import check_grid
 from rattle_kernels.cell_mapping.iterations import check_iterations
 from worker.decidable import check_window
 from worker.errors import InvalidJob, SweptOutsideDomain
+from worker.jobs.budget import spend
+from worker.jobs.first_refused import first_refused
 from worker.jobs.grid_request import Grid, GridRequest, grid_request
 from worker.jobs.job import Job, Sizes
 from worker.jobs.proofs.request import Prove, check_proof
 from worker.jobs.request import Count
 from worker.jobs.sample import Sample
-from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, Vary, check_swept, vary_request
+from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, Vary, axes_of, check_swept
 
 _BASIN_EXAMPLE: dict[str, Any] = {
     "oscillator": {"model": "impacting", "damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6},
@@ -94,13 +96,16 @@ class BasinJob(Job):
         """Sizes of the request, for limits."""
         cells = self.places // self.basins if self.basins else 0
         # At weak damping no cell takes all k iterations. A float cannot hold every integer.
-        applications = round(cells * expected_applications(self._least_damping, min(self.iterations, 10**18)))
+        applications = round(
+            min(cells, 10**18) * expected_applications(self._least_damping, min(self.iterations, 10**18))
+        )
         return (
             ("cells or points", cells, "max_cells"),
             ("iterations", self.iterations, "max_iterations"),
             ("cells times iterations", applications, "max_applications"),
             ("basins", self.basins, "max_basins"),
             ("cells times iterations of all basins", self.basins * applications, "max_sweep_applications"),
+            *self.forcing_terms(self.basins),
         )
 
     @property
@@ -136,36 +141,52 @@ class BasinJob(Job):
             settled["prove"] = check_proof(self.prove, self.oscillator, self.vary, self.sample, self.has_levels)
         return settled if self.sample is None else settled | {"sample": self.sample}
 
-    def check_oscillators(self, check: Callable[[Oscillator], Oscillator]) -> None:
-        """Check the oscillator of every basin.
+    def check_oscillators(
+        self, check: Callable[[Oscillator], Oscillator], *, convex: Collection[str] | None = None
+    ) -> None:
+        """Check the oscillators of all basins.
 
         Parameters
         ----------
         check : callable
             Raises `OutsideDomain`.
+        convex : collection of str, optional
+            Parameters in which the check is convex; by default all but phases.
 
         Raises
         ------
         OutsideDomain, SweptOutsideDomain
-            The latter names the swept value at fault.
+            The latter names the first swept value at fault.
         """
-        oscillator = self.oscillator_.to_oscillator()
-        for basin in range(self.basins):
-            try:
-                check(oscillator.at(**self.values_of(basin)))
-            except OutsideDomain as error:
-                if not self.vary:
-                    raise
-                axis, number = self._at_fault(basin, error.parameter)
-                values = ", ".join(f"{name} = {value:g}" for name, value in self.values_of(basin).items())
-                where = f"value {number} of {self.vary[axis].parameter} (at {values})"
-                raise SweptOutsideDomain(error, ("vary", axis, "values", number), where) from error
+        errors: dict[tuple[int, ...], OutsideDomain | InvalidJob] = {}
+        oscillator, vary = self.oscillator_.to_oscillator(), self.vary
 
-    def _at_fault(self, basin: int, parameter: str) -> tuple[int, int]:
-        """Which swept parameter, and which of its values, puts a basin outside the domain."""
+        def values_at(place: tuple[int, ...]) -> dict[str, float]:
+            return {swept.parameter: swept.values[at] for swept, at in zip(vary, place, strict=True)}
+
+        def refused(place: tuple[int, ...]) -> bool:
+            spend()
+            try:
+                check(oscillator.at(**values_at(place)))
+            except (OutsideDomain, InvalidJob) as error:
+                errors[place] = error
+            return place in errors
+
+        place = first_refused(axes_of(vary, convex), refused)
+        if place is None:
+            return
+        error = errors[place]
+        if not vary or not isinstance(error, OutsideDomain):
+            raise error
+        axis = self._at_fault(error.parameter)
+        values = ", ".join(f"{name} = {value:g}" for name, value in values_at(place).items())
+        where = f"value {place[axis]} of {vary[axis].parameter} (at {values})"
+        raise SweptOutsideDomain(error, ("vary", axis, "values", place[axis]), where) from error
+
+    def _at_fault(self, parameter: str) -> int:
+        """Which swept parameter puts a basin outside the domain by one of its oscillator's parameters."""
         names = [swept.parameter for swept in self.vary]
-        axis = names.index(parameter) if parameter in names else len(names) - 1
-        return axis, self.place_of(basin)[axis]
+        return names.index(parameter) if parameter in names else len(names) - 1
 
     @property
     def _least_damping(self) -> float:
@@ -276,8 +297,12 @@ class SweepJob(BasinJob):
         return min((each.least for each in self.vary_ if each.parameter == "damping"), default=super()._least_damping)
 
     def _settled(self) -> dict[str, Any]:
-        settled = {"vary_": [vary_request(swept) for swept in self.vary]}
+        settled = {"vary_": [each.settled(swept) for each, swept in zip(self.vary_, self.vary, strict=True)]}
         return super()._settled() | settled
+
+    def _ranges(self) -> list[SweptParameter]:
+        """Swept parameters whose values the request gives as a rule."""
+        return [swept for each, swept in zip(self.vary_, self.vary, strict=True) if each.values is None]
 
 
 def basin_job(request: dict[str, Any]) -> BasinJob:

@@ -1,6 +1,6 @@
 """What to compute: a bifurcation diagram, by following motions from value to value of one parameter."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from enum import StrEnum
 from functools import cached_property
 from typing import Annotated, Any, Literal
@@ -10,10 +10,12 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import Oscillator, OutsideDomain, check_domain
 from worker.errors import InvalidJob, SweptOutsideDomain
+from worker.jobs.budget import spend
+from worker.jobs.first_refused import first_refused
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import Departure, Region
 from worker.jobs.request import Count
-from worker.jobs.swept_parameter import SweptParameter, Vary, check_swept, vary_request
+from worker.jobs.swept_parameter import SweptParameter, Vary, axes_of, check_swept
 
 _EXAMPLE: dict[str, Any] = {
     "kind": "bifurcation",
@@ -21,6 +23,11 @@ _EXAMPLE: dict[str, Any] = {
     "vary": {"parameter": "damping", "start": 0.5, "stop": 0.6, "count": 1000},
     "direction": "both",
 }
+
+
+def _ascending(values: tuple[float, ...]) -> tuple[float, ...]:
+    """The values of a range upwards; of a list, sorted."""
+    return tuple(sorted(values if values[:1] <= values[-1:] else values[::-1]))
 
 
 class Direction(StrEnum):
@@ -69,6 +76,8 @@ class BifurcationJob(AnalysisJob):
         return (
             ("impacts", visits * (self.transient + self.kept), "max_diagram_applications"),
             ("departures kept", visits * self.kept, "max_diagram_points"),
+            ("values", self.vary_.size, "max_values"),
+            *self.forcing_terms(self.vary_.size),
         )
 
     @property
@@ -86,7 +95,7 @@ class BifurcationJob(AnalysisJob):
             raise InvalidJob("give seeds, or a region to look for attractors in, not both", ("region",))
         self.check_oscillators(check_domain)
         names = ("direction", "transient", "kept")
-        settled = {"kind_": self.kind_, "vary_": vary_request(self.vary)} | {
+        settled = {"kind_": self.kind_, "vary_": self.vary_.settled(self.vary)} | {
             name: getattr(self, name) for name in names
         }
         return settled | ({"seeds": self.seeds} if self.seeds else {"region": self.region or Region()})
@@ -95,7 +104,7 @@ class BifurcationJob(AnalysisJob):
     def vary(self) -> SweptParameter:
         """The parameter and its values in ascending order, checked."""
         swept = self.vary_.to_swept(("vary",))
-        ascending = SweptParameter(swept.parameter, tuple(sorted(swept.values)))
+        ascending = SweptParameter(swept.parameter, _ascending(swept.values))
         try:
             return check_swept((ascending,), self.oscillator_.to_oscillator())[0]
         except InvalidJob as error:
@@ -120,25 +129,46 @@ class BifurcationJob(AnalysisJob):
         """
         return self.oscillator_.to_oscillator().at(**{self.vary.parameter: value})
 
-    def check_oscillators(self, check: Callable[[Oscillator], Oscillator]) -> None:
-        """Check the oscillator at every value.
+    def _ranges(self) -> list[SweptParameter]:
+        """The parameter, if the request gives its values as a rule."""
+        return [] if self.vary_.values is not None else [self.vary]
+
+    def check_oscillators(
+        self, check: Callable[[Oscillator], Oscillator], *, convex: Collection[str] | None = None
+    ) -> None:
+        """Check the oscillators at all values.
 
         Parameters
         ----------
         check : callable
             Raises `OutsideDomain`.
+        convex : collection of str, optional
+            Parameters in which the check is convex; by default all but phases.
 
         Raises
         ------
         SweptOutsideDomain
-            Naming the value.
+            Naming the first value at fault.
         """
-        for index, value in enumerate(self.vary.values):
+        errors: dict[tuple[int, ...], OutsideDomain | InvalidJob] = {}
+        oscillator, swept = self.oscillator_.to_oscillator(), self.vary
+
+        def refused(place: tuple[int, ...]) -> bool:
+            spend()
             try:
-                check(self.oscillator_at(value))
-            except OutsideDomain as error:
-                where = f"{self.vary.parameter} = {value:g}"
-                raise SweptOutsideDomain(error, ("vary", "values", index), where) from error
+                check(oscillator.at(**{swept.parameter: swept.values[place[0]]}))
+            except (OutsideDomain, InvalidJob) as error:
+                errors[place] = error
+            return place in errors
+
+        place = first_refused(axes_of([swept], convex), refused)
+        if place is None:
+            return
+        error = errors[place]
+        if not isinstance(error, OutsideDomain):
+            raise error
+        where = f"{swept.parameter} = {swept.values[place[0]]:g}"
+        raise SweptOutsideDomain(error, ("vary", "values", place[0]), where) from error
 
     @property
     def visits(self) -> np.ndarray:

@@ -9,8 +9,9 @@ without it is the value that the worker uses. In JSON and as an argument it has 
 
 import hashlib
 import json
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterator
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -25,10 +26,12 @@ from worker.jobs.oscillator_request import (
     oscillator_request,
 )
 from worker.jobs.request import Request, refusal
-from worker.jobs.swept_parameter import without_stiffness
+from worker.jobs.swept_parameter import SweptParameter, values_as_json, without_stiffness
 
 Sizes = tuple[tuple[str, float, str], ...]
 """Sizes of a request: for each, what is counted, the number, and the name of the setting that limits it."""
+# Stands for the values of a range: no text of a canonical request holds this character.
+_A_RANGE = "\0"
 
 
 class Job(Request, ABC):
@@ -121,13 +124,17 @@ class Job(Request, ABC):
         """Oscillator of the kernels, checked."""
         return (check_impacting if self.impacting_only else check_domain)(self.oscillator_.to_oscillator())
 
-    def check_oscillators(self, check: Callable[[Oscillator], Oscillator]) -> None:
+    def check_oscillators(
+        self, check: Callable[[Oscillator], Oscillator], *, convex: Collection[str] | None = None
+    ) -> None:
         """Check the oscillator, or every one of a sweep.
 
         Parameters
         ----------
         check : callable
             Raises `OutsideDomain`.
+        convex : collection of str, optional
+            Parameters in which the check is convex (see `worker.jobs.first_refused`); by default all but phases.
 
         Raises
         ------
@@ -142,7 +149,9 @@ class Job(Request, ABC):
         ------
         OutsideDomain
         """
-        self.check_oscillators(check_quiet)
+        # In the impacting model this is the bound of the domain.
+        impacting = math.isinf(self.oscillator.stiffness)
+        self.check_oscillators(check_quiet, convex=None if impacting else ())
 
     @cached_property
     def quiet(self) -> bool:
@@ -152,6 +161,12 @@ class Job(Request, ABC):
         except OutsideDomain:
             return False
         return True
+
+    def forcing_terms(self, oscillators: int) -> Sizes:
+        """Size of the forcing at so many oscillators, which each of them is checked by and computed with."""
+        highest = max((harmonic.order for harmonic in self.oscillator_.harmonics), default=0)
+        terms = oscillators * len(self.oscillator_.harmonics) * highest
+        return (("values times harmonics times their highest order", terms, "max_forcing_terms"),)
 
     @property
     @abstractmethod
@@ -175,8 +190,29 @@ class Job(Request, ABC):
     @cached_property
     def digest(self) -> str:
         """Hash of the request and of the version of the result: equal digests, equal bytes."""
-        text = json.dumps({"request": self.request(), "version": self.result_version}, sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()
+        hashed = hashlib.sha256()
+        for piece in self._hashed_text():
+            hashed.update(piece.encode())
+        return hashed.hexdigest()
+
+    def _hashed_text(self) -> Iterator[str]:
+        """The request with all its values as JSON, in pieces: a range and its values have the same digest."""
+        request, ranges = self.request(), self._ranges()
+        for swept in ranges:
+            places = [request["vary"]] if isinstance(request["vary"], dict) else request["vary"]
+            rule = next(each for each in places if each["parameter"] == swept.parameter)
+            rule.clear()
+            rule.update(parameter=swept.parameter, values=_A_RANGE)
+        text = json.dumps({"request": request, "version": self.result_version}, sort_keys=True)
+        first, *others = text.split(json.dumps(_A_RANGE))
+        yield first
+        for swept, other in zip(ranges, others, strict=True):
+            yield from values_as_json(swept.values)
+            yield other
+
+    def _ranges(self) -> list[SweptParameter]:
+        """Swept parameters whose values the request gives as a rule."""
+        return []
 
 
 class AnalysisJob(Job):

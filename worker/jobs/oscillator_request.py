@@ -27,7 +27,7 @@ _HIGHEST_ORDER = 1000
 _MOST_HARMONICS = 32
 _MOST_SAMPLES = 10_000
 BOTH_FORCINGS = "the forcing is given twice: give transmission_error, or eccentricity and harmonics"
-_BY_ANGLE = Annotated[tuple[Real, ...], Field(max_length=_MOST_SAMPLES)]
+_BY_ANGLE = Annotated[tuple[Real, ...], Field(max_length=_MOST_SAMPLES, fail_fast=True)]
 
 
 class PermanentContact(StrEnum):

@@ -1,8 +1,9 @@
 """A parameter of the oscillator that a sweep steps through, and the values it takes."""
 
+import itertools
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Annotated, Any
@@ -13,10 +14,15 @@ from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema
 from rattle_kernels import Oscillator
 from rattle_kernels.model.oscillator import PARAMETERS
 from worker.errors import InvalidJob, Place
+from worker.jobs.budget import spend
+from worker.jobs.first_refused import Axis
 from worker.jobs.oscillator_request import with_swept_stiffness
 from worker.jobs.request import Real, Request, accepting
 
 MOST_SWEPT = 2
+MOST_LISTED = 10_000
+"""A range of more values stays a rule in records and answers: its values would be most of them."""
+_PIECE = 4096
 _MODELS = "piecewise linear", "impacting"
 _OF_HARMONICS = re.compile("(amplitude|phase)_[1-9][0-9]*")
 _ORDERS = "amplitude_n and phase_n of the harmonic of order n"
@@ -114,15 +120,43 @@ class SweptParameter:
             raise InvalidJob(f"{parameter} takes at least two values from start to stop, not {count}")
         space = np.geomspace if spacing == Spacing.GEOMETRIC else np.linspace
         # Rounded to 15 digits: 0.6 and 0.6000000000000001 are two different oscillators.
-        between = [float(f"{value:.15g}") for value in space(start, stop, count)[1:-1]]
-        return cls(parameter, (float(start), *between, float(stop)))
+        spaced = space(start, stop, count)
+        between = (float(f"{value:.15g}") for piece in _in_pieces(spaced[1:-1]) for value in piece.tolist())
+        return cls(parameter, tuple(itertools.chain([float(start)], between, [float(stop)])))
+
+
+def _in_pieces(values: Any) -> Iterator[Any]:
+    """Slices of values, none of which takes long."""
+    for begin in range(0, len(values), _PIECE):
+        spend()
+        yield values[begin : begin + _PIECE]
+
+
+def values_as_json(values: Sequence[float]) -> Iterator[str]:
+    """The text of `json.dumps` for a list of finite floats, in pieces.
+
+    Parameters
+    ----------
+    values : sequence of float
+
+    Yields
+    ------
+    str
+    """
+    before = "["
+    for piece in _in_pieces(values):
+        yield before + ", ".join(map(float.__repr__, piece))
+        before = ", "
+    yield "]"
 
 
 class VaryRequest(Request):
     """Values of one swept parameter: all of them, or how many from a start to a stop, both included."""
 
     parameter: Parameter
-    values: tuple[Real, ...] | None = Field(None, description="Ascending or descending")
+    values: Annotated[tuple[Real, ...], Field(fail_fast=True)] | None = Field(
+        None, description="Ascending or descending"
+    )
     start: Real | None = None
     stop: Real | None = None
     count: Annotated[int, Field(strict=True, ge=2)] | None = None
@@ -166,6 +200,26 @@ class VaryRequest(Request):
         except InvalidJob as error:
             raise InvalidJob(str(error), (*place, "spacing")) from error
 
+    def settled(self, swept: SweptParameter) -> "VaryRequest":
+        """The same values in canonical form: listed, or as a rule where that would be long.
+
+        Parameters
+        ----------
+        swept : SweptParameter
+            What this describes, checked.
+
+        Returns
+        -------
+        VaryRequest
+        """
+        if self.values is not None or self.size <= MOST_LISTED:
+            return vary_request(swept)
+        assert self.start is not None and self.stop is not None
+        rule: dict[str, Any] = {"start": float(self.start), "stop": float(self.stop), "count": self.count}
+        if self.spacing != Spacing.LINEAR:
+            rule["spacing"] = self.spacing
+        return VaryRequest.model_construct(parameter=self.parameter, **rule)
+
 
 def vary_request(swept: SweptParameter) -> VaryRequest:
     """Swept parameter as requests describe it, unchecked.
@@ -208,6 +262,28 @@ def without_stiffness(request: Any) -> Any:
     return request | {"oscillator": with_swept_stiffness(request["oscillator"])}
 
 
+def axes_of(vary: Iterable[SweptParameter], convex: Iterable[str] | None) -> list[Axis]:
+    """Axes of swept parameters for `first_refused`.
+
+    Parameters
+    ----------
+    vary : iterable of SweptParameter
+    convex : iterable of str, optional
+        Parameters in which the check is convex, beside half backlash, eccentricity and amplitudes; by default all.
+
+    Returns
+    -------
+    list of Axis
+    """
+    return [Axis(len(swept.values), _is_convex(swept.parameter, convex)) for swept in vary]
+
+
+def _is_convex(parameter: str, convex: Iterable[str] | None) -> bool:
+    if is_of_harmonic(parameter):
+        return not is_phase(parameter)
+    return convex is None or parameter in ("eccentricity", "half_backlash", *convex)
+
+
 def check_swept(vary: Sequence[SweptParameter], oscillator: Oscillator) -> tuple[SweptParameter, ...]:
     """Return swept parameters with plain float values, or raise an error that says what is wrong.
 
@@ -242,14 +318,14 @@ def check_swept(vary: Sequence[SweptParameter], oscillator: Oscillator) -> tuple
 
 
 def _checked_values(axis: int, swept: SweptParameter) -> tuple[float, ...]:
-    values = tuple(float(value) for value in swept.values)
+    values = tuple(float(value) for piece in _in_pieces(swept.values) for value in piece)
     if not values:
         raise InvalidJob(f"{swept.parameter} needs at least one value", ("vary", axis, "values"))
-    for index, value in enumerate(values):
-        if not math.isfinite(value):
-            message = f"values of {swept.parameter} must be finite; number {index} is {value}"
-            raise InvalidJob(message, ("vary", axis, "values", index))
-    steps = np.diff(values)
+    numbers = np.array(values)
+    for index in np.flatnonzero(~np.isfinite(numbers))[:1].tolist():
+        message = f"values of {swept.parameter} must be finite; number {index} is {values[index]}"
+        raise InvalidJob(message, ("vary", axis, "values", index))
+    steps = np.diff(numbers)
     # Neighbours are compared with one another: births and deaths are reported for the interval between them.
     astray = np.flatnonzero(steps * (steps[0] if steps.size else 1.0) <= 0.0)
     if astray.size:

@@ -107,8 +107,17 @@ def _with_loudness(dataset: xr.Dataset, chosen: str) -> xr.Dataset:
     return dataset.assign(measure_loudness(dataset).data_vars) if listed.issuperset(map(str, along)) else dataset
 
 
-def demand_small_table(dataset: xr.Dataset, name: str | None, most: int) -> None:
+def demand_small_table(dataset: xr.Dataset, name: str | None, most: int, zarr: str) -> None:
     """Refuse a table of more rows than are allowed.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    name : str, optional
+        Of the table, as in `table_of`.
+    most : int
+    zarr : str
+        Where the store itself can be read.
 
     Raises
     ------
@@ -117,7 +126,10 @@ def demand_small_table(dataset: xr.Dataset, name: str | None, most: int) -> None
     chosen = _usual(dataset) if name is None else name
     rows = dataset.sizes.get(chosen) or (dataset[chosen].size if chosen in dataset.data_vars else 0)
     if rows > most:
-        raise InvalidJob(f"the table {chosen!r} has {rows} rows, more than the limit of {most}: read the Zarr store")
+        raise InvalidJob(
+            f"the table {chosen!r} has {rows} rows, more than the limit of {most}: read the Zarr store at {zarr} "
+            "instead, as with xarray.open_zarr"
+        )
 
 
 def _usual(dataset: xr.Dataset) -> str:

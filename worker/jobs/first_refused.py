@@ -1,0 +1,66 @@
+"""The first of many oscillators that a check refuses, found with few checks.
+
+A check is convex in a parameter if between two accepted values every value is accepted. Then both ends tell of all
+values between them, and the first refused one is found by halving.
+
+The domain of the map is convex in each number of the oscillator but the phases of harmonics: the acceleration at rest
+(Eq. 8) is linear in the damping and in each amplitude at every phase, and all other bounds are monotonic or have one
+maximum. The reaction of contact without ringing (Eq. 3) is linear in the amplitudes alone where the stiffness is
+finite: it has a resonance.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+
+class Axis(NamedTuple):
+    """Number of values of a parameter, and whether the check is convex in it."""
+
+    count: int
+    convex: bool
+
+
+def first_refused(axes: Sequence[Axis], refused: Callable[[tuple[int, ...]], bool]) -> tuple[int, ...] | None:
+    """Place of the first refused combination of values, the last axis fastest; None if there is none.
+
+    Parameters
+    ----------
+    axes : sequence of Axis
+    refused : callable
+        Whether the check refuses the combination at a place.
+
+    Returns
+    -------
+    tuple of int, optional
+
+    Examples
+    --------
+    >>> first_refused([Axis(1_000_000, True)], lambda place: place[0] > 314_159)
+    (314160,)
+    """
+    return _first((), tuple(axes), refused)
+
+
+def _first(
+    place: tuple[int, ...], axes: tuple[Axis, ...], refused: Callable[[tuple[int, ...]], bool]
+) -> tuple[int, ...] | None:
+    if not axes:
+        return place if refused(place) else None
+    (count, convex), rest = axes[0], axes[1:]
+    if not convex:
+        found = (_first((*place, at), rest, refused) for at in range(count))
+        return next((each for each in found if each is not None), None)
+    first = _first((*place, 0), rest, refused)
+    if first is not None or count == 1:
+        return first
+    low, high = 0, count - 1
+    last = _first((*place, high), rest, refused)
+    # All before `low` are accepted. Where `high` is refused, so are all from the first refused one on.
+    while last is not None and high - low > 1:
+        middle = (low + high) // 2
+        found_there = _first((*place, middle), rest, refused)
+        if found_there is None:
+            low = middle
+        else:
+            high, last = middle, found_there
+    return last
