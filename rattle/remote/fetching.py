@@ -64,12 +64,18 @@ def _copy(client: httpx.Client, address: str, folder: Path, console: Console) ->
     paths = [file for path, node in nodes.items() for file in _files_of(path, node)]
     for path in track(paths, "fetching", console=console, transient=True):
         content = _content(client, f"{address}/{path}")
+        if content is None and path.endswith(_METADATA):
+            raise ServiceFailed(f"{address}/{path} is not there, though the root lists it: check the store there", 404)
         if content is not None:  # chunks that hold fill values alone have no file
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
             (folder / path).write_bytes(content)
+    # Of a result that is gone every file is missing, and each missing chunk looked like one of fill values.
+    if _content(client, f"{address}/{_METADATA}") != root:
+        raise ServiceFailed(f"the result at {address} was deleted or changed while it was fetched", 404)
 
 
 def _content(client: httpx.Client, address: str) -> bytes | None:
+    """A file's content; None if the service says that there is no such file. Every other failure is an error."""
     try:
         answer = client.get(address)
     except httpx.HTTPError as error:
