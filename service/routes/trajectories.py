@@ -1,11 +1,14 @@
 """Time histories, computed while the client waits."""
 
-from fastapi import APIRouter
+from typing import Annotated
+
+from fastapi import APIRouter, Query
 
 from service.errors import LimitExceeded
 from service.models.trajectory import TrajectoryView
 from service.routes.dependencies import SettingsHere, problems
 from service.routes.plain_json import PlainJsonRoute
+from worker.jobs.motion_end import FOLLOWED_PERIODS, end_of
 from worker.jobs.trajectory_request import TrajectoryRequest
 
 router = APIRouter(prefix="/v1", tags=["trajectories"], route_class=PlainJsonRoute)
@@ -18,7 +21,13 @@ router = APIRouter(prefix="/v1", tags=["trajectories"], route_class=PlainJsonRou
         s400="malformed JSON", s413="body too large", s422="what is wrong with the request, field by field"
     ),
 )
-def follow_trajectory(request: TrajectoryRequest, settings: SettingsHere) -> TrajectoryView:
+def follow_trajectory(
+    request: TrajectoryRequest,
+    settings: SettingsHere,
+    end: Annotated[
+        bool, Query(description=f"Follow a departure from +beta for {FOLLOWED_PERIODS} periods, and say what it does")
+    ] = False,
+) -> TrajectoryView:
     """Compute the time history from an initial condition, of either model, and list its contacts."""
     samples = request.periods * request.samples_per_period
     if samples > settings.max_samples:
@@ -26,4 +35,5 @@ def follow_trajectory(request: TrajectoryRequest, settings: SettingsHere) -> Tra
             f"{samples:.0f} samples (periods times samples_per_period) are more than the limit of "
             f"{settings.max_samples}"
         )
-    return TrajectoryView.from_history(request.follow(settings.max_contacts))
+    history = request.follow(settings.max_contacts)
+    return TrajectoryView.from_history(history, end_of(request, settings.max_contacts) if end else None)
