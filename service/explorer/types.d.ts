@@ -123,6 +123,9 @@ interface TimeHistory {
   permanent_from: number | null;
 }
 
-interface Motion { start: Departure & { solution?: Solution }; shown: TimeHistory; departures: Departure[]; ends: string }
+/** What one followed motion does in the end; `first` is what it nearly repeats before. */
+interface MotionEnd { kind: string; name: string | null; periods: number; impacts: number; first: { name: string; periods: number } | null }
+
+interface Motion { start: Departure; shown: TimeHistory; departures: Departure[]; end: MotionEnd; ends: string }
 
 interface Look { layer: string; palette: string; highlight: string | null; ground: string }

@@ -5,9 +5,11 @@ import re
 import signal
 from urllib.parse import parse_qs, urlsplit
 
+import numpy as np
 import pytest
 from playwright.sync_api import expect
 
+from rattle_kernels import Oscillator, time_history
 from tests.browser.chromium import Explorer
 from tests.running_service import running_service
 
@@ -141,7 +143,7 @@ def test_the_older_picture_stays_until_the_new_one_comes(opened, service):
 
 def test_a_click_follows_the_motion_and_says_where_it_ends(opened):
     page = opened.page
-    # Inside a cell: the motion starts at the cell's centre, and 0.4 lies where two cells meet.
+    # The motion starts where it was clicked, not at the centre of its cell.
     page.mouse.click(*opened.spot(0.41, 0.31))
     told = page.locator("#histories")
     ending = r"A The motion from t = 0\.4\d+, v = 2\.\d+ ends in permanent contact after \d+ impacts"
@@ -380,3 +382,26 @@ def test_a_restart_of_the_service_in_mid_job_is_waited_out(chromium_here, tmp_pa
         expect(explorer.page.locator("#legend")).to_contain_text("chaotic")
         explorer.context.close()
     assert explorer.unforgiven() == []
+
+
+def test_the_sentence_is_of_the_motion_that_is_followed(opened, service):
+    """At places all over the plane, whatever the colour of their cells, against the impact map and the histories."""
+    page = opened.page
+    random = np.random.default_rng(7)
+    for across, up in random.uniform(0.02, 0.98, (20, 2)).tolist():
+        with page.expect_request("**/v1/trajectories?end=true") as asked:
+            page.mouse.click(*opened.spot(across, up))
+        start = asked.value.post_data_json["start"]
+        told = page.locator("#histories")
+        expect(told).to_contain_text(f"t = {start['time']:g}, v = {start['velocity']:g} ")
+        oscillator = Oscillator(0.6, 0.1, 0.6)
+        history = time_history(oscillator, start["time"], 0.6, -start["velocity"], periods=1000, samples_per_period=1)
+        sentence = told.inner_text().split(" This cell's centre")[0]
+        if np.isfinite(history.permanent_from):
+            after = f"{history.permanent_from - start['time']:.2f}".rstrip("0").rstrip(".")
+            assert f"ends in permanent contact after {np.sum(history.contacts.time <= history.permanent_from)} " in sentence
+            assert f" {after} forcing periods" in sentence
+            continue
+        speeds = history.contacts.speed[history.departures[-8:]]
+        repeats = np.ptp(speeds) < 0.01
+        assert ("ends in P(1,1,0)" if repeats else "still rattles after") in sentence

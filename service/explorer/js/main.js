@@ -175,7 +175,6 @@ async function drawn(job, signal) {
   const picture = await screen.draw(job, signal);
   if (!picture) return;
   overlays.of(picture.job, picture.panel, picture.outline.complete);
-  await motions.again();
   if (job.request.vary && !signal.aborted) await sweep.refresh(job, picture, plane.look.palette);
 }
 
@@ -196,6 +195,7 @@ function pictureChanged() {
   overlays.offer("proven", Boolean(plane.picture?.proof));
   charts.bifurcation.follow();
   legend();
+  motions.told();
   hover.read();
   caption();
 }
@@ -271,7 +271,7 @@ async function openAddress() {
     else if (request) jobs.ask(request);
     at.edited = false;
     motions.forget();
-    for (const [i, [t, v]] of seen.motions.entries()) await motions.pick({ t, v }, i > 0);
+    for (const [i, [t, v]] of seen.motions.entries()) await motions.pick({ t, v }, i > 0, true);
   } finally {
     if (at.opening === seen) at.opening = null;
     enableSteps();

@@ -114,3 +114,15 @@ def test_a_stiffness_that_json_should_not_carry_is_refused(service, stiffness):
     headers = {"content-type": "application/json"}
     answer = service.request("POST", "/v1/trajectories", content=content, headers=headers)
     assert_problem(answer, 422, "body.oscillator.stiffness: Input should be a finite number")
+
+
+def test_a_query_asks_what_the_motion_does_in_the_end(service):
+    body = {"start": {"time": 0.0233, "velocity": 2.584}, "periods": 15, "samples_per_period": 1}
+    told = service.request("POST", "/v1/trajectories?end=true", json=body).json()
+    assert told["end"]["kind"] == "permanent_contact" and told["end"]["first"] is None
+    assert told["end"]["periods"] == pytest.approx(told["permanent_from"] - 0.0233)
+    assert "end" not in service.request("POST", "/v1/trajectories", json=body).json()
+    rattles = service.request("POST", "/v1/trajectories?end=true", json=body | {"start": {"time": 0.93, "velocity": 5.2}})
+    assert rattles.json()["end"] | {"impacts": 0} == {
+        "kind": "rattling", "name": None, "periods": 1000.0, "impacts": 0, "first": None
+    }  # fmt: skip

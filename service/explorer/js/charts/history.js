@@ -1,7 +1,6 @@
 /** Time histories of one or two motions, under the basin. */
 
 import { Chart } from "./chart.js";
-import { reading } from "./ticks.js";
 
 const MOST_MARKS = 400;
 const NAMES = { first: "A", second: "B" };
@@ -46,7 +45,9 @@ function sentence(name, { start, ends }) {
   const mark = document.createElement("b");
   mark.className = name;
   mark.textContent = NAMES[name];
-  line.append(mark, ` The motion from t = ${reading(start.t, 0.1)}, v = ${reading(start.v, 0.1)} ${ends}.`);
+  const cell = document.createElement("span");
+  cell.dataset.cell = name;
+  line.append(mark, ` The motion from t = ${start.t}, v = ${start.v} ${ends}.`, cell);
   return line;
 }
 

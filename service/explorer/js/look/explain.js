@@ -27,6 +27,30 @@ export function solutionInWords({ kind, name }) {
   return `${name} repeats ${every}, with ${times(upper, "contact")} at +β and ${times(lower, "contact")} at −β.`;
 }
 
+const CENTRES = {
+  permanent_contact: "ends in permanent contact",
+  chaotic: "rattles chaotically without end",
+  chaotic_transient: "rattles chaotically for long, and settles in the end",
+  undecided: "could not be decided",
+};
+
+/**
+ * What the cell of a followed motion is coloured by, as a sentence after one of the motion; empty where it is the same.
+ * @param {Solution} solution that the picture has for the cell
+ * @param {MotionEnd} end of the motion
+ */
+export function cellInWords({ kind, name }, end) {
+  if (kind === end.kind && (kind === "permanent_contact" || name === end.name)) return "";
+  const does = name === UNSETTLED ? "has not settled in this first look" : CENTRES[kind] ?? `ends in ${name}`;
+  return ` This cell's centre ${does}.`;
+}
+
+/** What the cell under the pointer is coloured by: the motion from its centre, which need not be that from the pointer. */
+export function underPointer(solution) {
+  const words = solutionInWords(solution);
+  return words && `This cell's centre: ${words}`;
+}
+
 function told(number) {
   return String(Number(number.toPrecision(3)));
 }

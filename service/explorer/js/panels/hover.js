@@ -2,7 +2,7 @@
 
 import { Latest } from "../net/latest.js";
 import { briefMotion } from "../net/motion.js";
-import { proofInWords, solutionInWords } from "../look/explain.js";
+import { proofInWords, underPointer } from "../look/explain.js";
 import { reading } from "../charts/ticks.js";
 
 const REST_MS = 30;
@@ -50,6 +50,6 @@ export class Hover {
     const numbers = known?.step === undefined ? "" : `   step ${known.step}, group ${known.group}, period ${known.period}`;
     this.lines.reading.textContent = where + (known ? `   ${known.solution.name}${numbers}` : "   not known yet");
     const proof = known?.proven ? ` ${proofInWords(known.proven, known.solution)}` : "";
-    this.lines.sentence.textContent = known ? solutionInWords(known.solution) + proof : "";
+    this.lines.sentence.textContent = known ? underPointer(known.solution) + proof : "";
   }
 }

@@ -1,9 +1,16 @@
 /** Up to two followed motions, drawn on the basin and below it. */
 
 import { showHistories } from "../charts/history.js";
+import { reading } from "../charts/ticks.js";
+import { cellInWords } from "../look/explain.js";
 import { followMotion } from "../net/motion.js";
 import { attempt } from "../page/say.js";
 import { Tooth } from "./tooth.js";
+
+/** As many digits as an address holds. */
+function digits(number) {
+  return Number(number.toPrecision(12));
+}
 
 export class Motions {
   /**
@@ -40,26 +47,33 @@ export class Motions {
     this.second.setAttribute("aria-pressed", String(on));
   }
 
-  /** Follow the motion from the centre of the cell at a point, or from the point itself. */
+  /**
+   * Follow the motion from a point: from one that was clicked, rounded to the digits that are shown, or exactly from
+   * one that is given in numbers.
+   */
   async pick(place, second, exactly = false) {
     if (place.v <= 0) return;
     const name = this.followed.size && (second || this.comparing) ? "second" : "first";
     this.#compare(false);
-    const known = this.plane.at(place.t, place.v);
-    const start = exactly || !known ? { ...known, ...place } : known;
-    start.t -= Math.floor(start.t);
+    const start = exactly ? { t: digits(place.t - Math.floor(place.t)), v: digits(place.v) } : this.#rounded(place);
+    if (start.v <= 0) return;
     const { era } = this;
-    let begun = false;
-    const show = (motion) => {
-      // Its end comes later, perhaps when another motion has been clicked.
-      if (era !== this.era || (begun && this.followed.get(name)?.start !== start)) return;
-      if (name === "first" && !begun) this.followed.delete("second");
-      begun = true;
+    const wish = (this.wish = {});
+    await attempt(async () => {
+      const motion = await followMotion(this.oscillator(), start);
+      // Another motion may have been clicked meanwhile.
+      if (era !== this.era || (name === "first" && wish !== this.wish)) return;
+      if (name === "first") this.followed.delete("second");
       this.followed.set(name, motion);
       this.#show();
       this.changed();
-    };
-    await attempt(async () => show(await followMotion(this.oscillator(), start, show)));
+    });
+  }
+
+  /** The departure that the numbers under the plane name. */
+  #rounded({ t, v }) {
+    const { t0, t1, v0, v1 } = this.plane.view;
+    return { t: Number(reading(t - Math.floor(t), t1 - t0)) % 1, v: Number(reading(v, v1 - v0)) };
   }
 
   /** Departures that are followed, as [t, v]. */
@@ -67,25 +81,24 @@ export class Motions {
     return [...this.followed.values()].map(({ start }) => [start.t, start.v]);
   }
 
-  /** Follow motions again whose cells were not computed yet, once they are. */
-  async again() {
-    const { era } = this;
-    for (const [name, { start }] of this.followed) {
-      const known = start.solution ? null : this.plane.at(start.t, start.v);
-      if (!known) continue;
-      const motion = await followMotion(this.oscillator(), known);
-      if (era !== this.era) return;
-      this.followed.set(name, motion);
-      this.#show();
+  /** Say again what the cells of the followed motions are: there is another picture. */
+  told() {
+    for (const line of /** @type {NodeListOf<HTMLElement>} */ (this.section.querySelectorAll("[data-cell]"))) {
+      const motion = this.followed.get(line.dataset.cell);
+      if (motion) line.textContent = this.#cellOf(motion);
     }
+  }
+
+  #cellOf({ start, end }) {
+    const known = this.plane.at(start.t, start.v);
+    return known ? cellInWords(known.solution, end) : "";
   }
 
   /** Follow motions from the same departures, of the oscillator that is seen now. */
   async renew() {
     const era = ++this.era;
     for (const [name, { start }] of this.followed) {
-      const { t, v } = start;
-      const motion = await followMotion(this.oscillator(), { t, v }).catch(() => null);
+      const motion = await followMotion(this.oscillator(), start).catch(() => null);
       if (era !== this.era || !motion) return;
       this.followed.set(name, motion);
       this.#show();
@@ -104,6 +117,7 @@ export class Motions {
     this.plane.motions = new Map([...this.followed].map(([name, { departures }]) => [name, departures]));
     const backlash = this.oscillator()?.half_backlash;
     this.cursor = showHistories(this.section, backlash, this.followed, (at) => this.tooth.seek(at));
+    this.told();
     const [name, motion] = [...this.followed].at(-1) ?? ["first", null];
     this.tooth.show(motion, backlash, name);
     this.plane.draw();
