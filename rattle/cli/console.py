@@ -21,6 +21,15 @@ Key = Annotated[
 ]
 """Option of commands that read from a service."""
 
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        envvar="RATTLE_SCHEDULER", show_envvar=True,
+        help="Address of a Dask scheduler, tcp://host:8786 or tls://host:8786, whose workers compute",
+    ),
+]  # fmt: skip
+"""Option of commands that compute."""
+
 
 def give_up(message: str, code: int = 1) -> NoReturn:
     """Print an error and exit: with code 2 if the command was wrong, 1 if the work failed."""

@@ -10,6 +10,8 @@ import typer
 from rich.table import Table
 
 from rattle.cli.console import err, give_up, out
+from rattle.cli.readable_help import ReadableGroup
+from rattle.cli.strict_command import StrictCommand
 from service.records.engine import DatabaseError, open_database
 from service.records.key_record import KeyRecord, KeyScope
 from service.records.keys import InvalidKeyName, Keys
@@ -19,7 +21,9 @@ Data = Annotated[
     Path | None, typer.Option(help="Folder of the service's database, unless RATTLE_DATABASE_URL names another")
 ]
 
-keys = typer.Typer(no_args_is_help=True, help="Make, list and revoke the API keys of a service.")
+keys = typer.Typer(
+    name="keys", cls=ReadableGroup, no_args_is_help=True, help="Make, list and revoke the API keys of a service."
+)
 
 
 @contextlib.contextmanager
@@ -39,7 +43,7 @@ def _settings(data: Path | None) -> Settings:
     return Settings() if data is None else Settings(data=data)
 
 
-@keys.command()
+@keys.command(cls=StrictCommand)
 def add(
     name: Annotated[str, typer.Argument(help="Name of its owner, shown in jobs and log lines")],
     scope: Annotated[list[KeyScope] | None, typer.Option(help="What it allows; read and submit by default")] = None,
@@ -56,7 +60,7 @@ def add(
     typer.echo(key)
 
 
-@keys.command("list")
+@keys.command("list", cls=StrictCommand)
 def list_keys(data: Data = None, as_json: Annotated[bool, typer.Option("--json", help="As JSON")] = False) -> None:
     """List all keys by their first characters, including revoked ones."""
     if as_json:
@@ -78,7 +82,7 @@ def _as_json(record: KeyRecord) -> dict[str, str | None]:
     return {"name": record.name, "prefix": record.prefix, "scopes": record.scopes} | dates
 
 
-@keys.command()
+@keys.command(cls=StrictCommand)
 def revoke(
     which: Annotated[str, typer.Argument(help="The beginning of a key, or the name of all that are to be revoked")],
     data: Data = None,

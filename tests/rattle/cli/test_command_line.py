@@ -1,6 +1,7 @@
 """The commands as a user types them."""
 
 import json
+import shlex
 import socket
 import subprocess
 import sys
@@ -10,8 +11,11 @@ import typer
 import xarray as xr
 from typer.testing import CliRunner
 
-from rattle.cli import app
+from rattle.cli import _loaded, app
+from rattle.cli.console import out
+from rattle.cli.examples import examples_of
 from rattle.paper import production
+from tests.ports import free_port
 from tests.waiting import wait_until
 
 SMALL = ["--cells", "24", "20", "--iterations", "101"]
@@ -27,6 +31,63 @@ def rattle(*arguments):
 def test_every_command_explains_itself(command):
     answer = CliRunner().invoke(app, [command, "--help"])
     assert answer.exit_code == 0 and len(answer.output) > 200
+
+
+def every_command():
+    """Words of each command and the command itself, those of `rattle keys` as well."""
+    for name in typer.main.get_command(app).commands:
+        command = _loaded(name)
+        yield [name], command
+        yield from (([name, each], found) for each, found in getattr(command, "commands", {}).items())
+
+
+EVERY_COMMAND = {" ".join(words): (words, command) for words, command in every_command()}
+
+
+@pytest.mark.parametrize("asked", ["--help", "-h"])
+@pytest.mark.parametrize("words", [[], *(words for words, _ in EVERY_COMMAND.values())], ids=" ".join)
+def test_help_is_not_cut_at_80_columns_and_ends_with_examples(words, asked, monkeypatch):
+    monkeypatch.setattr(out, "width", 80)
+    monkeypatch.setenv("COLUMNS", "80")
+    answer = CliRunner().invoke(app, [*words, asked], terminal_width=80)
+    assert answer.exit_code == 0, answer.output
+    assert "\N{HORIZONTAL ELLIPSIS}" not in answer.output and max(map(len, answer.output.splitlines())) <= 80
+    assert "Example" in answer.output and answer.output.rstrip().splitlines()[-1].strip().startswith("rattle ")
+    for parameter in EVERY_COMMAND[" ".join(words)][1].params if words else ():
+        assert all(flag in answer.output for flag in parameter.opts if flag.startswith("--"))
+
+
+@pytest.mark.parametrize("name", EVERY_COMMAND)
+def test_examples_are_what_their_command_takes(name):
+    words, command = EVERY_COMMAND[name]
+    for example in examples_of(words[-1]):
+        called = shlex.split(example.partition("<")[0])
+        if len(words) < len(called) and getattr(command, "commands", None) is None:
+            assert called[: 1 + len(words)] == ["rattle", *words]
+            command.make_context(name, called[1 + len(words) :])
+
+
+@pytest.mark.parametrize(
+    "name", ["serve", "basin", "sweep", "bifurcation", "orbits", "manifold", "grazing-curve", "check", "paper"]
+)
+def test_what_computes_takes_a_scheduler(name):
+    (option,) = [each for each in EVERY_COMMAND[name][1].params if "--scheduler" in each.opts]
+    assert option.envvar == "RATTLE_SCHEDULER" and option.show_envvar
+
+
+def test_a_scheduler_that_is_named_is_asked(tmp_path, monkeypatch):
+    monkeypatch.setattr("worker.cluster.connection._CONNECT_SECONDS", 0.1)
+    address = f"tcp://127.0.0.1:{free_port()}"
+    answer = CliRunner().invoke(app, ["basin", *SMALL, "--scheduler", address, "--out", str(tmp_path / "b.zarr")])
+    assert answer.exit_code == 1 and f"no Dask scheduler answers at {address}" in answer.output
+
+
+def test_one_number_of_cells_is_that_of_both_axes(tmp_path):
+    store = tmp_path / "square.zarr"
+    answer = CliRunner().invoke(app, ["basin", "--cells", "12", "--iterations", "101", "--out", str(store)])
+    assert answer.exit_code == 0, answer.output
+    with xr.open_zarr(store) as basin:
+        assert basin.solution.shape == (12, 12)
 
 
 def test_a_basin_is_computed_resumed_and_drawn_without_a_service(tmp_path):
@@ -199,7 +260,8 @@ def test_a_manifold_is_grown_here_told_and_drawn(tmp_path):
         ),
         (["sweep", "--vary", "half-backlash=0.6,0.5,0.7", "--out", "x.zarr"], 2, "values of half_backlash must ascend"),
         (["sweep", "--vary", "damping=0.5:0.7:0.05", "--out", "x.zarr"], 2, "and how many, damping=0.5:0.7:21"),
-        (["basin", "--cells", "200", "--out", "x.zarr"], 2, "two numbers, as in --cells 200 150"),
+        (["basin", "--cells", "200.5", "--out", "x.zarr"], 2, "two numbers, as in --cells 200 150"),
+        (["basin", "--out", "x.zarr", "--cells"], 2, "two numbers, as in --cells 200 150"),
         (["basin", "--cells", "200,150", "--out", "x.zarr"], 2, "two numbers, as in --cells 200 150"),
     ],
 )
