@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.table import Table
 
 from rattle.cli.console import Scheduler, announced_compiling, give_up, out, progress_line
 from rattle_kernels import CellGrid
@@ -38,6 +39,11 @@ def paper(
         give_up(str(error))
     except OSError as error:
         give_up(f"{out_} cannot be written: {error.strerror}")
+    if produced.printed:
+        table = Table("", "the paper", "found")
+        for each in produced.printed:
+            table.add_row(each["what"], f"{each['paper']:g}", f"{each['found']:.10g}")
+        out.print(table)
     out.print(f"{produced.picture} is drawn; its numbers are in {produced.numbers}", highlight=False, soft_wrap=True)
 
 

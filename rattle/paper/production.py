@@ -21,10 +21,11 @@ _DIGITS = 12
 
 @dataclass(frozen=True)
 class Produced:
-    """Files of a figure in its folder."""
+    """Files of a figure in its folder, and what the paper prints beside what was found."""
 
     picture: Path
     numbers: Path
+    printed: list[dict[str, Any]]
 
 
 def store_name(job: BasinJob) -> str:
@@ -86,11 +87,12 @@ def _write(figure: PaperFigure, sheet: Sheet, folder: Path) -> Produced:
     picture, numbers = folder / f"{figure.name}.png", folder / f"{figure.name}.json"
     encoded = io.BytesIO()
     _paint(sheet.drawing).save(encoded, format="png", optimize=True)
-    content = {"figure": figure.name, "shows": figure.shows} | sheet.numbers
+    printed = [each.beside(sheet.numbers) for each in figure.printed]
+    content = {"figure": figure.name, "shows": figure.shows} | sheet.numbers | ({"printed": printed} if printed else {})
     text = json.dumps(_plain(content), indent=1, allow_nan=False) + "\n"
     picture.write_bytes(encoded.getvalue())
     numbers.write_text(text)
-    return Produced(picture, numbers)
+    return Produced(picture, numbers, printed)
 
 
 def _paint(drawing: Figure) -> Image.Image:

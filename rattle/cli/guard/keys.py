@@ -39,6 +39,18 @@ def opened_keys(settings: Settings) -> Iterator[Keys]:
         engine.dispose()
 
 
+def _there(settings: Settings) -> bool:
+    """Whether there is a database. One that is a file is made by `rattle keys add` and `rattle serve` alone."""
+    return settings.database_url is not None or settings.database_file.exists()
+
+
+def _records(settings: Settings) -> list[KeyRecord]:
+    if not _there(settings):
+        return []
+    with opened_keys(settings) as here:
+        return list(here.all())
+
+
 def _settings(data: Path | None) -> Settings:
     return Settings() if data is None else Settings(data=data)
 
@@ -64,15 +76,13 @@ def add(
 def list_keys(data: Data = None, as_json: Annotated[bool, typer.Option("--json", help="As JSON")] = False) -> None:
     """List all keys by their first characters, including revoked ones."""
     if as_json:
-        with opened_keys(_settings(data)) as here:
-            typer.echo(json.dumps([_as_json(record) for record in here.all()], indent=2))
+        typer.echo(json.dumps([_as_json(record) for record in _records(_settings(data))], indent=2))
         return
     table = Table("name", "key", "scopes", "created", "last used", "revoked")
-    with opened_keys(_settings(data)) as here:
-        for record in here.all():
-            moments = (record.created, record.last_used, record.revoked)
-            cells = [f"{moment:%Y-%m-%d %H:%M}" if moment else "" for moment in moments]
-            table.add_row(record.name, f"{record.prefix}...", record.scopes, *cells)
+    for record in _records(_settings(data)):
+        moments = (record.created, record.last_used, record.revoked)
+        cells = [f"{moment:%Y-%m-%d %H:%M}" if moment else "" for moment in moments]
+        table.add_row(record.name, f"{record.prefix}...", record.scopes, *cells)
     out.print(table)
 
 
@@ -88,7 +98,10 @@ def revoke(
     data: Data = None,
 ) -> None:
     """Revoke keys; they stop working within two seconds."""
-    with opened_keys(_settings(data)) as here:
+    settings = _settings(data)
+    if not _there(settings):
+        give_up(f"there is no database at {settings.database_file}, so there are no keys: name its folder by --data", 2)
+    with opened_keys(settings) as here:
         revoked = here.revoke(which)
     if not revoked:
         give_up(f"no key that is not revoked begins with {which} or is called so: see `rattle keys list`", 2)
