@@ -68,6 +68,19 @@ def demand_given(verb: str, given: Values, arguments: Sequence[Argument]) -> Non
             raise TypeError(f"{verb}() needs {each.name}: {each.text}")
 
 
+def demand_names(verb: str, positional: Sequence[Any], arguments: Sequence[Argument]) -> None:
+    """Refuse arguments without names.
+
+    Raises
+    ------
+    TypeError
+        It writes them with the names that they seem to be meant for.
+    """
+    if positional:
+        named = ", ".join(f"{each.name}={value!r}" for each, value in zip(arguments, positional, strict=False))
+        raise TypeError(f"{verb}() takes its arguments by name, as in {verb}({named})")
+
+
 def demand_known(verb: str, given: Iterable[str], known: Sequence[str]) -> None:
     """Refuse an argument that a verb does not have.
 

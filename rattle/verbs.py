@@ -8,7 +8,7 @@ import xarray as xr
 from rich.console import Console
 
 from rattle.argument import Argument
-from rattle.arguments import demand_known, job_of
+from rattle.arguments import demand_known, demand_names, job_of
 from rattle.loading import without_collections
 from rattle.progress import progress_line, shows_bars
 from rattle.results.kept import cache
@@ -116,7 +116,8 @@ def _console(progress: bool) -> Console:
 def _verb(verb: Verb) -> Callable[..., xr.Dataset]:
     job_class, own = KINDS[verb.kind].job_class, [each.name for each in _HERE]
 
-    def call(**given: Any) -> xr.Dataset:
+    def call(*positional: Any, **given: Any) -> xr.Dataset:
+        demand_names(verb.name, positional, verb.arguments)
         demand_known(verb.name, given, [each.name for each in (*verb.arguments, *_HERE)])
         described_by = {name: value for name, value in given.items() if name not in own}
         options = {name: value for name, value in given.items() if name in own}
@@ -128,7 +129,8 @@ def _verb(verb: Verb) -> Callable[..., xr.Dataset]:
 basin, sweep, bifurcation, orbits, manifolds, grazing_curve = (_verb(verb) for verb in VERBS)
 
 
-def _follow(**given: Any) -> xr.Dataset:
+def _follow(*positional: Any, **given: Any) -> xr.Dataset:
+    demand_names("trajectory", positional, trajectory_arguments())
     request = trajectory_request(given)
     return dataset_of(request, request.follow())
 

@@ -56,7 +56,8 @@ class Server(uvicorn.Server):
             uvicorn.Config(
                 app, host=settings.host, port=settings.port, ws="none", lifespan="on",
                 http=BoundedConnection, limit_concurrency=settings.max_connections,
-                log_config=None, access_log=False, server_header=False, proxy_headers=False,
+                log_config=None, access_log=False, server_header=False,
+                proxy_headers=settings.trusted_proxies is not None, forwarded_allow_ips=settings.trusted_proxies or "",
                 timeout_graceful_shutdown=_STOP_SECONDS,
             )
         )  # fmt: skip

@@ -31,6 +31,10 @@ class Settings(ClusterSettings):
     host: str = Field("127.0.0.1", description="Address to listen on; on any but loopback, keys are required")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on")
     require_keys: bool = Field(False, description="Require keys on loopback too, as behind a proxy")
+    trusted_proxies: str | None = Field(
+        None,
+        description="Addresses or networks of proxies, with commas, whose X-Forwarded-For tells a client's address",
+    )
     log_format: LogFormat = Field(LogFormat.PLAIN, description="Format of the log: plain or json")
     log_level: Literal["debug", "info", "warning", "error"] = Field("info", description="Lowest level that is logged")
 

@@ -8,9 +8,9 @@ from importlib.metadata import version
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
 from rattle.cli.console import give_up, out
+from rattle.cli.readable_help import HELP_OPTIONS, ReadableGroup
 from rattle.cli.strict_command import StrictCommand
 from rattle.processor import use_whole_registers
 from worker.kinds import KINDS
@@ -97,7 +97,7 @@ def _loaded_module(name: str) -> Any:
         give_up(f"`rattle {name}` needs {error.name}: pip install 'gear-rattle[service]'", 2)
 
 
-class _OnDemand(TyperGroup):
+class _OnDemand(ReadableGroup):
     """Lists commands by stand-ins, and loads a command when it is run."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
@@ -139,7 +139,10 @@ def command_line() -> typer.Typer:
     -------
     typer.Typer
     """
-    app = typer.Typer(name="rattle", cls=_OnDemand, no_args_is_help=True, pretty_exceptions_enable=False, help=_HELP)
+    app = typer.Typer(
+        name="rattle", cls=_OnDemand, no_args_is_help=True, pretty_exceptions_enable=False, help=_HELP,
+        context_settings=HELP_OPTIONS,
+    )  # fmt: skip
     app.callback()(_options_of_all)
     commands = {name: KINDS[kind].command for name, kind in _kinds_by_command().items()}
     listed = {name: text for name, (_, text) in _OTHER_COMMANDS.items()}

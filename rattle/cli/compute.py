@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from rattle.arguments import job_of
-from rattle.cli.console import err, give_up, out, progress_line
+from rattle.cli.console import Scheduler, err, give_up, out, progress_line
 from rattle.cli.options import arguments_from, job_options, with_options
 from rattle.cli.result_tables import print_result
 from rattle.here import run_here, usable_cores
@@ -48,7 +48,10 @@ def compute_command(name: str) -> Callable[..., None]:
     kind = KINDS[name]
 
     @with_options(job_options(kind.job_class))
-    def command(out_: Out, workers: Workers = 2, as_json: AsJson = False, yes: Yes = False, **values: Any) -> None:
+    def command(
+        out_: Out, workers: Workers = 2, scheduler: Scheduler = None, as_json: AsJson = False, yes: Yes = False,
+        **values: Any,
+    ) -> None:  # fmt: skip
         try:
             job = job_of(kind.job_class, arguments_from(kind.job_class, values), name)
         except (OutsideDomain, InvalidJob) as error:
@@ -57,7 +60,7 @@ def compute_command(name: str) -> Callable[..., None]:
         try:
             if not is_complete(out_, job.digest):  # else nothing is started for a table that is there
                 _announce(job, workers, ask=not yes)
-                _compute(job, out_, workers)
+                _compute(job, out_, workers, scheduler)
             print_result(job.kind, _result(job, out_), as_json=as_json)
         except JobCancelled:
             give_up(f"stopped; the same command goes on from what is in {out_}")
@@ -82,10 +85,10 @@ def _announce(job: Job, workers: int, ask: bool) -> None:
         typer.confirm("go on?", abort=True, err=True)
 
 
-def _compute(job: Job, location: str, workers: int) -> None:
+def _compute(job: Job, location: str, workers: int, scheduler: str | None) -> None:
     """Compute a job into a store, with its progress."""
     with progress_line("tiles" if KINDS[job.kind].analysis is None else "pieces") as line:
-        run_here(job, location, line.report, compiling=line.compiling, workers=workers)
+        run_here(job, location, line.report, compiling=line.compiling, workers=workers, scheduler=scheduler)
 
 
 def _result(job: Job, location: str) -> dict[str, Any]:

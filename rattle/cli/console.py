@@ -21,6 +21,15 @@ Key = Annotated[
 ]
 """Option of commands that read from a service."""
 
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        envvar="RATTLE_SCHEDULER", show_envvar=True,
+        help="Address of a Dask scheduler, tcp://host:8786 or tls://host:8786, whose workers compute",
+    ),
+]  # fmt: skip
+"""Option of commands that compute."""
+
 
 def give_up(message: str, code: int = 1) -> NoReturn:
     """Print an error and exit: with code 2 if the command was wrong, 1 if the work failed."""
@@ -54,8 +63,11 @@ def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
         yield line
 
 
-def print_solutions(solutions: Sequence[Mapping[str, Any]]) -> None:
-    """Print a table of solutions: name, share (and what of it is proven), exponent, power, life of chaos, a point."""
+def print_solutions(solutions: Sequence[Mapping[str, Any]], errors: Mapping[int, float | None] | None = None) -> None:
+    """Print a table of solutions: name, share (and what of it is proven), exponent, power, life of chaos, a point.
+
+    `errors` are the standard errors of shares that come from a sample, by number.
+    """
     table = Table("", "solution", "share", "Lyapunov exponent", "impact power", "a departure (t, v)")
     for number, solution in enumerate(solutions):
         share, exponent, points = solution["share"], solution["lyapunov_exponent"], solution["points"]
@@ -64,12 +76,18 @@ def print_solutions(solutions: Sequence[Mapping[str, Any]]) -> None:
         table.add_row(
             str(number),
             solution["name"] if life is None else f"{solution['name']} for some {life:.1g} ± {error:.1g} impacts",
-            "not known yet" if share is None else f"{100 * share:.3f} %" + _proven(solution.get("share_proven")),
+            _share(share, (errors or {}).get(number)) + _proven(solution.get("share_proven")),
             "" if exponent is None else f"{exponent:.4f}",
             "" if power is None else f"{power:.4g}",
             f"({points[0][0]:.6f}, {points[0][1]:.6f})" if points else "",
         )
     out.print(table)
+
+
+def _share(share: float | None, error: float | None) -> str:
+    if share is None:
+        return "not known yet"
+    return f"{100 * share:.3f} %" if error is None else f"{100 * share:.3f} ± {100 * error:.2g} %"
 
 
 def _proven(share: float | None) -> str:

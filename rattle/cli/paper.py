@@ -4,8 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.table import Table
 
-from rattle.cli.console import announced_compiling, give_up, out, progress_line
+from rattle.cli.console import Scheduler, announced_compiling, give_up, out, progress_line
 from rattle_kernels import CellGrid
 from worker.errors import InvalidJob, JobCancelled, WorkerError
 
@@ -22,13 +23,14 @@ def paper(
         1000,
     ),
     workers: Annotated[int, typer.Option(min=1, help="Threads that compute")] = 2,
+    scheduler: Scheduler = None,
 ) -> None:
     """Recompute a figure of the paper and its numbers; basins that are there already are used, unfinished resumed."""
     from rattle.paper.registry import figure_named  # loads xarray, which other commands need not wait for
 
     try:
         grid = CellGrid(time_cells=cells[0], velocity_cells=cells[1])
-        produced = _produce(figure_named(figure), out_, grid, workers)
+        produced = _produce(figure_named(figure), out_, grid, workers, scheduler)
     except InvalidJob as error:
         give_up(str(error), 2)
     except (JobCancelled, KeyboardInterrupt):
@@ -37,13 +39,19 @@ def paper(
         give_up(str(error))
     except OSError as error:
         give_up(f"{out_} cannot be written: {error.strerror}")
+    if produced.printed:
+        table = Table("", "the paper", "found")
+        for each in produced.printed:
+            table.add_row(each["what"], f"{each['paper']:g}", f"{each['found']:.10g}")
+        out.print(table)
     out.print(f"{produced.picture} is drawn; its numbers are in {produced.numbers}", highlight=False, soft_wrap=True)
 
 
-def _produce(figure: "PaperFigure", folder: Path, grid: CellGrid, workers: int) -> "Produced":
+def _produce(figure: "PaperFigure", folder: Path, grid: CellGrid, workers: int, scheduler: str | None) -> "Produced":
     from rattle.paper.production import produce
 
     with progress_line(unit="") as line, announced_compiling(out):
         return produce(
-            figure, folder, grid, report=lambda what, done, total: line.show(what, (done, total)), workers=workers
-        )
+            figure, folder, grid, report=lambda what, done, total: line.show(what, (done, total)),
+            workers=workers, scheduler=scheduler,
+        )  # fmt: skip

@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
+from rich.markup import escape
+from rich.padding import Padding
 from rich.table import Column, Table
 
 from rattle.cli.console import Key, give_up, out, progress_line
@@ -81,10 +83,12 @@ def jobs(
 
 
 def _print_jobs(found: list[dict[str, Any]]) -> None:
-    """Print a table of jobs. Ids are whole: one that is cut cannot be used. In little room columns are left out."""
-    names = ["job", "kind", "state", "stage", "tiles", "submitted", "oscillator"]
+    """Print a table of jobs, or in little room some lines for each. Ids are whole: one that is cut cannot be used."""
     if out.width < _WIDE:
-        names = [name for name in names if name not in ("stage", "tiles", "submitted")]
+        for job in found:
+            _print_job(job)
+        return
+    names = ["job", "kind", "state", "stage", "tiles", "submitted", "oscillator"]
     table = Table(*(Column(name, no_wrap=name == "job", overflow="fold") for name in names))
     for job in found:
         progress = job["progress"] or {}
@@ -95,6 +99,16 @@ def _print_jobs(found: list[dict[str, Any]]) -> None:
         }  # fmt: skip
         table.add_row(*(cells[name] for name in names))
     out.print(table)
+
+
+def _print_job(job: dict[str, Any]) -> None:
+    """Print what a row of the table says, in lines."""
+    progress = job["progress"] or {}
+    done = f", {progress['tiles_done']} of {progress['tiles_total']} tiles" if progress else ""
+    out.print(job["id"], highlight=False)
+    out.print(Padding(f"{job['kind']}, {job['state']}{done}, {job['created'][:19]}", (0, 0, 0, 2)), highlight=False)
+    if parameters := _parameters(job["request"]):
+        out.print(Padding(escape(parameters), (0, 0, 0, 2)), highlight=False)
 
 
 def _parameters(request: dict[str, Any]) -> str:

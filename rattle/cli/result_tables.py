@@ -36,7 +36,8 @@ def _print_other(result: dict[str, Any]) -> None:
 
 
 def _print_basins(result: dict[str, Any]) -> None:
-    print_solutions(result["solutions"])
+    alone = result["basins"][0]["shares"] if len(result["basins"]) == 1 else []
+    print_solutions(result["solutions"], {each["solution"]: each["standard_error"] for each in alone})
     if len(result["basins"]) == 1 and result["basins"][0]["expected"]:
         print_expected(result["basins"][0]["expected"])
     names = [solution["name"] for solution in result["solutions"]]

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from rattle.cli.console import give_up, out
+from rattle.cli.console import Scheduler, give_up, out
 from rattle.cli.guard.keys import opened_keys
 from service.app import create_app
 from service.logs import write_logs
@@ -37,12 +37,13 @@ def serve(
     workers: Annotated[
         int | None, typer.Option(min=1, help="Local worker processes", show_default=_default("workers"))
     ] = None,
+    scheduler: Scheduler = None,
 ) -> None:
     """Start the service, its database and two local workers; Ctrl-C stops it, the next start resumes its jobs.
 
     It prints `ready: `, its address and the folder of its data once it can compute.
     """
-    given = {"host": host, "port": port, "data": data, "workers": workers}
+    given = {"host": host, "port": port, "data": data, "workers": workers, "scheduler": scheduler}
     settings = Settings(**{name: value for name, value in given.items() if value is not None})  # type: ignore[arg-type]
     _demand_extras(settings)
     _demand_keys(settings)

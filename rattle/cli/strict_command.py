@@ -5,17 +5,19 @@ from typing import Any
 
 from typer import BadParameter
 from typer._click.exceptions import BadOptionUsage
-from typer.core import TyperCommand
+
+from rattle.cli.readable_help import ReadableCommand
 
 _EXAMPLES = {"cells": "200 150"}
 _EXAMPLE = "0.2 0.8"
 
 
-class StrictCommand(TyperCommand):
+class StrictCommand(ReadableCommand):
     """A command that refuses an option given twice, where only the last value would count."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse arguments; `ctx.fail` ends the command with code 2."""
+        args = self._with_cells_of_both(list(args))
         try:
             _, _, order = self.make_parser(ctx).parse_args(args=list(args))
             for name, times in Counter(each.opts[0] for each in order if _takes_one_value(each)).items():
@@ -27,6 +29,18 @@ class StrictCommand(TyperCommand):
             if pair is not None:
                 error.message += f"; write two numbers, as in {pair.opts[0]} {_EXAMPLES.get(pair.name, _EXAMPLE)}"
             raise
+
+    def _with_cells_of_both(self, args: list[str]) -> list[str]:
+        """Arguments in which one number of cells, as in ``--cells 200``, stands for time and velocity alike."""
+        if not any(each.name == "cells" and each.nargs == 2 for each in self.params):
+            return args
+        found: list[str] = []
+        for place, word in enumerate(args):
+            found.append(word)
+            alone = place + 1 == len(args) or not args[place + 1].isdecimal()
+            if word.isdecimal() and alone and place and args[place - 1] == "--cells":
+                found.append(word)
+        return found
 
     def _pair_at_fault(self, error: Any) -> Any:
         """The option at fault, if it takes two numbers."""

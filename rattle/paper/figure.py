@@ -25,6 +25,31 @@ class Sheet:
     numbers: dict[str, Any]
 
 
+@dataclass(frozen=True)
+class Printed:
+    """A number that the paper prints, and where the figure's own numbers have it.
+
+    Parameters
+    ----------
+    what : str
+    value : float
+        As printed.
+    place : tuple of str
+        Keys that lead to it in `Sheet.numbers`.
+    """
+
+    what: str
+    value: float
+    place: tuple[str, ...]
+
+    def beside(self, numbers: dict[str, Any]) -> dict[str, Any]:
+        """The paper's value beside the one found."""
+        found: Any = numbers
+        for key in self.place:
+            found = found[key]
+        return {"what": self.what, "paper": self.value, "found": found}
+
+
 def no_basins(grid: CellGrid) -> dict[str, BasinJob]:
     """No basins, for a figure that shows none."""
     return {}
@@ -44,9 +69,12 @@ class PaperFigure:
         Draws the sheet. It takes the results, by the names that `basins` gives them.
     basins : callable
         Returns the jobs that the figure needs, by name, for a given grid. Each is a single basin or a sweep.
+    printed : tuple of Printed
+        What the paper prints of it in numbers.
     """
 
     name: str
     shows: str
     make: Callable[[Results, Report], Sheet]
     basins: Callable[[CellGrid], dict[str, BasinJob]] = no_basins
+    printed: tuple[Printed, ...] = ()

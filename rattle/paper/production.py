@@ -21,10 +21,11 @@ _DIGITS = 12
 
 @dataclass(frozen=True)
 class Produced:
-    """Files of a figure in its folder."""
+    """Files of a figure in its folder, and what the paper prints beside what was found."""
 
     picture: Path
     numbers: Path
+    printed: list[dict[str, Any]]
 
 
 def store_name(job: BasinJob) -> str:
@@ -36,7 +37,9 @@ def store_name(job: BasinJob) -> str:
     return f"{contact}-d{damping:g}-e{eccentricity:g}-b{half_backlash:g}{swept}-{cells}-{job.digest[:8]}.zarr"
 
 
-def produce(figure: PaperFigure, folder: Path, grid: CellGrid, *, report: Report, workers: int) -> Produced:
+def produce(
+    figure: PaperFigure, folder: Path, grid: CellGrid, *, report: Report, workers: int, scheduler: str | None = None
+) -> Produced:
     """Recompute a figure.
 
     Parameters
@@ -50,6 +53,8 @@ def produce(figure: PaperFigure, folder: Path, grid: CellGrid, *, report: Report
         Called with the current step, how much of it is done, and the total. An exception that it raises stops the work.
     workers : int
         Threads that compute basins.
+    scheduler : str, optional
+        Address of a Dask scheduler, in place of threads.
 
     Raises
     ------
@@ -59,11 +64,11 @@ def produce(figure: PaperFigure, folder: Path, grid: CellGrid, *, report: Report
     """
     jobs = figure.basins(grid)
     folder.mkdir(parents=True, exist_ok=True)
-    sheet = figure.make(_computed(jobs, folder, report, workers), report)
+    sheet = figure.make(_computed(jobs, folder, report, workers, scheduler), report)
     return _write(figure, sheet, folder)
 
 
-def _computed(jobs: dict[str, BasinJob], folder: Path, report: Report, workers: int) -> Results:
+def _computed(jobs: dict[str, BasinJob], folder: Path, report: Report, workers: int, scheduler: str | None) -> Results:
     """Results of the basins, one computed after another."""
     results = {}
     for number, (name, job) in enumerate(jobs.items(), 1):
@@ -72,7 +77,9 @@ def _computed(jobs: dict[str, BasinJob], folder: Path, report: Report, workers: 
         def report_tiles(progress: Progress, before: str = before) -> None:
             report(f"{before}{progress.stage}", progress.tiles_done, progress.tiles_total)
 
-        results[name] = compute(job, store=folder / store_name(job), workers=workers, progress=report_tiles)
+        results[name] = compute(
+            job, store=folder / store_name(job), workers=workers, scheduler=scheduler, progress=report_tiles
+        )
     return results
 
 
@@ -80,11 +87,12 @@ def _write(figure: PaperFigure, sheet: Sheet, folder: Path) -> Produced:
     picture, numbers = folder / f"{figure.name}.png", folder / f"{figure.name}.json"
     encoded = io.BytesIO()
     _paint(sheet.drawing).save(encoded, format="png", optimize=True)
-    content = {"figure": figure.name, "shows": figure.shows} | sheet.numbers
+    printed = [each.beside(sheet.numbers) for each in figure.printed]
+    content = {"figure": figure.name, "shows": figure.shows} | sheet.numbers | ({"printed": printed} if printed else {})
     text = json.dumps(_plain(content), indent=1, allow_nan=False) + "\n"
     picture.write_bytes(encoded.getvalue())
     numbers.write_text(text)
-    return Produced(picture, numbers)
+    return Produced(picture, numbers, printed)
 
 
 def _paint(drawing: Figure) -> Image.Image:

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from rattle.argument import Argument
-from rattle.arguments import demand_known, job_of
+from rattle.arguments import demand_known, demand_names, job_of
 from rattle.remote.client import ServiceClient
 from rattle.results.trajectories import TRAJECTORY_EXAMPLE, dataset_of, trajectory_arguments, trajectory_request
 from rattle.verb import VERBS, Verb, described
@@ -82,7 +82,8 @@ class Service(ServiceClient):
 def _verb(service: ServiceClient, verb: Verb) -> Callable[..., xr.Dataset]:
     arguments = (*verb.arguments, _PROGRESS)
 
-    def call(*, progress: bool = True, **given: Any) -> xr.Dataset:
+    def call(*positional: Any, progress: bool = True, **given: Any) -> xr.Dataset:
+        demand_names(verb.name, positional, verb.arguments)
         demand_known(verb.name, given, [each.name for each in arguments])
         job = service.submit(job_of(KINDS[verb.kind].job_class, given, verb.name))
         job.wait(progress).demand_success()
@@ -92,7 +93,8 @@ def _verb(service: ServiceClient, verb: Verb) -> Callable[..., xr.Dataset]:
 
 
 def _trajectory(service: ServiceClient) -> Callable[..., xr.Dataset]:
-    def call(**given: Any) -> xr.Dataset:
+    def call(*positional: Any, **given: Any) -> xr.Dataset:
+        demand_names("trajectory", positional, trajectory_arguments())
         request = trajectory_request(given)
         answer = service.ask("POST", "/v1/trajectories", json=request.model_dump(mode="json", exclude_unset=True))
         return dataset_of(request, _history_of(answer))

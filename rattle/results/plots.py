@@ -1,6 +1,6 @@
 """What draws a result: whole pictures, parts of them on axes of your own, and curves over what is there."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rattle.results.described import Described
@@ -17,7 +17,9 @@ _CURVES = ("manifold", "grazing_curve")
 class Plots(Described):
     """The part of the accessor that draws."""
 
-    def overlay(self, *kinds: str, ax: "Axes | None" = None) -> "Axes":
+    def overlay(
+        self, *kinds: str, ax: "Axes | None" = None, color: Any = None, linewidth: float | None = None
+    ) -> "Axes":  # fmt: skip
         """Lay curves and marks over axes that show the (t, v) plane.
 
         Parameters
@@ -27,6 +29,10 @@ class Plots(Described):
             default all that there are. Of manifolds and grazing curves none: all of their curves are drawn.
         ax : matplotlib.axes.Axes, optional
             By default the current axes.
+        color : optional
+            One of Matplotlib, for all that is drawn; each kind and curve has its own by default.
+        linewidth : float, optional
+            Of curves, points.
 
         Returns
         -------
@@ -47,9 +53,12 @@ class Plots(Described):
         self._demand("overlay", "basin", *_CURVES)
         from rattle.results.drawing import draw_over
 
-        return draw_over(self._dataset, self.kind, self.job, kinds, ax)
+        return draw_over(self._dataset, self.kind, self.job, kinds, ax, color, linewidth)
 
-    def plot(self, ax: "Axes | None" = None, *, overlays: Collection[str] | None = None, legend: bool = True) -> Any:
+    def plot(
+        self, ax: "Axes | None" = None, *, overlays: Collection[str] | None = None, legend: bool = True,
+        colors: Mapping[str, Any] | None = None, palette: str | None = None, title: str | None = None,
+    ) -> Any:  # fmt: skip
         """Draw the result: cells in the colours of their motions, a diagram, curves, or Phi(t).
 
         Parameters
@@ -61,6 +70,12 @@ class Plots(Described):
             ``saddles``; by default the grazing curve and the attractors. ``proven`` hatches what is not.
         legend : bool
             Whether the motions are listed beside the basins.
+        colors : dict, optional
+            Colours of Matplotlib for some motions of basins, by name: ``{"permanent contact": "white"}``.
+        palette : str, optional
+            Of basins: ``"paper"`` or ``"colour_blind"``.
+        title : str, optional
+            Of the axes or the figure.
 
         Returns
         -------
@@ -70,25 +85,34 @@ class Plots(Described):
         Raises
         ------
         InvalidJob
-            If an overlay is not known for the model, or nothing is proven.
+            If an overlay is not known for the model, or nothing is proven; if a colour, a motion or a palette is not
+            known, or colours are given for what has none.
 
         Examples
         --------
-        >>> axes = rattle.basin(cells=40, progress=False).rattle.plot(overlays=["grazing"])
-        >>> axes.get_ylabel()
-        'velocity v of departure'
+        >>> basin = rattle.basin(cells=40, progress=False)
+        >>> axes = basin.rattle.plot(overlays=["grazing"], colors={"P(1,1,0)": "orange"}, title="forty cells")
+        >>> axes.get_ylabel(), axes.get_title()
+        ('velocity v of departure', 'forty cells')
         """
-        from rattle.results.drawing import draw_basin, draw_on_figure
+        from rattle.results.drawing import draw_basin, draw_on_figure, paints_of
 
+        if self.kind not in ("basin", "sweep") and (colors or palette):
+            raise InvalidJob(f"colors and palette are of basins, and this is of kind {self.kind}")
+        paints = paints_of(self._dataset, colors, palette)
         if self.kind == "basin":
-            return draw_basin(self._dataset, ax, overlays, legend)
+            axes = draw_basin(self._dataset, ax, overlays, legend, paints)
+            return axes if title is None else (axes.set_title(title), axes)[1]
         if ax is not None:
             over = "or lay it over a basin with .rattle.overlay(ax=ax)" if self.kind in _CURVES else ""
             raise InvalidJob(
                 f"a result of kind {self.kind} is drawn on a figure of its own: leave out ax {over}".rstrip()
             )
         job = None if self.kind == TRAJECTORY else self.job
-        return draw_on_figure(self._dataset, self.kind, job, overlays, legend)
+        figure = draw_on_figure(self._dataset, self.kind, job, overlays, legend, paints)
+        if title is not None:
+            figure.suptitle(title)
+        return figure
 
     def plot_shares(self, ax: "Axes | None" = None) -> "Figure | Axes":
         """Draw shares and expected loudness over the swept parameter: lines over one, maps over two.

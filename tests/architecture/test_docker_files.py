@@ -45,7 +45,9 @@ def test_there_is_everything_that_a_cluster_needs():
 @pytest.mark.parametrize("name", PARTS)
 def test_every_part_is_restarted_whatever_its_code_and_can_do_little(name):
     part = COMPOSE["services"][name]
-    assert part["restart"] == "always" and part["read_only"] and part["tmpfs"] == ["/tmp"]
+    assert part["restart"] == "always" and part["read_only"]
+    # The image's volume has a name, or is no volume: else each start would leave one behind.
+    assert ("service:/data" in part.get("volumes", [])) != ("/data" in part["tmpfs"])
     assert part["cap_drop"] == ["ALL"] and part["security_opt"] == ["no-new-privileges:true"]
     assert part["healthcheck"]["test"][0] == "CMD"
     assert "privileged" not in part and "network_mode" not in part
@@ -54,6 +56,38 @@ def test_every_part_is_restarted_whatever_its_code_and_can_do_little(name):
 def test_only_the_proxy_is_published_and_on_loopback_unless_asked_otherwise():
     published = {name: part["ports"] for name, part in COMPOSE["services"].items() if "ports" in part}
     assert published == {"proxy": ["${RATTLE_PUBLISH:-127.0.0.1:8000}:8443"]}
+
+
+def test_the_proxy_has_nothing_of_the_cluster():
+    """Who has the cluster's key and reaches its scheduler runs code on every worker."""
+    proxy, files = COMPOSE["services"]["proxy"], {name: each["file"] for name, each in COMPOSE["secrets"].items()}
+    held = {files[name] for name in proxy["secrets"]}
+    of_the_cluster = {files[name] for name in ("ca", "certificate", "key")}
+    assert len(held) == 2 and not any(path in each for path in of_the_cluster for each in held)
+    assert not re.search("certs/rattle|ca.pem", (DOCKER / "env.example").read_text())
+    reached = [name for name, part in COMPOSE["services"].items() if set(part["networks"]) & set(proxy["networks"])]
+    assert reached == ["service", "proxy"] and COMPOSE["services"]["service"]["networks"] == ["site", "cluster"]
+
+
+@pytest.mark.parametrize("name", COMPOSE["services"])
+def test_every_part_has_limits_and_logs_that_rotate(name):
+    part = COMPOSE["services"][name]
+    assert part["deploy"]["resources"]["limits"].keys() == {"cpus", "memory", "pids"}
+    assert part["logging"]["options"].keys() == {"max-size", "max-file"}
+
+
+def test_volumes_have_names():
+    for part in COMPOSE["services"].values():
+        for volume in part.get("volumes", []):
+            source = volume.partition(":")[0]
+            assert source.startswith("./") or source in COMPOSE["volumes"], volume
+
+
+def test_a_clients_address_is_told_by_the_proxy_alone():
+    conf = (DOCKER / "proxy" / "nginx.conf").read_text()
+    assert "proxy_set_header X-Forwarded-For $remote_addr;" in conf  # what a client says of itself is dropped
+    (subnet,) = COMPOSE["networks"]["site"]["ipam"]["config"]
+    assert COMPOSE["services"]["service"]["environment"]["RATTLE_TRUSTED_PROXIES"] == subnet["subnet"]
 
 
 def test_parts_of_the_cluster_speak_tls_and_show_no_dashboard():

@@ -11,7 +11,16 @@ import rattle
 from tests.distribution.conftest import ROOT, build
 
 PACKAGES = ("rattle", "rattle_kernels", "service", "worker")
-BESIDE = {"CHANGELOG.md", "CITATION.cff", "LICENSE", "PKG-INFO", "README.md", "pyproject.toml", ".gitignore"}
+BESIDE = {
+    "CHANGELOG.md",
+    "CITATION.cff",
+    "LICENSE",
+    "PKG-INFO",
+    "README.md",
+    "hatch_build.py",
+    "pyproject.toml",
+    ".gitignore",
+}
 
 
 def source_files():

@@ -8,6 +8,7 @@ import xarray as xr
 
 import rattle
 from worker.errors import InvalidJob
+from worker.pictures.colours import Palette, colours_of
 from worker.stores.summary import summarise
 from worker.views import reading
 from worker.views.measures import measure_basins
@@ -47,8 +48,52 @@ def test_a_basin_is_drawn_with_its_motions_named(basin):
         basin.rattle.plot(overlays=["saddle"])
 
 
+def test_a_basin_is_drawn_in_colours_and_with_a_title_of_ones_own(basin):
+    numbers, names = basin.solution.values, basin.name.values.tolist()
+    usual = np.array(basin.rattle.plot(overlays=[]).images[0].get_array())
+    axes = basin.rattle.plot(overlays=[], colors={"P(1,1,0)": "#ff8000"}, title="mine")
+    image, own = np.array(axes.images[0].get_array()), numbers == names.index("P(1,1,0)")
+    assert own.any() and (image[own] == [1.0, 128 / 255, 0.0]).all()
+    np.testing.assert_array_equal(image[~own], usual[~own])
+    (entry,) = [
+        patch
+        for patch, text in zip(axes.get_legend().get_patches(), axes.get_legend().get_texts(), strict=False)
+        if text.get_text().startswith("P(1,1,0)")
+    ]
+    assert entry.get_facecolor()[:3] == (1.0, 128 / 255, 0.0) and axes.get_title() == "mine"
+
+
+@pytest.mark.parametrize("palette", Palette)
+def test_a_basin_is_drawn_in_a_palette(basin, palette):
+    axes = basin.rattle.plot(overlays=[], palette=palette.value)
+    image = np.array(axes.images[0].get_array())
+    quiet = colours_of(basin.rattle.catalogue(), palette)[0]
+    assert np.allclose(image[basin.solution.values == 0], quiet)
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"palette": "viridis"}, "no palette 'viridis': take paper or colour_blind"),
+        ({"colors": {"P(9,9,9)": "red"}}, r"no motion 'P\(9,9,9\)' to colour: there are permanent contact"),
+        ({"colors": {"permanent contact": "reddish"}}, "reddish"),
+    ],
+)
+def test_colours_that_are_not_known_are_refused(basin, asked, told):
+    with pytest.raises(InvalidJob, match=told):
+        basin.rattle.plot(**asked)
+
+
+def test_overlays_have_a_colour_and_a_width_of_ones_own(basin):
+    axes = basin.rattle.plot(overlays=[])
+    basin.rattle.overlay("grazing", ax=axes, color="red", linewidth=3.0)
+    assert [(line.get_color(), line.get_linewidth()) for line in axes.lines] == [("red", 3.0)]
+
+
 def test_a_sweep_is_drawn_side_by_side_and_its_shares_over_the_parameter(sweep):
-    figure = sweep.rattle.plot()
+    figure = sweep.rattle.plot(colors={"permanent contact": "white"}, title="three dampings")
+    assert figure.get_suptitle() == "three dampings"
+    assert figure.legends[0].get_patches()[0].get_facecolor() == (1.0, 1.0, 1.0, 1.0)
     assert [axes.get_title() for axes in figure.axes] == ["damping = 0.55", "damping = 0.6", "damping = 0.7"]
     lines = sweep.rattle.plot_shares().axes[0].get_lines()
     assert len(lines) == sweep.sizes["attractor"]

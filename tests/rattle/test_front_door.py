@@ -131,3 +131,15 @@ def test_a_trajectory_is_that_of_the_kernels():
         rattle.trajectory(damping=0.6)
     with pytest.raises(ValueError, match="velocity must be positive"):
         rattle.trajectory(velocity=-4.0)
+
+
+@pytest.mark.parametrize("verb", [rattle.basin, rattle.sweep, rattle.trajectory])
+def test_arguments_without_names_are_written_with_them(verb):
+    with pytest.raises(TypeError, match=rf"{verb.__name__}\(damping=0.6, eccentricity=0.1, half_backlash=0.7\)"):
+        verb(0.6, 0.1, 0.7)
+
+
+def test_a_path_that_does_not_exist_is_one_traceback(tmp_path):
+    with pytest.raises(StoreConflict, match="nothing there") as refused:
+        rattle.open(tmp_path / "none.zarr")
+    assert refused.value.__cause__ is None and refused.value.__suppress_context__

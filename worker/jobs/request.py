@@ -1,5 +1,6 @@
 """Base of all requests: strict numbers, no unknown fields, and errors that name the field at fault."""
 
+import difflib
 from collections.abc import Callable
 from typing import Annotated, Any
 
@@ -16,10 +17,18 @@ UNION_TAGS = {"impacting", "piecewise_linear"}
 """Parts of pydantic's locations that name the model of the oscillator; they are not fields."""
 
 
+_FIELDS: set[str] = set()
+
+
 class Request(BaseModel):
     """A request, or a part of one. An unknown field is an error, so that a misspelt option is not ignored."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Note the fields of each request: what is misspelt may have been meant to be one of them."""
+        _FIELDS.update(cls.model_fields)
 
 
 def values_config(title: str) -> ConfigDict:
@@ -72,9 +81,15 @@ def fault_of(item: Any) -> tuple[Place, str]:
     place = tuple(part for part in item["loc"] if part not in UNION_TAGS)
     if isinstance(error, InvalidJob):
         place += error.place
-    if item["type"] == "unexpected_keyword_argument":
-        return place, "Extra inputs are not permitted"  # a dataclass words it differently
+    if item["type"] in ("extra_forbidden", "unexpected_keyword_argument"):  # the second is a dataclass's
+        return place, f"Extra inputs are not permitted{_hint(str(place[-1]))}"
     return place, item["msg"].removeprefix("Value error, ")
+
+
+def _hint(name: str) -> str:
+    """The field that may have been meant; none for one that is a field elsewhere."""
+    near = [] if name in _FIELDS else difflib.get_close_matches(name, sorted(_FIELDS), 1, 0.7)
+    return f"; did you mean {near[0]}?" if near else ""
 
 
 def refusal(error: ValidationError) -> ValueError:

@@ -53,7 +53,7 @@ def lay_unproven(dataset: xr.Dataset, axes: Axes) -> None:
 
 def plot_basin(
     dataset: xr.Dataset, ax: Axes | None = None, *, legend: bool = True,
-    overlays: Collection[OverlayKind] = USUAL_OVERLAYS,
+    overlays: Collection[OverlayKind] = USUAL_OVERLAYS, palette: colours.Palette | None = None,
 ) -> Axes:  # fmt: skip
     """Draw the solutions of a basin in the project's colours, with overlays.
 
@@ -68,6 +68,8 @@ def plot_basin(
     overlays : collection of OverlayKind
         Any of ``("proven", "grazing", "preimages", "manifolds", "attractors", "saddles")``. For others, call ``draw``
         of an `Overlay` from `worker.pictures.overlay` on the axes.
+    palette : Palette, optional
+        Colours of the motions; the usual ones by default.
 
     Returns
     -------
@@ -91,13 +93,14 @@ def plot_basin(
         figure.set_layout_engine("constrained")  # room for the legend beside the axes, in files as well
     attractors, extent = attractors_of(dataset), _extent(dataset)
     shown = thinned(dataset)
-    image = colours.paint_cells(shown.solution, shown.group, attractors)
+    painted = {} if palette is None else {"palette": palette}
+    image = colours.paint_cells(shown.solution, shown.group, attractors, **painted)
     axes.imshow(image, origin="lower", extent=extent, aspect="auto", interpolation="nearest")
     if OverlayKind.PROVEN in overlays:
         lay_unproven(dataset, axes)
     for overlay in overlays_for(overlays, job_of(dataset).oscillator, attractors, extent[2:]):
         overlay.draw(axes, extent[0])
     if legend and attractors:
-        draw_legend(axes, attractors, dataset.share.values)
+        draw_legend(axes, attractors, dataset.share.values, **painted)
     frame(axes, extent)
     return axes

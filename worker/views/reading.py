@@ -101,7 +101,7 @@ def open_group_of(
         except (FileNotFoundError, KeyError, ValueError) as error:
             raise StoreConflict(
                 f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open"
-            ) from error
+            ) from (error if Path(location).exists() else None)
 
 
 def _labelled(dataset: xr.Dataset) -> xr.Dataset:

@@ -10,6 +10,8 @@ import typer
 from rich.table import Table
 
 from rattle.cli.console import err, give_up, out
+from rattle.cli.readable_help import ReadableGroup
+from rattle.cli.strict_command import StrictCommand
 from service.records.engine import DatabaseError, open_database
 from service.records.key_record import KeyRecord, KeyScope
 from service.records.keys import InvalidKeyName, Keys
@@ -19,7 +21,9 @@ Data = Annotated[
     Path | None, typer.Option(help="Folder of the service's database, unless RATTLE_DATABASE_URL names another")
 ]
 
-keys = typer.Typer(no_args_is_help=True, help="Make, list and revoke the API keys of a service.")
+keys = typer.Typer(
+    name="keys", cls=ReadableGroup, no_args_is_help=True, help="Make, list and revoke the API keys of a service."
+)
 
 
 @contextlib.contextmanager
@@ -35,11 +39,23 @@ def opened_keys(settings: Settings) -> Iterator[Keys]:
         engine.dispose()
 
 
+def _there(settings: Settings) -> bool:
+    """Whether there is a database. One that is a file is made by `rattle keys add` and `rattle serve` alone."""
+    return settings.database_url is not None or settings.database_file.exists()
+
+
+def _records(settings: Settings) -> list[KeyRecord]:
+    if not _there(settings):
+        return []
+    with opened_keys(settings) as here:
+        return list(here.all())
+
+
 def _settings(data: Path | None) -> Settings:
     return Settings() if data is None else Settings(data=data)
 
 
-@keys.command()
+@keys.command(cls=StrictCommand)
 def add(
     name: Annotated[str, typer.Argument(help="Name of its owner, shown in jobs and log lines")],
     scope: Annotated[list[KeyScope] | None, typer.Option(help="What it allows; read and submit by default")] = None,
@@ -56,19 +72,17 @@ def add(
     typer.echo(key)
 
 
-@keys.command("list")
+@keys.command("list", cls=StrictCommand)
 def list_keys(data: Data = None, as_json: Annotated[bool, typer.Option("--json", help="As JSON")] = False) -> None:
     """List all keys by their first characters, including revoked ones."""
     if as_json:
-        with opened_keys(_settings(data)) as here:
-            typer.echo(json.dumps([_as_json(record) for record in here.all()], indent=2))
+        typer.echo(json.dumps([_as_json(record) for record in _records(_settings(data))], indent=2))
         return
     table = Table("name", "key", "scopes", "created", "last used", "revoked")
-    with opened_keys(_settings(data)) as here:
-        for record in here.all():
-            moments = (record.created, record.last_used, record.revoked)
-            cells = [f"{moment:%Y-%m-%d %H:%M}" if moment else "" for moment in moments]
-            table.add_row(record.name, f"{record.prefix}...", record.scopes, *cells)
+    for record in _records(_settings(data)):
+        moments = (record.created, record.last_used, record.revoked)
+        cells = [f"{moment:%Y-%m-%d %H:%M}" if moment else "" for moment in moments]
+        table.add_row(record.name, f"{record.prefix}...", record.scopes, *cells)
     out.print(table)
 
 
@@ -78,13 +92,16 @@ def _as_json(record: KeyRecord) -> dict[str, str | None]:
     return {"name": record.name, "prefix": record.prefix, "scopes": record.scopes} | dates
 
 
-@keys.command()
+@keys.command(cls=StrictCommand)
 def revoke(
     which: Annotated[str, typer.Argument(help="The beginning of a key, or the name of all that are to be revoked")],
     data: Data = None,
 ) -> None:
     """Revoke keys; they stop working within two seconds."""
-    with opened_keys(_settings(data)) as here:
+    settings = _settings(data)
+    if not _there(settings):
+        give_up(f"there is no database at {settings.database_file}, so there are no keys: name its folder by --data", 2)
+    with opened_keys(settings) as here:
         revoked = here.revoke(which)
     if not revoked:
         give_up(f"no key that is not revoked begins with {which} or is called so: see `rattle keys list`", 2)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from rattle.cli.console import give_up, out, progress_line
+from rattle.cli.console import Scheduler, give_up, out, progress_line
 from rattle.stores.checking import Check
 from rattle.stores.checking import check as check_and_mend
 from worker.errors import JobCancelled, WorkerError
@@ -20,6 +20,7 @@ def check(
         False
     ),
     workers: Annotated[int, typer.Option(min=1, help="Threads that compute")] = 2,
+    scheduler: Scheduler = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")] = False,
 ) -> None:
     """Read every file of a store; compute anew what is damaged or missing, to the same bytes."""
@@ -27,7 +28,7 @@ def check(
     try:
         with progress_line() as line:
             found = check_and_mend(
-                store, dry_run=dry_run, workers=workers, computing=line.report,
+                store, dry_run=dry_run, workers=workers, scheduler=scheduler, computing=line.report,
                 reading=lambda done, total: line.show("reading", (done, total), unit="chunks"),
             )  # fmt: skip
     except JobCancelled:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rattle import BasinJob
-from rattle.paper.figure import PaperFigure, Report, Results, Sheet
+from rattle.paper.figure import PaperFigure, Printed, Report, Results, Sheet
 from rattle.paper.numbers.orbits import orbit_summary, orbits_named, point_summary, the_orbit, the_point
 from rattle.paper.numbers.solutions import basin_summary
 from rattle.paper.panels.basin_panel import draw_panel, legend_of
@@ -107,4 +107,7 @@ def _make(results: Results, report: Report) -> Sheet:
     return Sheet(drawing, numbers)
 
 
-FIG10 = PaperFigure("fig10", "P(1,2,0) to its saddle-node, and basins before, at and after it", _make, _basins)
+FIG10 = PaperFigure(
+    "fig10", "P(1,2,0) to its saddle-node, and basins before, at and after it", _make, _basins,
+    (Printed("damping of the saddle-node of P(1,2,0)", 0.5997, ("saddle_node", "damping")),),
+)  # fmt: skip

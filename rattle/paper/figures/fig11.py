@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle.paper.figure import PaperFigure, Report, Results, Sheet
+from rattle.paper.figure import PaperFigure, Printed, Report, Results, Sheet
 from rattle.paper.numbers.orbits import orbit_summary, point_summary, the_orbit, the_point
 from rattle.paper.papers_oscillator import papers_oscillator
 from rattle_kernels import BifurcationDiagram, SpecialKind, SpecialPoint, bifurcation_diagram, continue_orbit
@@ -93,4 +93,10 @@ def _make(results: Results, report: Report) -> Sheet:
     return Sheet(drawing, numbers)
 
 
-FIG11 = PaperFigure("fig11", "impact velocity over damping, increasing and decreasing, with A, B and C", _make)
+FIG11 = PaperFigure(
+    "fig11", "impact velocity over damping, increasing and decreasing, with A, B and C", _make,
+    printed=(
+        Printed("B: damping at which P(2,2,1) doubles", 0.5819, ("special_points", "B", "damping")),
+        Printed("C: damping at which P(4,4,2) grazes", 0.5922, ("special_points", "C", "damping")),
+    ),
+)  # fmt: skip

@@ -1,17 +1,24 @@
 """The commands as a user types them."""
 
 import json
+import shlex
 import socket
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import typer
 import xarray as xr
+from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
-from rattle.cli import app
-from rattle.paper import production
+from rattle.cli import _loaded, app, remote
+from rattle.cli.console import out
+from rattle.cli.examples import examples_of
+from rattle.paper import production, registry
+from rattle.paper.figure import PaperFigure, Printed, Sheet
+from tests.ports import free_port
 from tests.waiting import wait_until
 
 SMALL = ["--cells", "24", "20", "--iterations", "101"]
@@ -27,6 +34,113 @@ def rattle(*arguments):
 def test_every_command_explains_itself(command):
     answer = CliRunner().invoke(app, [command, "--help"])
     assert answer.exit_code == 0 and len(answer.output) > 200
+
+
+def every_command():
+    """Words of each command and the command itself, those of `rattle keys` as well."""
+    for name in typer.main.get_command(app).commands:
+        command = _loaded(name)
+        yield [name], command
+        yield from (([name, each], found) for each, found in getattr(command, "commands", {}).items())
+
+
+EVERY_COMMAND = {" ".join(words): (words, command) for words, command in every_command()}
+
+
+@pytest.mark.parametrize("asked", ["--help", "-h"])
+@pytest.mark.parametrize("words", [[], *(words for words, _ in EVERY_COMMAND.values())], ids=" ".join)
+def test_help_is_not_cut_at_80_columns_and_ends_with_examples(words, asked, monkeypatch):
+    monkeypatch.setattr(out, "width", 80)
+    monkeypatch.setenv("COLUMNS", "80")
+    answer = CliRunner().invoke(app, [*words, asked], terminal_width=80)
+    assert answer.exit_code == 0, answer.output
+    assert "\N{HORIZONTAL ELLIPSIS}" not in answer.output and max(map(len, answer.output.splitlines())) <= 80
+    assert "Example" in answer.output and answer.output.rstrip().splitlines()[-1].strip().startswith("rattle ")
+    for parameter in EVERY_COMMAND[" ".join(words)][1].params if words else ():
+        assert all(flag in answer.output for flag in parameter.opts if flag.startswith("--"))
+
+
+@pytest.mark.parametrize("name", EVERY_COMMAND)
+def test_examples_are_what_their_command_takes(name):
+    words, command = EVERY_COMMAND[name]
+    for example in examples_of(words[-1]):
+        called = shlex.split(example.partition("<")[0])
+        if len(words) < len(called) and getattr(command, "commands", None) is None:
+            assert called[: 1 + len(words)] == ["rattle", *words]
+            command.make_context(name, called[1 + len(words) :])
+
+
+@pytest.mark.parametrize(
+    "name", ["serve", "basin", "sweep", "bifurcation", "orbits", "manifold", "grazing-curve", "check", "paper"]
+)
+def test_what_computes_takes_a_scheduler(name):
+    (option,) = [each for each in EVERY_COMMAND[name][1].params if "--scheduler" in each.opts]
+    assert option.envvar == "RATTLE_SCHEDULER" and option.show_envvar
+
+
+def test_a_scheduler_that_is_named_is_asked(tmp_path, monkeypatch):
+    monkeypatch.setattr("worker.cluster.connection._CONNECT_SECONDS", 0.1)
+    address = f"tcp://127.0.0.1:{free_port()}"
+    answer = CliRunner().invoke(app, ["basin", *SMALL, "--scheduler", address, "--out", str(tmp_path / "b.zarr")])
+    assert answer.exit_code == 1 and f"no Dask scheduler answers at {address}" in answer.output
+
+
+def test_one_number_of_cells_is_that_of_both_axes(tmp_path):
+    store = tmp_path / "square.zarr"
+    answer = CliRunner().invoke(app, ["basin", "--cells", "12", "--iterations", "101", "--out", str(store)])
+    assert answer.exit_code == 0, answer.output
+    with xr.open_zarr(store) as basin:
+        assert basin.solution.shape == (12, 12)
+
+
+def test_shares_of_a_sample_are_printed_with_their_errors(tmp_path):
+    store = tmp_path / "shares.zarr"
+    answer = CliRunner().invoke(app, ["basin", "--sample", "300", "--iterations", "101", "--out", str(store)])
+    assert answer.exit_code == 0, answer.output
+    with xr.open_zarr(store) as basin:
+        share, error = float(basin.share[0]), float(basin.share_error[0])
+    assert 0.0 < error < share and f"{100 * share:.3f} ± {100 * error:.2g} %" in answer.output
+
+
+def test_jobs_are_readable_at_80_columns(monkeypatch, capsys):
+    oscillator = {"model": "impacting", "damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6, "restitution": 1.0}
+    progress = {"tiles_done": 3, "tiles_total": 12, "stage": "mapping"}
+    job = {"id": "0123456789abcdef" * 2, "kind": "basin", "state": "running", "progress": progress,
+           "created": "2026-01-02T03:04:05.678Z", "request": {"oscillator": oscillator}}  # fmt: skip
+    monkeypatch.setattr(out, "width", 80)
+    remote._print_jobs([job, job])
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 6 and max(map(len, lines)) <= 80
+    assert lines[0].strip() == job["id"]
+    assert lines[1].strip() == "basin, running, 3 of 12 tiles, 2026-01-02T03:04:05"
+    assert lines[2].strip() == "damping 0.6, eccentricity 0.1, half_backlash 0.6, restitution 1"
+
+
+@pytest.mark.parametrize("words", [["revoke", "nobody"], ["list"]])
+def test_looking_at_keys_leaves_no_folder_behind(tmp_path, words):
+    answer = CliRunner().invoke(app, ["keys", *words, "--data", str(tmp_path / "none")])
+    assert answer.exit_code == (2 if "revoke" in words else 0), answer.output
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_the_paper_prints_stands_beside_what_is_found(tmp_path, monkeypatch):
+    sheet = Sheet(Figure(figsize=(1, 1)), {"point": {"damping": 0.59971576}})
+    figure = PaperFigure("fig0", "", lambda *_: sheet, printed=(Printed("a fold", 0.5997, ("point", "damping")),))
+    monkeypatch.setitem(registry.ALL_FIGURES, "fig0", figure)
+    answer = CliRunner().invoke(app, ["paper", "fig0", "--out", str(tmp_path)])
+    assert answer.exit_code == 0, answer.output
+    (row,) = [line for line in answer.output.splitlines() if "a fold" in line]
+    assert "0.5997 " in row and "0.59971576" in row
+    beside = {"what": "a fold", "paper": 0.5997, "found": 0.59971576}
+    assert json.loads((tmp_path / "fig0.json").read_text())["printed"] == [beside]
+
+
+@pytest.mark.parametrize("name", ["fig10", "fig11"])
+def test_kept_figures_have_what_the_paper_prints(name):
+    kept = json.loads((Path(__file__).parents[3] / "docs" / "figures" / f"{name}.json").read_text())
+    beside = [each.beside(kept) for each in registry.PAPER_FIGURES[name].printed]
+    assert beside and kept["printed"] == beside
+    assert all(each["found"] == pytest.approx(each["paper"], abs=1e-4) for each in beside)  # four digits are printed
 
 
 def test_a_basin_is_computed_resumed_and_drawn_without_a_service(tmp_path):
@@ -199,7 +313,8 @@ def test_a_manifold_is_grown_here_told_and_drawn(tmp_path):
         ),
         (["sweep", "--vary", "half-backlash=0.6,0.5,0.7", "--out", "x.zarr"], 2, "values of half_backlash must ascend"),
         (["sweep", "--vary", "damping=0.5:0.7:0.05", "--out", "x.zarr"], 2, "and how many, damping=0.5:0.7:21"),
-        (["basin", "--cells", "200", "--out", "x.zarr"], 2, "two numbers, as in --cells 200 150"),
+        (["basin", "--cells", "200.5", "--out", "x.zarr"], 2, "two numbers, as in --cells 200 150"),
+        (["basin", "--out", "x.zarr", "--cells"], 2, "two numbers, as in --cells 200 150"),
         (["basin", "--cells", "200,150", "--out", "x.zarr"], 2, "two numbers, as in --cells 200 150"),
     ],
 )

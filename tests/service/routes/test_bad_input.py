@@ -8,6 +8,8 @@ from tests.service.routes.problems import assert_problem, left_behind
 
 REFUSED = [
     ({"colour": 1}, 422, "body.colour: Extra inputs are not permitted"),
+    ({"iteration": 3}, 422, "body.iteration: Extra inputs are not permitted; did you mean iterations?"),
+    ({"oscillator": {"dampning": 0.6}}, 422, "dampning: Extra inputs are not permitted; did you mean damping?"),
     ({"oscillator": {"dampnig": 0.5}}, 422, "dampnig"),
     ({"oscillator": {"damping": "much"}}, 422, "body.oscillator.damping: Input should be a valid number"),
     ({"oscillator": {"damping": True}}, 422, "valid number"),

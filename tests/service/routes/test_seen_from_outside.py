@@ -171,6 +171,19 @@ def test_answers_are_logged_with_who_asked_and_no_client_breaks_a_line(service):
     assert second["path"].startswith("/nothing/%0D%0A") or second["path"].startswith("/nothing/%0d%0a")
 
 
+@pytest.mark.parametrize(
+    ("trusted", "told"), [(None, "127.0.0.1"), ("10.0.0.1", "127.0.0.1"), ("10.0.0.1,127.0.0.0/8", "192.0.2.7")]
+)
+def test_a_clients_address_is_what_a_trusted_proxy_says(monkeypatch, tmp_path, trusted, told):
+    def work(_):
+        service.request("GET", "/v1/jobs?size=3", headers={"x-forwarded-for": "192.0.2.7"})
+
+    with idle_service(monkeypatch, tmp_path, trusted_proxies=trusted) as service:
+        lines = [json.loads(line) for line in written(LogFormat.JSON, work, until="size=3")]
+    (line,) = (line for line in lines if line["logger"] == "rattle.access")
+    assert line["client"] == told
+
+
 def test_what_monitors_ask_for_is_logged_for_debugging_alone(service):
     def work(_):
         for path in ("/healthz", "/readyz", "/metrics", "/v1/jobs?size=2"):
