@@ -9,6 +9,7 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from fastapi.routing import iter_route_contexts
 from starlette.exceptions import HTTPException
 
 from rattle_kernels import OutsideDomain
@@ -174,7 +175,20 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
         detail = f"there is nothing at {request.url.path}; see /docs for what is there"
     kind = _KIND_OF_STATUS.get(error.status_code, "error")
     errors = error.errors if isinstance(error, MalformedBody) else ()
-    return problem(error.status_code, kind, detail, request.url.path, errors, error.headers)
+    headers = dict(error.headers or {})
+    if error.status_code == 405 and (allowed := _methods_at(request)):
+        headers["allow"] = ", ".join(sorted(allowed))
+    return problem(error.status_code, kind, detail, request.url.path, errors, headers)
+
+
+def _methods_at(request: Request) -> set[str]:
+    """Methods of all routes at an address. Starlette tells those of the first one alone."""
+    methods: set[str] = set()
+    for route in iter_route_contexts(request.app.routes):
+        pattern = getattr(route, "path_regex", None)
+        if pattern is not None and pattern.match(request.url.path):
+            methods |= route.methods or set()
+    return methods | {"HEAD"} if "GET" in methods else methods
 
 
 async def _database(request: Request, error: Exception) -> JSONResponse:
