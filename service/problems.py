@@ -14,7 +14,7 @@ from starlette.exceptions import HTTPException
 
 from rattle_kernels import OutsideDomain
 from service.errors import JobNotFound, LimitExceeded, NotReady, NotYours, TooMuch, Unstoppable, WrongKind
-from service.records.engine import DatabaseError
+from service.records.engine import DatabaseError, DatabaseGone
 from worker.errors import (
     ClusterFailed,
     InvalidFields,
@@ -51,8 +51,6 @@ _TABLE: dict[type[Exception], tuple[int, str]] = {
     JobCancelled: (409, "cancelled"),
 }
 
-DATABASE_FAILED = "database-failed", "the database does not answer; try again later"
-"""Kind and detail of a problem."""
 _KIND_OF_STATUS = {
     400: "malformed-request", 404: "not-found", 405: "method-not-allowed", 413: "body-too-large", 415:
     "unsupported-media-type", 416: "range-not-satisfiable", 422: "invalid-request",
@@ -110,6 +108,12 @@ def problem(
         "errors": list(errors),
     }
     return JSONResponse(body, status, headers=headers, media_type="application/problem+json")
+
+
+def database_problem(error: Exception, instance: str) -> JSONResponse:
+    """Problem document for an error of the database."""
+    detail = str(error) if isinstance(error, DatabaseGone) else "the database does not answer; try again later"
+    return problem(503, "database-failed", detail, instance)
 
 
 def faults_of(error: Exception) -> list[dict[str, Any]]:
@@ -193,7 +197,7 @@ def _methods_at(request: Request) -> set[str]:
 
 async def _database(request: Request, error: Exception) -> JSONResponse:
     _log.error("the database does not answer at %s", request.url.path, exc_info=error)
-    return problem(503, *DATABASE_FAILED, request.url.path)
+    return database_problem(error, request.url.path)
 
 
 async def _unexpected(request: Request, error: Exception) -> JSONResponse:
