@@ -21,6 +21,7 @@ from service.api_document import describe
 from service.middleware.access import Access
 from service.middleware.authentication import Authentication
 from service.middleware.pieces import Pieces
+from service.middleware.plain_requests import PlainRequests
 from service.middleware.security_headers import SecurityHeaders
 from service.problems import install_error_handlers
 from service.records.engine import open_database
@@ -123,6 +124,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(
         GZipMiddleware, minimum_size=_LEAST_COMPRESSED, compresslevel=4, exclude_content_types=_NOT_COMPRESSED
     )  # fmt: skip
+    app.add_middleware(PlainRequests)
     app.add_middleware(Authentication)
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)

@@ -9,11 +9,12 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from fastapi.routing import iter_route_contexts
 from starlette.exceptions import HTTPException
 
 from rattle_kernels import OutsideDomain
 from service.errors import JobNotFound, LimitExceeded, NotReady, NotYours, TooMuch, Unstoppable, WrongKind
-from service.records.engine import DatabaseError
+from service.records.engine import DatabaseError, DatabaseGone
 from worker.errors import (
     ClusterFailed,
     InvalidFields,
@@ -50,8 +51,6 @@ _TABLE: dict[type[Exception], tuple[int, str]] = {
     JobCancelled: (409, "cancelled"),
 }
 
-DATABASE_FAILED = "database-failed", "the database does not answer; try again later"
-"""Kind and detail of a problem."""
 _KIND_OF_STATUS = {
     400: "malformed-request", 404: "not-found", 405: "method-not-allowed", 413: "body-too-large", 415:
     "unsupported-media-type", 416: "range-not-satisfiable", 422: "invalid-request",
@@ -109,6 +108,12 @@ def problem(
         "errors": list(errors),
     }
     return JSONResponse(body, status, headers=headers, media_type="application/problem+json")
+
+
+def database_problem(error: Exception, instance: str) -> JSONResponse:
+    """Problem document for an error of the database."""
+    detail = str(error) if isinstance(error, DatabaseGone) else "the database does not answer; try again later"
+    return problem(503, "database-failed", detail, instance)
 
 
 def faults_of(error: Exception) -> list[dict[str, Any]]:
@@ -174,12 +179,25 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
         detail = f"there is nothing at {request.url.path}; see /docs for what is there"
     kind = _KIND_OF_STATUS.get(error.status_code, "error")
     errors = error.errors if isinstance(error, MalformedBody) else ()
-    return problem(error.status_code, kind, detail, request.url.path, errors, error.headers)
+    headers = dict(error.headers or {})
+    if error.status_code == 405 and (allowed := _methods_at(request)):
+        headers["allow"] = ", ".join(sorted(allowed))
+    return problem(error.status_code, kind, detail, request.url.path, errors, headers)
+
+
+def _methods_at(request: Request) -> set[str]:
+    """Methods of all routes at an address. Starlette tells those of the first one alone."""
+    methods: set[str] = set()
+    for route in iter_route_contexts(request.app.routes):
+        pattern = getattr(route, "path_regex", None)
+        if pattern is not None and pattern.match(request.url.path):
+            methods |= route.methods or set()
+    return methods | {"HEAD"} if "GET" in methods else methods
 
 
 async def _database(request: Request, error: Exception) -> JSONResponse:
     _log.error("the database does not answer at %s", request.url.path, exc_info=error)
-    return problem(503, *DATABASE_FAILED, request.url.path)
+    return database_problem(error, request.url.path)
 
 
 async def _unexpected(request: Request, error: Exception) -> JSONResponse:

@@ -9,6 +9,7 @@ from starlette.exceptions import HTTPException
 from worker.stores.result_files import read_file_of_store
 
 _BYTES = "application/octet-stream"
+_MOST_DIGITS = 18
 
 
 def range_of_file(location: str, path: str, headers: Headers) -> Response | None:
@@ -53,10 +54,15 @@ def _requested(headers: Headers, size: int, tag: str) -> tuple[int, int] | None:
     match = re.fullmatch(r"bytes=(\d*)-(\d*)", headers.get("range", "").replace(" ", ""))
     if not match or not any(match.groups()) or headers.get("if-range", f'"{tag}"') != f'"{tag}"':
         return None
-    first, last = (int(number) if number else None for number in match.groups())
+    first, last = (_number(digits) if digits else None for digits in match.groups())
     if first is None:
         first, last = max(0, size - (last or 0)), None
     stop = size if last is None else min(size, last + 1)
     if first >= size or stop <= first:
         raise HTTPException(416, f"the file has {size} bytes", headers={"content-range": f"bytes */{size}"})
     return first, stop
+
+
+def _number(digits: str) -> int:
+    """Number that digits write, or one beyond the end of any file where they are too many to read."""
+    return int(digits) if len(digits) <= _MOST_DIGITS else 1 << 62

@@ -9,11 +9,11 @@ from service.answers.conditional import JsonAnswer, json_answer
 from service.errors import NotReady
 from service.models.basin_result import ResultView
 from service.models.results import ANALYSIS_VIEWS, AnyAnalysisView, AnyResult
-from service.records.job_record import JobRecord
+from service.records.job_record import JobRecord, JobState
 from worker.analyses.run import fingerprint_of_analysis, summarise_analysis
 from worker.kinds import KINDS
 from worker.stores.opening import holds_store
-from worker.stores.result_files import result_location
+from worker.stores.result_files import holds_root, result_location
 from worker.stores.summary import fingerprint, summarise
 
 # A driver writes its progress this often. Reading a summary costs as much as ten reads of a job's status.
@@ -33,8 +33,19 @@ def location_of_result(record: JobRecord, results: str) -> str:
     """
     location = result_location(results, record.store or record.id)
     if not holds_store(location):
+        if record.state == JobState.SUCCEEDED:
+            raise NotReady(f"the result of job {record.id} is gone: send its request again, to compute it anew")
+        if record.state.final:
+            raise NotReady(f"job {record.id} is {record.state}, and there is no result: send its request again")
         raise NotReady(f"job {record.id} is {record.state} and has no result yet")
     return location
+
+
+def result_is_gone(record: JobRecord, results: str) -> bool:
+    """Whether the result of a job that has succeeded was removed by somebody."""
+    if record.state != JobState.SUCCEEDED:
+        return False
+    return not holds_root(result_location(results, record.store or record.id))
 
 
 # Each change of state raises the revision, so a summary read before the end is never returned as the result.

@@ -10,7 +10,7 @@ from anyio import to_thread
 from starlette.responses import Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from service.problems import DATABASE_FAILED, problem
+from service.problems import database_problem, problem
 from service.records.engine import DatabaseError
 from service.records.key_record import KeyScope
 from service.records.keys import LOCAL_CALLER, Caller, KeyRing
@@ -61,8 +61,8 @@ class Authentication:
             async with self._refreshing:
                 if ring.stale:
                     await to_thread.run_sync(ring.refresh)
-        except DatabaseError:
-            return problem(503, *DATABASE_FAILED, scope["path"])
+        except DatabaseError as error:
+            return database_problem(error, scope["path"])
         headers = dict(scope["headers"])
         if not ring.required:
             return LOCAL_CALLER if _names_loopback(headers.get(b"host", b"")) else _misdirected(scope["path"])

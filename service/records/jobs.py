@@ -214,6 +214,13 @@ class Jobs:
             break
         return self.get(job_id)
 
+    def disown_result(self, job_id: str) -> None:
+        """Let a job that has succeeded answer no more requests, because its result is gone."""
+        change = update(JobRecord).where(JobRecord.id == job_id, JobRecord.state == JobState.SUCCEEDED)
+        with self._sessions() as session:
+            session.execute(change.values(answering=None))
+            session.commit()
+
     def release_store(self, job_id: str) -> str | None:
         """Detach an ended job from its store, and return the store's name if no other job needs it.
 

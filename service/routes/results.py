@@ -169,7 +169,11 @@ def get_shares(
     "/certificate.json",
     summary="The certificate of a proof",
     response_class=Response,
-    responses={200: {"content": {"application/json": {}}}, **_NOTHING_YET},
+    responses={
+        200: {"content": {"application/json": {}}},
+        **_NOTHING_YET,
+        **problems(s409="the job is no basin: only basins have a certificate"),
+    },
     dependencies=[LARGE],
 )
 def get_certificate(job_id: JobId, jobs: JobsHere, settings: SettingsHere) -> Response:
@@ -226,7 +230,6 @@ def get_table(
     return Response(text, media_type=table_format.media_type, headers={"etag": etag})
 
 
-@router.head("/result.zarr/{path:path}", include_in_schema=False)
 @router.get(
     "/result.zarr/{path:path}",
     summary="The Zarr store",

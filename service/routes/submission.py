@@ -10,6 +10,8 @@ from service.answers.conditional import JsonAnswer
 from service.answers.job_views import JobViews
 from service.answers.limits import settled_job
 from service.answers.request_checks import RequestChecks
+from service.answers.result_view import result_is_gone
+from service.errors import JobNotFound
 from service.records.jobs import Jobs
 from service.records.threads import DatabaseThreads
 from service.routes.dependencies import (
@@ -59,8 +61,20 @@ class Submission:
         """
         job = await self.checks.run(partial(settled_job, job_class, body, self.settings))
         known = await self.threads.read(self.views.answering, job)
+        if known and await self.threads.write(self._disowned, known[0]):
+            known = None
         job_id, view = known or await self._record(job)
         return Response(view.body, 202, {"location": f"/v1/jobs/{job_id}"}, "application/json")
+
+    def _disowned(self, job_id: str) -> bool:
+        """Whether a job can no longer answer, because its result is gone."""
+        try:
+            if not result_is_gone(self.jobs.get(job_id), self.settings.results):
+                return False
+        except JobNotFound:  # deleted a moment ago
+            return True
+        self.jobs.disown_result(job_id)
+        return True
 
     async def _record(self, job: Job) -> tuple[str, JsonAnswer]:
         record, new = await self.threads.write(self.jobs.submit, job, self.submitter)

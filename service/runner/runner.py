@@ -22,7 +22,7 @@ from worker.cluster.reconnecting_cluster import ReconnectingCluster
 from worker.errors import ClusterFailed, JobCancelled, LeaseLost, WorkerError
 from worker.kinds import KINDS
 from worker.progress import Progress, Stage
-from worker.stores.result_files import result_location
+from worker.stores.result_files import remove_rootless, result_location
 
 _log = logging.getLogger("rattle.runner")
 # Jobs submitted to other replicas are found by polling.
@@ -196,6 +196,8 @@ class Runner:
             kind = KINDS[record.kind]
             location = result_location(self.results, record.store or record.id)
             job = kind.job_class.from_request(record.request)
+            lease.check()
+            remove_rootless(location)
             kind.run(job, location, driver, report=report, cancel=lease.cancel, fence=lease.check)
         except (JobCancelled, LeaseLost):
             return _STOPPED, {}

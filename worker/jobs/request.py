@@ -4,13 +4,19 @@ import difflib
 from collections.abc import Callable
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from rattle_kernels import OutsideDomain
 from worker.errors import InvalidFields, InvalidJob, Place
 
+
+def _without_sign_of_zero(value: float) -> float:
+    """The same number: -0.0 and 0.0 are one, and so are the requests that they stand in."""
+    return value + 0.0
+
+
 # Strict: the JSON value true is not a number. An integer is accepted where a real number is expected.
-Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Real = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(_without_sign_of_zero)]
 Count = Annotated[int, Field(strict=True, ge=1)]
 
 UNION_TAGS = {"impacting", "piecewise_linear"}

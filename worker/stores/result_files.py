@@ -9,6 +9,34 @@ def result_location(root: str, job_id: str) -> str:
     return f"{root.rstrip('/')}/{job_id}.zarr"
 
 
+def holds_root(location: str) -> bool:
+    """Whether the root of a store is at a location: a look at one file.
+
+    Raises
+    ------
+    StoreFailed
+        If that cannot be found out.
+    """
+    with as_store_failure(location):
+        place = place_at(location)
+        place.check()
+        return place.read("zarr.json", lambda size, _: (0, min(size, 1))) is not None
+
+
+def remove_rootless(location: str) -> None:
+    """Remove what is left of a store that has lost its root: nothing can be continued there. Leave a store as it is.
+
+    Raises
+    ------
+    StoreFailed
+        If it cannot be removed.
+    """
+    with as_store_failure(location):
+        place = place_at(location)
+        if place.taken():
+            place.remove()
+
+
 def remove_result(location: str) -> None:
     """Remove a store, complete or not. Do nothing if there is none.
 
