@@ -165,8 +165,9 @@ class DamagedMetadata(Damaged):
 
     def __str__(self) -> str:
         of_node = f"{self.node}/" if self.node else ""
-        rest = "; `rattle check` mends it" if self.node else ", and nothing else says what it holds"
-        return f"the store {self.store} is damaged: the metadata {of_node}zarr.json cannot be read{rest}"
+        lost = "" if self.node else " unless its request is lost; then put back a copy of that file, or compute it anew"
+        damaged = f"the store {self.store} is damaged: the metadata {of_node}zarr.json cannot be read"
+        return f"{damaged}; `rattle check` mends it{lost}"
 
 
 class DamagedChunk(Damaged):

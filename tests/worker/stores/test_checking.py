@@ -5,6 +5,7 @@ import json
 import shutil
 
 import pytest
+from hypothesis import HealthCheck, given, settings, strategies
 
 import rattle
 from rattle_kernels import CellGrid
@@ -130,13 +131,17 @@ def _replaced_in_copy(store, array, old, new):
 
 
 @pytest.mark.parametrize(
-    "array, old, new",
-    [("solution", "100", "500"), ("landing_time", "float64", "gloat64"), ("assembly", "group", "grouq")],
+    "array, old, new, wrong",
+    [
+        ("solution", "100", "500", "solution/zarr.json"),
+        ("landing_time", "float64", "gloat64", "zarr.json"),  # such a root cannot be opened
+        ("assembly", "group", "grouq", "zarr.json"),
+    ],
 )
-def test_right_metadata_are_not_replaced_by_a_damaged_copy_of_the_root(finished, tmp_path, array, old, new):
+def test_right_metadata_are_not_replaced_by_a_damaged_copy_of_the_root(finished, tmp_path, array, old, new, wrong):
     copy = shutil.copytree(finished / "basin", tmp_path / "store")
     named = mended(copy, finished / "basin", lambda: _replaced_in_copy(copy, array, old, new))
-    assert named == {f"{array}/zarr.json"}
+    assert named == {wrong}
     whole = {path.relative_to(copy): path.read_bytes() for path in copy.rglob("*/zarr.json")}
     assert all((finished / "basin" / path).read_bytes() == content for path, content in whole.items())
 
@@ -244,3 +249,74 @@ def test_a_lost_request_cannot_be_mended(finished, tmp_path):
         rattle.check(copy)
     with pytest.raises(StoreConflict, match="nothing there"):
         rattle.check(tmp_path / "nowhere")
+
+
+@pytest.mark.parametrize("name", ["basin", "sweep", "sample", "proven", "grazing"])
+def test_metadata_of_every_array_are_written_anew(finished, tmp_path, name):
+    """Each is lost in turn; nothing is computed anew."""
+    copy = shutil.copytree(finished / name, tmp_path / "store")
+    for path in sorted(copy.rglob("*/zarr.json")):
+        own = path.relative_to(copy).as_posix()
+        path.write_text("x")
+        assert [each.path for each in rattle.check(copy, dry_run=True).damages] == [own]
+        path.write_bytes((finished / name / own).read_bytes())
+    for path in sorted(copy.rglob("*/zarr.json")):
+        path.write_text("x")
+    assert rattle.check(copy).mended and rattle.check(copy).damages == ()
+    for path in sorted(copy.rglob("*/zarr.json")):
+        assert json.loads(path.read_text()) == json.loads((finished / name / path.relative_to(copy)).read_text())
+    assert content(copy) == content(finished / name)
+
+
+@pytest.mark.parametrize("root", [b"[]", b"", b"null", b"{}", b"\xff", b'{"attributes": [], "node_type": "group"}'])
+def test_a_root_that_says_nothing_is_named_with_what_to_do(finished, tmp_path, root):
+    copy = shutil.copytree(finished / "basin", tmp_path / "store")
+    (copy / "zarr.json").write_bytes(root)
+    with pytest.raises(StoreFailed, match="zarr.json cannot be read; .* put back a copy of that file, or compute it"):
+        rattle.check(copy)
+
+
+def _attributes_end(root):
+    """Where the attributes of a root end: what follows stands in the arrays as well."""
+    return root.index(b'"zarr_format"')
+
+
+@pytest.mark.parametrize("name", ["basin", "grazing", pytest.param("proven", marks=pytest.mark.slow)])
+@settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=strategies.data())
+def test_any_flipped_bit_of_a_root_is_mended_or_named(finished, tmp_path_factory, name, data):
+    """What follows the attributes stands in the arrays' own metadata as well, so it is always mended."""
+    copy = shutil.copytree(finished / name, tmp_path_factory.mktemp("flipped") / "store")
+    root = bytearray((copy / "zarr.json").read_bytes())
+    place = data.draw(strategies.integers(0, len(root) - 1))
+    root[place] ^= 1 << data.draw(strategies.integers(0, 7))
+    (copy / "zarr.json").write_bytes(root)
+    whole_root = (finished / name / "zarr.json").read_bytes()
+    try:
+        found = rattle.check(copy)
+    except (StoreFailed, StoreConflict) as error:
+        assert "compute it anew" in str(error) and place < _attributes_end(whole_root)
+        return
+    assert found.mended and rattle.check(copy).damages == () and content(copy) == content(finished / name)
+    if place >= _attributes_end(whole_root):
+        mended_root, whole_root = json.loads((copy / "zarr.json").read_text()), json.loads(whole_root)
+        assert mended_root["consolidated_metadata"] == whole_root["consolidated_metadata"]
+
+
+@pytest.mark.parametrize("array, other", [("velocity/c/0", "solution/c/0/0"), ("solution/c/0/0", "landing_time/c/0/0")])
+def test_a_chunk_of_another_array_is_mended(finished, tmp_path, array, other):
+    """Its checksum is right, and its length is not."""
+    copy = shutil.copytree(finished / "basin", tmp_path / "store")
+    assert array in mended(copy, finished / "basin", lambda: shutil.copy(copy / other, copy / array))
+
+
+def test_a_root_and_chunks_that_are_lost_at_once_are_mended(finished, tmp_path):
+    copy = shutil.copytree(finished / "basin", tmp_path / "store")
+    text = (copy / "zarr.json").read_text()
+    (copy / "zarr.json").write_text(text.replace('"default"', '"dafault"'))
+    (copy / "solution" / "c" / "1" / "0").unlink()
+    flip(copy / "image_cell" / "c" / "0" / "1")
+    dry = rattle.check(copy, dry_run=True)
+    assert {each.path for each in dry.damages} == {"zarr.json", "image_cell/c/0/1"} and not dry.mended
+    assert rattle.check(copy).mended and rattle.check(copy).damages == ()
+    assert content(copy) == content(finished / "basin")

@@ -9,12 +9,22 @@ from typing import Any
 from worker.errors import DamagedChunk, StoreConflict, as_store_failure
 from worker.jobs.job import Job
 from worker.kinds import KINDS
-from worker.stores.analysis_store import PARTS, AnalysisStore, kind_of_store
+from worker.stores.analysis_store import PARTS, AnalysisStore
 from worker.stores.checking.expected import expected_chunks
-from worker.stores.checking.metadata import COPY_IS_WRONG, damaged_metadata, nodes_of
+from worker.stores.checking.metadata import (
+    COPY_IS_WRONG,
+    ROOT_IS_WRONG,
+    Metadata,
+    Root,
+    array_of,
+    read_root,
+    right_metadata,
+)
 from worker.stores.files.checked_chunks import CHUNKS, METADATA
 from worker.stores.opening import open_group
 from worker.stores.storage import place_at
+
+_NEXT_STEP = f"put back a copy of its {METADATA}, or remove the store and compute it anew"
 
 Report = Callable[[int, int], None]
 """Called with the number of files that have been read, and of all."""
@@ -40,19 +50,20 @@ class Damage:
 
     @property
     def restored(self) -> bool:
-        """Whether it is metadata that are written anew, as the root has them."""
+        """Whether it is metadata that are written anew."""
         return not self.chunk and self.what != COPY_IS_WRONG
 
     @property
     def path(self) -> str:
         """Path of the file within the store."""
         if not self.chunk:
-            return f"{self.array}/{METADATA}"
+            return f"{self.array}/{METADATA}".removeprefix("/")
         return "/".join([self.array, CHUNKS, *map(str, self.chunk)])
 
     def __str__(self) -> str:
         tile = "/".join(map(str, self.chunk))
-        return f"{self.array}, tile {tile}: {self.what}" if tile else f"{self.array}, metadata: {self.what}"
+        array = self.array or "the store itself"
+        return f"{array}, tile {tile}: {self.what}" if tile else f"{array}, metadata: {self.what}"
 
 
 @dataclass(frozen=True)
@@ -69,6 +80,9 @@ class Findings:
     files : int
         Files that were read.
     damages : tuple of Damage
+        While the root is damaged, chunks that are missing are not among them.
+    root : Root
+    metadata : Metadata
     """
 
     location: str
@@ -76,6 +90,8 @@ class Findings:
     complete: bool
     files: int
     damages: tuple[Damage, ...]
+    root: Root
+    metadata: Metadata
 
 
 def check_store(location: str, report: Report = lambda done, total: None) -> Findings:
@@ -96,35 +112,32 @@ def check_store(location: str, report: Report = lambda done, total: None) -> Fin
     StoreConflict
         If there is no store, or its request is lost.
     StoreFailed
-        If it cannot be read.
+        If it cannot be read, or its metadata are damaged so far that nothing says what it holds.
     """
-    kind = kind_of_store(location)
+    root = read_root(location)
     with as_store_failure(location):
-        root = open_group(location, "r")
         paths = place_at(location).paths()
-    nodes = nodes_of(location)
-    job, complete = _job_of(location, kind, root.attrs), bool(root.attrs["complete"])
-    damages = [Damage(path, (), what) for path, what in damaged_metadata(location, job, nodes, complete)]
-    arrays = _arrays_of(location, root, nodes, damages) | _arrays_of_parts(location, paths)
+    kind = str(root.attributes.get("kind", "basin"))
+    job, complete = _job_of(location, kind, root.attributes), bool(root.attributes["complete"])
+    metadata = right_metadata(location, job, root, paths)
+    damages = [Damage("", (), ROOT_IS_WRONG)] if root.damaged else []
+    damages += [Damage(path, (), what) for path, what in metadata.damages]
+    arrays = {
+        path: array_of(location, path, node) for path, node in metadata.nodes.items() if node["node_type"] == "array"
+    }
+    if not root.damaged:
+        arrays |= _arrays_of_parts(location, paths)
     chunks = [chunk for path in paths if (chunk := _chunk_of(path)) is not None and _has_place(arrays, *chunk)]
     for done, (array, numbers) in enumerate(chunks):
         report(done, len(chunks))
         if what := _damage_of(arrays[array], numbers):
             damages.append(Damage(array, numbers, what))
-    there = set(chunks)
-    expected = expected_chunks(location, arrays) if kind == "basin" else _all_chunks(arrays)
-    damages += [Damage(*chunk, "it is missing") for chunk in expected if chunk not in there]
+    if not root.damaged:
+        there = set(chunks)
+        expected = expected_chunks(location, arrays) if kind == "basin" else _all_chunks(arrays)
+        damages += [Damage(*chunk, "it is missing") for chunk in expected if chunk not in there]
     report(len(chunks), len(chunks))
-    return Findings(location, job, complete, len(paths), tuple(damages))
-
-
-def _arrays_of(location: str, root: Any, nodes: dict[str, Any], damages: list[Damage]) -> dict[str, Any]:
-    """Arrays of a store, opened by their own metadata or, where those are damaged, by those that the root has."""
-    lost = {damage.array for damage in damages if damage.restored}
-    with as_store_failure(location):
-        copied = open_group(location, "r", consolidated=True) if lost else root
-    paths = [path for path, node in nodes.items() if node["node_type"] == "array"]
-    return {path: copied[path] if path in lost else root[path] for path in paths}
+    return Findings(location, job, complete, len(paths), tuple(damages), root, metadata)
 
 
 def _has_place(arrays: dict[str, Any], array: str, chunk: tuple[int, ...]) -> bool:
@@ -153,10 +166,14 @@ def _job_of(location: str, kind: str, attributes: Any) -> Job:
         request = json.loads(str(attributes["request"]))
         kind = "sweep" if kind == "basin" and request.get("vary") else kind
         job: Job = KINDS[kind].job_class.from_request(request)
-    except (KeyError, ValueError) as error:
-        raise StoreConflict(f"{location} has lost its request, so nothing can be computed anew: {error}") from error
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise StoreConflict(
+            f"{location} has lost its request, so nothing can be computed anew: {error}; {_NEXT_STEP}"
+        ) from error
     if job.digest != attributes["request_sha256"]:
-        raise StoreConflict(f"{location} has lost its request: it does not have the digest that it was stored with")
+        raise StoreConflict(
+            f"{location} has lost its request: it does not have the digest that it was stored with; {_NEXT_STEP}"
+        )
     return job
 
 
@@ -178,7 +195,7 @@ def _damage_of(array: Any, chunk: tuple[int, ...]) -> str:
         return "it is missing"
     except OSError:
         raise
-    except (IndexError, ValueError, RuntimeError) as error:  # of a store without checksums
+    except Exception as error:  # of a store without checksums, or of another array: codecs raise whatever they like
         return f"it cannot be decoded: {error}"
     return ""
 

@@ -103,7 +103,7 @@ def _of_basin(store: BasinStore, basin: int, table: SolutionTable) -> Iterator[C
 
 def _of_proof(store: BasinStore, arrays: dict[str, Any]) -> Iterator[Chunk]:
     """Chunks of a proof that is complete; of one under way every task demands what it reads."""
-    if store.complete and store.holds_proof:
+    if store.complete and store.job.prove is not None:
         paths = [each.path for each in (PROVEN, UNPROVEN_REASON, LATTICE_ENDS, LATTICE_ROUNDS, RATTLING)]
         there = [path for path in paths if path in arrays]
         yield from ((path, chunk) for path in there for chunk in product(*map(range, arrays[path].cdata_shape)))

@@ -1,25 +1,57 @@
 """Which metadata are right: an array's own, or those that the root says once more."""
 
+import copy
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, NamedTuple
 
-from worker.errors import as_store_failure
+from zarr import Array
+from zarr.core.array import AsyncArray
+from zarr.core.group import GroupMetadata
+from zarr.core.metadata.v3 import ArrayV3Metadata
+from zarr.storage import StorePath
+
+from worker.errors import DamagedMetadata, StoreConflict, as_store_failure
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.job import Job
 from worker.stores.analysis_store import PARTS
 from worker.stores.files.checked_chunks import METADATA
-from worker.stores.new_store import create_store
+from worker.stores.new_store import consolidate, create_store
+from worker.stores.proofs.layout import PROOF
 from worker.stores.storage import place_at, whole
 
 MISSING = "they are missing"
 OTHERS = "they are not those that the root has"
 COPY_IS_WRONG = "those that the root has are others, and not of such a store"
+ROOT_IS_WRONG = "they cannot be read as those of a store"
+
+_DEMANDED = ("request", "request_sha256", "layout_version", "complete")
+_NODE_TYPES = {"array": ArrayV3Metadata, "group": GroupMetadata}
+# No other root of this project has these values.
+_OF_ROOTS = {"zarr_format": 3, "node_type": "group"}
 
 
-def nodes_of(location: str) -> dict[str, Any]:
-    """Metadata of every array and group by its path, as the root says them once more; without parts, which pass.
+class Root(NamedTuple):
+    """What the root's own metadata say: its attributes, and the metadata of every array and group once more.
+
+    ``damaged`` if Zarr cannot open a store with such a root.
+    """
+
+    attributes: dict[str, Any]
+    nodes: dict[str, Any]
+    damaged: bool
+
+
+class Metadata(NamedTuple):
+    """The right metadata of every array and group by path, and what is damaged: paths with what is wrong."""
+
+    nodes: dict[str, Any]
+    damages: list[tuple[str, str]]
+
+
+def read_root(location: str) -> Root:
+    """Read the root's metadata; of damaged ones, the attributes.
 
     Parameters
     ----------
@@ -27,70 +59,194 @@ def nodes_of(location: str) -> dict[str, Any]:
 
     Returns
     -------
-    dict of str to dict
+    Root
+
+    Raises
+    ------
+    StoreConflict
+        If there is no store.
+    StoreFailed
+        If it cannot be read, or its attributes are lost: nothing else says what it holds.
     """
     with as_store_failure(location):
+        place_at(location).check()
         file = place_at(location).read(METADATA, whole)
-    nodes = json.loads(file.content)["consolidated_metadata"]["metadata"] if file else {}
-    return {path: _own(node) for path, node in nodes.items() if path.split("/")[0] != PARTS}
+    if file is None:
+        raise StoreConflict(f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open")
+    document = _object(file.content)
+    attributes = (document or {}).get("attributes")
+    if not isinstance(attributes, dict):
+        attributes = _rescued(file.content)
+    if any(name not in attributes for name in _DEMANDED):
+        if document is not None and document.get("node_type") == "group" and document.get("attributes") == {}:
+            raise StoreConflict(f"{location} is no basin store, and none of an analysis: it is another group of Zarr")
+        raise DamagedMetadata(location, "")
+    collected = (document or {}).get("consolidated_metadata")
+    nodes = collected.get("metadata") if isinstance(collected, dict) else None
+    nodes = nodes if isinstance(nodes, dict) else {}
+    sound = document is not None and {name: document.get(name) for name in _OF_ROOTS} == _OF_ROOTS
+    own = {path: _own(node) for path, node in nodes.items() if path.split("/")[0] != PARTS and isinstance(node, dict)}
+    return Root(attributes, own, not (sound and _opens(document)))
 
 
-def damaged_metadata(
-    location: str, job: Job, nodes: Mapping[str, Any], complete: bool
-) -> Iterator[tuple[str, str]]:  # fmt: skip
-    """Paths of arrays and groups whose own metadata are not those that the root says once more, and what is wrong.
+def right_metadata(location: str, job: Job, root: Root, paths: list[str]) -> Metadata:
+    """The right metadata of every array and group, and what is wrong with the others.
 
     Those of an unfinished store may differ: a driver may have been stopped between the two. Where both can be read, a
-    new store of the same job decides.
+    new store of the same job decides. Where neither can, that is what is left.
 
     Parameters
     ----------
     location : str
     job : Job
-    nodes : dict
-        What `nodes_of` has found.
-    complete : bool
+    root : Root
+    paths : list of str
+        Of all files of the store.
+
+    Raises
+    ------
+    DamagedMetadata
+        If those of an array are damaged in both places, and no new store has them.
     """
-    differing = {}
-    for path, node in nodes.items():
-        with as_store_failure(location):
-            file = place_at(location).read(f"{path}/{METADATA}", whole)
-        own = _read(file.content) if file else None
+    complete = bool(root.attributes["complete"])
+    own_paths = {path.removesuffix(f"/{METADATA}") for path in paths if path.endswith(f"/{METADATA}")}
+    own_paths = {path for path in own_paths if path.split("/")[0] != PARTS}
+    unlisted = own_paths - root.nodes.keys() if complete else set()
+    fresh = _FreshNodes(job)
+    found = Metadata({}, [])
+    for path in [*root.nodes, *sorted(own_paths - root.nodes.keys() if complete or root.damaged else ())]:
+        if path not in own_paths and unlisted and not fresh.knows(path) and not _has_files(paths, path):
+            found.damages.append((path, COPY_IS_WRONG))  # a name that no array of the store has
+            continue
+        file = _read(location, path) if path in own_paths else None
+        own, copied = _sound(file), _sound(root.nodes.get(path))
+        if own is None and copied is None:
+            known = _sound(fresh.nodes.get(path))
+            if known is None or 0 in known.get("shape", ()):
+                if not fresh.knows(path):
+                    continue  # a name that is none of the store, or another program's
+                raise DamagedMetadata(location, path)
+            own, copied = None, known
         if own is None:
-            yield path, MISSING if file is None else OTHERS
-        elif complete and own != node:
-            differing[path] = own, node
-    fresh = _fresh_nodes(job) if differing else {}
-    for path, (own, node) in differing.items():
-        yield path, COPY_IS_WRONG if _fits(own, fresh.get(path)) > _fits(node, fresh.get(path)) else OTHERS
+            found.damages.append((path, MISSING if path not in own_paths else OTHERS))
+        elif own != copied and not root.damaged and complete:
+            ahead = _fits(own, fresh.nodes.get(path)) > _fits(copied, fresh.nodes.get(path))
+            found.damages.append((path, COPY_IS_WRONG if copied is None or ahead else OTHERS))
+            copied = None if copied is None or ahead else copied
+            own = own if copied is None else None
+        found.nodes[path] = copied if own is None else own
+    return found
+
+
+def restore_metadata(location: str, root: Root, metadata: Metadata, lost: list[str]) -> None:
+    """Write damaged metadata anew; of a damaged root, collect those of all arrays at it again.
+
+    Parameters
+    ----------
+    location : str
+    root : Root
+    metadata : Metadata
+    lost : list of str
+        Paths of the arrays and groups whose own metadata are damaged.
+    """
+    with as_store_failure(location):
+        place = place_at(location)
+        for path in lost:
+            place.write(f"{path}/{METADATA}", _written(metadata.nodes[path]))
+        if root.damaged:
+            place.write(METADATA, _written({"attributes": root.attributes, **_OF_ROOTS}))
+            consolidate(location)
+
+
+def array_of(location: str, path: str, node: Mapping[str, Any]) -> Any:
+    """An array by its right metadata, whatever those in the store are."""
+    metadata = ArrayV3Metadata.from_dict(copy.deepcopy(dict(node)))
+    return Array(AsyncArray(metadata=metadata, store_path=StorePath(place_at(location).zarr, path)))
+
+
+def _written(node: Mapping[str, Any]) -> bytes:
+    return json.dumps(node, indent=2).encode()
 
 
 def _own(node: Mapping[str, Any]) -> dict[str, Any]:
     return {name: node[name] for name in node if name != "consolidated_metadata"}
 
 
-def _read(content: bytes) -> dict[str, Any] | None:
+def _object(content: bytes) -> dict[str, Any] | None:
     try:
         node = json.loads(content)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
-    return _own(node) if isinstance(node, dict) else None
+    return node if isinstance(node, dict) else None
 
 
-def _fresh_nodes(job: Job) -> dict[str, Any]:
-    """Metadata of a new store. Tables of an analysis are made when it ends, and made anew when one is damaged."""
-    if not isinstance(job, BasinJob):
+def _rescued(content: bytes) -> dict[str, Any]:
+    """Attributes of a root that is no JSON any more. They come first, and may be whole."""
+    text = content.decode("utf-8", "replace")
+    begin = text.find("{", 1)
+    try:
+        attributes = json.JSONDecoder().raw_decode(text, begin)[0] if begin > 0 else {}
+    except (ValueError, RecursionError):
         return {}
-    with TemporaryDirectory() as folder:
-        create_store(f"{folder}/store", job)
-        return nodes_of(f"{folder}/store")
+    return attributes if isinstance(attributes, dict) else {}
 
 
-def _fits(node: Mapping[str, Any], fresh: Mapping[str, Any] | None) -> int:
+def _read(location: str, path: str) -> dict[str, Any] | None:
+    with as_store_failure(location):
+        file = place_at(location).read(f"{path}/{METADATA}", whole)
+    node = _object(file.content) if file else None
+    return None if node is None else _own(node)
+
+
+def _opens(node: Mapping[str, Any] | None) -> bool:
+    """Whether Zarr can open such metadata. What its readers raise of damaged ones is of any kind."""
+    try:
+        _NODE_TYPES[node["node_type"]].from_dict(copy.deepcopy(dict(node)))  # type: ignore[index, arg-type]
+    except Exception:
+        return False
+    return True
+
+
+def _sound(node: dict[str, Any] | None) -> dict[str, Any] | None:
+    return node if node is not None and _opens(node) else None
+
+
+def _has_files(paths: list[str], folder: str) -> bool:
+    return any(path.startswith(f"{folder}/") for path in paths)
+
+
+class _FreshNodes:
+    """Metadata of a new store, made once they are asked for.
+
+    Tables of an analysis are made when it ends, and made anew when one is damaged.
+    """
+
+    def __init__(self, job: Job) -> None:
+        self._job = job
+        self._nodes: dict[str, Any] | None = None
+
+    @property
+    def nodes(self) -> dict[str, Any]:
+        if self._nodes is None:
+            self._nodes = {}
+            if isinstance(self._job, BasinJob):
+                with TemporaryDirectory() as folder:
+                    create_store(f"{folder}/store", self._job)
+                    self._nodes = read_root(f"{folder}/store").nodes
+        return self._nodes
+
+    def knows(self, path: str) -> bool:
+        """Whether a store of the job has such an array or group."""
+        return not isinstance(self._job, BasinJob) or path in self.nodes or path.split("/")[0] == PROOF
+
+
+def _fits(node: Mapping[str, Any] | None, fresh: Mapping[str, Any] | None) -> int:
     """How much of metadata is as in a new store. Lengths of solutions, and attributes, are found while computing."""
-    if fresh is None:
+    if fresh is None or node is None:
         return 0
     same = sum(node.get(name) == fresh[name] for name in fresh if name not in ("attributes", "shape"))
-    same += sum(node.get("attributes", {}).get(name) == value for name, value in fresh.get("attributes", {}).items())
+    attributes = node.get("attributes")
+    attributes = attributes if isinstance(attributes, dict) else {}
+    same += sum(attributes.get(name) == value for name, value in fresh.get("attributes", {}).items())
     lengths = zip(node.get("shape", ()), fresh.get("shape", ()), strict=False)
     return same + sum(length in (there, 0) for there, length in lengths)

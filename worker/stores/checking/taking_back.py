@@ -1,16 +1,14 @@
 """A damaged store becomes an unfinished one: the same job then computes anew what it lacks, to the same bytes."""
 
-import json
-
 import numpy as np
 
 from worker.errors import as_store_failure
 from worker.stores import layout
 from worker.stores.analysis_store import PARTS, AnalysisStore, kind_of_store
 from worker.stores.basin_store import BasinStore
-from worker.stores.checking.damage import Damage, Findings
+from worker.stores.checking.damage import Damage, Findings, check_store
 from worker.stores.checking.expected import readable_ledger
-from worker.stores.checking.metadata import nodes_of
+from worker.stores.checking.metadata import restore_metadata
 from worker.stores.files.checked_chunks import METADATA
 from worker.stores.layout import TileState
 from worker.stores.proofs.layout import PROOF, PROVEN, UNPROVEN_REASON
@@ -35,7 +33,12 @@ def take_back(found: Findings) -> None:
     ------
     StoreConflict, StoreFailed
     """
-    _restore_metadata(found)
+    lost = [damage.array for damage in found.damages if damage.restored and damage.array]
+    restore_metadata(found.location, found.root, found.metadata, lost)
+    if found.root.damaged:
+        found = check_store(found.location)  # what was missing is seen only now
+        if not found.damages:
+            return
     if kind_of_store(found.location) != "basin":
         if found.complete:
             AnalysisStore(found.location).take_back()
@@ -64,17 +67,6 @@ def _discard(found: Findings) -> None:
     marks = [f"{PARTS}/{name}/{METADATA}" for name in sorted(parts)]
     with as_store_failure(found.location):
         place_at(found.location).discard([*marks, *(damage.path for damage in chunks)])
-
-
-def _restore_metadata(found: Findings) -> None:
-    """Write the metadata of arrays and groups as the root has them, unless those are the wrong ones."""
-    lost = [damage.array for damage in found.damages if damage.restored]
-    if not lost:
-        return
-    nodes = nodes_of(found.location)
-    with as_store_failure(found.location):
-        for path in lost:
-            place_at(found.location).write(f"{path}/{METADATA}", json.dumps(nodes[path], indent=2).encode())
 
 
 def _tile_of(store: BasinStore, damage: Damage) -> int | None:

@@ -40,7 +40,7 @@ class ChecksChunks(Store):
         prototype = prototype or default_buffer_prototype()
         found = await super().get(key, prototype, byte_range)
         node, _, name = key.rpartition("/")
-        if found is not None and name == METADATA and not _is_json(found.to_bytes()):
+        if found is not None and name == METADATA and not _is_object(found.to_bytes()):
             raise DamagedMetadata(self.name, node)
         array, is_chunk, chunk = key.rpartition(f"/{CHUNKS}/")
         if found is None and is_chunk and await self._has_all_chunks_of(array):
@@ -65,12 +65,11 @@ class ChecksChunks(Store):
         return bool(root["attributes"].get("complete")) and is_checked(own)
 
 
-def _is_json(content: bytes) -> bool:
+def _is_object(content: bytes) -> bool:
     try:
-        json.loads(content)
+        return isinstance(json.loads(content), dict)
     except ValueError:
         return False
-    return True
 
 
 def checksum_of(content: Any) -> bytes:

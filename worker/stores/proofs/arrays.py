@@ -53,8 +53,7 @@ class ProofArrays:
     @property
     def holds_proof(self) -> bool:
         """Whether a proof was asked for: what is proven of cells is there, or comes."""
-        with as_store_failure(self.location):
-            return PROVEN.path in self._group
+        return self.job.prove is not None
 
     def read_proof(self, tile: Tile) -> tuple[np.ndarray, np.ndarray] | None:
         """Read what is proven of a tile's cells, and why not all is; None until both are written."""
