@@ -71,8 +71,12 @@ interface Solution extends Loudness {
   mean_life: number | null;
   mean_life_error: number | null;
   colours: { [palette: string]: string };
+  textures: { [palette: string]: number };
   points: [number, number][];
 }
+
+/** A colour, and the number of the texture that marks its cells: 0 for none. */
+interface Paint { colour: string; texture: number }
 
 interface Polyline { time: number[]; velocity: number[]; box?: View }
 

@@ -1,4 +1,5 @@
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
 import { decode, encode } from "../../service/explorer/js/state/address.js";
@@ -20,6 +21,12 @@ for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRING
       layer: "step", palette: "paper", overlays: ["grazing", "saddles"], motions: [[0.5, 3], [0.125, 2]],
     };
     assert.deepEqual(decode(encode(seen)), seen);
+  });
+}
+
+for (const [number, request] of JSON.parse(readFileSync(new URL("full_requests.json", import.meta.url), "utf8")).entries()) {
+  test(`an address holds every field of a request, with no value at its default: ${number}`, () => {
+    assert.deepEqual(decode(encode({ request })).request, request);
   });
 }
 
