@@ -130,6 +130,6 @@ interface TimeHistory {
 /** What one followed motion does in the end; `first` is what it nearly repeats before. */
 interface MotionEnd { kind: string; name: string | null; periods: number; impacts: number; first: { name: string; periods: number } | null }
 
-interface Motion { start: Departure; shown: TimeHistory; departures: Departure[]; end: MotionEnd; ends: string }
+interface Motion { start: Departure; shown: TimeHistory; departures: Departure[]; end: MotionEnd; ends: string; kept?: { oscillator: Oscillator } | null }
 
 interface Look { layer: string; palette: string; highlight: string | null; ground: string }
