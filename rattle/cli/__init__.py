@@ -54,7 +54,7 @@ _OTHER_COMMANDS = {
     "certs": ("guard.certs", "Make certificates for the parts of a Dask cluster."),
     "plot": (
         "plot",
-        "Draw a basin in the paper's colours, a sweep side by side, or what an analysis has found.",
+        "Draw a basin in the colours of its motions, a sweep side by side, or what an analysis has found.",
     ),
     "table": (
         "table",

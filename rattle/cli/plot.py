@@ -27,7 +27,7 @@ def plot(
     ),
     key: Key = None,
 ) -> None:
-    """Draw a basin in the paper's colours, a sweep side by side, or what an analysis has found."""
+    """Draw a basin in the colours of its motions, a sweep side by side, or what an analysis has found."""
     try:
         overlays = parse_overlays(overlay)
         picture_format = PictureFormat.of_file(out_)

@@ -61,7 +61,7 @@ class Motions(Described):
         --------
         >>> basin = rattle.basin(cells=40, progress=False)
         >>> basin.rattle.colours[0]
-        (0.0, 0.0, 0.5)
+        (0.0784313725490196, 0.12156862745098039, 0.25098039215686274)
         """
         self._demand("colours", "basin", "sweep")
         from worker.pictures.colours import colours_of

@@ -71,8 +71,12 @@ interface Solution extends Loudness {
   mean_life: number | null;
   mean_life_error: number | null;
   colours: { [palette: string]: string };
+  textures: { [palette: string]: number };
   points: [number, number][];
 }
+
+/** A colour, and the number of the texture that marks its cells: 0 for none. */
+interface Paint { colour: string; texture: number }
 
 interface Polyline { time: number[]; velocity: number[]; box?: View }
 
@@ -126,6 +130,6 @@ interface TimeHistory {
 /** What one followed motion does in the end; `first` is what it nearly repeats before. */
 interface MotionEnd { kind: string; name: string | null; periods: number; impacts: number; first: { name: string; periods: number } | null }
 
-interface Motion { start: Departure; shown: TimeHistory; departures: Departure[]; end: MotionEnd; ends: string }
+interface Motion { start: Departure; shown: TimeHistory; departures: Departure[]; end: MotionEnd; ends: string; kept?: { oscillator: Oscillator } | null }
 
 interface Look { layer: string; palette: string; highlight: string | null; ground: string }

@@ -49,7 +49,9 @@ class MotionEndView(BaseModel):
         description="rattling: it has settled on no attracting motion within the periods followed"
     )
     name: str | None = Field(description="Of the motion that it has settled on; null while it rattles without one")
-    periods: float = Field(description="Forcing periods from its start until it has settled, or else all that were followed")
+    periods: float = Field(
+        description="Forcing periods from its start until it has settled, or else all that were followed"
+    )
     impacts: int = Field(description="Impacts within these periods")
     first: RepeatedView | None = Field(description="What it nearly repeats before; null if nothing")
 

@@ -11,7 +11,7 @@ from rattle_kernels import Attractor, Loudness, grazing_velocity
 from service.models.basin_result import ExpectedView, Loud
 from service.models.numbers import FiniteOrNone
 from worker.basins.preview import Preview
-from worker.pictures.colours import MISSING, SPECKLE, Colour, Palette, colours_of
+from worker.pictures.colours import MISSING, SPECKLE, Colour, Paint, Palette, paints_of
 from worker.pictures.overlay import Lines, Overlay
 from worker.stores.pyramid.levels import Level
 from worker.views.outline import PanelOutline
@@ -85,18 +85,22 @@ class DrawnSolution(Loud):
     mean_life: FiniteOrNone = Field(description="Mean number of impacts until a motion leaves chaos; null if it lasts")
     mean_life_error: FiniteOrNone = Field(description="Standard error of `mean_life`, at most")
     colours: dict[Palette, str]
+    textures: dict[Palette, int] = Field(description="How cells of a colour that is used again are marked; 0: not")
     points: list[tuple[float, float]] = Field(description="(t, v) of its departures in this basin")
 
     @classmethod
     def from_attractor(
-        cls, number: int, attractor: Attractor, heard: Loudness, share: float, colours: dict[Palette, str]
+        cls, number: int, attractor: Attractor, heard: Loudness, share: float, paints: dict[Palette, Paint]
     ) -> "DrawnSolution":
         """View of an attractor."""
         points = zip(attractor.time.tolist(), attractor.velocity.tolist(), strict=True)
         return cls(
             number=number, name=attractor.name, kind=attractor.kind.name.lower(),
             share=share, lyapunov_exponent=attractor.lyapunov_exponent, mean_life=attractor.mean_life,
-            mean_life_error=attractor.mean_life_error, colours=colours, points=list(points), **heard._asdict(),
+            mean_life_error=attractor.mean_life_error,
+            colours={palette: in_hex(paint.colour) for palette, paint in paints.items()},
+            textures={palette: paint.texture for palette, paint in paints.items()},
+            points=list(points), **heard._asdict(),
         )  # fmt: skip
 
 
@@ -104,10 +108,10 @@ def drawn(
     attractors: tuple[Attractor, ...], loudness: tuple[Loudness, ...], shares: Iterable[float]
 ) -> list[DrawnSolution]:
     """Solutions as drawn, with their colours in every palette."""
-    palettes = {palette: colours_of(attractors, palette) for palette in Palette}
+    palettes = {palette: paints_of(attractors, palette) for palette in Palette}
     return [
         DrawnSolution.from_attractor(
-            number, attractor, heard, share, {name: in_hex(colours[number]) for name, colours in palettes.items()}
+            number, attractor, heard, share, {name: paints[number] for name, paints in palettes.items()}
         )
         for number, (attractor, heard, share) in enumerate(zip(attractors, loudness, shares, strict=True))
     ]

@@ -22,7 +22,7 @@ from service.models.results import AnyResult
 from service.routes.dependencies import LARGE, JobId, JobsHere, SettingsHere, problems, require_kind
 from worker.analyses.picture import figure_of_store
 from worker.errors import InvalidJob
-from worker.pictures.colours import Palette
+from worker.pictures.colours import USUAL, Palette
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
 from worker.pictures.panel_picture import Layer, Look
@@ -128,7 +128,7 @@ def get_picture(
     window: WindowAsked = None,
     panel: PanelAsked = None,
     overlays: OverlaysAsked = _USUAL_OVERLAYS,
-    palette: Palette = Palette.PAPER,
+    palette: Palette = USUAL,
     if_none_match: IfNoneMatch = None,
 ) -> Response:
     """Draw a basin, or what an analysis has found. While a basin is computed, missing tiles are hatched."""

@@ -399,7 +399,10 @@ def test_the_sentence_is_of_the_motion_that_is_followed(opened, service):
         sentence = told.inner_text().split(" This cell's centre")[0]
         if np.isfinite(history.permanent_from):
             after = f"{history.permanent_from - start['time']:.2f}".rstrip("0").rstrip(".")
-            assert f"ends in permanent contact after {np.sum(history.contacts.time <= history.permanent_from)} " in sentence
+            assert (
+                f"ends in permanent contact after {np.sum(history.contacts.time <= history.permanent_from)} "
+                in sentence
+            )
             assert f" {after} forcing periods" in sentence
             continue
         speeds = history.contacts.speed[history.departures[-8:]]

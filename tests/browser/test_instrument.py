@@ -1,11 +1,13 @@
 """The explorer as an instrument: a picture at once, sliders, the tooth, one state in the address."""
 
 import re
+import time
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import expect
 
+from rattle_kernels import Oscillator, grazing_velocity
 from tests.browser.chromium import Explorer
 
 pytestmark = pytest.mark.browser
@@ -394,6 +396,47 @@ def test_two_basins_are_swiped_over_each_other(opened):
     page.locator("#keep").click()
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
     assert opened.colour(0.97, 0.53) == (20, 31, 64)
+
+
+def test_each_half_of_a_comparison_is_a_whole_plane(opened):
+    page = opened.page
+    page.locator("#keep").click()
+    opened.fill(eccentricity=0.02)
+    expect(page.locator("#legend button")).to_have_count(1)
+    expect(page.locator("#kept-label")).to_contain_text("ε = 0.1")
+    expect(page.locator("#kept-legend button")).to_have_count(3)
+    assert opened.hover(0.97, 0.53).startswith("kept: ") and "P(1,1,0)" in opened.hover(0.97, 0.53)
+    assert "permanent contact" in opened.hover(0.25, 0.53) and "kept" not in opened.hover(0.25, 0.53)
+    for across, eccentricity in ((0.97, 0.1), (0.25, 0.02)):
+        with page.expect_request("**/v1/trajectories?end=true") as asked:
+            page.mouse.click(*opened.spot(across, 0.53))
+        assert asked.value.post_data_json["oscillator"]["eccentricity"] == eccentricity
+    page.mouse.click(*opened.spot(0.97, 0.53))
+    expect(page.locator("#histories")).to_contain_text("of the kept basin from t = 0.97")
+    opened.hover(0.3, 0.9)
+    for t, eccentricity, other in ((0.8, 0.1, 0.02), (0.3, 0.02, 0.1)):
+        own, wrong = (float(grazing_velocity(Oscillator(eccentricity=each), [t])[0]) for each in (eccentricity, other))
+        assert min(opened.colour(t, own / 7)) > 200, "the grazing curve of this half"
+        assert min(opened.colour(t, wrong / 7)) < 200, "and not that of the other"
+    page.reload()
+    expect(page.locator("#kept-legend button")).to_have_count(3, timeout=60_000)
+    expect(page.locator("#histories")).to_contain_text("of the kept basin from t = 0.97")
+
+
+def test_what_is_kept_right_after_the_end_is_what_was_computed(explorer, service):
+    """Its cells come late, and the page has gone on to another machine by then."""
+    page = explorer.page
+    explorer.visit("?damping=0.61&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=150,150&k=211")
+    page.route("**/tiles/**", lambda route: (time.sleep(0.3), route.continue_()))
+    explorer.state("Complete")
+    page.locator("#keep").click()
+    explorer.fill(eccentricity=0.02)
+    job = page.evaluate("() => new URLSearchParams(new URLSearchParams(location.search).get('beside')).get('job')")
+    result = service.request("GET", f"/v1/jobs/{job}/result").json()
+    shares = {each["name"]: each["share"] for each in result["solutions"] if each["share"]}
+    for name, share in shares.items():
+        entry = page.locator("#kept-legend button", has_text=name)
+        expect(entry).to_contain_text(f"{100 * share:.2f} %", timeout=60_000)
 
 
 def test_a_phone_pinches_scrolls_and_is_not_wider_than_its_screen(chromium_here, service, finished):

@@ -1,4 +1,5 @@
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
 import { decode, encode } from "../../service/explorer/js/state/address.js";
@@ -18,10 +19,25 @@ for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRING
     const seen = {
       job: "abc", panel: 2, request, view: { t0: 0.25, t1: 0.5, v0: 1, v1: 2 }, whole: { t0: 0, t1: 1, v0: 0, v1: 6 },
       layer: "step", palette: "paper", overlays: ["grazing", "saddles"], motions: [[0.5, 3], [0.125, 2]],
+      beside: null, part: 0.5,
     };
     assert.deepEqual(decode(encode(seen)), seen);
   });
 }
+
+for (const [number, request] of JSON.parse(readFileSync(new URL("full_requests.json", import.meta.url), "utf8")).entries()) {
+  test(`an address holds every field of a request, with no value at its default: ${number}`, () => {
+    assert.deepEqual(decode(encode({ request })).request, request);
+  });
+}
+
+test("a basin that is kept beside another has an address of its own within that of the page", () => {
+  const beside = { job: "def", panel: 1, request: SPRINGS, motions: [[0.25, 1]] };
+  const seen = decode(encode({ job: "abc", request: REQUEST, motions: [[0.5, 3]], beside, part: 0.3 }));
+  assert.deepEqual([seen.job, seen.request, seen.motions, seen.part], ["abc", REQUEST, [[0.5, 3]], 0.3]);
+  const { job, panel, request, motions } = seen.beside;
+  assert.deepEqual({ job, panel, request, motions }, beside);
+});
 
 test("a sweep is written by its values however it was asked for", () => {
   const spaced = { ...REQUEST, vary: [{ parameter: "damping", start: 0.5, stop: 0.7, count: 3 }] };

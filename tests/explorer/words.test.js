@@ -61,6 +61,13 @@ test("a job whose workers compile says so", () => {
   assert.equal(stateInWords({ state: "running", progress }).text, "Compiling kernels, a minute or so: 0 of 16 tiles.");
 });
 
+test("seconds that are left are rounded up, those that it took to a tenth", () => {
+  const progress = { stage: "proving", tiles_done: 3, tiles_total: 16, basins_done: 0, basins_total: 1, seconds_left: 3.2 };
+  assert.equal(stateInWords({ state: "running", progress }).text, "Proving cells: 3 of 16 tiles, about 4 s left.");
+  const [started, finished] = ["2026-01-01T00:00:00.000Z", "2026-01-01T00:00:01.270Z"];
+  assert.equal(stateInWords({ state: "succeeded", started, finished }).text, "Complete, in 1.3 s.");
+});
+
 function outline(names) {
   const solutions = names.map((name, number) => ({ number, name, kind: name, colours: { paper: "#804020" }, share: 1 }));
   return { solutions, speckle: [0.85, 1.05, 1.25, 1.45] };

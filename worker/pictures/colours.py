@@ -1,12 +1,13 @@
-"""Colours of motions, the same in every picture (Sec. 4).
+"""Colours of motions, the same in the page and in every picture.
 
-Permanent contact is dark blue, shorter itineraries are bluer, chaos is dark red, a chaotic transient greyer, and what
-could not be decided is grey.
+Each palette has colours of its own for what happens often: permanent contact, chaos, and a few motions by name. Other
+motions of a basin take the colours of a pool in order, short itineraries first. All colours of a palette differ by at
+least 15 of CIEDE2000: those of `Palette.COLOUR_BLIND` with each of the three colour vision deficiencies as well, by
+Machado, Oliveira and Fernandes (2009). Where the pool runs out, its colours come again with a texture.
 """
 
-import colorsys
-import math
 from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,51 +15,22 @@ from rattle_kernels import Attractor, AttractorKind
 
 Colour = tuple[float, float, float]
 
-PERMANENT_CONTACT: Colour = (0.0, 0.0, 0.5)
-CHAOTIC: Colour = (0.5, 0.0, 0.0)
-CHAOTIC_TRANSIENT: Colour = (0.62, 0.33, 0.33)
+
+def _rgb(text: str) -> Colour:
+    red, green, blue = bytes.fromhex(text)
+    return red / 255.0, green / 255.0, blue / 255.0
+
+
+PERMANENT_CONTACT: Colour = _rgb("141f40")
+CHAOTIC: Colour = _rgb("d55e00")
+CHAOTIC_TRANSIENT: Colour = _rgb("bf9580")
 UNDECIDED: Colour = (0.46, 0.46, 0.46)
 """The grey that is farthest from all motions and from what is laid over cells, with and without colour blindness."""
 MISSING: Colour = (0.85, 0.85, 0.85)
 SPECKLE = (0.85, 1.05, 1.25, 1.45)
-"""Brightness of chaotic cells, by their group modulo 4."""
-
-_KINDS: dict[AttractorKind, Colour] = {
-    AttractorKind.PERMANENT_CONTACT: PERMANENT_CONTACT,
-    AttractorKind.CHAOTIC: CHAOTIC,
-    AttractorKind.CHAOTIC_TRANSIENT: CHAOTIC_TRANSIENT,
-    AttractorKind.UNDECIDED: UNDECIDED,
-}
-# Points on the scale from blue to red. The paper's text names P(1,1,0) pale blue, P(1,2,0) blue, P(2,2,1) yellow and
-# P(3,3,2) orange. Other itineraries are placed by length, between green and red.
-_NAMED: dict[str, Colour] = {
-    "P(1,1,0)": (0.55, 0.85, 1.0),
-    "P(1,2,0)": (0.1, 0.45, 1.0),
-    "P(1,3,0)": (0.0, 0.75, 0.75),
-    "P(2,2,1)": (1.0, 0.9, 0.1),
-    "P(4,4,2)": (1.0, 0.78, 0.1),
-    "P(3,3,2)": (1.0, 0.6, 0.1),
-}
-# Least and most contacts per turn, and their hues. Between lie the yellows and oranges of the named itineraries.
-_HUES = ((2, 8, 0.45, 0.2), (9, 48, 0.03, -0.07))
-_ODD_VALUE, _EVEN_VALUE = 0.6, 0.95
-_LONG_ITINERARY = 24
-
-# Okabe and Ito's colours: distinguishable with any of the common forms of colour blindness.
-_SAFE_KINDS: dict[AttractorKind, Colour] = {
-    AttractorKind.PERMANENT_CONTACT: (0.08, 0.12, 0.25),
-    AttractorKind.CHAOTIC: (0.835, 0.369, 0.0),
-    AttractorKind.CHAOTIC_TRANSIENT: (0.72, 0.53, 0.4),
-    AttractorKind.UNDECIDED: UNDECIDED,
-}
-_SAFE_NAMED: dict[str, Colour] = {
-    "P(1,1,0)": (0.337, 0.706, 0.914),
-    "P(1,2,0)": (0.0, 0.447, 0.698),
-    "P(1,3,0)": (0.0, 0.62, 0.451),
-    "P(2,2,1)": (0.941, 0.894, 0.259),
-    "P(4,4,2)": (0.8, 0.475, 0.655),
-    "P(3,3,2)": (0.902, 0.624, 0.0),
-}
+"""Brightness of chaotic cells, by their group modulo 4; that of most chaotic cells of a picture counts as 1."""
+TEXTURES = 3
+"""Ways to mark cells of a colour that is used again: stripes up, stripes down, dots."""
 
 
 class Palette(StrEnum):
@@ -71,40 +43,95 @@ class Palette(StrEnum):
     """
 
     PAPER = "paper"
-    """The colours that the paper's text names."""
+    """The colours that the paper's text names (Sec. 4)."""
     COLOUR_BLIND = "colour_blind"
-    """Colours distinguishable with a colour vision deficiency."""
+    """Colours distinguishable with a colour vision deficiency: those of the page, and of pictures by default."""
 
 
-def _by_length(attractor: Attractor) -> Colour:
-    """Hue by the logarithm of contacts per turn, from green for few to red for many; odd ones are darker."""
-    contacts = attractor.upper_contacts + attractor.lower_contacts
-    least, most, first, last = next((each for each in _HUES if contacts <= each[1]), _HUES[-1])
-    part = math.log(min(max(contacts, least), most) / least) / math.log(most / least)
-    hue = (first + (last - first) * part) % 1.0
-    # Neighbours on the scale differ in length by one or two contacts. Of two that look alike, one is usually odd.
-    return colorsys.hsv_to_rgb(hue, 0.85, _ODD_VALUE if attractor.upper_contacts % 2 else _EVEN_VALUE)
+USUAL = Palette.COLOUR_BLIND
+
+_KINDS: dict[Palette, dict[AttractorKind, Colour]] = {
+    Palette.PAPER: {
+        AttractorKind.PERMANENT_CONTACT: (0.0, 0.0, 0.5),
+        AttractorKind.CHAOTIC: (0.5, 0.0, 0.0),
+        AttractorKind.CHAOTIC_TRANSIENT: (0.62, 0.33, 0.33),
+        AttractorKind.UNDECIDED: UNDECIDED,
+    },
+    Palette.COLOUR_BLIND: {
+        AttractorKind.PERMANENT_CONTACT: PERMANENT_CONTACT,
+        AttractorKind.CHAOTIC: CHAOTIC,
+        AttractorKind.CHAOTIC_TRANSIENT: CHAOTIC_TRANSIENT,
+        AttractorKind.UNDECIDED: UNDECIDED,
+    },
+}
+_NAMED: dict[Palette, dict[str, Colour]] = {
+    # The paper's text names P(1,1,0) pale blue, P(1,2,0) blue, P(2,2,1) yellow and P(3,3,2) orange.
+    Palette.PAPER: {
+        "P(1,1,0)": (0.55, 0.85, 1.0),
+        "P(1,2,0)": (0.1, 0.45, 1.0),
+        "P(1,3,0)": (0.0, 0.75, 0.75),
+        "P(2,2,1)": (1.0, 0.9, 0.1),
+        "P(3,3,2)": (1.0, 0.6, 0.1),
+    },
+    # Of Okabe and Ito's colours those that are far enough from each other.
+    Palette.COLOUR_BLIND: {
+        "P(1,1,0)": _rgb("56b4e9"),
+        "P(1,2,0)": _rgb("0072b2"),
+        "P(2,2,1)": _rgb("f0e442"),
+    },
+}
+POOLS: dict[Palette, tuple[Colour, ...]] = {
+    Palette.PAPER: tuple(
+        _rgb(text)
+        for text in (
+            "009900", "ff80cc", "33ffe6", "8066b3", "664d33", "99cc00", "ff0066", "331a00", "b3ffb3", "ff8080",
+            "006680", "cc4dff", "999933", "b39980", "33b380", "66334d",
+        )
+    ),
+    Palette.COLOUR_BLIND: tuple(_rgb(text) for text in ("bfffbf", "2a00bf", "802a00", "2a0000", "554040")),
+}  # fmt: skip
+"""Colours of motions that have none by name, in the order in which they are taken."""
 
 
-def _lighter(colour: Colour, part: float) -> Colour:
-    return tuple(channel + (1.0 - channel) * part for channel in colour)  # type: ignore[return-value]
+class Paint(NamedTuple):
+    """A colour, and the texture that it is used with: 0 for none."""
+
+    colour: Colour
+    texture: int = 0
 
 
-def _safe_by_length(attractor: Attractor) -> Colour:
-    """Purples, darker for longer itineraries."""
-    contacts = attractor.upper_contacts + attractor.lower_contacts
-    return _lighter((0.35, 0.12, 0.45), 0.65 * (1.0 - min(contacts, _LONG_ITINERARY) / _LONG_ITINERARY))
+def paints_of(attractors: tuple[Attractor, ...], palette: Palette = USUAL) -> list[Paint]:
+    """Colour and texture of each attractor of a basin or of a sweep: no two have the same.
+
+    Beyond the pool's colours with all textures (20 motions without a colour of their own), they begin anew.
+
+    Parameters
+    ----------
+    attractors : tuple of Attractor
+    palette : Palette
+
+    Returns
+    -------
+    list of Paint
+    """
+    paints: dict[int, Paint] = {}
+    named = dict(_NAMED[palette])
+    others = []
+    for number, attractor in enumerate(attractors):
+        # The second motion of a name needs a colour of its own.
+        colour = _KINDS[palette].get(attractor.kind) or named.pop(attractor.name, None)
+        if colour is None:
+            others.append((attractor.upper_contacts + attractor.lower_contacts, attractor.name, number))
+        else:
+            paints[number] = Paint(colour)
+    pool = POOLS[palette]
+    for place, (_, _, number) in enumerate(sorted(others)):
+        paints[number] = Paint(pool[place % len(pool)], place // len(pool) % (TEXTURES + 1))
+    return [paints[number] for number in range(len(attractors))]
 
 
-def _colour_of(attractor: Attractor, palette: Palette) -> Colour:
-    if palette == Palette.COLOUR_BLIND:
-        known = _SAFE_KINDS.get(attractor.kind) or _SAFE_NAMED.get(attractor.name)
-        return known or _safe_by_length(attractor)
-    return _KINDS.get(attractor.kind) or _NAMED.get(attractor.name) or _by_length(attractor)
-
-
-def colours_of(attractors: tuple[Attractor, ...], palette: Palette = Palette.PAPER) -> list[Colour]:
-    """Colour of each attractor; those with the same name get ever lighter shades of one colour, in order.
+def colours_of(attractors: tuple[Attractor, ...], palette: Palette = USUAL) -> list[Colour]:
+    """Colour of each attractor.
 
     Parameters
     ----------
@@ -119,25 +146,52 @@ def colours_of(attractors: tuple[Attractor, ...], palette: Palette = Palette.PAP
     Examples
     --------
     >>> import rattle
+    >>> from rattle.pictures import Palette
     >>> basin = rattle.basin(cells=40, progress=False)
-    >>> colours_of(basin.rattle.catalogue())
+    >>> colours_of(basin.rattle.catalogue(), Palette.PAPER)
     [(0.0, 0.0, 0.5), (0.55, 0.85, 1.0), (0.5, 0.0, 0.0)]
     """
-    seen: dict[str, int] = {}
-    colours = []
-    for attractor in attractors:
-        colour = _colour_of(attractor, palette)
-        twins = seen.get(attractor.name, 0)
-        seen[attractor.name] = twins + 1
-        colours.append(_lighter(colour, 1.0 - 0.7**twins))
-    return colours
+    return [paint.colour for paint in paints_of(attractors, palette)]
+
+
+def _textured(shape: tuple[int, ...], texture: np.ndarray) -> np.ndarray:
+    """Which cells the marks of their textures cover; the page has the same (``isMarked``)."""
+    row, column = np.indices(shape) if len(shape) == 2 else (np.zeros(shape, int), np.arange(np.prod(shape)))
+    up, down = (column - row) % 5 == 0, (column + row) % 5 == 0
+    dots = (column % 4 == 0) & (row % 4 == 0)
+    return np.choose(texture, [np.zeros(shape, bool), up, down, dots])
+
+
+def ink_on(colour: Colour) -> Colour:
+    """Black or white, whichever is seen better on a colour."""
+    return (0.0, 0.0, 0.0) if np.dot(colour, (0.2126, 0.7152, 0.0722)) > 0.4 else (1.0, 1.0, 1.0)
+
+
+def usual_speckle(
+    solution: np.typing.ArrayLike, group: np.typing.ArrayLike, attractors: tuple[Attractor, ...]
+) -> int:  # fmt: skip
+    """Number of the brightness that most chaotic cells have; they are drawn in the colour of the legend.
+
+    Parameters
+    ----------
+    solution, group : array_like of int, one shape
+    attractors : tuple of Attractor
+
+    Returns
+    -------
+    int
+        Index into `SPECKLE`; 0 where no cell is chaotic.
+    """
+    chaotic = [i for i, attractor in enumerate(attractors) if attractor.is_chaotic]
+    groups = np.asarray(group)[np.isin(solution, chaotic)]
+    return int(np.bincount(groups[groups > 0] % len(SPECKLE), minlength=len(SPECKLE)).argmax())
 
 
 def paint_cells(
     solution: np.typing.ArrayLike, group: np.typing.ArrayLike, attractors: tuple[Attractor, ...],
-    palette: Palette = Palette.PAPER,
+    palette: Palette = USUAL, usual: int | None = None,
 ) -> np.ndarray:  # fmt: skip
-    """Colours of cells, with chaos speckled by Hsu's groups as in the paper.
+    """Colours of cells, with chaos speckled by Hsu's groups as in the paper, and textures where colours are used again.
 
     Parameters
     ----------
@@ -146,6 +200,8 @@ def paint_cells(
     attractors : tuple of Attractor
         The catalogue that ``solution`` indexes.
     palette : Palette
+    usual : int, optional
+        From `usual_speckle` of the whole picture, where these cells are a part of it.
 
     Returns
     -------
@@ -160,10 +216,17 @@ def paint_cells(
     (40, 40, 3)
     """
     solution, group = np.asarray(solution), np.asarray(group)
-    colours = np.array([*colours_of(attractors, palette), MISSING])
-    image = colours[np.where(solution >= 0, solution, len(attractors))]
+    paints = [*paints_of(attractors, palette), Paint(MISSING)]
+    number = np.where(solution >= 0, solution, len(attractors))
+    image = np.array([paint.colour for paint in paints])[number]
     chaotic = [i for i, attractor in enumerate(attractors) if attractor.is_chaotic]
     inside = np.isin(solution, chaotic)
-    speckle = np.array(SPECKLE)[group[inside] % len(SPECKLE)]
-    image[inside] = np.minimum(image[inside] * speckle[:, None], 1.0)
+    if inside.any():
+        one = SPECKLE[usual_speckle(solution, group, attractors) if usual is None else usual]
+        speckle = np.where(group[inside] > 0, np.array(SPECKLE)[group[inside] % len(SPECKLE)] / one, 1.0)
+        image[inside] = np.minimum(image[inside] * speckle[:, None], 1.0)
+    texture = np.array([paint.texture for paint in paints])[number]
+    if texture.any():
+        marked = _textured(solution.shape, texture)
+        image[marked] = np.array([ink_on(paint.colour) for paint in paints])[number][marked]
     return image

@@ -1,8 +1,8 @@
-"""Picture of one basin in the paper's axes and colours (Figs. 6 to 16), complete or not."""
+"""Picture of one basin in the paper's axes (Figs. 6 to 16), complete or not."""
 
 import itertools
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -56,7 +56,7 @@ class Look:
     overlays: Collection[OverlayKind] = USUAL_OVERLAYS
     window: Window | None = None
     panel: int | None = None
-    palette: colours.Palette = colours.Palette.PAPER
+    palette: colours.Palette = colours.USUAL
 
 
 USUAL_LOOK = Look()
@@ -106,6 +106,7 @@ class PanelPicture:
         look: Look = USUAL_LOOK,
     ) -> None:  # fmt: skip
         self.store, self.table, self.solutions, self.panel, self.look = store, table, solutions, panel, look
+        self.most_cells = most_cells
         self.tiles = store.tiling.numbers_of(panel)
         self.states = store.read_ledger()[self.tiles]
         self.palette = np.array([*colours.colours_of(solutions, look.palette), colours.MISSING])
@@ -190,12 +191,23 @@ class PanelPicture:
         if self.store.job.sample is not None:
             self._draw_points(axes)
             return
+        usual = self._usual_speckle()
         for rows, columns, place in self._parts():
             solution, group = (
                 self._read(self._of_layer(layer), rows, columns) for layer in (Layer.SOLUTION, Layer.GROUP)
             )
-            image = colours.paint_cells(solution, group, self.solutions, self.look.palette)
+            image = colours.paint_cells(solution, group, self.solutions, self.look.palette, usual)
             axes.imshow(image, origin="lower", extent=place, aspect="auto", interpolation="nearest")
+
+    def _usual_speckle(self) -> int:
+        """The same for each window of the panel."""
+        if self.window != self.whole:
+            look = replace(self.look, window=None)
+            whole = PanelPicture(self.store, self.table, self.solutions, self.panel, self.most_cells, look)
+            return whole._usual_speckle()
+        sides = (0, self.grid.velocity_cells), (0, self.grid.time_cells)
+        solution, group = (self._read(self._of_layer(layer), *sides) for layer in (Layer.SOLUTION, Layer.GROUP))
+        return colours.usual_speckle(solution, group, self.solutions)
 
     def _draw_points(self, axes: Axes) -> None:
         solution = self._read(self._of_layer(Layer.SOLUTION), (0, 1), (0, self.grid.time_cells))[0, :_MOST_POINTS]

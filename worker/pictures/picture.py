@@ -28,6 +28,8 @@ _MOST_CELLS = 2000
 _MOST_PANELS = 6
 _LEGEND_ROWS = 18
 _COLOURS = 256
+# Of the textures of cells, in their order.
+_HATCHES = (None, "////", "\\\\\\\\", "....")
 _SPECKLED = "chaos is speckled by Hsu's groups"
 
 
@@ -46,10 +48,10 @@ def _legend(
 
 def legend_patches(
     solutions: tuple[Attractor, ...], shares: np.ndarray, labels: list[str],
-    palette: colours.Palette = colours.Palette.PAPER,
+    palette: colours.Palette = colours.USUAL,
 ) -> list[Patch]:  # fmt: skip
     """Legend entries: permanent contact first, others by share. Once shares are known, only those that have one."""
-    filled = colours.colours_of(solutions, palette)
+    filled = colours.paints_of(solutions, palette)
     there = np.isfinite(shares) if np.isfinite(shares).any() else np.full(len(solutions), True)
     order = sorted(np.flatnonzero(there).tolist(), key=lambda i: (i > 0, -np.nan_to_num(shares[i])))
     patches = [_patch(solutions[i], filled[i], labels[i]) for i in order[:_LEGEND_ROWS]]
@@ -58,18 +60,18 @@ def legend_patches(
     return patches
 
 
-def _patch(solution: Attractor, colour: colours.Colour, label: str) -> Patch:
-    """The colour of a motion; of chaos its darkest and its brightest shade."""
+def _patch(solution: Attractor, paint: colours.Paint, label: str) -> Patch:
+    """The colour and texture of a motion; of chaos its usual and a brighter shade."""
+    colour = paint.colour
     if not solution.is_chaotic:
-        return Patch(facecolor=colour, edgecolor="black", label=label)
-    darkest, brightest = (
-        tuple(min(shade * part, 1.0) for part in colour) for shade in colours.SPECKLE[:: len(colours.SPECKLE) - 1]
-    )
-    return Patch(facecolor=darkest, edgecolor="black", hatchcolor=brightest, hatch="xxxxx", label=label)
+        ink, hatch = colours.ink_on(colour), _HATCHES[paint.texture]
+        return Patch(facecolor=colour, edgecolor="black", hatchcolor=ink, hatch=hatch, label=label)
+    brighter = tuple(min(part * colours.SPECKLE[-1] / colours.SPECKLE[0], 1.0) for part in colour)
+    return Patch(facecolor=colour, edgecolor="black", hatchcolor=brighter, hatch="xxxxx", label=label)
 
 
 def draw_legend(
-    axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray, palette: colours.Palette = colours.Palette.PAPER
+    axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray, palette: colours.Palette = colours.USUAL
 ) -> None:
     """List solutions with colours and shares beside the axes; NaN is a share not known yet."""
     told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]

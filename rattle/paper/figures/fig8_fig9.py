@@ -18,7 +18,7 @@ from rattle.paper.numbers.solutions import basin_summary
 from rattle.paper.numbers.transients import on_transient
 from rattle.paper.panels.basin_panel import COLOUR_OF_TRANSIENTS, attractor_overlays, draw_panel
 from rattle.paper.papers_oscillator import ITERATIONS, papers_oscillator
-from rattle.pictures import SYMBOLS
+from rattle.pictures import SYMBOLS, Palette, colours_of
 from rattle_kernels import CellGrid
 
 _PANELS, _COLUMNS = 9, 3
@@ -56,10 +56,13 @@ def _draw_chart(axes: Axes, sweep: xr.Dataset, basins: tuple[xr.Dataset, ...]) -
     """Draw shares over the parameter. The dashed line is the share of cells on a transient after k applications."""
     job = sweep.rattle.job
     sweep.rattle.plot_shares(axes)
+    colours = colours_of(basins[0].rattle.catalogue(), Palette.PAPER)
+    for line, colour in zip(axes.get_lines(), colours, strict=True):
+        line.set_color(colour)
     late = np.array([on_transient(basin).mean() for basin in basins])
     handles: list[Any] = [
         Patch(facecolor=colour, edgecolor="black", label=f"{number}: {name}")
-        for number, (colour, name) in enumerate(zip(sweep.rattle.colours, sweep.name.values, strict=True))
+        for number, (colour, name) in enumerate(zip(colours, sweep.name.values, strict=True))
     ]
     if late.any():
         label = f"still chaotic at k = {job.iterations}"

@@ -9,14 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from rattle.paper.numbers.transients import on_transient
-from rattle.pictures import Overlay, attractor_marks, colours_of, frame, grazing_line, paint_cells
+from rattle.pictures import Overlay, Palette, attractor_marks, colours_of, frame, grazing_line, paint_cells
 from rattle_kernels import Attractor, AttractorKind, Oscillator
 
 _MOST_DOTS = 4096
 _NO_POINTS = np.empty(0)
 # Stands for the cells that are on a transient after k applications.
 _WANDERING = Attractor(AttractorKind.CHAOTIC, 0, 0, 0, np.nan, np.nan, _NO_POINTS, _NO_POINTS)
-(COLOUR_OF_TRANSIENTS,) = colours_of((_WANDERING,))
+(COLOUR_OF_TRANSIENTS,) = colours_of((_WANDERING,), Palette.PAPER)
 
 
 def landings_on_transient(basin: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
@@ -46,7 +46,7 @@ def draw_panel(axes: Axes, basin: xr.Dataset, overlays: Iterable[Overlay]) -> No
     """
     grid, attractors, shown = basin.rattle.job.grid, basin.rattle.catalogue(), basin.rattle.shown
     solution = np.where(on_transient(basin), len(attractors), shown.solution)
-    image = paint_cells(solution, shown.group, (*attractors, _WANDERING))
+    image = paint_cells(solution, shown.group, (*attractors, _WANDERING), Palette.PAPER)
     extent = grid.time_start, grid.time_stop, grid.velocity_start, grid.velocity_stop
     axes.imshow(np.round(image, 2), origin="lower", extent=extent, aspect="auto", interpolation="nearest")
     for overlay in (*overlays, grazing_line(basin.rattle.oscillator)):
@@ -56,7 +56,8 @@ def draw_panel(axes: Axes, basin: xr.Dataset, overlays: Iterable[Overlay]) -> No
 
 def legend_of(basin: xr.Dataset) -> list[Patch]:
     """Legend entries: the share of each solution, and of a periodic one also the share not settled after k."""
-    names, shares, palette = basin.name.values, basin.share.values, basin.rattle.colours
+    names, shares = basin.name.values, basin.share.values
+    palette = colours_of(basin.rattle.catalogue(), Palette.PAPER)
     wandering, solution = on_transient(basin), basin.rattle.shown.solution.values
     entries = []
     for index in sorted(np.flatnonzero(np.isfinite(shares)).tolist(), key=lambda i: (i > 0, -shares[i])):

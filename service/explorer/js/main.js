@@ -39,18 +39,18 @@ const REST_MS = 350;
  */
 const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, rest: 0, sliding: false };
 
-const plane = new Plane(by("plane"), { moved, hovered: (place) => hover.at(place), picked: (place, second) => screen.oscillator && motions.pick(place, second), whole: () => plane.go(at.whole) });
+const plane = new Plane(by("plane"), { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole) });
 const marks = new Marks(by("marks"), plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
 const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), sound: () => screen.confirm() && lifeChanged(jobs.life) });
 const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
 const jobs = new Jobs({ changed: lifeChanged, begun, drawn });
 const motions = new Motions(by("history"), plane, marks, () => screen.wanted, () => remember(false));
-const hover = new Hover(plane, marks, () => screen.oscillator, { reading: by("reading"), sentence: by("sentence") });
+const hover = new Hover(plane, marks, oscillatorAt, { reading: by("reading"), sentence: by("sentence") });
 const overlays = new OverlayList(by("overlays"), plane, () => remember(false));
 const sweep = new Sweep(by("sweep"), openPanel);
 const still = new Still(by("still"));
-new Comparison({ button: by("keep"), range: by("swipe") }, plane, screen);
+const comparison = new Comparison({ button: by("keep"), range: by("swipe") }, plane, { seen: keptHere, changed: keptChanged, ended: () => motions.forgetKept(), failed: previewFailed });
 const charts = {
   orbits: new Orbits({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), pick: (departure) => motions.pick(departure, false, true) }),
   bifurcation: new Diagrams({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) }),
@@ -121,12 +121,33 @@ function requestHere() {
   return { oscillator: screen.oscillator, grid: axesOf(plane.view, cells), iterations };
 }
 
+/** The oscillator of the half of the plane in which a place is. */
+function oscillatorAt({ t }) {
+  return plane.isKept(t) ? plane.beside.oscillator : screen.oscillator;
+}
+
+/** What is seen, to be kept. */
+function keptHere() {
+  const { oscillator } = screen;
+  if (!oscillator) return null;
+  const job = at.edited || !jobs.job || !hasCells(jobs.job) ? null : jobs.job.id;
+  return { oscillator, request: requestHere(), job, panel: at.panel };
+}
+
+function keptChanged() {
+  legend();
+  motions.told();
+  hover.read();
+  remember(false);
+}
+
 /** The window has moved: cells of the store or a preview at once, and after a rest an entry of the history and a job that refines it. */
 function moved(view) {
   clearTimeout(at.rest);
   if (limitOf(view)) say(limitOf(view));
   if (!screen.oscillator) return;
   form.showWindow(requestHere().grid);
+  plane.beside?.look(view);
   // A large basin is looked at more closely before it is computed anew.
   const refine = !screen.closer(view) && by("anew").checked;
   if (refine) screen.look(screen.oscillator, view);
@@ -220,10 +241,12 @@ function previewFailed(error) {
 }
 
 function legend() {
-  showLegend(by("legend"), plane.picture, plane.look, (highlight) => {
+  const highlighted = (highlight) => {
     plane.restyle({ highlight });
     legend();
-  });
+  };
+  showLegend(by("legend"), plane.picture, plane.look, highlighted);
+  comparison.showLegend({ label: by("kept-label"), place: by("kept-legend") }, highlighted);
 }
 
 function caption() {
@@ -253,7 +276,7 @@ function remember(isNew) {
   const { layer, palette } = plane.look;
   const job = at.edited || jobs.life.phase === "asking" ? null : jobs.job;
   const pictured = job && !hasCells(job) ? {} : { request: at.request, view: plane.view, whole: at.whole };
-  write(encode({ job: job?.id, panel: at.panel, layer, palette, overlays: overlays.names, motions: motions.starts, ...pictured }), isNew);
+  write(encode({ job: job?.id, panel: at.panel, layer, palette, overlays: overlays.names, motions: motions.startsOf(false), ...comparison.seen(motions.startsOf(true)), ...pictured }), isNew);
   enableSteps();
 }
 
@@ -272,6 +295,7 @@ async function openAddress() {
     at.edited = false;
     motions.forget();
     for (const [i, [t, v]] of seen.motions.entries()) await motions.pick({ t, v }, i > 0, true);
+    await comparison.open(seen, motions);
   } finally {
     if (at.opening === seen) at.opening = null;
     enableSteps();

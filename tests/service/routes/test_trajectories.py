@@ -122,7 +122,9 @@ def test_a_query_asks_what_the_motion_does_in_the_end(service):
     assert told["end"]["kind"] == "permanent_contact" and told["end"]["first"] is None
     assert told["end"]["periods"] == pytest.approx(told["permanent_from"] - 0.0233)
     assert "end" not in service.request("POST", "/v1/trajectories", json=body).json()
-    rattles = service.request("POST", "/v1/trajectories?end=true", json=body | {"start": {"time": 0.93, "velocity": 5.2}})
+    rattles = service.request(
+        "POST", "/v1/trajectories?end=true", json=body | {"start": {"time": 0.93, "velocity": 5.2}}
+    )
     assert rattles.json()["end"] | {"impacts": 0} == {
         "kind": "rattling", "name": None, "periods": 1000.0, "impacts": 0, "first": None
     }  # fmt: skip

@@ -5,7 +5,9 @@ import { Chart } from "./chart.js";
 const MOST_MARKS = 400;
 const NAMES = { first: "A", second: "B" };
 
-function draw(place, backlash, motions) {
+function draw(place, backlashOf, motions) {
+  const widths = [...motions.values()].map(backlashOf);
+  const backlash = Math.max(...widths);
   const all = [...motions.values()].flatMap(({ shown }) => [shown.displacement]);
   const least = Math.min(-backlash, ...all.map((values) => values.reduce((a, b) => Math.min(a, b))));
   const most = Math.max(backlash, ...all.map((values) => values.reduce((a, b) => Math.max(a, b))));
@@ -16,14 +18,15 @@ function draw(place, backlash, motions) {
   const chart = new Chart(place, {
     height: 170, x, y: [least - room, most + room], xLabel: "time t (forcing periods)", yLabel: "displacement Φ", label,
   });
-  for (const [wall, name] of [[backlash, "+β"], [-backlash, "−β"]]) {
+  for (const [wall, name] of widths.flatMap((width) => [[width, "+β"], [-width, "−β"]])) {
     chart.add("path", { class: "wall", d: `M${chart.x(x[0])} ${chart.y(wall)}H${chart.x(x[1])}` });
     chart.add("text", { x: chart.x(x[1]) + 2, y: chart.y(wall) + 4 }, name);
   }
-  for (const [name, { shown }] of motions) {
+  for (const [name, motion] of motions) {
+    const { shown } = motion;
     chart.line(shown.time, shown.displacement, { class: name });
     for (const { time, wall, direction } of shown.contacts.slice(0, MOST_MARKS)) {
-      if (direction !== "out") chart.add("circle", { class: name, cx: chart.x(time), cy: chart.y(wall * backlash), r: 2 });
+      if (direction !== "out") chart.add("circle", { class: name, cx: chart.x(time), cy: chart.y(wall * backlashOf(motion)), r: 2 });
     }
   }
   return chart;
@@ -39,7 +42,8 @@ function cursorOn(chart, seek) {
   };
 }
 
-function sentence(name, { start, ends }) {
+/** @param {string} name @param {Motion} motion */
+function sentence(name, { start, ends, kept }) {
   const line = document.createElement("p");
   line.className = "ends";
   const mark = document.createElement("b");
@@ -47,19 +51,19 @@ function sentence(name, { start, ends }) {
   mark.textContent = NAMES[name];
   const cell = document.createElement("span");
   cell.dataset.cell = name;
-  line.append(mark, ` The motion from t = ${start.t}, v = ${start.v} ${ends}.`, cell);
+  line.append(mark, ` The motion ${kept ? "of the kept basin " : ""}from t = ${start.t}, v = ${start.v} ${ends}.`, cell);
   return line;
 }
 
 /**
  * Show motions. Returns a function that moves a cursor to a time, and calls `seek` with the time of a click.
  * @param {HTMLElement} section
- * @param {number} backlash
+ * @param {(motion: Motion) => number} backlashOf half of the backlash of a motion's machine
  * @param {Map<string, Motion>} motions
  * @param {(at: number) => void} seek
  * @returns {(at: number|null) => void}
  */
-export function showHistories(section, backlash, motions, seek) {
+export function showHistories(section, backlashOf, motions, seek) {
   section.hidden = motions.size === 0;
   const place = section.querySelector("#histories");
   place.replaceChildren();
@@ -67,13 +71,13 @@ export function showHistories(section, backlash, motions, seek) {
   const chart = document.createElement("div");
   chart.className = "chart";
   place.append(...[...motions].map(([name, motion]) => sentence(name, motion)), chart);
-  let move = cursorOn(draw(chart, backlash, motions), seek);
+  let move = cursorOn(draw(chart, backlashOf, motions), seek);
   let [wide, now] = [chart.clientWidth, null];
   // A drawer that opens or a phone that turns gives it another width, and its text would change in size.
   new ResizeObserver(() => {
     if ([0, wide].includes(chart.clientWidth)) return;
     wide = chart.clientWidth;
-    move = cursorOn(draw(chart, backlash, motions), seek);
+    move = cursorOn(draw(chart, backlashOf, motions), seek);
     move(now);
   }).observe(chart);
   return (at) => move((now = at));

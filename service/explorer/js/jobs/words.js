@@ -4,6 +4,7 @@ import { grouped } from "../charts/ticks.js";
 
 const DOING = {
   computing: "computing basins", compiling: "compiling kernels, a minute or so", mapping: "mapping cells", assembling: "finding the motions", labelling: "labelling cells",
+  enclosing: "growing the lattice that cells are proven from", proving: "proving cells",
   searching: "looking for motions", settling: "following motions", continuing: "continuing orbits",
   tracing: "tracing curves", growing: "growing manifolds", done: "done",
 };

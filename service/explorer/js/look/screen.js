@@ -17,7 +17,7 @@ export function sameOscillator(one, other) {
   return Boolean(one && other) && FIELDS.every((name) => (!stiff && name === "permanent_contact") || value(one, name) === value(other, name));
 }
 
-/** Oscillator of a request's first basin. */
+/** Oscillator of a request's first basin. @param {BasinRequest} request */
 export function firstOf({ oscillator, vary }) {
   return withValues(oscillator, Object.fromEntries((vary ?? []).map(({ parameter, start, values }) => [parameter, start ?? values[0]])));
 }

@@ -11,7 +11,7 @@ export class Hover {
   /**
    * @param {import("../plane/plane.js").Plane} plane
    * @param {import("../plane/marks.js").Marks} marks
-   * @param {() => object|null} oscillator
+   * @param {(place: Departure) => Oscillator|null} oscillator of the half in which a place is
    * @param {{reading: HTMLElement, sentence: HTMLElement}} lines
    */
   constructor(plane, marks, oscillator, lines) {
@@ -21,7 +21,7 @@ export class Hover {
     this.lines = lines;
     this.place = null;
     const show = (departures, wish) => wish === this.place && this.marks.showHovered(departures);
-    this.latest = new Latest((wish, signal) => briefMotion(this.oscillator(), wish, signal), show, () => {});
+    this.latest = new Latest((wish, signal) => briefMotion(this.oscillator(wish), wish, signal), show, () => {});
   }
 
   /** The pointer is at a place of the plane; null when it has left. */
@@ -36,7 +36,7 @@ export class Hover {
     }
     this.place = place;
     this.read();
-    if (place.v > 0 && this.oscillator()) this.timer = setTimeout(() => this.latest.want(place), REST_MS);
+    if (place.v > 0 && this.oscillator(place)) this.timer = setTimeout(() => this.latest.want(place), REST_MS);
   }
 
   /** Say what is known of the place last pointed at. */
@@ -48,7 +48,7 @@ export class Hover {
     const phase = place.t - Math.floor(place.t);
     const where = `t = ${reading(phase, t1 - t0)}   v = ${reading(place.v, v1 - v0)}`;
     const numbers = known?.step === undefined ? "" : `   step ${known.step}, group ${known.group}, period ${known.period}`;
-    this.lines.reading.textContent = where + (known ? `   ${known.solution.name}${numbers}` : "   not known yet");
+    this.lines.reading.textContent = (this.plane.isKept(place.t) ? "kept: " : "") + where + (known ? `   ${known.solution.name}${numbers}` : "   not known yet");
     const proof = known?.proven ? ` ${proofInWords(known.proven, known.solution)}` : "";
     this.lines.sentence.textContent = known ? underPointer(known.solution) + proof : "";
   }

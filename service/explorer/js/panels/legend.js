@@ -32,7 +32,7 @@ function entry(solutions, solution, share, known, look, pick) {
   const part = document.createElement("span");
   part.className = "share";
   part.textContent = known ? percent(share) : `${percent(share)} so far`;
-  button.append(swatch(solution.colours[look.palette]), name, part);
+  button.append(swatch(solution.colours[look.palette], false, solution.textures[look.palette]), name, part);
   button.addEventListener("click", () => pick(look.highlight === key ? null : key));
   const item = document.createElement("li");
   item.append(button);

@@ -53,6 +53,16 @@ export class Motions {
    */
   async pick(place, second, exactly = false) {
     if (place.v <= 0) return;
+    const kept = !exactly && this.plane.isKept(place.t) ? this.plane.beside : null;
+    await this.#pick(place, second, exactly, kept);
+  }
+
+  /** Follow a motion of the basin that was kept. @param {import("../plane/half.js").Half} kept */
+  pickKept(place, second, kept) {
+    return this.#pick(place, second, true, kept);
+  }
+
+  async #pick(place, second, exactly, kept) {
     const name = this.followed.size && (second || this.comparing) ? "second" : "first";
     this.#compare(false);
     const start = exactly ? { t: digits(place.t - Math.floor(place.t)), v: digits(place.v) } : this.#rounded(place);
@@ -60,7 +70,7 @@ export class Motions {
     const { era } = this;
     const wish = (this.wish = {});
     await attempt(async () => {
-      const motion = await followMotion(this.oscillator(), start);
+      const motion = { ...await followMotion(kept?.oscillator ?? this.oscillator(), start), kept };
       // Another motion may have been clicked meanwhile.
       if (era !== this.era || (name === "first" && wish !== this.wish)) return;
       if (name === "first") this.followed.delete("second");
@@ -76,9 +86,15 @@ export class Motions {
     return { t: Number(reading(t - Math.floor(t), t1 - t0)) % 1, v: Number(reading(v, v1 - v0)) };
   }
 
-  /** Departures that are followed, as [t, v]. */
-  get starts() {
-    return [...this.followed.values()].map(({ start }) => [start.t, start.v]);
+  /** Departures that are followed, as [t, v]: of the basin that is seen, or of the one that was kept. */
+  startsOf(ofKept) {
+    return [...this.followed.values()].filter(({ kept }) => Boolean(kept) === ofKept).map(({ start }) => [start.t, start.v]);
+  }
+
+  /** Follow no motion any more of the basin that was kept. */
+  forgetKept() {
+    for (const [name, { kept }] of this.followed) if (kept) this.followed.delete(name);
+    this.#show();
   }
 
   /** Say again what the cells of the followed motions are: there is another picture. */
@@ -89,15 +105,17 @@ export class Motions {
     }
   }
 
-  #cellOf({ start, end }) {
-    const known = this.plane.at(start.t, start.v);
+  /** @param {Motion} motion */
+  #cellOf({ start, end, kept }) {
+    const known = this.plane.at(start.t, start.v, Boolean(kept));
     return known ? cellInWords(known.solution, end) : "";
   }
 
   /** Follow motions from the same departures, of the oscillator that is seen now. */
   async renew() {
     const era = ++this.era;
-    for (const [name, { start }] of this.followed) {
+    for (const [name, { start, kept }] of this.followed) {
+      if (kept) continue;
       const motion = await followMotion(this.oscillator(), start).catch(() => null);
       if (era !== this.era || !motion) return;
       this.followed.set(name, motion);
@@ -114,12 +132,13 @@ export class Motions {
   }
 
   #show() {
-    this.plane.motions = new Map([...this.followed].map(([name, { departures }]) => [name, departures]));
-    const backlash = this.oscillator()?.half_backlash;
-    this.cursor = showHistories(this.section, backlash, this.followed, (at) => this.tooth.seek(at));
+    this.plane.motions = new Map([...this.followed].map(([name, { departures, kept }]) => [name, { departures, kept }]));
+    /** @param {Motion} motion */
+    const backlashOf = ({ kept }) => (kept?.oscillator ?? this.oscillator())?.half_backlash;
+    this.cursor = showHistories(this.section, backlashOf, this.followed, (at) => this.tooth.seek(at));
     this.told();
     const [name, motion] = [...this.followed].at(-1) ?? ["first", null];
-    this.tooth.show(motion, backlash, name);
+    this.tooth.show(motion, motion && backlashOf(motion), name);
     this.plane.draw();
   }
 }

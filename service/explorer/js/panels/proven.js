@@ -33,7 +33,7 @@ export function proofLines({ proof, solution, outline }, look) {
   const whole = proven.reduce((sum, each) => sum + each, 0);
   const there = solutions.filter(({ number }) => proven[number] > 0).sort((a, b) => proven[b.number] - proven[a.number]);
   return [
-    ...list(`Proven: ${percent(whole)}${tried ? "" : " so far"}`, there.map((each) => line(swatch(each.colours[look.palette]), each.name, proven[each.number]))),
+    ...list(`Proven: ${percent(whole)}${tried ? "" : " so far"}`, there.map((each) => line(swatch(each.colours[look.palette], false, each.textures[look.palette]), each.name, proven[each.number]))),
     ...list(`Not proven: ${percent(1 - whole)}`, reasons.filter(({ share }) => share > 0).map(({ reason, share }) => line(swatch(UNPROVEN, true), REASONS[reason], share))),
   ];
 }

@@ -93,6 +93,41 @@ export function paintSolutions(pixels, solution, group, table, kinds, from, to) 
   }
 }
 
+/** Whether the mark of a texture covers a cell, by its column and its row from the lowest speed. */
+export function isMarked(texture, column, row) {
+  if (texture === 1) return (column - row) % 5 === 0;
+  if (texture === 2) return (column + row) % 5 === 0;
+  return texture === 3 && column % 4 === 0 && row % 4 === 0;
+}
+
+/** "#000000" or "#ffffff", whichever is seen better on a colour. */
+export function inkOn(colour) {
+  const [red, green, blue] = channels(colour);
+  return 0.2126 * red + 0.7152 * green + 0.0722 * blue > 0.4 * 255 ? "#000000" : "#ffffff";
+}
+
+/** Texture and ink of each solution; null where none has a texture. @param {Outline} outline @param {Look} look */
+export function texturesOf(outline, look) {
+  const texture = outline.solutions.map(({ textures }) => textures?.[look.palette] ?? 0);
+  if (!texture.some(Boolean)) return null;
+  const ground = channels(look.ground);
+  const ink = outline.solutions.map(({ number, colours }) => {
+    const faint = look.highlight !== null && look.highlight !== keyOf(outline.solutions, number);
+    const rgb = channels(inkOn(colours[look.palette]));
+    return pixel(faint ? paler(rgb, ground, 0.86) : rgb);
+  });
+  return { texture, ink };
+}
+
+/** Mark cells from..to of a row, of a picture `width` cells wide, whose lowest row is the last. */
+export function paintTextures(pixels, solution, { texture, ink }, width, from, to) {
+  const row = solution.length / width - 1 - Math.floor(from / width);
+  for (let i = from; i < to; i++) {
+    const number = solution[i];
+    if (number >= 0 && texture[number] && isMarked(texture[number], i % width, row)) pixels[i] = ink[number];
+  }
+}
+
 /** Paint one of Hsu's numbers on a logarithmic scale, because most cells have small numbers. */
 export function paintNumbers(pixels, values, solution, highest, special, from, to) {
   const factor = (STEPS - 1) / Math.log1p(Math.max(highest, 1));

@@ -3,8 +3,9 @@
 import { get, send } from "../net/api.js";
 import { viewOf } from "../state/window.js";
 import { partsOf, wholeOf } from "./levels.js";
-import { paintNumbers, paintSolutions, solutionPixels, specialPixel, usualSpeckle } from "./palette.js";
+import { paintNumbers, paintSolutions, paintTextures, solutionPixels, specialPixel, texturesOf, usualSpeckle } from "./palette.js";
 import { Proof } from "./proof.js";
+import { inKeptColours } from "./session.js";
 import { Mask } from "./unproven.js";
 
 const LABELLED = 3;
@@ -25,7 +26,7 @@ export class Picture {
   constructor(job, panel, outline, shown = wholeOf(outline)) {
     this.job = job;
     this.panel = panel;
-    this.outline = outline;
+    this.outline = inKeptColours(outline);
     const { time, velocity } = outline;
     this.shown = shown;
     this.every = shown.every;
@@ -100,7 +101,7 @@ export class Picture {
    */
   async refresh(final, arrived, signal) {
     const before = this.outline.solutions.length;
-    if (!this.fresh) this.outline = await get(`/v1/jobs/${this.job}/outline?panel=${this.panel}`, { signal });
+    if (!this.fresh) this.outline = inKeptColours(await get(`/v1/jobs/${this.job}/outline?panel=${this.panel}`, { signal }));
     this.fresh = false;
     if (this.outline.solutions.length !== before) this.there.clear();
     const settled = final && this.outline.complete;
@@ -179,6 +180,7 @@ export class Picture {
     const { left, top, right, bottom } = tile === null || usual !== this.usual ? everything : this.rectangle(tile);
     this.usual = usual;
     const table = numbers ? null : solutionPixels(this.outline, look, usual);
+    const textures = numbers ? null : texturesOf(this.outline, look);
     const highest = numbers ? this.highest(look.layer) : 0;
     const kinds = this.outline.speckle.length;
     for (let row = top; row < bottom; row++) {
@@ -186,6 +188,7 @@ export class Picture {
       const to = from + right - left;
       if (numbers) paintNumbers(this.pixels, this[look.layer], this.solution, highest, specialPixel("#8a8f98"), from, to);
       else paintSolutions(this.pixels, this.solution, this.group, table, kinds, from, to);
+      if (textures) paintTextures(this.pixels, this.solution, textures, this.width, from, to);
     }
     this.context.putImageData(this.image, 0, 0, left, this.height - bottom, right - left, bottom - top);
   }

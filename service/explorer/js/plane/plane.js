@@ -27,7 +27,7 @@ export class Plane {
     /** @type {Look} */
     this.look = { layer: "solution", palette: "colour_blind", highlight: null, ground: "#ffffff" };
     this.stack = new Stack();
-    /** Another basin that is compared: pictures, and the part of the width at which it begins. */
+    /** Another basin that is compared. @type {import("./half.js").Half|null} */
     this.beside = null;
     this.overlays = [];
     this.motions = new Map();
@@ -80,7 +80,7 @@ export class Plane {
   /** Repaint everything in another style. */
   restyle(look) {
     Object.assign(this.look, look);
-    for (const picture of [...this.stack.drawn, ...(this.beside?.pictures ?? [])]) picture.paint(this.look);
+    for (const picture of [...this.stack.drawn, ...(this.beside?.stack.drawn ?? [])]) picture.paint(this.look);
     this.draw();
   }
 
@@ -89,9 +89,16 @@ export class Plane {
     return this.picture?.outline.solutions.find((solution) => solution.name === name)?.colours[this.look.palette];
   }
 
-  /** What is known at a point. */
-  at(t, v) {
-    return this.stack.at(t, v);
+  /** Whether a time of the view lies in the half of the basin that was kept. */
+  isKept(t) {
+    if (!this.beside) return false;
+    const { t0, t1 } = this.view;
+    return (t - t0) / (t1 - t0) > this.beside.part;
+  }
+
+  /** What is known at a point, of the half in which it is unless that is given. */
+  at(t, v, kept = this.isKept(t)) {
+    return (kept && this.beside ? this.beside : this).stack.at(t, v);
   }
 
   /** Move to another window, without an event. */
@@ -136,12 +143,17 @@ export class Plane {
     const plot = (this.plot = new Plot(this.canvas, this.view));
     plot.clear();
     const { top, newest, preview, drawn } = this.stack;
+    const { beside } = this;
     plot.clipped(() => {
       this.#drawPictures(plot, drawn, top);
       if (newest && !preview) hatchMissing(plot, newest);
-      if (this.beside) drawSwipe(plot, this.beside, (pictures) => this.#drawPictures(plot, pictures, pictures.at(-1)));
       if (top) this.#drawOverlays(plot, top);
-      for (const [name, departures] of this.motions) drawMotion(plot, departures.map((each) => this.inView(each)), name);
+      this.#drawMotions(plot, false);
+      if (beside) drawSwipe(plot, beside, () => {
+        this.#drawPictures(plot, beside.stack.drawn, beside.picture);
+        if (beside.picture) for (const overlay of beside.overlaysOf(this.overlays)) drawOverlay(plot, overlay, beside.picture);
+        this.#drawMotions(plot, true);
+      });
       if (this.crossHair) drawCrossHair(plot, this.crossHair);
       if (this.gestures.box) this.#drawBox(plot, this.gestures.box);
     });
@@ -155,6 +167,12 @@ export class Plane {
     for (const picture of pictures) {
       picture.draw(plot);
       if (hatched) hatchUnproven(plot, picture);
+    }
+  }
+
+  #drawMotions(plot, ofKept) {
+    for (const [name, { departures, kept }] of this.motions) {
+      if (Boolean(kept) === ofKept) drawMotion(plot, departures.map((each) => this.inView(each)), name);
     }
   }
 

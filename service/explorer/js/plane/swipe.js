@@ -1,4 +1,4 @@
-/** Another basin swiped over the one that is seen: it is drawn to the right of a line. */
+/** Another basin swiped over the one that is seen: it is drawn to the right of a line, with all that belongs to it. */
 
 import { colour } from "../page/theme.js";
 import { wrapped } from "./wrapping.js";
@@ -8,11 +8,10 @@ const LINE = 16;
 /**
  * Draw the other basin.
  * @param {import("./plot.js").Plot} plot
- * @param {{pictures: import("./picture.js").Picture[], part: number, label: string}} beside pictures in the order in which they are drawn, and
- *   the part of the width at which they begin
- * @param {(pictures: import("./picture.js").Picture[]) => void} draw
+ * @param {{part: number, label: string}} beside the part of the width at which it begins
+ * @param {() => void} draw
  */
-export function drawSwipe(plot, { pictures, part, label }, draw) {
+export function drawSwipe(plot, { part, label }, draw) {
   const { context } = plot;
   const x = plot.left + part * plot.width;
   context.save();
@@ -21,7 +20,7 @@ export function drawSwipe(plot, { pictures, part, label }, draw) {
   context.clip();
   context.fillStyle = colour("plot");
   context.fillRect(x, plot.top, plot.width, plot.height);
-  draw(pictures);
+  draw();
   context.restore();
   context.fillStyle = "#ffffff";
   context.fillRect(x - 1.5, plot.top, 3, plot.height);

@@ -4,7 +4,7 @@ import { harmonicsOf, harmonicsText, NUMBERS } from "./oscillator.js";
 import { same, viewOf } from "./window.js";
 
 /** What is not written. */
-const USUAL = { layer: "solution", palette: "colour_blind", overlays: "proven,grazing,attractors" };
+const USUAL = { layer: "solution", palette: "colour_blind", overlays: "proven,grazing,attractors", part: 0.5 };
 const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
 
 /**
@@ -19,6 +19,8 @@ const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
  * @property {string} palette
  * @property {string[]} overlays names of those that are on
  * @property {number[][]} motions departures (t, v) that are followed
+ * @property {Partial<Seen>|null} beside what is kept beside it, without a view of its own
+ * @property {number} part of the width at which that begins
  */
 
 function short(number) {
@@ -120,6 +122,8 @@ export function decode(search) {
     palette: query.get("palette") ?? USUAL.palette,
     overlays: (query.get("overlays") ?? USUAL.overlays).split(",").filter(Boolean),
     motions,
+    beside: query.get("beside") ? decode(query.get("beside")) : null,
+    part: query.has("part") ? Number(query.get("part")) : USUAL.part,
   };
 }
 
@@ -128,7 +132,7 @@ export function decode(search) {
  * @param {Partial<Seen>} seen
  * @returns {string}
  */
-export function encode({ job, panel, request, view, whole, layer, palette, overlays, motions }) {
+export function encode({ job, panel, request, view, whole, layer, palette, overlays, motions, beside, part }) {
   const fields = [];
   if (job) fields.push(["job", job]);
   if (panel) fields.push(["panel", String(panel)]);
@@ -140,5 +144,7 @@ export function encode({ job, panel, request, view, whole, layer, palette, overl
   if (palette && palette !== USUAL.palette) fields.push(["palette", palette]);
   if (overlays && overlays.join(",") !== USUAL.overlays) fields.push(["overlays", overlays.join(",")]);
   for (const motion of motions ?? []) fields.push(["motion", motion.map(short).join(",")]);
+  if (beside) fields.push(["beside", encode(beside)]);
+  if (beside && part !== undefined && part !== USUAL.part) fields.push(["part", short(part)]);
   return fields.length ? `?${fields.map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}` : "";
 }

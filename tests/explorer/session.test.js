@@ -1,0 +1,63 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { isMarked, paintTextures, texturesOf } from "../../service/explorer/js/plane/palette.js";
+import { POOLS } from "../../service/explorer/js/plane/pools.js";
+import { inKeptColours } from "../../service/explorer/js/plane/session.js";
+
+const POOL = POOLS.colour_blind;
+const OWN = { "permanent contact": "#141f40", "P(1,1,0)": "#56b4e9" };
+
+/** A basin as the service sends it: motions without a colour of their own take those of the pool in order. */
+function basin(shares) {
+  let next = 0;
+  const solutions = Object.entries(shares).map(([name, share], number) => {
+    const place = OWN[name] ? 0 : next++;
+    const colour = OWN[name] ?? POOL[place % POOL.length];
+    const texture = Math.floor(place / POOL.length);
+    return { number, name, kind: "periodic", share, colours: { paper: "#000080", colour_blind: colour }, textures: { paper: 0, colour_blind: texture } };
+  });
+  return /** @type {any} */ ({ solutions, speckle: [1] });
+}
+
+function paintsOf(outline) {
+  return Object.fromEntries(outline.solutions.map(({ name, colours, textures }) => [name, `${colours.colour_blind} ${textures.colour_blind}`]));
+}
+
+test("a motion keeps its colour by name while others come and go", () => {
+  const session = new Map();
+  const first = paintsOf(inKeptColours(basin({ "permanent contact": 0.4, "P(2,2,2)": 0.4, "P(3,3,0)": 0.2 }), session));
+  const second = paintsOf(inKeptColours(basin({ "P(1,1,0)": 0.3, "P(1,1,1)": 0.2, "P(3,3,0)": 0.5 }), session));
+  assert.equal(second["P(3,3,0)"], first["P(3,3,0)"]);
+  assert.notEqual(second["P(1,1,1)"], first["P(2,2,2)"], "a colour that no name has had comes first");
+  assert.equal(second["P(1,1,0)"], "#56b4e9 0");
+});
+
+test("whatever was seen before, no two motions of a basin are painted alike", () => {
+  const session = new Map();
+  let seed = 1;
+  const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
+  for (let round = 0; round < 200; round++) {
+    const names = [...Object.keys(OWN), ...Array.from({ length: 12 }, () => `P(${Math.ceil(9 * random())},${Math.ceil(9 * random())},0)`)];
+    const shares = Object.fromEntries([...new Set(names)].map((name) => [name, random()]));
+    const outline = inKeptColours(basin(shares), session);
+    const paints = paintsOf(outline);
+    assert.equal(new Set(Object.values(paints)).size, Object.keys(shares).length);
+    const largest = outline.solutions.filter(({ name }) => !OWN[name]).sort((a, b) => b.share - a.share);
+    assert.equal(new Set(largest.slice(0, 5).map(({ name }) => paints[name])).size, Math.min(5, largest.length));
+  }
+});
+
+test("cells of a colour that is used again are marked", () => {
+  const solutions = [0, 1, 2, 3].map((texture, number) => ({ number, name: `${number}`, kind: "periodic", colours: { paper: "#ffffff" }, textures: { paper: texture } }));
+  const look = { palette: "paper", highlight: null, ground: "#ffffff", layer: "solution" };
+  const textures = texturesOf(/** @type {any} */ ({ solutions }), look);
+  for (const texture of [0, 1, 2, 3]) {
+    const solution = new Int16Array(400).fill(texture), pixels = new Int32Array(400).fill(-1);
+    for (let row = 0; row < 20; row++) paintTextures(pixels, solution, textures, 20, 20 * row, 20 * row + 20);
+    const marked = pixels.reduce((sum, pixel) => sum + Number(pixel !== -1), 0);
+    assert.equal(marked, [0, 80, 80, 25][texture]);
+  }
+  assert.ok(isMarked(1, 7, 7) && isMarked(2, 7, 3) && !isMarked(1, 7, 3));
+  assert.equal(texturesOf(/** @type {any} */ ({ solutions: solutions.slice(0, 1) }), look), null);
+});
