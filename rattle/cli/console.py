@@ -11,6 +11,7 @@ from rich.table import Table
 
 from rattle import progress
 from rattle.progress import ProgressLine
+from worker.motion_words import ends_in_words
 
 out = Console()
 err = Console(stderr=True)
@@ -57,13 +58,17 @@ def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
 def print_solutions(solutions: Sequence[Mapping[str, Any]]) -> None:
     """Print a table of solutions: name, share (and what of it is proven), exponent, power, life of chaos, a point."""
     table = Table("", "solution", "share", "Lyapunov exponent", "impact power", "a departure (t, v)")
+    names = [str(solution["name"]) for solution in solutions]
     for number, solution in enumerate(solutions):
         share, exponent, points = solution["share"], solution["lyapunov_exponent"], solution["points"]
         power = solution["impact_power"]
         life, error = solution["mean_life"], solution["mean_life_error"]
+        # A service of an earlier version does not say what transients end in.
+        ends = ends_in_words([(end["solution"], end["share"]) for end in solution.get("ends", ())], names)
+        ends = f", {ends}" if ends else ""
         table.add_row(
             str(number),
-            solution["name"] if life is None else f"{solution['name']} for some {life:.1g} ± {error:.1g} impacts",
+            solution["name"] if life is None else f"{solution['name']} for some {life:.1g} ± {error:.1g} impacts{ends}",
             "not known yet" if share is None else f"{100 * share:.3f} %" + _proven(solution.get("share_proven")),
             "" if exponent is None else f"{exponent:.4f}",
             "" if power is None else f"{power:.4g}",
