@@ -106,8 +106,12 @@ def _sample(*_: Any) -> Group:
     )
 
     def read(given: Values) -> dict[str, Any] | None:
-        beside = {name: given[name] for name in ("seed", "scramblings") if name in given}
-        return None if given.get("sample") is None else {"points": given["sample"]} | beside
+        beside = {name: given[name] for name in ("seed", "scramblings") if given.get(name) is not None}
+        if given.get("sample") is None:
+            for name in beside:
+                raise InvalidJob(f"{name} belongs to a sample: give its points, as in sample=4096 (--sample)", (name,))
+            return None
+        return {"points": given["sample"]} | beside
 
     return Group(arguments, read)
 

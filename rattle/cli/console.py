@@ -11,6 +11,7 @@ from rich.table import Table
 
 from rattle import progress
 from rattle.progress import ProgressLine
+from worker.motion_words import ends_in_words
 
 out = Console()
 err = Console(stderr=True)
@@ -69,13 +70,17 @@ def print_solutions(solutions: Sequence[Mapping[str, Any]], errors: Mapping[int,
     `errors` are the standard errors of shares that come from a sample, by number.
     """
     table = Table("", "solution", "share", "Lyapunov exponent", "impact power", "a departure (t, v)")
+    names = [str(solution["name"]) for solution in solutions]
     for number, solution in enumerate(solutions):
         share, exponent, points = solution["share"], solution["lyapunov_exponent"], solution["points"]
         power = solution["impact_power"]
         life, error = solution["mean_life"], solution["mean_life_error"]
+        # A service of an earlier version does not say what transients end in.
+        ends = ends_in_words([(end["solution"], end["share"]) for end in solution.get("ends", ())], names)
+        ends = f", {ends}" if ends else ""
         table.add_row(
             str(number),
-            solution["name"] if life is None else f"{solution['name']} for some {life:.1g} ± {error:.1g} impacts",
+            solution["name"] if life is None else f"{solution['name']} for some {life:.1g} ± {error:.1g} impacts{ends}",
             _share(share, (errors or {}).get(number)) + _proven(solution.get("share_proven")),
             "" if exponent is None else f"{exponent:.4f}",
             "" if power is None else f"{power:.4g}",

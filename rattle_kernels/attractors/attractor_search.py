@@ -8,7 +8,8 @@ P is applied to a seed (a landing point) until its final motion is clear:
    convergence is not chaos.
 4. Otherwise an ensemble starts beside it (`chaotic_transient`). If most of it settles, the seed was on a short
    transient and ends as the ensemble does. If not, and the largest Lyapunov exponent is positive by several standard
-   errors, this is chaos: an attractor if no trajectory leaves it, else a transient, listed with the motions after it.
+   errors, this is chaos: an attractor if no trajectory leaves it, else a transient. The ensemble of a transient is
+   followed to its end (`transient_ends`), and the motions there are listed, too.
 5. Otherwise it is listed as undecided.
 
 A few seeds from all over the plane come first, as many as lanes follow at a time. Most of the others have arrived at
@@ -32,6 +33,7 @@ from rattle_kernels.attractors.chaotic_boxes import hit_the_same_boxes
 from rattle_kernels.attractors.chaotic_transient import follow_ensemble
 from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
+from rattle_kernels.attractors.transient_ends import distinct, follow_to_ends
 from rattle_kernels.lanes.lane_fields import LANES
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.model.domain import check_domain
@@ -58,30 +60,43 @@ def _orbits_of(oscillator: Oscillator, ends: np.ndarray, pause: Pause) -> list[A
 
 
 def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Pause) -> list[Attractor]:
-    """Final motion of one trajectory, whatever the catalogue holds; for a transient, it and the motions after it."""
+    """Final motion of one trajectory, whatever the catalogue holds; for a transient, the motions after it, and it last.
+
+    The ends of a transient are places in this list.
+    """
     for _ in range(_PATIENCE):
         orbit = settled_orbit(oscillator, t, v)
         if orbit is not None:
             return [attractor_of(orbit)]
         ensemble = follow_ensemble(oscillator, t, v, pause)
-        ends = _orbits_of(oscillator, ensemble.settled if ensemble.chaotic else ensemble.ends, pause)
-        left = ensemble.captured + len(ends)
+        orbits = _orbits_of(oscillator, ensemble.settled if ensemble.chaotic else ensemble.ends, pause)
+        left = ensemble.captured + len(orbits)
         if 2 * left > ENSEMBLE:
-            return ends or [PERMANENT_CONTACT_ATTRACTOR]
+            return orbits or [PERMANENT_CONTACT_ATTRACTOR]
         if ensemble.chaotic:
-            kind = AttractorKind.CHAOTIC_TRANSIENT if left else AttractorKind.CHAOTIC
-            points = ensemble.t, ensemble.v, ensemble.mean_life(left)
-            return [Attractor(kind, 0, 0, 0, ensemble.exponent, ensemble.error, *points), *ends]
+            points = ensemble.exponent, ensemble.error, ensemble.t, ensemble.v
+            if not left:
+                return [Attractor(AttractorKind.CHAOTIC, 0, 0, 0, *points)]
+            after, members = follow_to_ends(oscillator, ensemble, distinct(oscillator, orbits), pause)
+            ends = tuple((place, number / ENSEMBLE) for place, number in enumerate(members) if number)
+            kind = AttractorKind.CHAOTIC_TRANSIENT
+            return [*after, Attractor(kind, 0, 0, 0, *points, ensemble.mean_life(left), ends)]
         t, v = float(ensemble.t[-1]), float(ensemble.v[-1])
     return [UNDECIDED_ATTRACTOR]
 
 
-def _is_known(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor], pause: Pause) -> bool:
-    """Whether a motion is in the catalogue: by its kind if it has no points, else by where its last point arrives."""
+def _place_of(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor], pause: Pause) -> int:
+    """Place of a motion in the catalogue, -1 if it has none: by its kind or by where its last point arrives.
+
+    A periodic orbit is looked for among such orbits alone. If a chaotic transient ends in it, its points may well lie
+    in boxes that the transient has marked on its way.
+    """
     if not motion.time.size:
-        return any(listed.kind == motion.kind for listed in catalogue)
+        return next((place for place, listed in enumerate(catalogue) if listed.kind == motion.kind), -1)
+    if motion.kind == AttractorKind.PERIODIC:
+        catalogue = [listed if listed.kind == motion.kind else PERMANENT_CONTACT_ATTRACTOR for listed in catalogue]
     around = neighbourhoods(oscillator, catalogue, pause)
-    return bool(locate(oscillator, around, motion.time[-1:], motion.velocity[-1:])[0] >= 0)
+    return int(locate(oscillator, around, motion.time[-1:], motion.velocity[-1:])[0])
 
 
 def _overlapping(oscillator: Oscillator, motion: Attractor, catalogue: Sequence[Attractor]) -> int | None:
@@ -102,22 +117,31 @@ def _united(known: Attractor, motion: Attractor) -> Attractor:
     velocity = np.concatenate([known.velocity[::2], motion.velocity[::2]])
     rates = np.nan_to_num([1.0 / known.mean_life, 1.0 / motion.mean_life])
     lasts = not rates.any()
+    some, others = dict(known.ends), dict(motion.ends)
+    shares = {place: 0.5 * (some.get(place, 0.0) + others.get(place, 0.0)) for place in some | others}
     return motion._replace(
         kind=AttractorKind.CHAOTIC if lasts else AttractorKind.CHAOTIC_TRANSIENT,
         time=time, velocity=velocity, mean_life=np.nan if lasts else float(1.0 / rates.mean()),
+        ends=tuple(sorted(shares.items())),
     )  # fmt: skip
 
 
-def _list(oscillator: Oscillator, motion: Attractor, catalogue: list[Attractor], pause: Pause) -> bool:
-    """Add a motion to the catalogue; return whether it is new."""
-    same = _overlapping(oscillator, motion, catalogue)
-    if same is not None:
-        catalogue[same] = _united(catalogue[same], motion)
-        return False
-    new = not _is_known(oscillator, motion, catalogue, pause)
-    if new:
-        catalogue.append(motion)
-    return new
+def _list(oscillator: Oscillator, motions: Sequence[Attractor], catalogue: list[Attractor], pause: Pause) -> bool:
+    """Add motions to the catalogue, whose ends are places in their own list; return whether one is new."""
+    before = len(catalogue)
+    places: list[int] = []
+    for motion in motions:
+        motion = motion._replace(ends=tuple((places[end], share) for end, share in motion.ends))
+        same = _overlapping(oscillator, motion, catalogue)
+        if same is not None:
+            catalogue[same] = _united(catalogue[same], motion)
+            places.append(same)
+            continue
+        place = _place_of(oscillator, motion, catalogue, pause)
+        places.append(place if place >= 0 else len(catalogue))
+        if place < 0:
+            catalogue.append(motion)
+    return len(catalogue) > before
 
 
 def _settle(
@@ -156,7 +180,7 @@ def _search(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, catalogue: lis
             return
         motions = _motions_of(oscillator, float(t[0]), float(v[0]), pause)
         t, v = t[1:], v[1:]
-        if any([_list(oscillator, motion, catalogue, pause) for motion in motions]):
+        if _list(oscillator, motions, catalogue, pause):
             fruitless = 0
         else:
             fruitless += 1
@@ -173,7 +197,12 @@ def _canonical(found: Sequence[Attractor]) -> tuple[Attractor, ...]:
         lowest = (round(float(attractor.velocity.min()), 9), float(attractor.time[0])) if attractor.time.size else ()
         return (place.get(attractor.kind, len(place)), *contacts, *lowest)
 
-    return tuple(sorted(found, key=key))
+    order = sorted(range(len(found)), key=lambda place: key(found[place]))
+    now_at = {before: place for place, before in enumerate(order)}
+    return tuple(
+        found[before]._replace(ends=tuple(sorted((now_at[end], share) for end, share in found[before].ends)))
+        for before in order
+    )
 
 
 def find_attractors(

@@ -35,8 +35,8 @@ _GROWING = 512, 8192
 _STANDARD_ERRORS = 5.0
 # Regular motions separate too, but at most in proportion to the impacts: by at most this factor times their number.
 _REGULAR_GROWTH = 6.0
-# A tangent vector whose logarithm has grown by less than this part of the median is not in chaos.
-_SLUGGISH = 0.25
+SLUGGISH = 0.25
+"""A tangent vector whose logarithm has grown by less than this part of what is usual is not in chaos."""
 # Ever lower bounces take less and less time, down to thousands of impacts per period. On an attractor the pace is
 # steady, and there are enough turns of the forcing to measure it.
 _PACES = (0.5, 2.0)
@@ -139,7 +139,7 @@ def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = n
         return _all_captured(_LEGS * leg)
     median = np.nanmedian(ended.growth)
     # If half of the vectors do not grow, there is no chaos for the others to have left.
-    settled = there & (ended.growth < _SLUGGISH * median) & (median > 0.0)
+    settled = there & (ended.growth < SLUGGISH * median) & (median > 0.0)
     kept, *ends = _carried(oscillator, ended.t[settled], ended.v[settled], _LEGS * leg, pause)
     staying = ended.of(there & ~settled)
     stayed = going[there & ~settled]

@@ -7,6 +7,7 @@ import numpy as np
 from rattle_kernels.basin_measures.arrays import check_basins
 from rattle_kernels.cell_mapping.cell_grid import CellGrid, check_grid
 from rattle_kernels.manifolds.polyline import Piece
+from rattle_kernels.numerics.phase import wrap_all
 
 # Samples per cell along a curve. A cell that it crosses for less than a quarter of a cell may be missed.
 _SAMPLES = 4
@@ -57,7 +58,7 @@ def cells_along(pieces: Iterable[Piece], grid: CellGrid) -> np.ndarray:
         samples = np.ceil(chords * _SAMPLES).astype(np.int64) + 1
         along = np.concatenate([[0.0], np.cumsum(np.repeat(1.0 / samples, samples))])
         t, v = (np.interp(along, np.arange(values.size), values) for values in piece)
-        column = np.floor(((t - grid.time_start) % 1.0) * per_t).astype(np.int64)
+        column = np.floor(wrap_all(t - grid.time_start) * per_t).astype(np.int64)
         row = np.floor((v - grid.velocity_start) * per_v).astype(np.int64)
         inside = (column < grid.time_cells) & (row >= 0) & (row < grid.velocity_cells)
         marked[row[inside], column[inside]] = True

@@ -5,8 +5,9 @@ Three measures, for the basin of motion number `index`:
 - The *global integrity measure* GIM is the basin's share of the window.
 - The *local integrity measure* LIM is the radius of the largest disc about the attractor's states inside the basin: the
   least distance from a state to the end of the basin. It is the largest disturbance that is safe in every direction.
-- The *integrity factor* IF is the radius of the largest disc anywhere inside the basin. Unlike the share, it does not
-  count fractal parts, where no state is safe.
+- The *integrity factor* IF is the radius of the largest disc inside the basin that is centred on one of its cells.
+  Unlike the share, it does not count fractal parts, where no state is safe. With a free centre a disc could be larger,
+  by half the diagonal of a cell at most.
 
 Distances are measured in the scaled plane (t, v/velocity_scale), with time in forcing periods. If the window spans a
 whole period, they are taken round the cylinder. Each cell is a rectangle that belongs to one basin. Nothing is known
@@ -32,10 +33,11 @@ from rattle_kernels.basin_measures.arrays import check_basins
 from rattle_kernels.cell_mapping.cell_grid import CellGrid, cell_number, check_grid
 from rattle_kernels.numerics.distance_transform import distance_outside
 from rattle_kernels.numerics.jit import inlined, kernel
+from rattle_kernels.numerics.phase import wrap_all
 
 
 class LargestDisc(NamedTuple):
-    """A disc inside a basin: its radius in the scaled plane, and its centre as phase and unscaled speed.
+    """A disc inside a basin: its radius in the scaled plane, and the cell's centre that it has, as phase and speed.
 
     If the basin has no cell, the radius is 0 and the centre NaN.
     """
@@ -105,8 +107,9 @@ def integrity_factor(
 
     Notes
     -----
-    ``IF = max_x min_y |x - y|`` over centres x of the basin's cells and points y outside it (Rega and Lenci, 2005),
-    computed by an exact distance transform.
+    ``IF = max_x min_y |x - y|`` over centres x of the basin's cells and points y outside it, computed by an exact
+    distance transform. Rega and Lenci (2005) allow any x. As the least distance changes by no more than x moves, that
+    disc is larger by half the diagonal of a cell at most.
     """
     array, grid = _check(solution, grid, velocity_scale)
     if not (array == index).any():
@@ -219,10 +222,10 @@ def local_integrity_measure(
     if not states or not all(_holds(grid, t, v) for t, v in states):
         return math.nan
     width, height = _scaled_cell(grid, velocity_scale)
+    columns = wrap_all(attractor.time - grid.time_start) / width
+    rows = (attractor.velocity - grid.velocity_start) / velocity_scale / height
     best = math.inf
-    for t, v in states:
-        column = (t - grid.time_start) % 1.0 / width
-        row = (v - grid.velocity_start) / velocity_scale / height
+    for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
         around = _least_distance(outside, row, column, grid.wraps, width, height, grid.velocity_start > 0.0)
         best = min(best, around)
     return best

@@ -30,6 +30,14 @@ class ExpectedView(BaseModel):
     undecided_share: float = Field(description="Share of the cells whose motion is not known; they count as silent")
 
 
+class EndView(BaseModel):
+    """What a part of the motions on a chaotic transient end in."""
+
+    solution: int = Field(description="Which: index into `solutions`")
+    share: float = Field(description="Part of an ensemble of motions that ended in it")
+    standard_error: float
+
+
 class SolutionView(Loud):
     """One motion and its share of the cells. In a sweep: the share of all basins, the points of the first with it."""
 
@@ -48,6 +56,9 @@ class SolutionView(Loud):
         description="Mean number of impacts until a motion leaves a chaotic transient; null if none was seen to leave"
     )
     mean_life_error: FiniteOrNone = Field(description="Standard error of `mean_life`, at most")
+    ends: list[EndView] = Field(
+        description="What a chaotic transient ends in; the rest of its ensemble had not ended. Empty of other motions"
+    )
     points: list[tuple[float, float]] = Field(
         description="(t, v) of its departures; the first hundred of a chaotic one"
     )

@@ -8,12 +8,13 @@ import numpy as np
 from pydantic import BaseModel, Field
 
 from rattle_kernels import Attractor, Loudness, grazing_velocity
-from service.models.basin_result import ExpectedView, Loud
+from service.models.basin_result import EndView, ExpectedView, Loud
 from service.models.numbers import FiniteOrNone
 from worker.basins.preview import Preview
 from worker.pictures.colours import MISSING, SPECKLE, Colour, Paint, Palette, paints_of
 from worker.pictures.overlay import Lines, Overlay
 from worker.stores.pyramid.levels import Level
+from worker.stores.summary import ends_as_json
 from worker.views.outline import PanelOutline
 
 _DIGITS = 7
@@ -84,6 +85,9 @@ class DrawnSolution(Loud):
     lyapunov_exponent: FiniteOrNone
     mean_life: FiniteOrNone = Field(description="Mean number of impacts until a motion leaves chaos; null if it lasts")
     mean_life_error: FiniteOrNone = Field(description="Standard error of `mean_life`, at most")
+    ends: list[EndView] = Field(
+        description="What a chaotic transient ends in; the rest of its ensemble had not ended. Empty of other motions"
+    )
     colours: dict[Palette, str]
     textures: dict[Palette, int] = Field(description="How cells of a colour that is used again are marked; 0: not")
     points: list[tuple[float, float]] = Field(description="(t, v) of its departures in this basin")
@@ -97,7 +101,7 @@ class DrawnSolution(Loud):
         return cls(
             number=number, name=attractor.name, kind=attractor.kind.name.lower(),
             share=share, lyapunov_exponent=attractor.lyapunov_exponent, mean_life=attractor.mean_life,
-            mean_life_error=attractor.mean_life_error,
+            mean_life_error=attractor.mean_life_error, ends=ends_as_json(attractor),
             colours={palette: in_hex(paint.colour) for palette, paint in paints.items()},
             textures={palette: paint.texture for palette, paint in paints.items()},
             points=list(points), **heard._asdict(),

@@ -30,7 +30,7 @@ def test_it_knows_what_it_is_on(basin, sweep):
 
 def test_attractors_are_a_small_dataset(basin):
     assert basin.rattle.attractors.name.values.tolist() == ["permanent contact", "P(1,1,0)", "chaotic"]
-    assert set(basin.rattle.attractors.sizes) == {"attractor", "point"}
+    assert set(basin.rattle.attractors.sizes) == {"attractor", "end", "point"}
     assert [each.name for each in basin.rattle.catalogue()] == basin.name.values.tolist()
 
 

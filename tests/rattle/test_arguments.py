@@ -121,6 +121,8 @@ def test_arguments_make_the_request_that_json_makes(verb, given, request_):
         ("basin", {"permanent_contact": "one_rotation"}, ValueError, "give a stiffness"),
         ("basin", {"damping": (0.5, 0.7)}, ValueError, r"one value here; .* a proof \(prove=True\) a tolerance"),
         ("basin", {"levels": 2}, ValueError, "levels belongs to a proof: give prove=True"),
+        ("basin", {"seed": 5}, ValueError, "seed belongs to a sample: give its points"),
+        ("sweep", {"damping": [0.5, 0.6], "scramblings": 4}, ValueError, "scramblings belongs to a sample"),
         ("basin", {"tolerances": {"damping": (0.5, 0.7)}}, ValueError, "tolerances belongs to a proof"),
         ("basin", {"prove": True, "levels": 9}, ValueError, "^levels: "),
         ("basin", {"prove": True, "stiffness": 100.0}, ValueError, "only the impacting model is proven"),

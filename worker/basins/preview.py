@@ -94,7 +94,7 @@ def preview_basin(request: PreviewRequest, pause: Callable[[], None] = lambda: N
     Returns
     -------
     Preview
-        Its catalogue lists the motions that its cells end in.
+        Its catalogue lists the motions that its cells end in, and what the chaotic transients among them end in.
 
     Raises
     ------
@@ -110,9 +110,14 @@ def preview_basin(request: PreviewRequest, pause: Callable[[], None] = lambda: N
     else:
         solution, attractors = _named(oscillator, images, pause)
         _known.keep(oscillator, attractors)
-    there, solution = np.unique(solution, return_inverse=True)
+    there = np.unique(solution).tolist()
+    there = sorted({*there, *(end for number in there for end, _ in attractors[number].ends)})
+    solution = np.searchsorted(there, solution)
     shape = grid.velocity_cells, grid.time_cells
-    listed = tuple(attractors[number] for number in there)
+    listed = tuple(
+        each._replace(ends=tuple((there.index(end), share) for end, share in each.ends))
+        for each in (attractors[number] for number in there)
+    )
     heard = tuple(loudness(oscillator, each) for each in listed)
     return Preview(grid, oscillator, solution.reshape(shape), listed, heard)
 

@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from rattle_kernels import Attractor
 from worker.errors import InvalidJob
+from worker.motion_words import ends_in_words
 from worker.pictures import colours
 from worker.pictures.figure_file import new_figure
 from worker.pictures.overlay_kind import OverlayKind
@@ -75,7 +76,9 @@ def draw_legend(
 ) -> None:
     """List solutions with colours and shares beside the axes; NaN is a share not known yet."""
     told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
-    labels = [f"{solution.label}   {share}" for solution, share in zip(solutions, told, strict=True)]
+    names = [solution.name for solution in solutions]
+    ends = [f"\n{ends_in_words(solution.ends, names)}" if solution.ends else "" for solution in solutions]
+    labels = [f"{solution.label}   {share}{end}" for solution, share, end in zip(solutions, told, ends, strict=True)]
     handles = [*legend_patches(solutions, shares, labels, palette), *_unproven_of(axes), *_lines_of(axes)]
     axes.legend(
         handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0,

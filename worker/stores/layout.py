@@ -177,7 +177,16 @@ POINTS = (
         "attractor_velocity", ("attractor", "point"), np.float64, np.nan, "speeds of its departures, NaN-padded", SPEED
     ),
 )
-"""NaN means that there is no point. No other fill value has a meaning."""
+"""NaN means that there is no point. No other fill value has a meaning, but that of `ENDS`."""
+
+ENDS = Variable(
+    "transient_ends",
+    ("attractor", "end"),
+    np.float64,
+    np.nan,
+    "of a chaotic transient: share of its ensemble that ended in each solution (end: index into attractor); NaN: none",
+)
+"""What chaotic transients end in. Older stores do not have it."""
 
 CHANGES = (
     Variable("change_kind", ("change",), np.int8, 0, "what happens to a solution", flags(ChangeKind), False),

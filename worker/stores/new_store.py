@@ -196,3 +196,4 @@ def _create_solutions(group: Any, job: BasinJob) -> None:
         )  # fmt: skip
     for variable in layout.POINTS:
         create_array(group, job, variable, (0, 0), (ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK))
+    create_array(group, job, layout.ENDS, (0, 0), (ATTRACTORS_A_CHUNK, ATTRACTORS_A_CHUNK))

@@ -17,7 +17,7 @@ from worker.stores import layout
 from worker.stores.files.write_over import write_over
 from worker.stores.layout import Places, Variable
 from worker.stores.new_store import CONFIG, consolidate, create_array
-from worker.stores.solution_table import Motion, SolutionTable
+from worker.stores.solution_table import Motion, SolutionTable, ends_in
 
 
 class SolutionArrays:
@@ -76,6 +76,8 @@ class SolutionArrays:
                 array[: len(names)] = values
             flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
             self._group[self.places.solution.path].update_attributes(flags)
+            if self._lists_ends:
+                self._kept(layout.ENDS).resize((*self.job.sweep_shape, room[0], room[0]))
             # Points come last, because their shape says how much room there is. A driver killed earlier starts over.
             for variable in reversed(layout.POINTS):
                 self._kept(variable).resize((*self.job.sweep_shape, *room))
@@ -83,7 +85,7 @@ class SolutionArrays:
 
     def empty_solutions(self) -> None:
         """Forget all solutions, as in a new store (driver only)."""
-        for variable in layout.POINTS:
+        for variable in (*layout.POINTS, *((layout.ENDS,) if self._lists_ends else ())):
             self._array(variable).resize((*self.job.sweep_shape, 0, 0))
         for variable in self._measured():
             self._array(variable).resize((*self.job.sweep_shape, 0))
@@ -91,11 +93,16 @@ class SolutionArrays:
             self._array(variable).resize((0,))
         self._handles.clear()
 
+    @property
+    def _lists_ends(self) -> bool:
+        """Whether the store has an array for what chaotic transients end in. Older ones have none."""
+        return layout.ENDS.path in self._group
+
     def _measured(self) -> tuple[Variable, ...]:
         return layout.measured(self.job.sample.scramblings if self.job.sample else None)
 
     def write_points(self, basin: int, numbers: Sequence[int], attractors: Sequence[Attractor]) -> None:
-        """Write the points of a basin's attractors, under their numbers.
+        """Write the points of a basin's attractors, and what its transients end in, under their numbers.
 
         Only the basin's own numbers are written, so its chunks do not depend on the room that other basins need.
         """
@@ -108,6 +115,12 @@ class SolutionArrays:
                     values = getattr(attractor, field)
                     padded[number, : values.size] = values
                 write_over(self._kept_with_room(variable, shape), (*place, *map(slice, shape)), padded)
+            if any(attractor.ends for attractor in attractors) and self._lists_ends:
+                shares = np.full((max(numbers) + 1, max(numbers) + 1), np.nan)
+                for number, attractor in zip(numbers, attractors, strict=True):
+                    for end, share in attractor.ends:
+                        shares[number, numbers[end]] = share
+                write_over(self._kept_with_room(layout.ENDS, shares.shape), (*place, *map(slice, shares.shape)), shares)
 
     def write_solutions(self, table: SolutionTable) -> None:
         """Write the properties of solutions in each basin, as far as there is room (driver only)."""
@@ -139,10 +152,16 @@ class SolutionArrays:
         )
 
     def read_catalogue(self, basin: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
-        """Attractors of a basin with these numbers. An attractor whose points are still being written has none."""
+        """Attractors of a basin with these numbers. An attractor whose points are still being written has none.
+
+        Transients say by number what they end in.
+        """
         with as_store_failure(self.location):
             place = self.job.place_of(basin)
             points = [np.asarray(self._array(variable)[*place, :, :]) for variable in layout.POINTS]
+            transient = any(table.motions[number].kind == AttractorKind.CHAOTIC_TRANSIENT for number in numbers)
+            read_ends = transient and self._lists_ends
+            ends = np.asarray(self._array(layout.ENDS)[*place, :, :]) if read_ends else np.empty((0, 0))
         # The two arrays are extended and written one after the other. This read may fall in between.
         rows, columns = np.min([each.shape for each in points], axis=0)
         nothing = np.full((1, columns), np.nan)
@@ -152,6 +171,7 @@ class SolutionArrays:
             Attractor(
                 *table.motions[number], float(table.exponent[basin, number]), float(table.error[basin, number]),
                 time[row][there[row]], velocity[row][there[row]], float(table.mean_life[basin, number]),
+                ends_in(ends[number]) if number < len(ends) else (),
             )
             for number, row in ((number, min(number, rows)) for number in numbers)
         )  # fmt: skip

@@ -88,6 +88,11 @@ def shares_of_sets(solution: np.ndarray, numbers: Sequence[int], sample: Sample 
     return np.stack(counts, axis=1) * (sample.scramblings / sample.points)
 
 
+def ends_in(row: np.ndarray) -> tuple[tuple[int, float], ...]:
+    """What a solution ends in, from its row of `layout.ENDS`: numbers of solutions, and shares."""
+    return tuple((number, float(row[number])) for number in np.flatnonzero(np.isfinite(row)).tolist())
+
+
 @dataclass
 class SolutionTable:
     """Solutions by number, and per basin their share, Lyapunov exponent, its error and mean life (basins, solutions).

@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind, ExpectedLoudness, Loudness, expected_loudness, loudness
+from rattle_kernels.attractors.attractor import ENSEMBLE
 from worker.stores.basin_store import BasinStore
 from worker.stores.changes import list_changes
 from worker.stores.layout import ChangeKind, TileState
-from worker.stores.solution_table import SolutionTable, shares_of_sets
+from worker.stores.solution_table import SolutionTable, share_error, shares_of_sets
 
 _EXPECTATIONS_KEPT = 1 << 14
 WITHOUT_POINTS = AttractorKind.PERMANENT_CONTACT, AttractorKind.UNDECIDED
@@ -101,8 +102,17 @@ def _solution(attractor: Attractor, heard: Loudness, share: float) -> dict[str, 
         "mean_life_error",
     )  # fmt: skip
     points = zip(attractor.time[:100].tolist(), attractor.velocity[:100].tolist(), strict=True)
-    own = {name: getattr(attractor, name) for name in names}
+    own = {name: getattr(attractor, name) for name in names} | {"ends": ends_as_json(attractor)}
     return own | heard._asdict() | {"kind": attractor.kind.name.lower(), "share": share, "points": list(points)}
+
+
+def ends_as_json(attractor: Attractor) -> list[dict[str, Any]]:
+    """What a chaotic transient ends in: numbers of solutions, and the shares of its ensemble with their errors."""
+    errors = share_error(ENSEMBLE * np.array([[share for _, share in attractor.ends]]), ENSEMBLE).tolist()
+    return [
+        {"solution": number, "share": share, "standard_error": error}
+        for (number, share), error in zip(attractor.ends, errors, strict=True)
+    ]
 
 
 def _shares(basin: SweptBasinSummary) -> list[dict[str, Any]]:

@@ -43,7 +43,7 @@ def measure_basins(dataset: xr.Dataset, tolerance: float = 1e-6) -> xr.Dataset:
         The swept parameters are the leading dimensions. NaN if a basin is not complete or lacks the solution.
 
         - ``global_integrity``, ``local_integrity``, ``integrity_factor`` (attractor): share, largest disc about the
-          states, largest disc anywhere; radii are in the plane (t, v/velocity_scale);
+          states, largest disc centred on a cell; radii are in the plane (t, v/velocity_scale);
         - ``velocity_scale``: the greatest v* of the basin's grazing curve;
         - ``basin_entropy``, ``boundary_entropy``, ``uncertainty_exponent``, ``uncertainty_error``;
         - ``least_disturbance`` (time): the smallest speed at each phase that leads from quiet to rattle; NaN if the

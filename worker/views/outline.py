@@ -113,4 +113,4 @@ def _thinned(attractor: Attractor) -> Attractor:
 
 
 def _without_points(attractor: Attractor) -> Attractor:
-    return attractor._replace(time=np.empty(0), velocity=np.empty(0))
+    return attractor._replace(time=np.empty(0), velocity=np.empty(0), ends=())

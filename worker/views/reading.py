@@ -12,6 +12,7 @@
 import contextlib
 import json
 from collections.abc import Iterator
+from itertools import repeat
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +24,9 @@ from worker.errors import InvalidJob, StoreConflict, as_store_failure
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.jobs.swept_parameter import SweptParameter
 from worker.stores.files.served_files import files_at
-from worker.stores.layout import LAYOUT_VERSION, MEASURED, MOTIONS, READABLE_LAYOUTS
+from worker.stores.layout import ENDS, LAYOUT_VERSION, MEASURED, MOTIONS, READABLE_LAYOUTS
 from worker.stores.proofs.layout import PROOF, PROVEN
+from worker.stores.solution_table import ends_in
 from worker.stores.storage import place_at
 
 # Largest result, in bytes, whose arrays are read in one piece. A larger one has Dask arrays, whose library takes a
@@ -224,9 +226,12 @@ def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
     names = [variable.name for variable in (*MOTIONS[:4], *MEASURED[1:])]
     numbers = zip(*(dataset[name].values.tolist() for name in names), strict=True)
     points = zip(dataset.attractor_time.values, dataset.attractor_velocity.values, strict=True)
+    ends = map(ends_in, dataset[ENDS.name].values) if ENDS.name in dataset else repeat(())
     return tuple(
-        Attractor(AttractorKind(kind), m, upper, lower, exponent, error, t[np.isfinite(t)], v[np.isfinite(v)], life)
-        for (kind, m, upper, lower, exponent, error, life), (t, v) in zip(numbers, points, strict=True)
+        Attractor(
+            AttractorKind(kind), m, upper, lower, exponent, error, t[np.isfinite(t)], v[np.isfinite(v)], life, end
+        )
+        for (kind, m, upper, lower, exponent, error, life), (t, v), end in zip(numbers, points, ends, strict=False)
     )
 
 

@@ -8,6 +8,9 @@ import pandas as pd
 import xarray as xr
 
 from worker.errors import InvalidJob
+from worker.motion_words import ends_in_words
+from worker.stores.layout import ENDS
+from worker.stores.solution_table import ends_in
 from worker.views.loudness import measure_loudness
 from worker.views.reading import job_of
 
@@ -85,7 +88,7 @@ def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
     if chosen in dataset.dims and _columns_along(dataset, chosen):
         # A store lists its arrays by name.
         columns = sorted(_columns_along(dataset, chosen), key=lambda name: _LEADING.get(name, len(_LEADING)))
-        return pd.DataFrame({column: _in_words(dataset[column]) for column in columns})
+        return pd.DataFrame({column: _in_words(dataset[column]) for column in columns} | _ends(dataset, chosen))
     if chosen not in dataset.data_vars:
         raise InvalidJob(f"there is no table {chosen!r}; there are {', '.join(tables_in(dataset))}")
     array = dataset[chosen]
@@ -95,7 +98,17 @@ def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
     table = dataset.reset_coords()[[*alike, *beside]].to_dataframe().reset_index()
     for column in beside:
         table[column] = table[column].map(_words_of(dataset[column]) or (lambda value: value))
+    if chosen == ENDS.name:
+        table["ends_in"] = dataset["name"].values[table["end"]]
     return table.dropna(subset=[chosen]).reset_index(drop=True)
+
+
+def _ends(dataset: xr.Dataset, chosen: str) -> dict[str, list[str]]:
+    """A column for what the chaotic transients of a basin end in, if it has any."""
+    if chosen != "attractor" or ENDS.name not in dataset or dataset[ENDS.name].ndim != 2:
+        return {}
+    ends, names = [ends_in(row) for row in dataset[ENDS.name].values], dataset["name"].values.tolist()
+    return {"ends_in": [ends_in_words(each, names) for each in ends]} if any(ends) else {}
 
 
 def _with_loudness(dataset: xr.Dataset, chosen: str) -> xr.Dataset:

@@ -1,7 +1,7 @@
 """Figs. 12 and 13: basins with only the motions of the caption marked, and time histories of these motions.
 
-Fig. 12 is point A of Fig. 11, at damping 0.527, where P(3,3,2) and chaos coexist. Fig. 13 shows basins before the graze
-of P(4,4,2) and at it.
+Fig. 12 is point A of Fig. 11, at damping 0.527, where P(3,3,2) lies beside a long chaotic transient. Fig. 13 shows
+basins before the graze of P(4,4,2) and at it.
 """
 
 from collections.abc import Sequence

@@ -140,3 +140,9 @@ def test_motions_differ_on_the_two_sides_of_a_manifold(seed, one, other):
     oscillator = Oscillator()
     pieces = stable_pieces(oscillator, find_saddle(oscillator, *seed), ManifoldLimits(10.0, 0.0, 7.0))
     assert sides_of(oscillator, pieces) == (one, other)
+
+
+def test_a_curve_a_rounding_before_the_period_is_in_its_first_column():
+    grid = CellGrid(time_cells=4, velocity_stop=4.0, velocity_cells=4)
+    there = cells_along([Piece(np.array([-1e-17, -1e-17]), np.array([0.5, 1.5]))], grid)
+    assert there.nonzero()[0].tolist() == [0, 1] and there.nonzero()[1].tolist() == [0, 0]

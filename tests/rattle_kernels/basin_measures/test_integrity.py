@@ -154,3 +154,16 @@ def test_what_does_not_fit_together_is_refused():
         integrity_factor(np.zeros((5, 4), int), grid, velocity_scale=1.0)
     with pytest.raises(ValueError, match="velocity_scale must be positive"):
         integrity_factor(np.zeros((4, 5), int), grid, velocity_scale=0.0)
+
+
+def test_a_disc_with_a_free_centre_is_larger_by_half_the_diagonal_of_a_cell_at_most():
+    """Where the basin is two cells wide, the largest disc touches both sides; centred on a cell it has half of that."""
+    grid = CellGrid(time_cells=8, velocity_stop=4.0, velocity_cells=8)
+    solution = np.zeros(grid.shape, int)
+    solution[3:5, 1:7] = 1
+    width, height = 1 / 8, 0.5 / 2.0
+    free = height
+    disc = integrity_factor(solution, grid, 1, velocity_scale=2.0)
+    assert disc.time in grid.time_centres() and disc.velocity in grid.velocity_centres()
+    assert disc.radius == pytest.approx(height / 2)
+    assert free - disc.radius <= np.hypot(width, height) / 2

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle_kernels import AttractorKind
 from worker.errors import Damaged
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
@@ -54,6 +55,8 @@ def expected_chunks(location: str, arrays: dict[str, Any]) -> Iterator[Chunk]:
     table = _readable_table(store)
     for basin in np.flatnonzero(assembled).tolist():
         yield from _of_basin(store, basin, table)
+        if layout.ENDS.path in arrays:
+            yield from _of_ends(store, basin, table)
         if store.complete or table.complete[basin]:
             yield from _of_levels(store, basin)
 
@@ -99,6 +102,14 @@ def _of_basin(store: BasinStore, basin: int, table: SolutionTable) -> Iterator[C
         labels = layout.IMAGE_SET[:2] if _has_images(store, basin) else ()
         found = (layout.GRAZING, layout.IMAGE_WORDS, layout.IMAGE_SET[2], *labels)
         yield from ((variable.path, (*place, 0)) for variable in found)
+
+
+def _of_ends(store: BasinStore, basin: int, table: SolutionTable) -> Iterator[Chunk]:
+    """Chunks that say what the chaotic transients of a basin end in: written up to its highest number each way."""
+    numbers = table.numbers_in(basin)
+    if any(table.motions[number].kind == AttractorKind.CHAOTIC_TRANSIENT for number in numbers):
+        chunks = range(max(numbers) // ATTRACTORS_A_CHUNK + 1)
+        yield from ((layout.ENDS.path, (*store.job.place_of(basin), *chunk)) for chunk in product(chunks, chunks))
 
 
 def _of_proof(store: BasinStore, arrays: dict[str, Any]) -> Iterator[Chunk]:

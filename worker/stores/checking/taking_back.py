@@ -84,7 +84,8 @@ def _first_basin(store: BasinStore, damage: Damage, tile: int | None) -> int:
     if tile is not None:
         return tile // store.tiling.tiles_of_basin
     levels = store.levels[1:]
-    of_basins = {variable.path for variable in (layout.GRAZING, layout.IMAGE_WORDS, *layout.IMAGE_SET, *layout.POINTS)}
+    of_basins = {variable.path for variable in (layout.GRAZING, layout.IMAGE_WORDS, *layout.IMAGE_SET)}
+    of_basins |= {variable.path for variable in (*layout.POINTS, layout.ENDS)}
     of_basins |= {variable.path for level in levels for variable in level.labels}
     if damage.array in of_basins and damage.chunk:
         place = damage.chunk[: len(store.job.vary)]

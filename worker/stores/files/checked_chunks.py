@@ -20,8 +20,8 @@ METADATA = "zarr.json"
 """Name of the file of each array and each group."""
 CHUNKS = "c"
 """Folder of an array's chunks."""
-# Arrays whose length is found while computing, and which are not filled up.
-_SOME_CHUNKS = ("assembly/", "attractor_")
+# Arrays whose length is found while computing, and which are not filled up. Most basins have no chaotic transient.
+_SOME_CHUNKS = ("assembly/", "attractor_", "transient_ends")
 
 
 class ChecksChunks(Store):

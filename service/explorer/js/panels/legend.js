@@ -19,6 +19,15 @@ function chaosInWords({ lyapunov_exponent, mean_life, mean_life_error, kind }) {
   return ` Largest Lyapunov exponent ${lyapunov_exponent.toFixed(3)} per forcing period${life}.`;
 }
 
+/** What a chaotic transient ends in, the most frequent first; with shares, unless all of it ends in the same. */
+function endsInWords({ ends }, solutions) {
+  if (!ends?.length) return "";
+  if (ends.length === 1 && ends[0].share === 1) return ` It ends in ${solutions[ends[0].solution].name}.`;
+  const told = ends.toSorted((a, b) => b.share - a.share).map((end) => `${solutions[end.solution].name} (${Math.round(100 * end.share)} %)`);
+  const going = 1 - ends.reduce((sum, { share }) => sum + share, 0);
+  return ` It ends in ${told.join(", ")}${going > 0 ? `; ${Math.round(100 * going)} % had not ended` : ""}.`;
+}
+
 function entry(solutions, solution, share, known, look, pick) {
   const key = keyOf(solutions, solution.number);
   const button = document.createElement("button");
@@ -26,7 +35,7 @@ function entry(solutions, solution, share, known, look, pick) {
   button.dataset.solution = key;
   button.setAttribute("aria-pressed", String(look.highlight === key));
   const heard = solution.impacts_per_period ? ` ${loudnessInWords(solution)}.` : "";
-  button.title = solutionInWords(solution) + chaosInWords(solution) + heard;
+  button.title = solutionInWords(solution) + chaosInWords(solution) + endsInWords(solution, solutions) + heard;
   const name = document.createElement("span");
   name.textContent = solution.name;
   const part = document.createElement("span");
