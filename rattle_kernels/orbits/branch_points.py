@@ -13,14 +13,15 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
-from rattle_kernels.numerics.pseudo_arclength import WIDEST, System
+from rattle_kernels.numerics.pseudo_arclength import WIDEST
 from rattle_kernels.orbits.bifurcation_point import (
     SpecialPoint,
     describe_point,
     locate,
     shallowest_in_contact,
 )
-from rattle_kernels.orbits.closure import OrbitShape, stability_gap
+from rattle_kernels.orbits.chart import Chart
+from rattle_kernels.orbits.closure import OrbitShape, area_factor, stability_gap
 from rattle_kernels.orbits.orbit_equations import SpecialKind
 from rattle_kernels.orbits.station import BranchTask, Station, station_between
 
@@ -33,23 +34,19 @@ _REACH_OF_LOSS = 0.05
 _MERGED = 1e-3
 # At a saddle-node the departure is known to the root of rounding only.
 _BLUR = 1e-7
-# Accuracy of a special point in scaled unknowns, by its residual and the mean slope of the test function.
-_SHARP = 1e-13
 # A stretch of a branch of this length is a point.
 _NARROW = 1e-15
+# Seen from touches, of this length: the corrector's errors are some 1e-15.
+_NARROW_TOUCH = 1e-14
 
 
 class _Test(NamedTuple):
-    """A test function, and the special point that its change of sign shows, with one departure of its orbit.
-
-    ``smooth`` states whether the special point's equations are smooth wherever it may lie.
-    """
+    """A test function, and the special point that its change of sign shows, with one departure of its orbit."""
 
     kind: SpecialKind
     shape: OrbitShape
     departure: int
     value: Callable[[Station], float]
-    smooth: bool
 
 
 def _departure(task: BranchTask, station: Station, number: int) -> np.ndarray:
@@ -82,8 +79,10 @@ def _place(task: BranchTask, test: _Test, before: Station, after: Station, point
     return _Place(along, float(np.linalg.norm(apart - along * chord / length)), length)
 
 
-def _crossing(task: BranchTask, system: System, before: Station, after: Station, test: _Test) -> SpecialPoint | None:
+def _crossing(task: BranchTask, before: Station, after: Station, test: _Test) -> SpecialPoint | None:
     """Special point between two stations between which a test function changes sign; None if the branch is lost."""
+    if before.chart.gentle:
+        return _bisected(task, before, after, test)
     while True:
         values = test.value(before), test.value(after)
         part = min(max(values[0] / (values[0] - values[1]), 0.01), 0.99)
@@ -93,10 +92,9 @@ def _crossing(task: BranchTask, system: System, before: Station, after: Station,
         point = None if guess is None else locate(test.kind, guess[0], task.parameter, test.shape, *guess[1:])
         if point is not None:
             place = _place(task, test, before, after, point)
-            sharp = test.smooth or point.residual * place.length <= _SHARP * abs(values[0] - values[1])
-            if place.between and sharp:
+            if place.between:
                 return point
-        middle = station_between(task, system, before, after, 0.5)
+        middle = station_between(task, before, after, 0.5)
         if middle is None:
             return None
         value = test.value(middle)
@@ -113,39 +111,76 @@ def _crossing(task: BranchTask, system: System, before: Station, after: Station,
             )
 
 
+def _bisected(task: BranchTask, before: Station, after: Station, test: _Test) -> SpecialPoint | None:
+    """Special point between two stations seen from touches: the stretch is halved until it is a point."""
+    low = test.value(before) < 0.0
+    while True:
+        width = float(np.abs(after.z - before.z).max())
+        middle = station_between(task, before, after, 0.5)
+        if middle is None:
+            return None
+        if width <= _NARROW_TOUCH:
+            error = width * float(task.space.scales[2])
+            return point_at(test.kind, task, middle, error, periods=test.shape.forcing_periods)
+        if (test.value(middle) < 0.0) == low:
+            before = middle
+        else:
+            after = middle
+
+
+def point_at(
+    kind: SpecialKind, task: BranchTask, station: Station, error: float, first: int = 0, periods: int = 0
+) -> SpecialPoint:
+    """Special point at a station, with one of its departures as the first, of all turns or of a shorter orbit."""
+    turns = task.shape.forcing_periods // periods if periods else 1
+    size = task.shape.upper_contacts // turns
+    t, v, met = (np.roll(each, -first)[:size] for each in (station.t, station.v, station.margin > 0.0))
+    evaluated = station.chart.system()(station.z)
+    residual = math.nan if evaluated is None else float(np.abs(evaluated[0]).max())
+    multipliers = np.linalg.eigvals(station.jacobian).astype(complex)
+    if turns > 1:
+        # Of the shorter orbit this is a doubling: one multiplier is -1, their product that of its own turns.
+        area = area_factor(station.oscillator, task.shape, station.jacobian) ** (1.0 / turns)
+        multipliers = np.array([-1.0, -area], complex)
+    return SpecialPoint(
+        kind, task.parameter, station.oscillator.value_of(task.parameter), station.oscillator,
+        task.shape.forcing_periods // turns, size, int(met.sum()), t, v, multipliers, residual, error,
+    )  # fmt: skip
+
+
 def _changes(test: _Test, before: Station, after: Station) -> bool:
     return (test.value(before) < 0.0) != (test.value(after) < 0.0)
 
 
-def _tests(task: BranchTask) -> Iterator[_Test]:
-    """Test functions of saddle-nodes and doublings, and of grazes where they do not end a branch."""
+def _tests(task: BranchTask, chart: Chart) -> Iterator[_Test]:
+    """Test functions of saddle-nodes and doublings."""
     for kind, multiplier in ((SpecialKind.SADDLE_NODE, 1.0), (SpecialKind.PERIOD_DOUBLING, -1.0)):
 
         def gap(at: Station, multiplier: float = multiplier) -> float:
             return stability_gap(at.oscillator, task.shape, at.jacobian, multiplier)
 
-        yield _Test(kind, task.shape, 0, gap, task.infinitely_stiff)
-    if not task.infinitely_stiff:
-        for i in range(task.shape.upper_contacts):
-
-            def margin(at: Station, i: int = i) -> float:
-                return float(at.margin[i])
-
-            yield _Test(SpecialKind.GRAZING, task.shape._replace(over=True), i, margin, True)
+        yield _Test(kind, chart.shape, 0, gap)
 
 
-def points_between(
-    task: BranchTask, system: System, before: Station, after: Station
-) -> tuple[SpecialPoint, ...] | None:
-    """Special points between neighbouring stations, in their order; None if one of them cannot be located."""
+def points_between(task: BranchTask, before: Station, after: Station) -> tuple[SpecialPoint, ...] | None:
+    """Special points between neighbouring stations, in their order; None if one of them cannot be located.
+
+    On the side of a graze that meets -beta the trace may pass both critical values within 1/kappa^2 of the graze, where
+    the departures tell nothing: there the test functions, linear in the speed of the touch, give the order.
+    """
     points = []
-    for test in _tests(task):
+    for test in _tests(task, before.chart):
         if _changes(test, before, after):
-            point = _crossing(task, system, before, after, test)
+            point = _crossing(task, before, after, test)
             if point is None:
                 return None
-            place = _place(task, test, before, after, point)
-            points.append((place.along / place.length, point))
+            if before.chart.gentle:
+                value = test.value(before)
+                part = value / (value - test.value(after))
+            else:
+                place = _place(task, test, before, after, point)
+                part = place.along / place.length
+            points.append((part, point))
     return tuple(point for _, point in sorted(points, key=lambda each: each[0]))
 
 
@@ -156,9 +191,7 @@ def _half_turn(task: BranchTask, station: Station) -> np.ndarray:
     return np.array([apart - np.rint(apart), (station.v[half] - station.v[0]) / task.space.scales[1]])
 
 
-def halved_between(
-    task: BranchTask, system: System, before: Station, after: Station
-) -> tuple[SpecialPoint, ...] | None:
+def halved_between(task: BranchTask, before: Station, after: Station) -> tuple[SpecialPoint, ...] | None:
     """Period doubling at which the branch was born, if it lies between: there the orbit's halves swap.
 
     None if it cannot be located.
@@ -167,10 +200,10 @@ def halved_between(
         return ()
     shape = OrbitShape(task.shape.forcing_periods // 2, task.shape.upper_contacts // 2)
     first = _half_turn(task, before)
-    test = _Test(SpecialKind.PERIOD_DOUBLING, shape, 0, lambda at: float(_half_turn(task, at) @ first), True)
+    test = _Test(SpecialKind.PERIOD_DOUBLING, shape, 0, lambda at: float(_half_turn(task, at) @ first))
     if not _changes(test, before, after):
         return ()
-    point = _crossing(task, system, before, after, test)
+    point = _crossing(task, before, after, test)
     return None if point is None else (point,)
 
 
@@ -184,7 +217,7 @@ def distance_to(task: BranchTask, point: SpecialPoint, station: Station, departu
 
 def graze_near(task: BranchTask, station: Station, departure: int) -> SpecialPoint | None:
     """Graze of one flight, if it lies on the branch: it is near, and no other flight is on another side of grazing."""
-    shape = task.shape._replace(over=True)
+    shape = task.shape._replace(over=1)
     t, v = float(station.t[departure]), float(station.v[departure])
     point = locate(SpecialKind.GRAZING, station.oscillator, task.parameter, shape, t, v)
     if point is None or distance_to(task, point, station, departure) > _REACH:
@@ -205,7 +238,7 @@ def coincide(task: BranchTask, one: SpecialPoint, other: SpecialPoint) -> bool:
 def repeated_graze_near(task: BranchTask, station: Station) -> SpecialPoint | None:
     """Graze where the orbit becomes several turns of a shorter one, so that several of its flights graze at once."""
     for turns in range(task.shape.upper_contacts, 1, -1):
-        shape = OrbitShape(task.shape.forcing_periods // turns, task.shape.upper_contacts // turns, True)
+        shape = OrbitShape(task.shape.forcing_periods // turns, task.shape.upper_contacts // turns, 1)
         if (shape.forcing_periods * turns, shape.upper_contacts * turns) != task.shape[:2]:
             continue
         for i in range(shape.upper_contacts):
