@@ -13,17 +13,17 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
-from rattle_kernels.numerics.pseudo_arclength import WIDEST
+from rattle_kernels.numerics.pseudo_arclength import WIDEST, solve
 from rattle_kernels.orbits.bifurcation_point import (
     SpecialPoint,
     describe_point,
     locate,
     shallowest_in_contact,
 )
-from rattle_kernels.orbits.chart import Chart
-from rattle_kernels.orbits.closure import OrbitShape, area_factor, stability_gap
+from rattle_kernels.orbits.chart import Chart, chart_of
+from rattle_kernels.orbits.closure import OrbitShape, stability_gap
 from rattle_kernels.orbits.orbit_equations import SpecialKind
-from rattle_kernels.orbits.station import BranchTask, Station, station_between
+from rattle_kernels.orbits.station import BranchTask, Station, station_at, station_between
 
 # Near a graze the trace is like the inverse of the distance to it. It multiplies the errors of a corrected point, some
 # 1e-13. So a branch comes as close as their root, 1e-6 or less, and stalls.
@@ -38,6 +38,8 @@ _BLUR = 1e-7
 _NARROW = 1e-15
 # Seen from touches, of this length: the corrector's errors are some 1e-15.
 _NARROW_TOUCH = 1e-14
+# Steps of the secant method along the speed of a touch, of which the trace is nearly a linear function.
+_MOST_SECANTS = 30
 
 
 class _Test(NamedTuple):
@@ -121,30 +123,22 @@ def _bisected(task: BranchTask, before: Station, after: Station, test: _Test) ->
             return None
         if width <= _NARROW_TOUCH:
             error = width * float(task.space.scales[2])
-            return point_at(test.kind, task, middle, error, periods=test.shape.forcing_periods)
+            return point_at(test.kind, task, middle, error)
         if (test.value(middle) < 0.0) == low:
             before = middle
         else:
             after = middle
 
 
-def point_at(
-    kind: SpecialKind, task: BranchTask, station: Station, error: float, first: int = 0, periods: int = 0
-) -> SpecialPoint:
-    """Special point at a station, with one of its departures as the first, of all turns or of a shorter orbit."""
-    turns = task.shape.forcing_periods // periods if periods else 1
-    size = task.shape.upper_contacts // turns
-    t, v, met = (np.roll(each, -first)[:size] for each in (station.t, station.v, station.margin > 0.0))
+def point_at(kind: SpecialKind, task: BranchTask, station: Station, error: float, first: int = 0) -> SpecialPoint:
+    """Special point at a station, with one of its departures as the first."""
+    t, v = np.roll(station.t, -first), np.roll(station.v, -first)
     evaluated = station.chart.system()(station.z)
     residual = math.nan if evaluated is None else float(np.abs(evaluated[0]).max())
-    multipliers = np.linalg.eigvals(station.jacobian).astype(complex)
-    if turns > 1:
-        # Of the shorter orbit this is a doubling: one multiplier is -1, their product that of its own turns.
-        area = area_factor(station.oscillator, task.shape, station.jacobian) ** (1.0 / turns)
-        multipliers = np.array([-1.0, -area], complex)
     return SpecialPoint(
         kind, task.parameter, station.oscillator.value_of(task.parameter), station.oscillator,
-        task.shape.forcing_periods // turns, size, int(met.sum()), t, v, multipliers, residual, error,
+        task.shape.forcing_periods, task.shape.upper_contacts, int((station.margin > 0.0).sum()), t, v,
+        np.linalg.eigvals(station.jacobian).astype(complex), residual, error,
     )  # fmt: skip
 
 
@@ -203,8 +197,42 @@ def halved_between(task: BranchTask, before: Station, after: Station) -> tuple[S
     test = _Test(SpecialKind.PERIOD_DOUBLING, shape, 0, lambda at: float(_half_turn(task, at) @ first))
     if not _changes(test, before, after):
         return ()
-    point = _crossing(task, before, after, test)
-    return None if point is None else (point,)
+    point = _halved_at_touches(task, before, shape) if before.chart.gentle else _crossing(task, before, after, test)
+    if point is None or not _place(task, test, before, after, point).between:
+        return None
+    return (point,)
+
+
+def _halved_at_touches(task: BranchTask, near: Station, shape: OrbitShape) -> SpecialPoint | None:
+    """Period doubling of the orbit of half the period, sought along the speed of a touch (finite stiffness)."""
+    size = shape.upper_contacts
+    gentle = tuple(i for i in near.chart.gentle if i < size)
+    if [*gentle, *(i + size for i in gentle)] != list(near.chart.gentle):
+        return None
+    half = task._replace(shape=shape)
+    chart = chart_of(task.space, shape, gentle, near.chart.shape.over & ((1 << size) - 1))
+    touches = near.chart.touches(near.z)
+    # The speeds of both halves tend to that of the orbit they become.
+    guess = np.append(0.5 * (touches[: len(gentle)] + touches[len(gentle) :]), near.z[-1] * task.space.scales[2])
+    guess[:-1:2] = touches[: len(gentle), 0]
+    z, speeds, gaps = guess / chart.space.scales, list[float](), list[float]()
+    speed = z[1]
+    for _ in range(_MOST_SECANTS):
+        z = np.concatenate([z[:1], [speed], z[2:]])
+        landed = solve(chart.system(), z, np.eye(z.size)[1])
+        there = None if landed is None else station_at(half, chart, landed.z, np.eye(z.size)[-1])
+        if there is None:
+            return None
+        z = there.z
+        speeds.append(float(z[1]))
+        gaps.append(stability_gap(there.oscillator, shape, there.jacobian, -1.0))
+        step = 1e-3 * speed if len(gaps) == 1 else -gaps[-1] * (speeds[-1] - speeds[-2]) / (gaps[-1] - gaps[-2])
+        if not abs(step) > _NARROW_TOUCH:
+            return point_at(SpecialKind.PERIOD_DOUBLING, half, there, abs(step) * float(task.space.scales[2]))
+        speed += step
+        if not speed > 0.0:
+            return None
+    return None
 
 
 def distance_to(task: BranchTask, point: SpecialPoint, station: Station, departure: int) -> float:

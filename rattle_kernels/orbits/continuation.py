@@ -41,6 +41,7 @@ from rattle_kernels.orbits.graze_passage import (
     in_chart,
     is_between,
     leaving,
+    turned,
 )
 from rattle_kernels.orbits.orbit_equations import SpecialKind, unknowns
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
@@ -162,7 +163,7 @@ class _Walk:
                 graze = graze_of(self.task, here, met[0])
                 if len(met) > 1 or graze is None or not is_between(graze, self.last, here):
                     return False
-                here = graze.missing
+                here = graze.missing if graze.missing.tangent @ point.tangent > 0.0 else turned(graze.missing)
         at_a_corner = self.task.infinitely_stiff and point.step <= CORNER * self.task.steps.least
         if not (at_a_corner or are_neighbours(self.task, self.last, here)):
             return False
