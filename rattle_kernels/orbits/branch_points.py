@@ -36,8 +36,8 @@ _MERGED = 1e-3
 _BLUR = 1e-7
 # A stretch of a branch of this length is a point.
 _NARROW = 1e-15
-# Seen from touches, of this length: the corrector's errors are some 1e-15.
-_NARROW_TOUCH = 1e-14
+# The corrector errs by no more than that, seen from touches.
+_ERRING = 1e-10
 # Steps of the secant method along the speed of a touch, of which the trace is nearly a linear function.
 _MOST_SECANTS = 30
 
@@ -114,16 +114,17 @@ def _crossing(task: BranchTask, before: Station, after: Station, test: _Test) ->
 
 
 def _bisected(task: BranchTask, before: Station, after: Station, test: _Test) -> SpecialPoint | None:
-    """Special point between two stations seen from touches: the stretch is halved until it is a point."""
+    """Special point between two stations seen from touches: the stretch is halved until the corrector errs by as much.
+
+    With several touches at once, it errs by far more than rounding.
+    """
     low = test.value(before) < 0.0
     while True:
         width = float(np.abs(after.z - before.z).max())
-        middle = station_between(task, before, after, 0.5)
+        middle = None if width <= _NARROW else station_between(task, before, after, 0.5)
         if middle is None:
-            return None
-        if width <= _NARROW_TOUCH:
             error = width * float(task.space.scales[2])
-            return point_at(test.kind, task, middle, error)
+            return point_at(test.kind, task, before, error) if width <= _ERRING else None
         if (test.value(middle) < 0.0) == low:
             before = middle
         else:
@@ -227,7 +228,7 @@ def _halved_at_touches(task: BranchTask, near: Station, shape: OrbitShape) -> Sp
         speeds.append(float(z[1]))
         gaps.append(stability_gap(there.oscillator, shape, there.jacobian, -1.0))
         step = 1e-3 * speed if len(gaps) == 1 else -gaps[-1] * (speeds[-1] - speeds[-2]) / (gaps[-1] - gaps[-2])
-        if not abs(step) > _NARROW_TOUCH:
+        if not abs(step) > _NARROW:
             return point_at(SpecialKind.PERIOD_DOUBLING, half, there, abs(step) * float(task.space.scales[2]))
         speed += step
         if not speed > 0.0:
