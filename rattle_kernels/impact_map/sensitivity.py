@@ -99,7 +99,7 @@ def _flight_change(oscillator, parameter, phase, velocity, end, displacement):
 
 
 @inlined
-def _flight_sensitivity(oscillator, parameter, wall, phase, velocity, end):
+def flight_sensitivity(oscillator, parameter, wall, phase, velocity, end):
     """Change of (time of its end, velocity as an elastic impact turns it) of a flight from a fixed departure."""
     crossing = 0.5 * (end.wall - wall)  # -1 down, +1 up, 0 back to the same wall
     displacement = 2.0 * crossing * oscillator.half_backlash
@@ -190,7 +190,7 @@ def _ringing_change(numbers, tau):
 
 
 @inlined
-def _contact_sensitivity(oscillator, parameter, side, phase, speed, contact):
+def contact_sensitivity(oscillator, parameter, side, phase, speed, contact):
     """Change of (time of leaving, signed velocity then) of a contact from a fixed entry; x as in `model.contact`."""
     if contact.duration == 0.0:
         return 0.0, -side * speed if parameter == RESTITUTION else 0.0
@@ -211,7 +211,7 @@ def _contact_sensitivity(oscillator, parameter, side, phase, speed, contact):
 
 
 @inlined
-def _carry(jacobian, sensitivity, own):
+def carry(jacobian, sensitivity, own):
     """Sensitivity after a piece: the piece's derivative carries what came before, and its own is added."""
     t, w = sensitivity
     return jacobian.tt * t + jacobian.tv * w + own[0], jacobian.vt * t + jacobian.vv * w + own[1]
@@ -241,16 +241,16 @@ def next_impact_with_sensitivity(oscillator, parameter, t, v, over):
     passage = walk(oscillator, t, v, FORWARDS, over, False)
     fall, lower, rise = passage.fall, passage.lower, passage.rise
     jacobian = flight_jacobian(oscillator, t, -v, fall)
-    change = _flight_sensitivity(oscillator, parameter, UPPER, t, -v, fall)
+    change = flight_sensitivity(oscillator, parameter, UPPER, t, -v, fall)
     if passage.lower_impacts > 0:
         speed = -fall.velocity
         one = contact_jacobian(oscillator, LOWER, fall.phase, speed, lower)
-        change = _carry(one, change, _contact_sensitivity(oscillator, parameter, LOWER, fall.phase, speed, lower))
+        change = carry(one, change, contact_sensitivity(oscillator, parameter, LOWER, fall.phase, speed, lower))
         jacobian = multiply(one, jacobian)
         one = flight_jacobian(oscillator, passage.rises_at, lower.speed, rise)
-        own = _flight_sensitivity(oscillator, parameter, LOWER, passage.rises_at, lower.speed, rise)
-        change, jacobian = _carry(one, change, own), multiply(one, jacobian)
+        own = flight_sensitivity(oscillator, parameter, LOWER, passage.rises_at, lower.speed, rise)
+        change, jacobian = carry(one, change, own), multiply(one, jacobian)
     one = contact_jacobian(oscillator, UPPER, rise.phase, rise.velocity, passage.upper)
-    own = _contact_sensitivity(oscillator, parameter, UPPER, rise.phase, rise.velocity, passage.upper)
-    change, jacobian = _carry(one, change, own), multiply(one, jacobian)
+    own = contact_sensitivity(oscillator, parameter, UPPER, rise.phase, rise.velocity, passage.upper)
+    change, jacobian = carry(one, change, own), multiply(one, jacobian)
     return impact_after(passage), by_speeds(jacobian), (change[0], -change[1])

@@ -153,7 +153,7 @@ def continue_special_point(
     if second not in parameters or second == point.parameter:
         raise ValueError(f"the second parameter must be another of {', '.join(parameters)}, not {second!r}")
     space = unknowns(point.oscillator, (point.parameter, second), point.kind != SpecialKind.CONTACT_LOSS)
-    shape = OrbitShape(point.forcing_periods, point.upper_contacts, point.kind == SpecialKind.GRAZING)
+    shape = OrbitShape(point.forcing_periods, point.upper_contacts, int(point.kind == SpecialKind.GRAZING))
     lower = _smooth_side(point, shape) if space.with_speed else None
     system = special_system(point.kind, space, shape, lower)
     plane = _Plane(system, space, shape, np.array([bounds, second_bounds]), steps, most_points, pause)

@@ -13,16 +13,17 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
-from rattle_kernels.numerics.pseudo_arclength import WIDEST, System
+from rattle_kernels.numerics.pseudo_arclength import WIDEST, solve
 from rattle_kernels.orbits.bifurcation_point import (
     SpecialPoint,
     describe_point,
     locate,
     shallowest_in_contact,
 )
+from rattle_kernels.orbits.chart import Chart, chart_of
 from rattle_kernels.orbits.closure import OrbitShape, stability_gap
 from rattle_kernels.orbits.orbit_equations import SpecialKind
-from rattle_kernels.orbits.station import BranchTask, Station, station_between
+from rattle_kernels.orbits.station import BranchTask, Station, station_at, station_between
 
 # Near a graze the trace is like the inverse of the distance to it. It multiplies the errors of a corrected point, some
 # 1e-13. So a branch comes as close as their root, 1e-6 or less, and stalls.
@@ -33,23 +34,21 @@ _REACH_OF_LOSS = 0.05
 _MERGED = 1e-3
 # At a saddle-node the departure is known to the root of rounding only.
 _BLUR = 1e-7
-# Accuracy of a special point in scaled unknowns, by its residual and the mean slope of the test function.
-_SHARP = 1e-13
 # A stretch of a branch of this length is a point.
 _NARROW = 1e-15
+# The corrector errs by no more than that, seen from touches.
+_ERRING = 1e-10
+# Steps of the secant method along the speed of a touch, of which the trace is nearly a linear function.
+_MOST_SECANTS = 30
 
 
 class _Test(NamedTuple):
-    """A test function, and the special point that its change of sign shows, with one departure of its orbit.
-
-    ``smooth`` states whether the special point's equations are smooth wherever it may lie.
-    """
+    """A test function, and the special point that its change of sign shows, with one departure of its orbit."""
 
     kind: SpecialKind
     shape: OrbitShape
     departure: int
     value: Callable[[Station], float]
-    smooth: bool
 
 
 def _departure(task: BranchTask, station: Station, number: int) -> np.ndarray:
@@ -82,8 +81,10 @@ def _place(task: BranchTask, test: _Test, before: Station, after: Station, point
     return _Place(along, float(np.linalg.norm(apart - along * chord / length)), length)
 
 
-def _crossing(task: BranchTask, system: System, before: Station, after: Station, test: _Test) -> SpecialPoint | None:
+def _crossing(task: BranchTask, before: Station, after: Station, test: _Test) -> SpecialPoint | None:
     """Special point between two stations between which a test function changes sign; None if the branch is lost."""
+    if before.chart.gentle:
+        return _bisected(task, before, after, test)
     while True:
         values = test.value(before), test.value(after)
         part = min(max(values[0] / (values[0] - values[1]), 0.01), 0.99)
@@ -93,10 +94,9 @@ def _crossing(task: BranchTask, system: System, before: Station, after: Station,
         point = None if guess is None else locate(test.kind, guess[0], task.parameter, test.shape, *guess[1:])
         if point is not None:
             place = _place(task, test, before, after, point)
-            sharp = test.smooth or point.residual * place.length <= _SHARP * abs(values[0] - values[1])
-            if place.between and sharp:
+            if place.between:
                 return point
-        middle = station_between(task, system, before, after, 0.5)
+        middle = station_between(task, before, after, 0.5)
         if middle is None:
             return None
         value = test.value(middle)
@@ -113,39 +113,69 @@ def _crossing(task: BranchTask, system: System, before: Station, after: Station,
             )
 
 
+def _bisected(task: BranchTask, before: Station, after: Station, test: _Test) -> SpecialPoint | None:
+    """Special point between two stations seen from touches: the stretch is halved until the corrector errs by as much.
+
+    With several touches at once, it errs by far more than rounding.
+    """
+    low = test.value(before) < 0.0
+    while True:
+        width = float(np.abs(after.z - before.z).max())
+        middle = None if width <= _NARROW else station_between(task, before, after, 0.5)
+        if middle is None:
+            error = width * float(task.space.scales[2])
+            return point_at(test.kind, task, before, error) if width <= _ERRING else None
+        if (test.value(middle) < 0.0) == low:
+            before = middle
+        else:
+            after = middle
+
+
+def point_at(kind: SpecialKind, task: BranchTask, station: Station, error: float, first: int = 0) -> SpecialPoint:
+    """Special point at a station, with one of its departures as the first."""
+    t, v = np.roll(station.t, -first), np.roll(station.v, -first)
+    evaluated = station.chart.system()(station.z)
+    residual = math.nan if evaluated is None else float(np.abs(evaluated[0]).max())
+    return SpecialPoint(
+        kind, task.parameter, station.oscillator.value_of(task.parameter), station.oscillator,
+        task.shape.forcing_periods, task.shape.upper_contacts, int((station.margin > 0.0).sum()), t, v,
+        np.linalg.eigvals(station.jacobian).astype(complex), residual, error,
+    )  # fmt: skip
+
+
 def _changes(test: _Test, before: Station, after: Station) -> bool:
     return (test.value(before) < 0.0) != (test.value(after) < 0.0)
 
 
-def _tests(task: BranchTask) -> Iterator[_Test]:
-    """Test functions of saddle-nodes and doublings, and of grazes where they do not end a branch."""
+def _tests(task: BranchTask, chart: Chart) -> Iterator[_Test]:
+    """Test functions of saddle-nodes and doublings."""
     for kind, multiplier in ((SpecialKind.SADDLE_NODE, 1.0), (SpecialKind.PERIOD_DOUBLING, -1.0)):
 
         def gap(at: Station, multiplier: float = multiplier) -> float:
             return stability_gap(at.oscillator, task.shape, at.jacobian, multiplier)
 
-        yield _Test(kind, task.shape, 0, gap, task.infinitely_stiff)
-    if not task.infinitely_stiff:
-        for i in range(task.shape.upper_contacts):
-
-            def margin(at: Station, i: int = i) -> float:
-                return float(at.margin[i])
-
-            yield _Test(SpecialKind.GRAZING, task.shape._replace(over=True), i, margin, True)
+        yield _Test(kind, chart.shape, 0, gap)
 
 
-def points_between(
-    task: BranchTask, system: System, before: Station, after: Station
-) -> tuple[SpecialPoint, ...] | None:
-    """Special points between neighbouring stations, in their order; None if one of them cannot be located."""
+def points_between(task: BranchTask, before: Station, after: Station) -> tuple[SpecialPoint, ...] | None:
+    """Special points between neighbouring stations, in their order; None if one of them cannot be located.
+
+    On the side of a graze that meets -beta the trace may pass both critical values within 1/kappa^2 of the graze, where
+    the departures tell nothing: there the test functions, linear in the speed of the touch, give the order.
+    """
     points = []
-    for test in _tests(task):
+    for test in _tests(task, before.chart):
         if _changes(test, before, after):
-            point = _crossing(task, system, before, after, test)
+            point = _crossing(task, before, after, test)
             if point is None:
                 return None
-            place = _place(task, test, before, after, point)
-            points.append((place.along / place.length, point))
+            if before.chart.gentle:
+                value = test.value(before)
+                part = value / (value - test.value(after))
+            else:
+                place = _place(task, test, before, after, point)
+                part = place.along / place.length
+            points.append((part, point))
     return tuple(point for _, point in sorted(points, key=lambda each: each[0]))
 
 
@@ -156,9 +186,7 @@ def _half_turn(task: BranchTask, station: Station) -> np.ndarray:
     return np.array([apart - np.rint(apart), (station.v[half] - station.v[0]) / task.space.scales[1]])
 
 
-def halved_between(
-    task: BranchTask, system: System, before: Station, after: Station
-) -> tuple[SpecialPoint, ...] | None:
+def halved_between(task: BranchTask, before: Station, after: Station) -> tuple[SpecialPoint, ...] | None:
     """Period doubling at which the branch was born, if it lies between: there the orbit's halves swap.
 
     None if it cannot be located.
@@ -167,11 +195,45 @@ def halved_between(
         return ()
     shape = OrbitShape(task.shape.forcing_periods // 2, task.shape.upper_contacts // 2)
     first = _half_turn(task, before)
-    test = _Test(SpecialKind.PERIOD_DOUBLING, shape, 0, lambda at: float(_half_turn(task, at) @ first), True)
+    test = _Test(SpecialKind.PERIOD_DOUBLING, shape, 0, lambda at: float(_half_turn(task, at) @ first))
     if not _changes(test, before, after):
         return ()
-    point = _crossing(task, system, before, after, test)
-    return None if point is None else (point,)
+    point = _halved_at_touches(task, before, shape) if before.chart.gentle else _crossing(task, before, after, test)
+    if point is None or not _place(task, test, before, after, point).between:
+        return None
+    return (point,)
+
+
+def _halved_at_touches(task: BranchTask, near: Station, shape: OrbitShape) -> SpecialPoint | None:
+    """Period doubling of the orbit of half the period, sought along the speed of a touch (finite stiffness)."""
+    size = shape.upper_contacts
+    gentle = tuple(i for i in near.chart.gentle if i < size)
+    if [*gentle, *(i + size for i in gentle)] != list(near.chart.gentle):
+        return None
+    half = task._replace(shape=shape)
+    chart = chart_of(task.space, shape, gentle, near.chart.shape.over & ((1 << size) - 1))
+    touches = near.chart.touches(near.z)
+    # The speeds of both halves tend to that of the orbit they become.
+    guess = np.append(0.5 * (touches[: len(gentle)] + touches[len(gentle) :]), near.z[-1] * task.space.scales[2])
+    guess[:-1:2] = touches[: len(gentle), 0]
+    z, speeds, gaps = guess / chart.space.scales, list[float](), list[float]()
+    speed = z[1]
+    for _ in range(_MOST_SECANTS):
+        z = np.concatenate([z[:1], [speed], z[2:]])
+        landed = solve(chart.system(), z, np.eye(z.size)[1])
+        there = None if landed is None else station_at(half, chart, landed.z, np.eye(z.size)[-1])
+        if there is None:
+            return None
+        z = there.z
+        speeds.append(float(z[1]))
+        gaps.append(stability_gap(there.oscillator, shape, there.jacobian, -1.0))
+        step = 1e-3 * speed if len(gaps) == 1 else -gaps[-1] * (speeds[-1] - speeds[-2]) / (gaps[-1] - gaps[-2])
+        if not abs(step) > _NARROW:
+            return point_at(SpecialKind.PERIOD_DOUBLING, half, there, abs(step) * float(task.space.scales[2]))
+        speed += step
+        if not speed > 0.0:
+            return None
+    return None
 
 
 def distance_to(task: BranchTask, point: SpecialPoint, station: Station, departure: int) -> float:
@@ -184,7 +246,7 @@ def distance_to(task: BranchTask, point: SpecialPoint, station: Station, departu
 
 def graze_near(task: BranchTask, station: Station, departure: int) -> SpecialPoint | None:
     """Graze of one flight, if it lies on the branch: it is near, and no other flight is on another side of grazing."""
-    shape = task.shape._replace(over=True)
+    shape = task.shape._replace(over=1)
     t, v = float(station.t[departure]), float(station.v[departure])
     point = locate(SpecialKind.GRAZING, station.oscillator, task.parameter, shape, t, v)
     if point is None or distance_to(task, point, station, departure) > _REACH:
@@ -205,7 +267,7 @@ def coincide(task: BranchTask, one: SpecialPoint, other: SpecialPoint) -> bool:
 def repeated_graze_near(task: BranchTask, station: Station) -> SpecialPoint | None:
     """Graze where the orbit becomes several turns of a shorter one, so that several of its flights graze at once."""
     for turns in range(task.shape.upper_contacts, 1, -1):
-        shape = OrbitShape(task.shape.forcing_periods // turns, task.shape.upper_contacts // turns, True)
+        shape = OrbitShape(task.shape.forcing_periods // turns, task.shape.upper_contacts // turns, 1)
         if (shape.forcing_periods * turns, shape.upper_contacts * turns) != task.shape[:2]:
             continue
         for i in range(shape.upper_contacts):

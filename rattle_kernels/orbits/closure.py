@@ -17,13 +17,13 @@ from rattle_kernels.numerics.phase import wrap
 class OrbitShape(NamedTuple):
     """Shape of an orbit, P(m, n+, .), constant along a branch.
 
-    With ``over`` the first flight passes -beta as if it were not there. The equations of an orbit that grazes there are
-    then smooth, since a grazing flight belongs both to the flights that meet -beta and to those that miss it.
+    If bit i of ``over`` is set, flight i passes -beta as if it were not there. The equations of an orbit that grazes
+    there are then smooth, since a grazing flight belongs both to the flights that meet -beta and to those that miss it.
     """
 
     forcing_periods: int
     upper_contacts: int
-    over: bool = False
+    over: int = 0
 
 
 class Closure(NamedTuple):
@@ -45,7 +45,7 @@ def _closure(oscillator, parameter, shape, t, v, gap, derivative, sensitivity):
     later, faster, lower = 0.0, 0.0, 0
     here, speed, elapsed = t, v, 0.0
     for i in range(shape.upper_contacts):
-        over = shape.over and i == 0
+        over = (shape.over >> i) & 1 == 1
         impact, one, own = next_impact_with_sensitivity(oscillator, parameter, here, speed, over)
         if impact.outcome != OUTCOME_RETURNED or not impact.v > 0.0:
             return -1
@@ -112,7 +112,8 @@ def _departures(oscillator, parameter, shape, t, v, derivative, sensitivity):
         derivative[i, 0, 0], derivative[i, 0, 1] = jacobian.tt, jacobian.tv
         derivative[i, 1, 0], derivative[i, 1, 1] = jacobian.vt, jacobian.vv
         sensitivity[i, 0], sensitivity[i, 1] = later, faster
-        impact, one, own = next_impact_with_sensitivity(oscillator, parameter, t[i], v[i], shape.over and i == 0)
+        over = (shape.over >> i) & 1 == 1
+        impact, one, own = next_impact_with_sensitivity(oscillator, parameter, t[i], v[i], over)
         later, faster = one.tt * later + one.tv * faster + own[0], one.vt * later + one.vv * faster + own[1]
         jacobian = multiply(one, jacobian)
         lower += impact.lower_impacts

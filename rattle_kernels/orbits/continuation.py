@@ -26,13 +26,30 @@ from rattle_kernels.orbits.branch_points import (
     distance_to,
     graze_near,
     halved_between,
+    point_at,
     points_between,
     repeated_graze_near,
 )
+from rattle_kernels.orbits.chart import Chart
 from rattle_kernels.orbits.closure import OrbitShape, area_factor
-from rattle_kernels.orbits.orbit_equations import closing_system, unknowns
+from rattle_kernels.orbits.graze_passage import (
+    Graze,
+    due_chart,
+    first_touch,
+    graze_of,
+    graze_reached,
+    in_chart,
+    is_between,
+    leaving,
+    turned,
+)
+from rattle_kernels.orbits.orbit_equations import SpecialKind, unknowns
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
 from rattle_kernels.orbits.station import BranchTask, Station, are_neighbours, on_edge, station_at
+
+
+# Least step next to a graze, as a part of the least step elsewhere.
+_LEAST_TOUCHING = 1e-3
 
 
 class BranchEnd(StrEnum):
@@ -123,55 +140,114 @@ def _end(task: BranchTask, reason: BranchEnd, value: float) -> End:
 
 
 class _Walk:
-    """One way along a branch: the stations and special points so far, and those of the step that is tried."""
+    """One way along a branch: the stations and special points so far, and those of the step that is tried.
+
+    ``last`` is the last station in the chart in which the branch goes on.
+    """
 
     def __init__(self, task: BranchTask, start: Station) -> None:
-        lower = sum(1 << int(i) for i in np.flatnonzero(start.margin > 0)) if task.infinitely_stiff else None
         self.task = task
-        self.system = closing_system(task.space, task.shape, lower)
         self.stations, self.points = [start], list[SpecialPoint]()
+        self.last = start
         self.tried = _Stretch(start, (), ())
 
     def accepts(self, _: CurvePoint, point: CurvePoint) -> bool:
         """Whether a point is the next one of the branch, and all that lies on the way to it is located."""
-        here = station_at(self.task, point.z, point.tangent)
-        at_a_corner = point.step <= CORNER * self.task.steps.least
-        if here is None or not (at_a_corner or are_neighbours(self.task, self.stations[-1], here)):
+        here = station_at(self.task, self.last.chart, point.z, point.tangent)
+        if here is None:
             return False
-        self.tried = self.stretch_to(here)
-        return self.tried.halved is not None and self.tried.points is not None
+        graze = None
+        if not self.task.infinitely_stiff:
+            met = [i for i in range(here.t.size) if here.chart.is_missing(i) and here.margin[i] > 0.0]
+            if met:
+                graze = graze_of(self.task, here, met[0])
+                if len(met) > 1 or graze is None or not is_between(graze, self.last, here):
+                    return False
+                here = graze.missing if graze.missing.tangent @ point.tangent > 0.0 else turned(graze.missing)
+        at_a_corner = self.task.infinitely_stiff and point.step <= CORNER * self.task.steps.least
+        if not (at_a_corner or are_neighbours(self.task, self.last, here)):
+            return False
+        self.tried = self.stretch_to(here)._replace(graze=graze)
+        return self.tried.is_located
 
     def stretch_to(self, here: Station) -> "_Stretch":
-        """What lies between the last station and another one."""
-        ends = self.task, self.system, self.stations[-1], here
+        """What lies between the last station and another one of its chart."""
+        ends = self.task, self.last, here
         return _Stretch(here, halved_between(*ends), points_between(*ends))
 
     def goes_to(self, stretch: "_Stretch") -> None:
         """Add a stretch; one that begins on a bound and leads beyond it is empty."""
         if stretch.end is not self.stations[-1]:
             self.stations.append(stretch.end)
+            self.last = stretch.end
         self.points.extend(stretch.points or ())
+
+    def turns(self, graze: Graze | None) -> "_Stretch | None":
+        """The stretch that leads on from a graze of one's own chart, or to one; None if there is none, or it is lost.
+
+        ``last`` is then the station that it begins with.
+        """
+        if graze is not None:
+            touch = first_touch(self.task, graze)
+            if touch is None:
+                return None
+            self.points.append(self._grazing(graze))
+            self.last = graze.touching
+            return self.stretch_to(touch)
+        reached = graze_reached(self.task, self.last)
+        return None if reached is None else self.stretch_to(reached.touching)._replace(graze=reached)
+
+    def leaves(self, graze: Graze) -> bool:
+        """Go on from a graze with a flight that misses; False if that is not found."""
+        there = leaving(self.task, graze)
+        if there is None:
+            return False
+        self.points.append(self._grazing(graze))
+        self.stations[-1] = self.last = there
+        return True
+
+    def changes_chart(self) -> bool:
+        """Go on in the chart that is due, if it is another one."""
+        due = due_chart(self.task, self.last)
+        if due.is_like(self.last.chart):
+            return False
+        there = in_chart(self.task, self.last, due)
+        if there is not None:
+            self.last = there
+        return there is not None
+
+    def _grazing(self, graze: Graze) -> SpecialPoint:
+        return point_at(SpecialKind.GRAZING, self.task, graze.missing, 0.0, graze.flight)
 
 
 class _Stretch(NamedTuple):
-    """The next station, the doubling in between where the branch began, and the special points; None if not located."""
+    """The next station, the doubling in between where the branch began, and the special points; None if not located.
+
+    ``graze`` is the one that it ends at, if it does.
+    """
 
     end: Station
     halved: tuple[SpecialPoint, ...] | None
     points: tuple[SpecialPoint, ...] | None
+    graze: Graze | None = None
+
+    @property
+    def is_located(self) -> bool:
+        """Whether everything in it is located."""
+        return self.halved is not None and self.points is not None
 
 
-def _land(walk: _Walk, beyond: CurvePoint) -> Station | None:
-    """The branch's station on the bound that a point lies beyond, if there is one."""
-    task, last = walk.task, walk.stations[-1]
+def _land(walk: _Walk, beyond: Station) -> Station | None:
+    """The branch's station on the bound that a station lies beyond, if there is one."""
+    task, last = walk.task, walk.last
     reached = float(beyond.z[-1] * task.space.scales[-1])
     bound = min(max(reached, task.bounds[0]), task.bounds[1])
     before = last.oscillator.value_of(task.parameter)
     if bound == reached or bound == before:
         return None if bound == reached else last
     guess = last.z + (bound - before) / (reached - before) * (beyond.z - last.z)
-    landed = solve(walk.system, guess, np.array([0.0, 0.0, 1.0]))
-    there = None if landed is None else station_at(task, landed.z, beyond.tangent)
+    landed = solve(last.chart.system(), guess, np.eye(guess.size)[-1])
+    there = None if landed is None else station_at(task, last.chart, landed.z, beyond.tangent)
     # Scaled and back, the bound may be rounded.
     return None if there is None else there._replace(oscillator=there.oscillator.at(**{task.parameter: bound}))
 
@@ -179,30 +255,94 @@ def _land(walk: _Walk, beyond: CurvePoint) -> Station | None:
 def _one_way(task: BranchTask, start: Station) -> _Side:
     """Follow the branch one way until it ends."""
     walk = _Walk(task, start)
-    for point in follow_curve(walk.system, start.z, start.tangent, task.steps, walk.accepts):
-        task.pause()
-        stretch = walk.tried
-        landed = _land(walk, point)
-        if landed is not None:
-            stretch = walk.stretch_to(landed)
-        if stretch.halved:
-            (halved,) = stretch.halved
-            return walk.stations, [*walk.points, halved], _end(task, BranchEnd.HALVED, halved.value)
-        walk.goes_to(stretch)
-        value = stretch.end.oscillator.value_of(task.parameter)
-        if landed is not None:
-            return walk.stations, walk.points, _end(task, BranchEnd.BOUND, value)
-        if len(walk.stations) > 3 and np.abs(point.z - start.z).max() < 0.5 * point.step:
-            return walk.stations, walk.points, _end(task, BranchEnd.CLOSED, value)
-        if len(walk.stations) >= task.most_points:
-            return walk.stations, walk.points, _end(task, BranchEnd.POINTS, value)
-    if (edge := on_edge(task, walk.system, walk.stations[-1])) is not None:
-        if edge is not walk.stations[-1]:
+    steps = task.steps
+    if not task.infinitely_stiff:
+        walk.changes_chart()
+        start = walk.last
+    while True:
+        for point in follow_curve(walk.last.chart.system(), walk.last.z, walk.last.tangent, steps, walk.accepts):
+            task.pause()
+            stretch = walk.tried
+            ended = _goes_on(walk, start, stretch, point)
+            if ended is not None:
+                return walk.stations, walk.points, ended
+            going = _passes(walk, start, stretch, point.step)
+            if isinstance(going, End):
+                return walk.stations, walk.points, going
+            if going is not None:
+                steps = going
+                break
+        else:
+            break
+    if (edge := on_edge(task, walk.last)) is not None:
+        if edge is not walk.last:
             walk.goes_to(walk.stretch_to(edge))
         return walk.stations, walk.points, _end(task, BranchEnd.BOUND, edge.oscillator.value_of(task.parameter))
-    end, last = _why_it_stalls(task, walk.stations[-1])
+    end, last = _why_it_stalls(task, walk.last)
     new = [point for point in last if not any(coincide(task, point, passed) for passed in walk.points)]
     return walk.stations, walk.points + new, end
+
+
+def _goes_on(walk: _Walk, start: Station, stretch: _Stretch, point: CurvePoint) -> End | None:
+    """Add a stretch to a branch, as far as its end if that lies on it; the end, if it does."""
+    task = walk.task
+    landed = _land(walk, stretch.end)
+    if landed is not None:
+        stretch = walk.stretch_to(landed)
+    if stretch.halved:
+        (halved,) = stretch.halved
+        walk.points.append(halved)
+        return _end(task, BranchEnd.HALVED, halved.value)
+    walk.goes_to(stretch)
+    value = stretch.end.oscillator.value_of(task.parameter)
+    if landed is not None:
+        return _end(task, BranchEnd.BOUND, value)
+    back = walk.last.chart.is_like(start.chart) and np.abs(point.z - start.z).max() < 0.5 * point.step
+    if len(walk.stations) > 3 and back:
+        return _end(task, BranchEnd.CLOSED, value)
+    if len(walk.stations) >= task.most_points:
+        return _end(task, BranchEnd.POINTS, value)
+    return None
+
+
+def _passes(walk: _Walk, start: Station, stretch: _Stretch, step: float) -> "Steps | End | None":
+    """Pass a graze that a branch has come to, or change its chart: the steps with which to go on, or where it ends."""
+    task = walk.task
+    if task.infinitely_stiff:
+        return None
+    on = walk.turns(stretch.graze)
+    if on is None and stretch.graze is not None:
+        return _unseen(task, stretch.graze)
+    if on is None:
+        return task.steps._replace(first=step, least=_least(walk, task)) if walk.changes_chart() else None
+    if not on.is_located:
+        return _unseen(task, on.graze or stretch.graze)
+    first = float(np.linalg.norm(on.end.z - walk.last.z))
+    ended = _goes_on(walk, start, on, CurvePoint(on.end.z, on.end.tangent, first))
+    if ended is not None:
+        return ended
+    if on.graze is not None:
+        if not walk.leaves(on.graze):
+            return _unseen(task, on.graze)
+        first = task.steps.first
+    return task.steps._replace(first=first, least=_least(walk, task))
+
+
+def _least(walk: _Walk, task: BranchTask) -> float:
+    """Least step: next to a graze speeds of touches count, which are small."""
+    return _LEAST_TOUCHING * task.steps.least if walk.last.chart.gentle else task.steps.least
+
+
+def _unseen(task: BranchTask, graze: Graze | None) -> End:
+    """End at a graze that the branch does not pass."""
+    assert graze is not None
+    value = graze.missing.oscillator.value_of(task.parameter)
+    trace = float(np.trace(graze.missing.jacobian))
+    message = (
+        f"{BranchEnd.GRAZING.value}, at {task.parameter} = {value:.12g}, with a trace of {trace:.6g}; "
+        "the other side of this graze could not be followed, and special points there are not listed"
+    )
+    return End(BranchEnd.GRAZING, value, message)
 
 
 def continue_orbit(
@@ -277,9 +417,13 @@ def _first_station(task: BranchTask, z: np.ndarray, way: float) -> Station:
     ValueError
         If P is not differentiable there.
     """
-    evaluated = closing_system(task.space, task.shape)(z)
+    chart = Chart(task.space, task.shape)
+    evaluated = chart.system()(z)
     tangent = None if evaluated is None else unit_tangent(evaluated[1], np.array([0.0, 0.0, way]))
-    start = None if tangent is None else station_at(task, z, tangent)
+    start = None if tangent is None else station_at(task, chart, z, tangent)
+    if start is not None and task.infinitely_stiff:
+        lower = sum(1 << int(i) for i in np.flatnonzero(start.margin > 0))
+        start = start._replace(chart=chart._replace(lower=lower))
     if start is None:
         raise ValueError("the orbit grazes -beta, where P has no derivative: begin a little further along its branch")
     return start
