@@ -13,6 +13,7 @@ import contextlib
 import hashlib
 import os
 from collections.abc import Callable, Iterator
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -211,11 +212,22 @@ def lane_kernel(function: Callable[..., Any]) -> Any:
     return _cached(function, _LANES)
 
 
+before_compiling: ContextVar[Callable[[Any, tuple[Any, ...]], None] | None]
+before_compiling = ContextVar("before_compiling", default=None)
+"""What is called, in this thread, with a kernel and the types of its arguments before it is compiled or loaded."""
+
+
 class _Kernel(Dispatcher):
     """A compiled entry point. Arguments that have a form of their own in kernels are handed over in that form."""
 
     def __call__(self, *arguments: Any) -> Any:
         return super().__call__(*(each.in_kernels if hasattr(each, "in_kernels") else each for each in arguments))
+
+    def compile(self, sig: Any) -> Any:
+        before = before_compiling.get()
+        if before is not None:
+            before(self, sig)
+        return super().compile(sig)
 
 
 def _cached(function: Callable[..., Any], fastmath: set[str] | bool) -> Any:
