@@ -11,7 +11,7 @@ class Stage(StrEnum):
     COMPUTING = "computing"
     """All of the following: of a sweep whose basins are at different stages, or of a small basin in one go."""
     COMPILING = "compiling"
-    """Workers compile kernels, a minute or so: the first job with a number of harmonics needs its own."""
+    """Workers compile kernels, a minute or so: the first job with harmonics needs its own."""
     MAPPING = "mapping"
     """Tiles compute the images of their cells."""
     ASSEMBLING = "assembling"

@@ -138,7 +138,7 @@ def _contact_numbers(oscillator, parameter):
 @inlined
 def _slow_of_one(harmonic, number, parameter, numbers, phase):
     """Slow part of one order at a phase, its rate, and the changes of both."""
-    order, amplitude, shift = harmonic
+    order, amplitude, shift = harmonic.order, harmonic.amplitude, harmonic.phase
     rate, angle = TWO_PI * order, TWO_PI * part_turn(order * part_turn(phase) + part_turn(shift))
     sine, cosine = math.sin(angle), math.cos(angle)
     here, quarter = response(amplitude, rate, numbers.damping, numbers.square, numbers.drag)

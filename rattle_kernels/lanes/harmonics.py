@@ -223,7 +223,7 @@ def sum_over_contacts(terms, total, place):
     lanes = place
     _forget(lanes)
     for slow in terms:
-        order, cosine, sine = slow
+        order, cosine, sine = slow.order, slow.cosine, slow.sine
         rate = TWO_PI * order
         square = rate * rate
         for i in range(LANES):

@@ -2,14 +2,20 @@
 
 A measured transmission error has several orders, a pair of eccentric gears of ratio p : q has two, and torque ripple is
 one more. In freeplay every harmonic adds its own terms to the formulas of `model.flight`, where its angle n h stands
-for h. The functions here add them to what the first harmonic gives. Kernels are compiled for each number of harmonics.
-With none these functions give back what they are given, so the paper's model keeps its machine code and its bytes.
+for h. The functions here add them to what the first harmonic gives. With none these functions give back what they are
+given, so the paper's model keeps its machine code and its bytes.
+
+Kernels are compiled for none, one and two harmonics, and once for all larger numbers: more than two are an array of
+records there. A tuple of each length would be a type of its own, and of 32 too long for the compiler.
 """
 
 import math
-from typing import NamedTuple
+from functools import lru_cache
+from typing import Any, NamedTuple
 
-from rattle_kernels.numerics.jit import inlined, mapped_over_tuple, summed_over_tuple
+import numpy as np
+
+from rattle_kernels.numerics.jit import inlined, mapped_over_tuple, record_type, summed_over_tuple
 from rattle_kernels.numerics.phase import part_turn
 
 TWO_PI = 2.0 * math.pi
@@ -41,6 +47,18 @@ class Harmonic(NamedTuple):
     phase: float = 0.0
 
 
+MOST_IN_A_TUPLE = 2
+"""Numbers of harmonics up to here have kernels of their own; more are an array of records there."""
+
+
+@lru_cache(maxsize=256)
+def records_of(harmonics: tuple[Harmonic, ...]) -> Any:
+    """Harmonics as an array of records, which is not to be changed."""
+    records = np.array(list(harmonics), record_type(Harmonic))
+    records.flags.writeable = False
+    return records
+
+
 class HarmonicState(NamedTuple):
     """A harmonic at the beginning of a flight: order, amplitude, sine and cosine of its angle there."""
 
@@ -57,7 +75,7 @@ def _state_at(harmonic, phase):
     return HarmonicState(harmonic.order, harmonic.amplitude, math.sin(angle), math.cos(angle))
 
 
-states_at = mapped_over_tuple(_state_at)
+states_at = mapped_over_tuple(_state_at, HarmonicState)
 """States of harmonics at a phase: ``states_at(harmonics, phase)``."""
 
 

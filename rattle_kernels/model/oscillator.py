@@ -3,7 +3,7 @@
 import math
 from typing import Any, NamedTuple
 
-from rattle_kernels.model.harmonics import Harmonic
+from rattle_kernels.model.harmonics import MOST_IN_A_TUPLE, Harmonic, records_of
 
 
 class Oscillator(NamedTuple):
@@ -59,6 +59,11 @@ class Oscillator(NamedTuple):
     def all_harmonics(self) -> tuple[Harmonic, ...]:
         """All harmonics of the forcing; the first is the eccentricity, of phase 0."""
         return (Harmonic(1.0, self.eccentricity, 0.0), *self.harmonics)
+
+    @property
+    def in_kernels(self) -> "Oscillator":
+        """The oscillator as kernels take it: more than two harmonics are an array of records."""
+        return self if len(self.harmonics) <= MOST_IN_A_TUPLE else self._replace(harmonics=records_of(self.harmonics))
 
     def value_of(self, parameter: str) -> float:
         """Value of one of `parameters`.

@@ -71,7 +71,7 @@ def _slow_harmonic(harmonic, contact):
     )
 
 
-slow_harmonics = mapped_over_tuple(_slow_harmonic)
+slow_harmonics = mapped_over_tuple(_slow_harmonic, SlowHarmonic)
 """Slow parts of harmonics: ``slow_harmonics(harmonics, (damping, square, drag))``."""
 
 
@@ -83,7 +83,7 @@ def _state_at(slow, place):
     return SlowState(slow.order, slow.cosine * cosine + slow.sine * sine, slow.sine * cosine - slow.cosine * sine)
 
 
-slow_states_at = mapped_over_tuple(_state_at)
+slow_states_at = mapped_over_tuple(_state_at, SlowState)
 """Slow parts where a contact begins: ``slow_states_at(slow_harmonics, (side, phase))``."""
 
 

@@ -13,13 +13,16 @@ import contextlib
 import hashlib
 import os
 from collections.abc import Callable, Iterator
+from contextvars import ContextVar
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import llvmlite
 import numba
 import numpy as np
+from numba import types
 from numba.core import config, event
+from numba.core.dispatcher import Dispatcher
 from numba.extending import overload
 
 from rattle_kernels.numerics.whole_registers import compiler
@@ -127,21 +130,31 @@ def always_inlined(function: Callable[..., Any]) -> Any:
 def summed_over_tuple(function: Callable[..., Any]) -> Any:
     """Compile ``function(terms, total, place)``, which adds every term of a tuple to a total.
 
-    Of an empty tuple the total is given back untouched: what calls it keeps its machine code.
+    Of an empty tuple the total is given back untouched: what calls it keeps its machine code. Many terms are an array
+    of records (`record_type`), and one machine code serves any number of them.
     """
 
     def untouched(terms: Any, total: Any, place: Any) -> Any:
         return total
 
     def choose(terms: Any, total: Any, place: Any) -> Any:
-        return function if len(terms) else untouched
+        return function if isinstance(terms, types.Array) or len(terms) else untouched
 
     overload(function, jit_options=_INLINED, strict=False)(choose)
     return function
 
 
-def mapped_over_tuple(of_one: Any) -> Any:
-    """Compile ``each(terms, place)``: the tuple of ``of_one(term, place)``, empty where there are no terms."""
+def mapped_over_tuple(of_one: Any, result: type[NamedTuple]) -> Any:
+    """Compile ``each(terms, place)``: the tuple of ``of_one(term, place)``, empty where there are no terms.
+
+    Parameters
+    ----------
+    of_one : callable
+        Inlined.
+    result : NamedTuple
+        What it returns. Of an array of terms an array of its records is made.
+    """
+    records, width = record_type(result), len(result._fields)
 
     def each(terms: Any, place: Any) -> Any:
         return tuple(of_one(term, place) for term in terms)
@@ -152,11 +165,26 @@ def mapped_over_tuple(of_one: Any) -> Any:
     def of_all(terms: Any, place: Any) -> Any:
         return (of_one(terms[0], place), *each(terms[1:], place))
 
+    def of_array(terms: Any, place: Any) -> Any:
+        numbers = np.empty(width * len(terms))
+        for i in range(len(terms)):
+            one = of_one(terms[i], place)
+            for j in range(width):
+                numbers[width * i + j] = one[j]
+        return numbers.view(records)
+
     def choose(terms: Any, place: Any) -> Any:
+        if isinstance(terms, types.Array):
+            return of_array
         return of_all if len(terms) else of_none
 
     overload(each, jit_options=_INLINED, strict=False)(choose)
     return each
+
+
+def record_type(fields: type[NamedTuple]) -> np.dtype[Any]:
+    """Type of the records that stand for tuples of numbers, such as a `Harmonic`, in an array."""
+    return np.dtype([(name, np.float64) for name in fields._fields], align=True)
 
 
 def inlined_in_lanes(function: Callable[..., Any]) -> Any:
@@ -184,6 +212,24 @@ def lane_kernel(function: Callable[..., Any]) -> Any:
     return _cached(function, _LANES)
 
 
+before_compiling: ContextVar[Callable[[Any, tuple[Any, ...]], None] | None]
+before_compiling = ContextVar("before_compiling", default=None)
+"""What is called, in this thread, with a kernel and the types of its arguments before it is compiled or loaded."""
+
+
+class _Kernel(Dispatcher):
+    """A compiled entry point. Arguments that have a form of their own in kernels are handed over in that form."""
+
+    def __call__(self, *arguments: Any) -> Any:
+        return super().__call__(*(each.in_kernels if hasattr(each, "in_kernels") else each for each in arguments))
+
+    def compile(self, sig: Any) -> Any:
+        before = before_compiling.get()
+        if before is not None:
+            before(self, sig)
+        return super().compile(sig)
+
+
 def _cached(function: Callable[..., Any], fastmath: set[str] | bool) -> Any:
     # Numba reads its cache folder when a function is decorated; other users of Numba in this process keep theirs.
     elsewhere = config.CACHE_DIR
@@ -192,5 +238,6 @@ def _cached(function: Callable[..., Any], fastmath: set[str] | bool) -> Any:
         compiled = numba.njit(**_AS_WRITTEN | {"fastmath": fastmath}, cache=True)(function)
     finally:
         config.CACHE_DIR = elsewhere
+    compiled.__class__ = _Kernel
     KERNELS.append(compiled)
     return compiled

@@ -102,7 +102,7 @@ class Previews:
 def _compute(request: PreviewRequest, stopped: threading.Event) -> Preview:
     _demand_small(request)
     begun = time.monotonic()
-    # The first preview with a number of harmonics compiles kernels, half a minute or more. That is no fault of its own.
+    # The first preview with harmonics compiles kernels, half a minute or more. That is no fault of its own.
     with timing_compilation() as compiling:
 
         def pause() -> None:

@@ -10,8 +10,10 @@ import rattle
 from rattle.arguments import job_of
 from rattle.cli import app
 from rattle.cli.texts import harmonic_of
+from worker.basins.preview import preview_basin
+from worker.basins.preview_request import PreviewRequest
 
-# Two harmonics beside the first, as in the tests of the kernels, which are compiled for each number of them.
+# Two harmonics beside the first, as in the tests of the kernels, which are compiled for that number of them.
 FORCING = [(2, 0.01, 0.0), (3, 0.0005, 0.3)]
 QUICK = {"cells": 24, "iterations": 101, "progress": False}
 
@@ -74,3 +76,27 @@ def test_a_motion_and_orbits_of_the_wider_model():
     first = list(found.name.values).index("P(1,1,0)")
     assert float(found.orbit_velocity[first, 0]) == pytest.approx(4 * np.pi * 0.6 * 0.9 / 1.9, abs=1e-9)
     assert json.loads(found.attrs["harmonics"])[0] == {"order": 2, "amplitude": 0.01, "phase": 0.0}
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1200)  # kernels are compiled, also those of proofs
+@pytest.mark.parametrize("number", [3, 32])
+def test_every_verb_takes_as_many_harmonics_as_a_request_may_have(number):
+    harmonics = [(n, 0.004 / (number * n), 0.37 * n % 1.0) for n in range(2, number + 2)]
+    basin = rattle.basin(harmonics=harmonics, prove=True, **QUICK)
+    assert len(json.loads(basin.attrs["harmonics"])) == number
+    assert (basin.proven > 0).any()
+    shown = preview_basin(
+        PreviewRequest(
+            oscillator={
+                "harmonics": [dict(zip(("order", "amplitude", "phase"), each, strict=True)) for each in harmonics]
+            }
+        )
+    )
+    assert shown.solution.min() >= 0
+    sweep = rattle.sweep(harmonics=harmonics, **{f"phase_{number + 1}": (0, 1, 2)}, **QUICK)
+    np.testing.assert_array_equal(sweep.solution.values[0], sweep.solution.values[1])
+    motion = rattle.trajectory(velocity=3.0, periods=5.0, harmonics=harmonics)
+    assert np.isfinite(motion.velocity.values).all()
+    found = rattle.orbits(longest=1, cells=8, harmonics=harmonics, progress=False)
+    assert found.name.size

@@ -1,6 +1,7 @@
 """Jobs for which workers compile kernels: a worker tells the driver, by an event of Dask's, before the first of them.
 
-Kernels for a number of harmonics are compiled when a job first needs them, and nothing else happens for a minute or so.
+Kernels for one, two and more harmonics are compiled when a job first needs them, and nothing else happens for a minute
+or so.
 """
 
 import contextlib

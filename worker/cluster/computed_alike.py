@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from distributed import get_worker, secede
 
+from rattle_kernels.numerics.compiled_apart import compiled_apart
 from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 from worker.cluster.compiling import telling_of_compilation
 from worker.cluster.task import stop_if_cancelled
@@ -63,7 +64,8 @@ def compute_alike(call: Call) -> Receipts:
         )
     begin = time.perf_counter()
     values = []
-    with telling_of_compilation((call.location, call.digest)), call.within():
+    address = call.location, call.digest
+    with telling_of_compilation(address), compiled_apart(stop_if_cancelled), call.within():
         for task in call.tasks:
             stop_if_cancelled()
             values.append(call.function(call.location, call.digest, *task))

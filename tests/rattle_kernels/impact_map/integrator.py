@@ -51,3 +51,12 @@ def integrated_departure(oscillator, t, v, longest):
         time, speed, _ = _integrated(oscillator, time, [-beta, speed], None, [(beta, 1.0)], 1e3)
     time, speed, met = _integrated(oscillator, time, [beta, speed], beta, [(beta, -1.0)], longest)
     return None if met is None else (time, -speed, lower)
+
+
+def integrated_impact(oscillator, t, v):
+    """One application of P of the impacting model by an ODE integrator."""
+    free, beta, kept = oscillator._replace(stiffness=1.0), oscillator.half_backlash, oscillator.restitution
+    time, speed, lower = _integrated(free, t, [beta, -v], None, [(beta, 1.0), (-beta, -1.0)], 1e3)
+    if lower:
+        time, speed, _ = _integrated(free, time, [-beta, -kept * speed], None, [(beta, 1.0)], 1e3)
+    return time, kept * speed, lower

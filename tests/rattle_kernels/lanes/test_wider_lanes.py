@@ -16,7 +16,7 @@ from rattle_kernels.model.flight import rest_acceleration
 from rattle_kernels.numerics.jit import inlined, kernel
 from tests.strategies import wider_oscillators
 
-# Kernels are compiled for each number of harmonics: two in the fast tests, as in `tests.strategies`.
+# Kernels are compiled for none, one, two, and more harmonics: two in the fast tests, as in `tests.strategies`.
 TWO = ((2, 0.008, 0.3), (3, 0.002, 0.1))
 OSCILLATORS = [
     Oscillator(restitution=0.9),

@@ -14,7 +14,7 @@ from rattle_kernels import (
 )
 from rattle_kernels.orbits.orbit_search import find_orbit
 
-# Two harmonics beside the first, as in other tests: kernels are compiled for each number of them.
+# Two harmonics beside the first, as in other tests: kernels are compiled for that number of them.
 HARMONICS = ((2, 0.01, 0.25), (3, 0.0005, 0.3))
 LOSSY = Oscillator(restitution=0.95, harmonics=HARMONICS)
 STIFF = Oscillator(stiffness=400.0, contact_damping=0.02, harmonics=HARMONICS)

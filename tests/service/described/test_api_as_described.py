@@ -42,7 +42,7 @@ def service(tmp_path_factory):
 
 
 def spare_compiling(case):
-    """Ask for two harmonics or for none: kernels are compiled for each number of them."""
+    """Ask for two harmonics or for none: kernels are compiled for each of these numbers."""
     body = case.body if isinstance(case.body, dict) else {}
     oscillator = body.get("oscillator")
     if case.meta is None or not case.meta.generation.mode.is_positive or not isinstance(oscillator, dict):

@@ -102,7 +102,7 @@ def test_the_distance_of_orbits_does_not_depend_on_where_a_turn_begins():
     assert attractor_distance(Oscillator(), turn, shifted) == 0.0
 
 
-# Two harmonics beside the first, as in other tests: kernels are compiled for each number of them.
+# Two harmonics beside the first, as in other tests: kernels are compiled for that number of them.
 TURN = Oscillator(harmonics=((2.0, 0.01, 0.5), (3.0, 0.0005, 0.3)))
 
 
