@@ -41,6 +41,13 @@ class Settings(ClusterSettings):
     concurrent_jobs: int = Field(
         4, ge=0, description="Most jobs that one replica runs at a time; at 0 it runs none and only answers"
     )
+    keep_days: PositiveFloat | None = Field(
+        None,
+        description="Days after which a result that nobody reads is deleted with its job; kept for ever by default",
+    )
+    keep_gb: PositiveFloat | None = Field(
+        None, description="Gigabytes that results of ended jobs may take; beyond, the longest unread are deleted"
+    )
     max_queued: PositiveInt = Field(10_000, description="Most queued jobs")
     max_queued_each: PositiveInt = Field(1_000, description="Most queued jobs of one client")
     max_places_each: PositiveInt = Field(
@@ -88,6 +95,11 @@ class Settings(ClusterSettings):
     def keys_required(self) -> bool:
         """Whether callers need a key even while the database holds none."""
         return self.require_keys or self.host not in LOOPBACK
+
+    @property
+    def deletes_results(self) -> bool:
+        """Whether results are deleted at some time without being asked."""
+        return self.keep_days is not None or self.keep_gb is not None
 
     @property
     def quotas(self) -> Quotas:

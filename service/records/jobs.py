@@ -16,6 +16,7 @@ from service.records.engine import DatabaseError, to_read
 from service.records.events import delete_events, note_event
 from service.records.job_record import LIVE, SMALL_PLACES, JobRecord, JobState
 from service.records.quotas import check_quotas
+from service.records.reads import Reads
 from service.records.replica import is_dead
 from service.settings import Quotas
 from worker.jobs.job import Job
@@ -63,6 +64,7 @@ class Jobs:
 
     def __init__(self, sessions: Callable[[], Session], quotas: Quotas) -> None:
         self._sessions, self._quotas = sessions, quotas
+        self.reads = Reads(sessions)
 
     def submit(self, job: Job, submitter: str) -> tuple[JobRecord, bool]:
         """Record of the job that answers a request, and whether it is new. A new job belongs to `submitter`.

@@ -1,5 +1,7 @@
 """Liveness and readiness."""
 
+from importlib.metadata import version
+
 from fastapi import APIRouter, Response
 from pydantic import BaseModel
 
@@ -12,6 +14,7 @@ class Health(BaseModel):
     """Liveness of the process."""
 
     status: str = "ok"
+    version: str = version("gear-rattle")
 
 
 class Readiness(BaseModel):

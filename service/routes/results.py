@@ -51,7 +51,10 @@ def location_of(job_id: str, jobs: JobsHere, settings: SettingsHere) -> str:
     ------
     JobNotFound, NotReady
     """
-    return location_of_result(jobs.get(job_id), settings.results)
+    location = location_of_result(jobs.get(job_id), settings.results)
+    if settings.deletes_results:
+        jobs.reads.note(job_id)
+    return location
 
 
 def _store_path(path: str) -> str:

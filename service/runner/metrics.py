@@ -19,6 +19,8 @@ _LEFT = Gauge("rattle_tiles_left", "Tiles that jobs running here have left in th
 _RETRIES = Counter("rattle_task_retries", "Tasks submitted again after they were lost", registry=_REGISTRY)
 _LEASES = Counter("rattle_leases_lost", "Jobs that another replica took over from this one", registry=_REGISTRY)
 
+_DELETED = Counter("rattle_results_deleted", "Jobs that were deleted, as nobody read their results", registry=_REGISTRY)
+
 
 def job_started(waited: float) -> None:
     """Record that a job has started for the first time, and the seconds it was queued."""
@@ -38,6 +40,11 @@ def task_retried() -> None:
 def lease_lost() -> None:
     """Record that another replica has taken over a job of this one."""
     _LEASES.inc()
+
+
+def result_deleted() -> None:
+    """Record that a job has been deleted with its result."""
+    _DELETED.inc()
 
 
 def exposition() -> bytes:

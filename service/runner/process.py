@@ -19,6 +19,7 @@ from service.logs import write_logs
 from service.records.engine import open_database
 from service.records.jobs import Jobs
 from service.runner import metrics as run_metrics
+from service.runner.retention import Retention
 from service.runner.runner import Runner
 from service.settings import Settings
 from worker.cluster.reconnecting_cluster import ReconnectingCluster
@@ -142,6 +143,7 @@ def _run_jobs(settings: Settings, commands: Connection, reports: Connection) -> 
     cluster.open()
     runner = Runner(Jobs(sessions, settings.quotas), cluster, settings.results, settings.concurrent_jobs)
     runner.start()
+    Retention(runner.jobs, runner.jobs.reads, settings.results, settings.keep_days, settings.keep_gb).start()
     threading.Thread(target=_report, args=(runner, reports), name="rattle-reports", daemon=True).start()
     with contextlib.suppress(EOFError):
         while True:

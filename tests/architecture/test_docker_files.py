@@ -37,9 +37,18 @@ def test_the_image_has_a_user_of_its_own_and_a_health_check():
 
 def test_there_is_everything_that_a_cluster_needs():
     assert COMPOSE["services"].keys() == {
-        "proxy", "service", "scheduler", "worker", "database", "objects", "bucket",
+        "proxy", "service", "scheduler", "worker", "database", "objects", "bucket", "dump", "backup",
     }  # fmt: skip
     assert PARTS == ["service", "scheduler", "worker"]
+
+
+def test_a_backup_is_of_the_database_first_and_only_where_it_is_asked_for():
+    """A result without a record is an orphan; a record without its result is a job that has none."""
+    services = COMPOSE["services"]
+    assert services["backup"]["depends_on"]["dump"] == {"condition": "service_completed_successfully"}
+    assert {name for name, part in services.items() if part.get("profiles")} == {"dump", "backup"}
+    assert "pg_dump" in services["dump"]["command"][0] and "s3 sync" in services["backup"]["command"][0]
+    assert services["dump"]["volumes"] == services["backup"]["volumes"] == ["backup:/backup"]
 
 
 @pytest.mark.parametrize("name", PARTS)

@@ -49,6 +49,18 @@ def remove_result(location: str) -> None:
         place_at(location).remove()
 
 
+def bytes_of_result(location: str) -> int:
+    """Bytes of all files of a store; 0 if there is none.
+
+    Raises
+    ------
+    StoreFailed
+        If it cannot be read.
+    """
+    with as_store_failure(location):
+        return place_at(location).size()
+
+
 def read_file_of_store(location: str, path: str, part: Part = whole) -> StoredFile | None:
     """Read a file of a store, or a part of it; None if it does not exist or the path leaves the store.
 

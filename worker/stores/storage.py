@@ -65,6 +65,9 @@ class Place(Protocol):
     def paths(self) -> list[str]:
         """Paths of all files of the store, ascending."""
 
+    def size(self) -> int:
+        """Bytes of all files of the store."""
+
     def discard(self, paths: Sequence[str]) -> None:
         """Remove some files, if they are there."""
 
@@ -146,6 +149,9 @@ class _Folder:
 
     def paths(self) -> list[str]:
         return sorted(path.relative_to(self.path).as_posix() for path in self.path.rglob("*") if path.is_file())
+
+    def size(self) -> int:
+        return sum(path.stat().st_size for path in self.path.rglob("*") if path.is_file())
 
     def discard(self, paths: Sequence[str]) -> None:
         for path in paths:

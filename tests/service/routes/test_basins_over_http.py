@@ -2,6 +2,7 @@
 
 import itertools
 import signal
+from importlib.metadata import version
 
 import numpy as np
 import pytest
@@ -218,7 +219,7 @@ def test_a_killed_service_resumes_its_job_at_the_next_start(tmp_path):
 
 
 def test_health_tells_what_is_there(service):
-    assert service.request("GET", "/healthz").json() == {"status": "ok"}
+    assert service.request("GET", "/healthz").json() == {"status": "ok", "version": version("gear-rattle")}
     assert service.request("GET", "/readyz").json() == {"ready": True, "database": True, "workers": 2}
 
 

@@ -7,6 +7,7 @@ import logging
 import subprocess
 import sys
 import threading
+from importlib import metadata
 
 import pytest
 
@@ -176,10 +177,10 @@ def test_answers_are_logged_with_who_asked_and_no_client_breaks_a_line(service):
 )
 def test_a_clients_address_is_what_a_trusted_proxy_says(monkeypatch, tmp_path, trusted, told):
     def work(_):
-        service.request("GET", "/v1/jobs?size=3", headers={"x-forwarded-for": "192.0.2.7"})
+        service.request("GET", "/v1/jobs", headers={"x-forwarded-for": "192.0.2.7"})
 
     with idle_service(monkeypatch, tmp_path, trusted_proxies=trusted) as service:
-        lines = [json.loads(line) for line in written(LogFormat.JSON, work, until="size=3")]
+        lines = [json.loads(line) for line in written(LogFormat.JSON, work, until="/v1/jobs")]
     (line,) = (line for line in lines if line["logger"] == "rattle.access")
     assert line["client"] == told
 
@@ -195,6 +196,12 @@ def test_what_monitors_ask_for_is_logged_for_debugging_alone(service):
 
     assert paths("info") == ["/v1/jobs"]
     assert paths("debug") == ["/healthz", "/readyz", "/metrics", "/v1/jobs"]
+
+
+def test_the_version_is_told_by_health_and_metrics(service):
+    assert service.request("GET", "/healthz").json()["version"] == metadata.version("gear-rattle")
+    told = f'rattle_info{{version="{metadata.version("gear-rattle")}"}} 1.0'
+    assert told in service.request("GET", "/metrics").text.splitlines()
 
 
 def test_a_service_is_ready_with_a_database_and_a_worker_alone(service):

@@ -122,6 +122,9 @@ class _Objects:
     def paths(self) -> list[str]:
         return sorted(found["path"] for batch in obstore.list(self._store) for found in batch)
 
+    def size(self) -> int:
+        return sum(found["size"] for batch in obstore.list(self._store) for found in batch)
+
     def discard(self, paths: Sequence[str]) -> None:
         there = sorted(set(paths).intersection(self.paths()))
         if there:
