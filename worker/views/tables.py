@@ -9,6 +9,7 @@ import xarray as xr
 
 from worker.errors import InvalidJob
 from worker.views.loudness import measure_loudness
+from worker.views.motion_names import add_motion_names
 from worker.views.reading import job_of
 
 _FIRST = {
@@ -95,6 +96,8 @@ def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
     table = dataset.reset_coords()[[*alike, *beside]].to_dataframe().reset_index()
     for column in beside:
         table[column] = table[column].map(_words_of(dataset[column]) or (lambda value: value))
+    if chosen == "impact_period":
+        table = add_motion_names(dataset, table)
     return table.dropna(subset=[chosen]).reset_index(drop=True)
 
 
