@@ -322,6 +322,8 @@ def test_a_bifurcation_diagram_is_a_live_chart(opened):
     page.locator("[data-diagram=damping]").click()
     expect(page.locator("#diagram-note")).to_contain_text("Click to look", timeout=120_000)
     assert page.locator("#diagram .points").count() >= 2
+    expect(page.locator("#diagram-motions")).to_contain_text("no period within 12 impacts")
+    expect(page.locator("#diagram path[data-motion='P(1,1,0)']")).to_have_attribute("stroke", "#56b4e9")
     expect(page.locator("#diagram .here")).to_have_attribute("visibility", "visible")
     page.locator("#diagram .target").click(position={"x": 40, "y": 60})
     expect(page.locator("#shown")).to_contain_text("δ = 0.5")

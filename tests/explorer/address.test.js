@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
-import { decode, encode } from "../../service/explorer/js/state/address.js";
+import { decode, doubts, encode } from "../../service/explorer/js/state/address.js";
 
 const REQUEST = {
   oscillator: { model: "impacting", damping: 0.6, eccentricity: 0.1, half_backlash: 0.6 },
@@ -64,6 +64,28 @@ test("the window of the request itself is not written twice", () => {
 test("what is no window, no motion or no request is left out", () => {
   const seen = decode("?window=1,0,3,4&motion=a,b&motion=0.5&grid=0,1,0&cells=5,5&k=7");
   assert.deepEqual([seen.view, seen.motions, seen.request], [null, [], null]);
+});
+
+test("what is not known falls back to what is usual, and is said", () => {
+  const search = "?palette=bar&layer=foo&overlays=grazing,moon&damping=x&vary=damping,0.6";
+  const seen = decode(search);
+  assert.deepEqual([seen.palette, seen.layer, seen.overlays, seen.request], ["colour_blind", "solution", ["grazing"], null]);
+  const [sentence, ...more] = doubts(search);
+  for (const part of ["palette=bar", "layer=foo", "overlays=moon", "damping=x", "vary=damping,0.6"]) assert.ok(sentence.includes(part), part);
+  assert.deepEqual(more, []);
+  assert.deepEqual(doubts(encode({ request: SWEEP, layer: "step", palette: "paper", overlays: ["saddles"] })), []);
+});
+
+test("a partial address is completed: it shows the machine that it names", () => {
+  const { request } = decode("?damping=0.3&eccentricity=0.05");
+  assert.deepEqual(request.oscillator, { model: "impacting", damping: 0.3, eccentricity: 0.05, half_backlash: 0.6 });
+  assert.deepEqual(request.grid.velocity, { start: 0, stop: 7, cells: 250 });
+  assert.match(doubts("?damping=0.3&eccentricity=0.05")[0], /lacks half_backlash, grid, cells, k/);
+  assert.equal(decode("?model=piecewise_linear").request.oscillator.stiffness, 1000);
+});
+
+test("a sweep of one value is none", () => {
+  assert.equal(decode(encode({ request: REQUEST }) + "&vary=damping,0.6").request.vary, undefined);
 });
 
 test("nothing to say is no address", () => {

@@ -64,7 +64,7 @@ _KINDS: dict[Palette, dict[AttractorKind, Colour]] = {
         AttractorKind.UNDECIDED: UNDECIDED,
     },
 }
-_NAMED: dict[Palette, dict[str, Colour]] = {
+NAMED: dict[Palette, dict[str, Colour]] = {
     # The paper's text names P(1,1,0) pale blue, P(1,2,0) blue, P(2,2,1) yellow and P(3,3,2) orange.
     Palette.PAPER: {
         "P(1,1,0)": (0.55, 0.85, 1.0),
@@ -80,6 +80,7 @@ _NAMED: dict[Palette, dict[str, Colour]] = {
         "P(2,2,1)": _rgb("f0e442"),
     },
 }
+"""Colours of motions that have one by name."""
 POOLS: dict[Palette, tuple[Colour, ...]] = {
     Palette.PAPER: tuple(
         _rgb(text)
@@ -115,7 +116,7 @@ def paints_of(attractors: tuple[Attractor, ...], palette: Palette = USUAL) -> li
     list of Paint
     """
     paints: dict[int, Paint] = {}
-    named = dict(_NAMED[palette])
+    named = dict(NAMED[palette])
     others = []
     for number, attractor in enumerate(attractors):
         # The second motion of a name needs a colour of its own.

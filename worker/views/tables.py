@@ -12,6 +12,7 @@ from worker.motion_words import ends_in_words
 from worker.stores.layout import ENDS
 from worker.stores.solution_table import ends_in
 from worker.views.loudness import measure_loudness
+from worker.views.motion_names import add_motion_names
 from worker.views.reading import job_of
 
 _FIRST = {
@@ -100,6 +101,8 @@ def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
         table[column] = table[column].map(_words_of(dataset[column]) or (lambda value: value))
     if chosen == ENDS.name:
         table["ends_in"] = dataset["name"].values[table["end"]]
+    if chosen == "impact_period":
+        table = add_motion_names(dataset, table)
     return table.dropna(subset=[chosen]).reset_index(drop=True)
 
 

@@ -25,7 +25,7 @@ import { Sweep } from "./panels/sweep.js";
 import { Turn } from "./panels/turn.js";
 import { Marks } from "./plane/marks.js";
 import { Plane } from "./plane/plane.js";
-import { decode, encode } from "./state/address.js";
+import { decode, doubts, encode } from "./state/address.js";
 import { write } from "./state/entries.js";
 import { axesOf, limitOf, same, viewOf } from "./state/window.js";
 import { setUpTheme } from "./page/theme.js";
@@ -283,6 +283,7 @@ function remember(isNew) {
 /** Show what the address says; whether it says anything. */
 async function openAddress() {
   const seen = (at.opening = decode(location.search));
+  by("address-note").textContent = doubts(location.search).join(" ");
   const { job, request, panel, layer, palette } = seen;
   at.panel = panel;
   restyle({ layer, palette });

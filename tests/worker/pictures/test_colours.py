@@ -181,3 +181,9 @@ def test_the_page_has_the_same_pool():
     assert {name: json.loads(pool) for name, pool in told} == {
         palette.value: [to_hex(colour) for colour in pool] for palette, pool in POOLS.items()
     }
+    own = dict(re.findall(r'"(\w+)": (\{[^}]*\})', page.read_text()))
+    kinds = tuple(attractor(kind, 0, 0, 0) for kind in (AttractorKind.CHAOTIC, AttractorKind.PERMANENT_CONTACT))
+    for palette in Palette:
+        wanted = dict(zip([each.name for each in kinds], colours.colours_of(kinds, palette), strict=True))
+        wanted |= colours.NAMED[palette]
+        assert json.loads(own[palette]) == {name: to_hex(colour) for name, colour in wanted.items()}

@@ -61,15 +61,32 @@ export async function send(path, options = {}) {
   }
 }
 
+/**
+ * What is read of an answer. A connection that is cut while it is read is an outage; any other exception is not.
+ * @template T
+ * @param {() => Promise<T>} read
+ * @returns {Promise<T>}
+ */
+export async function whole(read) {
+  try {
+    return await read();
+  } catch (error) {
+    if (error.name === "AbortError") throw error;
+    throw new Unreachable();
+  }
+}
+
 /** Response to a GET, as JSON. */
 export async function get(path, options) {
-  return (await send(path, options)).json();
+  const answer = await send(path, options);
+  return whole(() => answer.json());
 }
 
 /** Response to a POST of JSON, as JSON. */
 export async function post(path, body, options) {
   const headers = { "content-type": "application/json" };
-  return (await send(path, { ...options, method: "POST", headers, body: JSON.stringify(body) })).json();
+  const answer = await send(path, { ...options, method: "POST", headers, body: JSON.stringify(body) });
+  return whole(() => answer.json());
 }
 
 const PATHS = {

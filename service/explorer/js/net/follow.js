@@ -1,7 +1,7 @@
 /** Follows a job by its events until it ends, also through restarts of the service. */
 
 import { ended } from "../jobs/life.js";
-import { get, Refusal, send, Unreachable } from "./api.js";
+import { get, Refusal, send, Unreachable, whole } from "./api.js";
 
 const PATIENT_MS = 1000;
 const QUEUE_MS = 2000;
@@ -54,11 +54,11 @@ async function* eventsOf(job, seen, signal) {
   if (answer.status === NOTHING_MORE) return;
   const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
   for (let rest = ""; ; ) {
-    const { done, value } = await reader.read();
+    const { done, value } = await whole(() => reader.read());
     if (done) return;
-    const whole = (rest + value).replaceAll("\r\n", "\n").split("\n\n");
-    rest = whole.pop();
-    const newest = whole.map(parse).filter(Boolean).at(-1);
+    const events = (rest + value).replaceAll("\r\n", "\n").split("\n\n");
+    rest = events.pop();
+    const newest = events.map(parse).filter(Boolean).at(-1);
     if (newest) {
       seen.id = newest.id;
       yield newest;
@@ -68,7 +68,7 @@ async function* eventsOf(job, seen, signal) {
 
 /** Whether an error is temporary: the service is unavailable, or the connection was cut in mid-stream. */
 function passes(error) {
-  return error instanceof Unreachable || error instanceof TypeError || (error instanceof Refusal && error.status >= 500);
+  return error instanceof Unreachable || (error instanceof Refusal && error.status >= 500);
 }
 
 /**
@@ -104,7 +104,7 @@ export async function follow(job, report, lost, signal) {
       } catch (error) {
         if (signal.aborted) return;
         if (!passes(error)) throw error;
-        lost(error instanceof TypeError ? new Unreachable() : error);
+        lost(error);
         await pause(signal);
       }
     }

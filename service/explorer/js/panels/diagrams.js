@@ -7,11 +7,15 @@ import { get, post } from "../net/api.js";
 import { follow } from "../net/follow.js";
 import { by } from "../page/by.js";
 import { inWords } from "../page/say.js";
+import { byMotion, NO_PERIOD } from "./branches.js";
+import { swatch } from "./swatch.js";
 import { harmonicParameters, NUMBERS, ONLY_IN, parameterInWords, valueIn } from "../state/oscillator.js";
 
 const VALUES = 300;
-const KEPT = 12;
+// Periods of up to half as many impacts are seen.
+const KEPT = 24;
 const REACH = 0.15;
+const LISTED = 12;
 const DRAG_PIXELS = 6;
 /** Where a range ends that begins at 0. */
 const LITTLE = 0.02;
@@ -28,17 +32,6 @@ function around(parameter, value) {
   if (parameter === "restitution") return [value * (1 - REACH), Math.min(value * (1 + REACH), 1)];
   if (value === 0) return [0, LITTLE];
   return [value * (1 - REACH), value * (1 + REACH)];
-}
-
-/** Rows of the table of departures, by the motion that they began with. */
-function byMotion(rows) {
-  const motions = new Map();
-  for (const row of rows) {
-    if (row.velocity === null) continue;
-    if (!motions.has(row.seed_name)) motions.set(row.seed_name, []);
-    motions.get(row.seed_name).push(row);
-  }
-  return motions;
 }
 
 export class Diagrams {
@@ -112,9 +105,10 @@ export class Diagrams {
         this.note.textContent = now.error?.detail ?? "The diagram was cancelled.";
         return;
       }
-      const rows = await get(`${now.links.result}.json?table=velocity`);
+      const tables = ["velocity", "impact_period"].map((name) => get(`${now.links.result}.json?table=${name}`));
+      const [rows, named] = await Promise.all(tables);
       if (signal.aborted) return;
-      this.shown = { parameter, range: [values[0], values.at(-1)], motions: byMotion(rows) };
+      this.shown = { parameter, range: [values[0], values.at(-1)], motions: byMotion(rows, named) };
       this.draw();
       this.note.textContent = "Each dot is a departure that lasts. Click to look at a value, drag over a range to compute it anew.";
       this.section.scrollIntoView({ block: "nearest" });
@@ -131,14 +125,30 @@ export class Diagrams {
     });
     for (const [name, rows] of motions) {
       const d = rows.map((row) => `M${chart.x(row[parameter]).toFixed(1)} ${chart.y(row.velocity).toFixed(1)}h.01`).join("");
-      const line = chart.add("path", { class: "points", d, stroke: this.page.colour(name) ?? "currentColor" });
-      line.append(Object.assign(document.createElementNS("http://www.w3.org/2000/svg", "title"), { textContent: `from ${name}` }));
+      const line = chart.add("path", { class: "points", d, stroke: this.#colourOf(name), "data-motion": name });
+      line.append(Object.assign(document.createElementNS("http://www.w3.org/2000/svg", "title"), { textContent: name }));
     }
+    this.#list();
     this.chart = chart;
     this.here = chart.add("path", { class: "here" });
     this.value = chart.add("text", {});
     this.follow();
     this.#listen(chart, range);
+  }
+
+  #colourOf(name) {
+    return this.page.colour(name === NO_PERIOD ? "chaotic" : name);
+  }
+
+  /** Name the colours under the chart, those that are seen at most values first. */
+  #list() {
+    const motions = [...this.shown.motions].sort(([, one], [, other]) => other.length - one.length);
+    by("diagram-motions").replaceChildren(...motions.slice(0, LISTED).map(([name]) => {
+      const line = document.createElement("span");
+      line.className = "key";
+      line.append(swatch(this.#colourOf(name)), name === NO_PERIOD ? `no period within ${KEPT / 2} impacts: chaos, or longer` : name);
+      return line;
+    }));
   }
 
   /** Offer what the oscillator that is seen has, and move the line to its value. */

@@ -1,6 +1,6 @@
 /** One basin as far as it is computed: its labels in typed arrays, and a canvas with one pixel per cell. */
 
-import { get, send } from "../net/api.js";
+import { get, send, whole } from "../net/api.js";
 import { viewOf } from "../state/window.js";
 import { partsOf, wholeOf } from "./levels.js";
 import { paintNumbers, paintSolutions, paintTextures, solutionPixels, specialPixel, texturesOf, usualSpeckle } from "./palette.js";
@@ -143,7 +143,7 @@ export class Picture {
     const number = first + Math.floor(tile / across) * stride + (tile % across);
     const answer = await send(`/v1/jobs/${this.job}/tiles/${number}?${query}`, { signal });
     const [rows, columns] = answer.headers.get("rattle-shape").split(" ").map(Number);
-    const bytes = await answer.arrayBuffer();
+    const bytes = await whole(() => answer.arrayBuffer());
     const cells = rows * columns;
     /** @type {[Int32Array|Int16Array|Uint8Array, Int32Array|Int16Array|Uint8Array][]} */
     const parts = [

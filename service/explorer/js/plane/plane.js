@@ -5,6 +5,7 @@ import { Gestures } from "./gestures.js";
 import { hatchMissing } from "./hatching.js";
 import { drawCrossHair, drawMotion, drawOverlay } from "./overlays.js";
 import { Plot } from "./plot.js";
+import { colourOfName } from "./session.js";
 import { Stack } from "./stack.js";
 import { drawSwipe } from "./swipe.js";
 import { hatchUnproven } from "./unproven.js";
@@ -84,9 +85,9 @@ export class Plane {
     this.draw();
   }
 
-  /** Colour of a motion by its name, as it is drawn; undefined for a motion that is not seen. */
+  /** Colour of a motion by its name, as it is drawn or would be. */
   colourOf(name) {
-    return this.picture?.outline.solutions.find((solution) => solution.name === name)?.colours[this.look.palette];
+    return colourOfName(name, this.look.palette);
   }
 
   /** Whether a time of the view lies in the half of the basin that was kept. */

@@ -1,7 +1,7 @@
 /** Colours that motions keep by their names as long as the page is open, whatever else a basin has. */
 
 import { keyOf } from "./palette.js";
-import { POOLS, TEXTURES } from "./pools.js";
+import { OWN, POOLS, TEXTURES } from "./pools.js";
 
 /** What each name was last painted with, by palette. @type {Map<string, Map<string, Paint>>} */
 const KEPT = new Map();
@@ -39,6 +39,23 @@ function paintsIn(solutions, palette, kept) {
     claimed.add(textOf(paint));
   }
   return paints;
+}
+
+/**
+ * Colour of a motion by its name, whether a basin has it or not: it keeps that as well.
+ * @param {string} name
+ * @param {string} palette
+ * @param {Map<string, Map<string, Paint>>} [session]
+ */
+export function colourOfName(name, palette, session = KEPT) {
+  if (OWN[palette][name]) return OWN[palette][name];
+  if (!session.has(palette)) session.set(palette, new Map());
+  const kept = session.get(palette);
+  if (!kept.has(name)) {
+    const claimed = new Set([...kept.values()].map(textOf));
+    kept.set(name, freePaint(palette, claimed, claimed) ?? { colour: POOLS[palette][kept.size % POOLS[palette].length], texture: 0 });
+  }
+  return kept.get(name).colour;
 }
 
 /**

@@ -5,6 +5,17 @@ import { same, viewOf } from "./window.js";
 
 /** What is not written. */
 const USUAL = { layer: "solution", palette: "colour_blind", overlays: "proven,grazing,attractors", part: 0.5 };
+/** What there is to choose from. */
+const KNOWN = {
+  layer: ["solution", "step", "group", "period"], palette: ["colour_blind", "paper"],
+  overlays: ["proven", "grazing", "attractors", "preimages", "manifolds", "saddles"],
+};
+/** What completes an address that names a part of a request. */
+const OSCILLATOR = { damping: 0.6, eccentricity: 0.1, half_backlash: 0.6 };
+const STIFFNESS = 1000;
+const WINDOW = { t0: 0, t1: 1, v0: 0, v1: 7 };
+const CELLS = [250, 250];
+const ITERATIONS = 1499;
 const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
 
 /**
@@ -77,14 +88,33 @@ function proofOf(query) {
   return { prove: { levels: Number(levels), tolerances: Object.fromEntries(tolerances) } };
 }
 
+function sweptIn(query) {
+  return query.getAll("vary").map((text) => {
+    const [parameter, ...values] = text.split(",");
+    return { parameter, values: values.map(Number) };
+  });
+}
+
+/** Whether values make a sweep: two or more, ascending. */
+function ascends({ values }) {
+  return values.length > 1 && values.every((value, i) => Number.isFinite(value) && (i === 0 || value > values[i - 1]));
+}
+
+/** Numbers of an oscillator in an address; those that cannot be read are left out. */
+function numbersIn(query) {
+  return NUMBERS.filter((name) => query.get(name) && Number.isFinite(Number(query.get(name)))).map((name) => [name, Number(query.get(name))]);
+}
+
 function requestOf(query) {
-  const grid = windowOf(query.get("grid"));
-  const cells = numbersOf(query.get("cells"), 2);
-  const iterations = Number(query.get("k"));
-  if (!grid || !cells || !iterations) return null;
+  const named = numbersIn(query), window = windowOf(query.get("grid"));
+  const all = window && numbersOf(query.get("cells"), 2) && Number(query.get("k"));
+  if (!all && !named.length && !query.has("model")) return null;
+  const grid = window ?? WINDOW;
+  const cells = numbersOf(query.get("cells"), 2) ?? CELLS;
+  const iterations = Number(query.get("k")) || ITERATIONS;
   const model = MODELS[query.get("model") ?? ""] ?? "impacting";
-  const oscillator = { model };
-  for (const name of NUMBERS) if (query.has(name)) oscillator[name] = Number(query.get(name));
+  const usual = all ? {} : { ...OSCILLATOR, ...(model === "piecewise_linear" && { stiffness: STIFFNESS }) };
+  const oscillator = { model, ...usual, ...Object.fromEntries(named) };
   const harmonics = harmonicsOf(query.get("harmonics") ?? "");
   if (typeof harmonics !== "string" && harmonics.length) oscillator.harmonics = harmonics;
   if (model === "piecewise_linear") oscillator.permanent_contact = query.get("permanent_contact") ?? "envelope";
@@ -97,11 +127,34 @@ function requestOf(query) {
     },
     iterations,
   };
-  const vary = query.getAll("vary").map((text) => {
-    const [parameter, ...values] = text.split(",");
-    return { parameter, values: values.map(Number) };
-  });
+  const vary = sweptIn(query).filter(ascends);
   return vary.length ? { ...request, vary } : { ...request, ...proofOf(query) };
+}
+
+/**
+ * What an address says that is not known, or lacks, in sentences: it is shown without.
+ * @param {string} search
+ * @returns {string[]}
+ */
+export function doubts(search) {
+  const query = new URLSearchParams(search);
+  const unknown = [];
+  for (const name of ["layer", "palette"]) if (query.has(name) && !KNOWN[name].includes(query.get(name))) unknown.push(`${name}=${query.get(name)}`);
+  for (const name of (query.get("overlays") ?? "").split(",").filter(Boolean)) if (!KNOWN.overlays.includes(name)) unknown.push(`overlays=${name}`);
+  if (query.has("model") && !(query.get("model") in MODELS) && query.get("model") !== "impacting") unknown.push(`model=${query.get("model")}`);
+  for (const name of NUMBERS) if (query.has(name) && !numbersIn(query).some(([known]) => known === name)) unknown.push(`${name}=${query.get(name)}`);
+  for (const swept of sweptIn(query)) if (!ascends(swept)) unknown.push(`vary=${[swept.parameter, ...swept.values].join(",")}`);
+  const sentences = unknown.length ? [`The address has values that are not known, and is shown without them: ${unknown.join(", ")}.`] : [];
+  const request = requestOf(query);
+  const partial = request && !query.has("job") && !["grid", "cells", "k"].every((name) => query.has(name));
+  const lacking = partial ? [...Object.keys(OSCILLATOR), "grid", "cells", "k"].filter((name) => !query.has(name)) : [];
+  if (lacking.length) sentences.push(`The address lacks ${lacking.join(", ")}: the usual values are taken.`);
+  return sentences;
+}
+
+/** The value if it is known, else the usual one. */
+function knownOr(name, value) {
+  return KNOWN[name].includes(value) ? value : USUAL[name];
 }
 
 /**
@@ -118,9 +171,9 @@ export function decode(search) {
     request: requestOf(query),
     view: windowOf(query.get("window")),
     whole: windowOf(query.get("whole")),
-    layer: query.get("layer") ?? USUAL.layer,
-    palette: query.get("palette") ?? USUAL.palette,
-    overlays: (query.get("overlays") ?? USUAL.overlays).split(",").filter(Boolean),
+    layer: knownOr("layer", query.get("layer")),
+    palette: knownOr("palette", query.get("palette")),
+    overlays: (query.get("overlays") ?? USUAL.overlays).split(",").filter((name) => KNOWN.overlays.includes(name)),
     motions,
     beside: query.get("beside") ? decode(query.get("beside")) : null,
     part: query.has("part") ? Number(query.get("part")) : USUAL.part,

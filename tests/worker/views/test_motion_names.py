@@ -1,0 +1,40 @@
+"""Motions of a diagram are named at each value, as the catalogue of attractors there names them."""
+
+import numpy as np
+import pytest
+
+import rattle
+from rattle_kernels import Oscillator, find_attractors
+from worker.views.motion_names import NO_PERIOD, itinerary
+from worker.views.tables import table_of
+
+
+@pytest.fixture(scope="module")
+def diagram(tmp_path_factory):
+    store = tmp_path_factory.mktemp("diagram") / "diagram.zarr"
+    values = {"damping": [0.575, 0.582, 0.59, 0.6]}
+    return rattle.bifurcation(
+        **values, seeds=[(0.553, 4.703)], transient=4000, kept=24, store=store, progress=False, eccentricity=0.1,
+        half_backlash=0.6,
+    )  # fmt: skip
+
+
+def test_a_branch_has_at_each_value_the_name_of_what_is_there(diagram):
+    table = table_of(diagram, "impact_period")
+    names = dict(zip(table["damping"], table["name"], strict=True))
+    for (value, name), last in zip(names.items(), diagram.isel(seed=0, kept=-1).velocity.values, strict=True):
+        t = float(diagram.isel(seed=0, kept=-1).sel(visit=list(names).index(value)).time)
+        (_, *found) = find_attractors(Oscillator(value, 0.1, 0.6), np.array([t]), np.array([last]))
+        expected = found[0].name if found[0].upper_contacts and found[0].upper_contacts <= 12 else NO_PERIOD
+        assert name == expected, value
+    assert names[0.582] == "P(4,4,2)" and names[0.6] == NO_PERIOD
+
+
+def test_a_name_counts_periods_and_contacts_of_both_walls():
+    """The P(2,2,1) of delta = 0.55, by the catalogue."""
+    found = {each.name: each for each in find_attractors(Oscillator(0.55, 0.1, 0.6), [0.55, 0.9], [4.7, 3.7])}
+    for name, motion in found.items():
+        if name.startswith("P("):
+            t, v = float(motion.time[0]), float(motion.velocity[0])
+            assert itinerary(Oscillator(0.55, 0.1, 0.6), t, v, motion.upper_contacts) == name
+    assert any(name.startswith("P(") for name in found)

@@ -1,0 +1,63 @@
+"""Names of the motions of a bifurcation diagram, at each value: a branch keeps neither period nor contacts."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from rattle_kernels import Direction, Oscillator, Outcome, time_history
+from worker.jobs.bifurcation_job import BifurcationJob
+
+NO_PERIOD = "no period seen"
+"""Chaos, a period of more impacts than half of those kept, or a motion that has not settled yet."""
+MOST_NAMED = 10_000
+"""Most motions that are named: each is followed once around."""
+_QUIET = "permanent contact"
+_CONTACTS_A_DEPARTURE = 64
+
+
+def itinerary(oscillator: Oscillator, t: float, v: float, impact_period: int) -> str:
+    """Name P(m,n+,n-) of a motion that repeats itself, from one of its departures and its impact period."""
+    beta = oscillator.half_backlash
+    most = _CONTACTS_A_DEPARTURE * impact_period
+    history = time_history(
+        oscillator, t, beta, -v, departures=impact_period, periods=float(most), samples_per_period=1, most_contacts=most
+    )
+    contacts = history.contacts
+    lower = np.count_nonzero((contacts.wall < 0) & (contacts.direction != Direction.OUT))
+    around = contacts.time[history.departures[impact_period - 1]] - t
+    return f"P({round(float(around))},{impact_period},{lower})"
+
+
+def _name(job: BifurcationJob, value: float, outcome: int, period: int, t: float, v: float) -> str:
+    if outcome == Outcome.PERMANENT_CONTACT:
+        return _QUIET
+    if outcome != Outcome.RETURNED:
+        return ""
+    return itinerary(job.oscillator_at(value), t, v, period) if period > 0 else NO_PERIOD
+
+
+def add_motion_names(dataset: xr.Dataset, table: pd.DataFrame) -> pd.DataFrame:
+    """The table of impact periods of a diagram with a column of names, unless there are too many.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A diagram, of `worker.views.reading.open_store`.
+    table : pandas.DataFrame
+        Its table ``impact_period``.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Empty names are those of values that are not computed, or at which the motion could not be followed.
+    """
+    if len(table) > MOST_NAMED:
+        return table
+    job = BifurcationJob.from_request(json.loads(dataset.attrs["request"]))
+    t, v = dataset.time.values[..., -1].ravel(), dataset.velocity.values[..., -1].ravel()
+    values = np.repeat(dataset[job.vary.parameter].values, dataset.sizes["seed"])
+    arrays = values, dataset.outcome.values.ravel(), dataset.impact_period.values.ravel(), t, v
+    rows = zip(*(array.tolist() for array in arrays), strict=True)
+    return table.assign(name=[_name(job, *row) for row in rows])
