@@ -9,7 +9,8 @@ P is applied to a seed (a landing point) until its final motion is clear:
 4. Otherwise an ensemble starts beside it (`chaotic_transient`). If most of it settles, the seed was on a short
    transient and ends as the ensemble does. If not, and the largest Lyapunov exponent is positive by several standard
    errors, this is chaos: an attractor if no trajectory leaves it, else a transient. The ensemble of a transient is
-   followed to its end (`transient_ends`), and the motions there are listed, too.
+   followed to its end (`transient_ends`), and the motions there are listed, too. If none leaves there, over half a
+   million impacts, this is an attractor after all: the others had begun beside it.
 5. Otherwise it is listed as undecided.
 
 A few seeds from all over the plane come first, as many as lanes follow at a time. Most of the others have arrived at
@@ -74,13 +75,15 @@ def _motions_of(oscillator: Oscillator, t: float, v: float, pause: Pause) -> lis
         if 2 * left > ENSEMBLE:
             return orbits or [PERMANENT_CONTACT_ATTRACTOR]
         if ensemble.chaotic:
-            points = ensemble.exponent, ensemble.error, ensemble.t, ensemble.v
+            chaos = Attractor(AttractorKind.CHAOTIC, 0, 0, 0, *ensemble[1:3], ensemble.t, ensemble.v)
             if not left:
-                return [Attractor(AttractorKind.CHAOTIC, 0, 0, 0, *points)]
-            after, members = follow_to_ends(oscillator, ensemble, distinct(oscillator, orbits), pause)
+                return [chaos]
+            after, members, later = follow_to_ends(oscillator, ensemble, distinct(oscillator, orbits), pause)
+            if not later:  # those that left had begun beside the chaos, not on it
+                return [*after, chaos]
             ends = tuple((place, number / ENSEMBLE) for place, number in enumerate(members) if number)
-            kind = AttractorKind.CHAOTIC_TRANSIENT
-            return [*after, Attractor(kind, 0, 0, 0, *points, ensemble.mean_life(left), ends)]
+            kind, life = AttractorKind.CHAOTIC_TRANSIENT, ensemble.mean_life(left)
+            return [*after, chaos._replace(kind=kind, mean_life=life, ends=ends)]
         t, v = float(ensemble.t[-1]), float(ensemble.v[-1])
     return [UNDECIDED_ATTRACTOR]
 

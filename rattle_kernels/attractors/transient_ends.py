@@ -59,7 +59,7 @@ def distinct(oscillator: Oscillator, orbits: Sequence[Attractor]) -> list[Attrac
 
 def follow_to_ends(
     oscillator: Oscillator, ensemble: EnsembleRun, orbits: Sequence[Attractor], pause: Pause = never_stopped
-) -> tuple[list[Attractor], list[int]]:
+) -> tuple[list[Attractor], list[int], int]:
     """Follow the members of an ensemble on a chaotic transient until they have ended.
 
     Parameters
@@ -79,10 +79,13 @@ def follow_to_ends(
         Permanent contact, then periodic orbits, with the given ones first.
     members : list of int
         How many have ended in each. The others of the ensemble were still on the transient.
+    later : int
+        How many of them have left after the run of the ensemble itself.
     """
     motions = [PERMANENT_CONTACT_ATTRACTOR, *orbits]
     members = [ensemble.captured, *(0 for _ in orbits)]
     t, v = np.ascontiguousarray(ensemble.ends.T)
+    begun = 0
     for followed in range(0, LONGEST + 1, SHORTEST_RUN):
         if followed:
             carried, _ = run_lanes(oscillator, t, v, SHORTEST_RUN, shortcuts=True, pause=pause)
@@ -90,9 +93,10 @@ def follow_to_ends(
             going = carried.outcome == Outcome.RETURNED
             t, v = carried.t[going], carried.v[going]
         t, v = _not_ended(oscillator, t, v, ensemble.exponent, motions, members, pause)
+        begun = begun if followed else sum(members)
         if not t.size:
             break
-    return motions, members
+    return motions, members, sum(members) - begun
 
 
 def _not_ended(

@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from rattle_kernels import AttractorKind, Oscillator, find_attractors, name_solutions, next_impacts
+from rattle_kernels import (
+    AttractorKind,
+    CellGrid,
+    Oscillator,
+    find_attractors,
+    map_points,
+    name_solutions,
+    next_impacts,
+)
 from rattle_kernels.attractors import attractor_search, transient_ends
 from rattle_kernels.attractors.attractor import ENSEMBLE, PERMANENT_CONTACT_ATTRACTOR, Attractor
 from rattle_kernels.attractors.transient_ends import LONGEST
@@ -70,6 +78,23 @@ def test_a_transient_may_end_in_permanent_contact():
     rng = np.random.default_rng(8)
     catalogue = find_attractors(oscillator, rng.random(16), 7.0 * rng.random(16))
     assert transient_in(catalogue).ends == ((0, 1.0),)
+
+
+def test_members_that_begin_beside_chaos_do_not_make_it_a_transient():
+    """Of 64 motions on it a plain loop over the scalar map sees none end within a million impacts."""
+    oscillator = Oscillator(0.5012620476358172, 0.08044398105330211, 0.5144521024255886)
+    rng, speed = np.random.default_rng(8), 12.0 * oscillator.damping
+    grid = CellGrid(velocity_stop=speed)
+    landed = map_points(oscillator, grid, 1499, rng.random(64), speed * (1.0 - rng.random(64)))
+    there = np.isfinite(landed.landing_time)
+    catalogue = find_attractors(oscillator, landed.landing_time[there], landed.landing_velocity[there])
+    assert [each.name for each in catalogue] == ["permanent contact", "P(1,2,0)", "P(4,4,2)", "chaotic"]
+    chaos = catalogue[-1]
+    assert np.isnan(chaos.mean_life) and chaos.ends == ()
+    # No orbit of up to 12 impacts after a hundred thousand.
+    later = next_impacts(oscillator, chaos.time[:ENSEMBLE], chaos.velocity[:ENSEMBLE], 100_000)
+    apart = [np.abs(next_impacts(oscillator, later.t, later.v, n).v - later.v) for n in range(1, 13)]
+    assert np.min(apart) > 1e-9
 
 
 @pytest.mark.parametrize(("oscillator", "start"), [FIRST, SECOND])
