@@ -30,6 +30,7 @@ from rattle_kernels.orbits.continuation import continue_orbit
 from rattle_kernels.orbits.orbit_equations import SpecialKind
 from rattle_kernels.orbits.orbit_search import find_orbit, find_orbits
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
+from rattle_kernels.orbits.touching_orbit import touches_of, touching_orbit
 
 OF_ANALYSES = frozenset(
     {
@@ -61,6 +62,8 @@ _STIFF = Oscillator(stiffness=1e4)
 _WEAK = Oscillator(damping=6e-4, eccentricity=1e-5, half_backlash=6e-4)
 # Departures of P(1,1,0), and of chaos.
 _T, _V = 0.89829, 3.76991
+# A speed that meets -beta from anywhere.
+_MEETING = 8.0
 _CHAOTIC_T, _CHAOTIC_V = 0.553, 4.703
 
 
@@ -172,4 +175,5 @@ def _run_kernels_of_analyses() -> None:
     locate(SpecialKind.CONTACT_LOSS, _STIFF, "stiffness", OrbitShape(1, 2), _T, _V)
     describe_point(SpecialKind.CONTACT_LOSS, "stiffness", OrbitShape(1, 2), _STIFF, _T, 0.0, residual=0.0, error=0.0)
     shallowest_in_contact(_STIFF, found.orbit.t, found.orbit.v)
+    touching_orbit(_STIFF, "damping", OrbitShape(1, 1), (0,), touches_of(_STIFF, found.orbit.t, np.array([_MEETING])))
     stable_manifold(oscillator, find_saddle(oscillator, 0.6, 3.77), ManifoldLimits(0.1, 0.0, 7.0))

@@ -96,7 +96,9 @@ def way_to_touch(oscillator, parameter, tau, u):
     one = flight_jacobian(oscillator, tau, -u, back)
     change = flight_sensitivity(oscillator, parameter, LOWER, tau, -u, back)
     jacobian = Jacobian(one.tt, -one.tv, one.vt, -one.vv)
-    fall = flight_jacobian(oscillator, tau + back.duration, back.velocity, FlightEnd(LOWER, tau, -back.duration, -u, True))
+    fall = flight_jacobian(
+        oscillator, tau + back.duration, back.velocity, FlightEnd(LOWER, tau, -back.duration, -u, True)
+    )
     there = Jacobian(fall.tt, -fall.tv, fall.vt, -fall.vv)
     area = math.exp(oscillator.damping * back.duration) * -back.velocity / u
     outcome = OUTCOME_RETURNED if back.found else OUTCOME_NOT_CONVERGED

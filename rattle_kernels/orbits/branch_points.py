@@ -1,9 +1,10 @@
 """Special points on a branch: between two neighbouring stations, and near the point where it stalls.
 
-Between neighbours a test function changes sign: the distance of the trace from a critical value, the margin of a flight
-from grazing, the difference between an orbit's halves. Newton's method on the equations of the special point starts
-from where the sign is expected to change. Its result counts only if it lies between the two stations. Otherwise, as
-next to a graze, where these equations are hardly smooth, the stretch of the branch is halved, and so on.
+Between neighbours a test function changes sign: the distance of the trace from a critical value, or the difference
+between an orbit's halves. Newton's method on the equations of the special point starts from where the sign is expected
+to change. Its result counts only if it lies between the two stations. Otherwise the stretch of the branch is halved,
+and so on. Where the branch is followed from touches of -beta, next to a graze of finite stiffness, the departures are
+alike to rounding all along a stretch: there it is always halved.
 """
 
 import math

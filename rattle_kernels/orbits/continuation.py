@@ -5,9 +5,12 @@ The orbit's two equations in (t, v, p) are followed by pseudo-arclength (`pseudo
 of its two critical values, a saddle-node or period doubling is located and the branch goes on. Where a flight begins or
 ceases to meet -beta, the orbit grazes. In the impacting model DP has a square-root singularity there and the branch
 ends: what continues it has another itinerary, another tangent and perhaps the other direction. With finite stiffness
-the contact begins so softly (its duration grows with its speed) that DP is continuous, and the branch passes.
+the contact begins so softly (its duration grows with its speed) that DP is continuous, and the branch passes. But DP
+turns within 1/kappa of the graze, and the trace may pass its critical values within 1/kappa^2. So the branch stops at
+the graze itself and goes on from there, in unknowns in which it is smooth on either side (`chart`, `graze_passage`).
 
-A branch that can go no further keeps what it has and reports where it ended and why (`BranchEnd`).
+A branch that can go no further keeps what it has and reports where it ended and why (`BranchEnd`); if the branch itself
+goes on, the message says from where on it is not seen.
 """
 
 from enum import StrEnum
@@ -46,7 +49,6 @@ from rattle_kernels.orbits.graze_passage import (
 from rattle_kernels.orbits.orbit_equations import SpecialKind, unknowns
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
 from rattle_kernels.orbits.station import BranchTask, Station, are_neighbours, on_edge, station_at
-
 
 # Least step next to a graze, as a part of the least step elsewhere.
 _LEAST_TOUCHING = 1e-3
@@ -117,14 +119,15 @@ def _why_it_stalls(task: BranchTask, station: Station) -> tuple[End, list[Specia
     value = station.oscillator.value_of(task.parameter)
     merged = repeated_graze_near(task, station)
     if merged is not None:
-        return _end(task, BranchEnd.GRAZING, merged.value), [merged]
+        return _graze_end(task, station, merged.value), [merged]
     grazes = [(graze_near(task, station, i), i) for i in range(station.t.size)]
     near = [(distance_to(task, point, station, i), point, BranchEnd.GRAZING) for point, i in grazes if point]
     for point in contact_loss_near(task, station):
         near.append((abs(point.value - value) / task.space.scales[-1], point, BranchEnd.CONTACT_LOSS))
     if near:
         _, point, reason = min(near, key=lambda candidate: candidate[0])
-        return _end(task, reason, point.value), [point]
+        end = _end(task, reason, point.value)
+        return _graze_end(task, station, point.value) if reason == BranchEnd.GRAZING else end, [point]
     if nears_edge_of_domain(station.oscillator):
         return _end(task, BranchEnd.DOMAIN, value), []
     message = (
@@ -137,6 +140,19 @@ def _why_it_stalls(task: BranchTask, station: Station) -> tuple[End, list[Specia
 
 def _end(task: BranchTask, reason: BranchEnd, value: float) -> End:
     return End(reason, value, f"{reason.value}, at {task.parameter} = {value:.12g}")
+
+
+def _graze_end(task: BranchTask, last: Station, value: float) -> End:
+    """End at a graze: in the impacting model a branch does end there, else it is not followed further."""
+    end = _end(task, BranchEnd.GRAZING, value)
+    if task.infinitely_stiff:
+        return end
+    reached, trace = last.oscillator.value_of(task.parameter), float(np.trace(last.jacobian))
+    unseen = (
+        f"the branch goes on, but is followed only to {task.parameter} = {reached:.12g}, where the trace is "
+        f"{trace:.6g}; special points from there to the graze and beyond it are not listed"
+    )
+    return end._replace(message=f"{end.message}: {unseen}")
 
 
 class _Walk:
@@ -312,37 +328,29 @@ def _passes(walk: _Walk, start: Station, stretch: _Stretch, step: float) -> "Ste
         return None
     on = walk.turns(stretch.graze)
     if on is None and stretch.graze is not None:
-        return _unseen(task, stretch.graze)
+        return _graze_end(task, walk.last, _value_at(stretch.graze.missing, task))
     if on is None:
         return task.steps._replace(first=step, least=_least(walk, task)) if walk.changes_chart() else None
     if not on.is_located:
-        return _unseen(task, on.graze or stretch.graze)
+        return _graze_end(task, walk.last, _value_at(on.end, task))
     first = float(np.linalg.norm(on.end.z - walk.last.z))
     ended = _goes_on(walk, start, on, CurvePoint(on.end.z, on.end.tangent, first))
     if ended is not None:
         return ended
     if on.graze is not None:
         if not walk.leaves(on.graze):
-            return _unseen(task, on.graze)
+            return _graze_end(task, walk.last, _value_at(on.end, task))
         first = task.steps.first
     return task.steps._replace(first=first, least=_least(walk, task))
+
+
+def _value_at(station: Station, task: BranchTask) -> float:
+    return station.oscillator.value_of(task.parameter)
 
 
 def _least(walk: _Walk, task: BranchTask) -> float:
     """Least step: next to a graze speeds of touches count, which are small."""
     return _LEAST_TOUCHING * task.steps.least if walk.last.chart.gentle else task.steps.least
-
-
-def _unseen(task: BranchTask, graze: Graze | None) -> End:
-    """End at a graze that the branch does not pass."""
-    assert graze is not None
-    value = graze.missing.oscillator.value_of(task.parameter)
-    trace = float(np.trace(graze.missing.jacobian))
-    message = (
-        f"{BranchEnd.GRAZING.value}, at {task.parameter} = {value:.12g}, with a trace of {trace:.6g}; "
-        "the other side of this graze could not be followed, and special points there are not listed"
-    )
-    return End(BranchEnd.GRAZING, value, message)
 
 
 def continue_orbit(

@@ -52,7 +52,9 @@ def _write(task: BranchTask, station: Station, chart: Chart) -> np.ndarray:
     if not chart.gentle:
         return task.space.write(station.oscillator, float(station.t[0]), float(station.v[0]))
     touches = touches_of(station.oscillator, station.t, station.v)
-    known = dict(zip(station.chart.gentle, station.chart.touches(station.z), strict=True)) if station.chart.gentle else {}
+    known = (
+        dict(zip(station.chart.gentle, station.chart.touches(station.z), strict=True)) if station.chart.gentle else {}
+    )
     for flight, (phase, speed) in known.items():
         touches[flight] = phase + round(touches[flight, 0] - phase), speed
     return np.append(touches[list(chart.gentle)], value) / chart.space.scales

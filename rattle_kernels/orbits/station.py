@@ -7,7 +7,8 @@ neighbours
   tangents at both ends, as in `pseudo_arclength`;
 - the multipliers change little. Their sum, the trace, decides. In units of its critical value 1 + e^{-delta m} its
   inverse hyperbolic sine changes by at most asinh 1: from the middle to a critical value, or, where the trace is
-  large, by a factor of 2.4. So no step passes both critical values.
+  large, by a factor of 2.4. So no step passes both critical values. But the trace may rise and fall again in one step,
+  next to a graze of finite stiffness. So small speeds at -beta change by at most a factor of 2, too.
 """
 
 import math

@@ -1,10 +1,12 @@
 """Picture of periodic orbits: in the (t, v) plane, or over the parameter in which they are followed."""
 
+import math
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rattle_kernels import SpecialKind, grazing_velocity
+from rattle_kernels import BranchEnd, SpecialKind, grazing_velocity
 from worker.jobs.orbits_job import OrbitsJob
 from worker.pictures.symbols import in_words, oscillator_text
 from worker.stores.layout import Columns
@@ -29,8 +31,24 @@ def plot_orbits(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
     axes.set_ylabel("velocity v of departure")
 
 
+def _mark_lost_ends(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
+    """Mark by x where a branch goes on, or may, but is not followed; in the impacting model a graze ends it."""
+    assert job.continuation is not None
+    lost = [BranchEnd.STALLED, BranchEnd.POINTS]
+    if not math.isinf(job.oscillator.stiffness):
+        lost.append(BranchEnd.GRAZING)
+    names, label = [reason.name.lower() for reason in lost], "not followed further"
+    for number, points in enumerate(slices(columns["branch_size"])):
+        for end, place in ((0, points.start), (1, points.stop - 1)):
+            if columns["branch_end_reason"][number][end] in names:
+                speeds = columns["branch_velocity"][place]
+                at = np.full(speeds.size, columns[job.continuation.parameter][place])
+                axes.plot(at, speeds, "x", color="black", markersize=6, label=label)
+                label = "_nolegend_"
+
+
 def plot_branches(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
-    """Draw the speeds of departure along branches, thick where they attract. Special points are marked."""
+    """Draw the speeds of departure along branches, thick where they attract, with special points and lost ends."""
     assert job.continuation is not None
     parameter = job.continuation.parameter
     for number, points in enumerate(slices(columns["branch_size"])):
@@ -40,6 +58,7 @@ def plot_branches(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
         axes.plot(values, speeds, color=colour, linewidth=0.6)
         axes.plot(values, np.where(attracts, speeds, np.nan), color=colour, linewidth=2.0)
         axes.plot([], [], color=colour, label=f"branch of {name}")
+    _mark_lost_ends(axes, job, columns)
     for code, (kind, marker) in enumerate(_MARKERS.items(), 1):
         there = columns["special_kind"] == code
         speeds = columns["special_velocity"][there]
