@@ -205,7 +205,7 @@ def previous_impacts(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typin
         Where a point is no departure: not finite, or without a positive speed.
     """
     checked = check_impacting(oscillator, INVERSE_OF_IMPACTS)
-    phase, speed = (np.array(a) for a in np.broadcast_arrays(*check_departures(t, v)))
+    phase, speed = (np.array(a) for a in np.broadcast_arrays(*check_departures(t, v, ended=True)))
     lower_impacts, outcome = np.zeros(phase.shape, np.int64), np.zeros(phase.shape, np.int8)
     _apply_to_all(checked, BACKWARDS, phase.ravel(), speed.ravel(), lower_impacts.ravel(), outcome.ravel())
     return Impacts(phase, speed, lower_impacts, outcome)

@@ -87,7 +87,8 @@ def next_impacts(
     oscillator : Oscillator
         Either model.
     t, v : array_like, broadcast together
-        Phase (forcing periods, any finite value) and speed of departures from +beta.
+        Phase (forcing periods, any finite value) and speed of departures from +beta. Both are NaN where a motion has
+        come to rest, and stay NaN.
     applications : int
         How often P is applied.
     shortcuts : bool
@@ -115,7 +116,7 @@ def next_impacts(
     checked = check_domain(oscillator)
     if applications < 1:
         raise ValueError(f"applications must be at least 1, not {applications}")
-    points = check_departures(t, v)
+    points = check_departures(t, v, ended=True)
     shape = np.broadcast_shapes(points[0].shape, points[1].shape)
     # An array of this shape stays what it is: one that was broadcast cannot be written, and would be copied.
     phase, speed = (each if each.shape == shape else np.broadcast_to(each, shape) for each in points)

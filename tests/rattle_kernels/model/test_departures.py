@@ -8,6 +8,7 @@ import pytest
 from rattle_kernels import (
     ManifoldLimits,
     Oscillator,
+    Outcome,
     OutsideDomain,
     bifurcation_diagram,
     capture_velocity,
@@ -48,6 +49,14 @@ def test_points_that_are_no_departures_are_refused_by_name_and_place(name, t, v)
     with pytest.raises(ValueError) as refusal:
         OF_DEPARTURES[name](Oscillator(), [0.5, t], [3.0, v])
     assert str(refusal.value) == at_fault
+
+
+def test_motions_that_have_come_to_rest_are_arguments_again():
+    for each in (next_impacts, previous_impacts):
+        landed = each(Oscillator(), [0.5, math.nan], [3.0, math.nan])
+        assert landed.outcome.tolist() == [Outcome.RETURNED, Outcome.OUTSIDE_SECTION]
+        with pytest.raises(ValueError, match=r"^v\[1\] must be"):
+            each(Oscillator(), [0.5, 0.5], [3.0, math.nan])
 
 
 def test_a_single_number_has_no_place():
