@@ -35,7 +35,7 @@ from rattle_kernels.orbits.touching_orbit import touches_of, touching_orbit
 OF_ANALYSES = frozenset(
     {
         "impact_map.grazing_distance", "orbits.bifurcation_diagram", "orbits.bifurcation_point", "orbits.closure",
-        "orbits.orbit_equations", "orbits.orbit_search", "orbits.orbit_seeds",
+        "orbits.near_graze", "orbits.orbit_equations", "orbits.orbit_search", "orbits.orbit_seeds",
     }
 )  # fmt: skip
 """Modules whose kernels analyses need, and basins do not."""

@@ -9,7 +9,7 @@ import typer
 from rattle.arguments import job_of
 from rattle.cli.console import Scheduler, err, give_up, out, progress_line
 from rattle.cli.options import arguments_from, job_options, with_options
-from rattle.cli.result_tables import print_result
+from rattle.cli.result_tables import print_result, what_is_missing
 from rattle.here import run_here, usable_cores
 from rattle_kernels import OutsideDomain
 from worker.analyses.run import summarise_analysis
@@ -61,11 +61,15 @@ def compute_command(name: str) -> Callable[..., None]:
             if not is_complete(out_, job.digest):  # else nothing is started for a table that is there
                 _announce(job, workers, ask=not yes)
                 _compute(job, out_, workers, scheduler)
-            print_result(job.kind, _result(job, out_), as_json=as_json)
+            result = _result(job, out_)
+            print_result(job.kind, result, as_json=as_json)
         except JobCancelled:
             give_up(f"stopped; the same command goes on from what is in {out_}")
         except WorkerError as error:
             give_up(str(error))
+        missing = what_is_missing(job.kind, result)
+        if missing is not None:
+            give_up(missing)
         out.print(
             f"{out_} is complete; draw it with: rattle plot {out_} --out picture.png",
             highlight=False, soft_wrap=True,

@@ -134,6 +134,33 @@ def _print_grazing_curve(result: dict[str, Any]) -> None:
     out.print(table)
 
 
+def what_is_missing(kind: str, result: dict[str, Any]) -> str | None:
+    """What a result lacks that was asked for, and what to ask for instead; None if nothing.
+
+    Parameters
+    ----------
+    kind : str
+        Kind of the job.
+    result : dict
+        As from `summarise`.
+
+    Returns
+    -------
+    str or None
+    """
+    if kind != "grazing_curve":
+        return None
+    missing = [order["order"] for order in result["orders"] if not order["complete"]]
+    if not missing:
+        return None
+    which = f"order {missing[0]} is" if len(missing) == 1 else f"orders {missing[0]} to {missing[-1]} are"
+    highest = f"--order {missing[0] - 1}, " if missing[0] > 0 else ""
+    return (
+        f"{which} incomplete: order {missing[0]} needs more points than a request may have; ask for {highest}"
+        "coarser curves or lower speeds"
+    )
+
+
 _PRINTERS = {
     "basin": _print_basins,
     "sweep": _print_basins,

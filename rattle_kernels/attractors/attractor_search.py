@@ -37,6 +37,7 @@ from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
 from rattle_kernels.attractors.transient_ends import distinct, follow_to_ends
 from rattle_kernels.lanes.lane_fields import LANES
 from rattle_kernels.lanes.run import run_lanes
+from rattle_kernels.model.departures import check_departures
 from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import Outcome
@@ -238,10 +239,12 @@ def find_attractors(
     ------
     OutsideDomain
         If the oscillator's parameters lie outside the domain of the map.
+    ValueError
+        If a seed is no departure: not finite, or without a positive speed.
     """
     checked = check_domain(oscillator)
     catalogue = list(known) or [PERMANENT_CONTACT_ATTRACTOR]
-    seeds = np.unique(np.column_stack([np.asarray(t, np.float64), np.asarray(v, np.float64)]), axis=0)
+    seeds = np.unique(np.column_stack(check_departures(t, v)), axis=0)
     every = max(1, math.ceil(len(seeds) / LANES))
     first = np.arange(len(seeds)) % every == 0
     for some in (seeds[first], seeds[~first]):

@@ -19,6 +19,7 @@ import numpy as np
 
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd, fly_over, next_contact
 from rattle_kernels.model.contact_end import Contact, follow_contact
+from rattle_kernels.model.departures import check_departures
 from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import (
@@ -28,6 +29,9 @@ from rattle_kernels.model.outcome import (
 )
 from rattle_kernels.numerics.jit import inlined, kernel
 from rattle_kernels.numerics.phase import part_turn, wrap
+
+INVERSE_OF_IMPACTS = "the inverse of P is needed, and a contact of finite stiffness is followed forwards only"
+"""Why the piecewise linear model is refused where P is applied backwards."""
 
 # Which way P is applied.
 FORWARDS = 1.0
@@ -197,9 +201,11 @@ def previous_impacts(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typin
     ------
     OutsideDomain
         Where the oscillator's parameters lie outside the domain of the map.
+    ValueError
+        Where a point is no departure: not finite, or without a positive speed.
     """
-    checked = check_impacting(oscillator)
-    phase, speed = (np.array(a, dtype=np.float64) for a in np.broadcast_arrays(t, v))
+    checked = check_impacting(oscillator, INVERSE_OF_IMPACTS)
+    phase, speed = (np.array(a) for a in np.broadcast_arrays(*check_departures(t, v, ended=True)))
     lower_impacts, outcome = np.zeros(phase.shape, np.int64), np.zeros(phase.shape, np.int8)
     _apply_to_all(checked, BACKWARDS, phase.ravel(), speed.ravel(), lower_impacts.ravel(), outcome.ravel())
     return Impacts(phase, speed, lower_impacts, outcome)

@@ -4,6 +4,7 @@ import numpy as np
 
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
 from rattle_kernels.impact_map.chatter import fastest_below
+from rattle_kernels.model.departures import check_phases
 from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import kernel
@@ -36,6 +37,8 @@ def capture_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarr
     ------
     OutsideDomain
         If the oscillator's parameters lie outside the domain of the map.
+    ValueError
+        If a phase is not finite.
 
     Examples
     --------
@@ -43,7 +46,7 @@ def capture_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarr
     >>> bool((speeds < grazing_velocity(Oscillator(), [0.0, 0.5])).all())
     True
     """
-    checked, phase = check_domain(oscillator), np.asarray(t, np.float64)
+    checked, phase = check_domain(oscillator), check_phases(t)
     velocity = np.empty(phase.size)
     _fastest_of_all(checked, capture_bound(checked), phase.ravel(), velocity)
     return velocity.reshape(phase.shape)

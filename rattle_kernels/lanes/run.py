@@ -12,6 +12,7 @@ from rattle_kernels.lanes.long_run import run_long
 from rattle_kernels.lanes.short_run import LONGEST_SHORT_RUN, run_short
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.lanes.traps import NO_TRAPS, LaneTraps
+from rattle_kernels.model.departures import check_departures
 from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
@@ -86,7 +87,8 @@ def next_impacts(
     oscillator : Oscillator
         Either model.
     t, v : array_like, broadcast together
-        Phase (forcing periods, any finite value) and speed of departures from +beta.
+        Phase (forcing periods, any finite value) and speed of departures from +beta. Both are NaN where a motion has
+        come to rest, and stay NaN.
     applications : int
         How often P is applied.
     shortcuts : bool
@@ -103,7 +105,7 @@ def next_impacts(
     OutsideDomain
         Where the oscillator's parameters lie outside the domain of the map.
     ValueError
-        Where ``applications`` is below 1.
+        Where ``applications`` is below 1, or a point is no departure: not finite, or without a positive speed.
 
     Examples
     --------
@@ -114,7 +116,7 @@ def next_impacts(
     checked = check_domain(oscillator)
     if applications < 1:
         raise ValueError(f"applications must be at least 1, not {applications}")
-    points = np.asarray(t, dtype=np.float64), np.asarray(v, dtype=np.float64)
+    points = check_departures(t, v, ended=True)
     shape = np.broadcast_shapes(points[0].shape, points[1].shape)
     # An array of this shape stays what it is: one that was broadcast cannot be written, and would be copied.
     phase, speed = (each if each.shape == shape else np.broadcast_to(each, shape) for each in points)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
 from rattle_kernels.manifolds.curve_images import (
     BACKWARDS,
     CurveMap,
@@ -157,7 +158,7 @@ def _task(
     most_points: int,
     pause: Pause,
 ) -> _Task:
-    checked, resolution = check_impacting(oscillator), check_resolution(resolution)
+    checked, resolution = check_impacting(oscillator, INVERSE_OF_IMPACTS), check_resolution(resolution)
     if order < 0:
         raise ValueError(f"order must be at least 0 (the grazing curve itself), not {order}")
     lowest, highest = (0.0, math.inf) if velocity_limits is None else velocity_limits

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
 from rattle_kernels.manifolds.curve_images import (
     BACKWARDS,
     FORWARDS,
@@ -159,7 +160,7 @@ def _manifold(
     only: tuple[int, int] | None,
     pause: Pause,
 ) -> tuple[ManifoldBranch, ...]:
-    checked, orbit = check_impacting(oscillator), check_saddle(orbit)
+    checked, orbit = check_impacting(oscillator, INVERSE_OF_IMPACTS), check_saddle(orbit)
     limits, resolution = check_limits(limits), check_resolution(resolution)
     scale = largest_grazing_speed(checked)
     flips = bool(min(orbit.multipliers.real) < 0.0)

@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.model.outside_domain import check_is_oscillator, demand_positive
 from rattle_kernels.numerics.trigonometric_minimum import TrigonometricPolynomial, least_value
 
 _TWO_PI = 2.0 * math.pi
@@ -88,10 +89,18 @@ def eccentricity_bound_quiet(oscillator: Oscillator) -> float:
     Returns
     -------
     float
+
+    Raises
+    ------
+    OutsideDomain
+        If damping or stiffness is not positive.
     """
+    check_is_oscillator(oscillator)
+    demand_positive(oscillator, "damping")
     damping, stiffness = oscillator.damping, oscillator.stiffness
     if math.isinf(stiffness):
         return eccentricity_bound_smooth_maxima(oscillator)
+    demand_positive(oscillator, "stiffness")
     if oscillator.harmonics or oscillator.contact_damping > 0.0:
         return _largest_eccentricity(oscillator, quiet_depth_over_phases)
     stretch = math.hypot(stiffness - 2 * math.pi**2, math.pi * damping) / stiffness
@@ -112,7 +121,14 @@ def eccentricity_bound_smooth_maxima(oscillator: Oscillator) -> float:
     Returns
     -------
     float
+
+    Raises
+    ------
+    OutsideDomain
+        If the damping is not positive.
     """
+    check_is_oscillator(oscillator)
+    demand_positive(oscillator, "damping")
     if oscillator.harmonics:
         return _largest_eccentricity(oscillator, rest_acceleration_over_phases)
     return 2 * oscillator.damping / math.hypot(2 * math.pi, oscillator.damping)
@@ -132,7 +148,14 @@ def eccentricity_bound_convexity(oscillator: Oscillator) -> float:
     Returns
     -------
     float
+
+    Raises
+    ------
+    OutsideDomain
+        If the damping is not positive.
     """
+    check_is_oscillator(oscillator)
+    demand_positive(oscillator, "damping")
     return oscillator.damping / (math.pi + oscillator.damping / 2)
 
 
@@ -147,7 +170,14 @@ def stiffness_bound(oscillator: Oscillator) -> float:
     Returns
     -------
     float
+
+    Raises
+    ------
+    OutsideDomain
+        If the damping is not positive.
     """
+    check_is_oscillator(oscillator)
+    demand_positive(oscillator, "damping")
     damping, part = oscillator.damping, oscillator.contact_damping
     # (delta + 2 zeta w)^2 < 4 w^2 with w^2 = 2 kappa.
     return damping * damping / (8.0 * (1.0 - part) ** 2) if part > 0.0 else damping * damping / 8.0

@@ -12,44 +12,10 @@ from rattle_kernels.model.bounds import (
 )
 from rattle_kernels.model.harmonics import Harmonic
 from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.model.outside_domain import OutsideDomain, check_is_oscillator, demand_positive
 from rattle_kernels.numerics.trigonometric_minimum import TrigonometricPolynomial, least_value
 
 _STIFFNESS_BOUND = "damping^2/8", "damping^2/(8 (1 - contact_damping)^2)"
-
-
-class OutsideDomain(ValueError):
-    """A parameter lies where the impact map is not defined.
-
-    Attributes
-    ----------
-    parameter : str
-        The field of `Oscillator` at fault.
-    bound : str
-        Name of the bound that it violates.
-    limit : float
-        Value of that bound.
-    value : float
-        Value of the parameter.
-
-    Examples
-    --------
-    >>> try:
-    ...     check_domain(Oscillator(eccentricity=0.3))
-    ... except OutsideDomain as error:
-    ...     print(error.parameter, error.bound, round(error.limit, 3))
-    eccentricity epsilon_crit2 0.19
-    """
-
-    def __init__(self, parameter: str, value: float, bound: str, limit: float, message: str) -> None:
-        super().__init__(message)
-        self.parameter = parameter
-        self.value = value
-        self.bound = bound
-        self.limit = limit
-
-    def __reduce__(self) -> tuple[type, tuple[str, float, str, float, str]]:
-        # Raised in workers too: it must survive pickling with all its arguments.
-        return type(self), (self.parameter, self.value, self.bound, self.limit, str(self))
 
 
 def check_domain(oscillator: Oscillator) -> Oscillator:
@@ -70,12 +36,10 @@ def check_domain(oscillator: Oscillator) -> Oscillator:
     OutsideDomain
         Naming the parameter, the bound and its value.
     """
+    check_is_oscillator(oscillator)
     numbers: list[Any] = [float(value) for value in oscillator[:-1]]
     checked = Oscillator(*numbers)._replace(harmonics=_checked_harmonics(oscillator.harmonics))
-    for name in ("damping", "half_backlash"):
-        value = getattr(checked, name)
-        if not (math.isfinite(value) and value > 0.0):
-            raise OutsideDomain(name, value, "positivity", 0.0, f"{name} must be positive and finite, not {value}")
+    demand_positive(checked, "damping", "half_backlash")
     if not checked.permanent_after > 0.0:
         message = f"permanent_after must be positive, not {checked.permanent_after}"
         raise OutsideDomain("permanent_after", checked.permanent_after, "positivity", 0.0, message)
@@ -190,13 +154,15 @@ def closed_edges(parameter: str) -> tuple[float, float]:
     return -math.inf, math.inf
 
 
-def check_impacting(oscillator: Oscillator) -> Oscillator:
+def check_impacting(oscillator: Oscillator, reason: str = "here only the impacting model is computed") -> Oscillator:
     """Return the oscillator as `check_domain` does, or raise if its stiffness is finite.
 
     Parameters
     ----------
     oscillator : Oscillator
         As a user gave it.
+    reason : str
+        Why another model is refused, for the message.
 
     Returns
     -------
@@ -210,10 +176,7 @@ def check_impacting(oscillator: Oscillator) -> Oscillator:
     """
     checked = check_domain(oscillator)
     if not math.isinf(checked.stiffness):
-        message = (
-            f"stiffness must be infinite, not {checked.stiffness:g}: here only the impacting model is computed, "
-            "which has none"
-        )
+        message = f"stiffness must be infinite, which is the impacting model, not {checked.stiffness:g}: {reason}"
         raise OutsideDomain("stiffness", checked.stiffness, "impacting model", math.inf, message)
     return checked
 

@@ -1,4 +1,4 @@
-"""Outcome codes that stand beside every result: nothing is raised for a single initial condition."""
+"""Outcome codes that stand beside every result: that a motion ends is no error."""
 
 from enum import IntEnum
 
@@ -13,7 +13,7 @@ class Outcome(IntEnum):
     NOT_CONVERGED = 2
     """A root-finder gave up. None is expected; the result is NaN and is counted, never hidden."""
     OUTSIDE_SECTION = 3
-    """The input is no departure: time or velocity not finite, or the velocity not positive. The result is NaN."""
+    """The input is no departure, as a motion that has come to rest is none. The result is NaN."""
 
 
 # The codes as plain integers, which kernels compare.

@@ -17,6 +17,7 @@ from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.model.bounds import eccentricity_bound_quiet
+from rattle_kernels.model.departures import check_departures
 from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator
@@ -290,7 +291,7 @@ def bifurcation_diagram(
     visited = np.sort(np.asarray(values, dtype=np.float64))
     oscillator.value_of(parameter)  # raises where there is none
     _check_numbers(visited, direction, transient, kept)
-    motions = Motions.from_seeds(t, v)
+    motions = Motions.from_seeds(*check_departures(t, v))
     runs = []
     for way in {"up": (1,), "down": (-1,), "both": (1, -1)}[direction]:
         run, motions = follow_values(oscillator, parameter, visited[::way], motions, transient, kept)

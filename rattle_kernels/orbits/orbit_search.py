@@ -2,23 +2,24 @@
 
 For each impact period p up to a given n+, Newton's method on P^p starts from the departures of `orbit_seeds`.
 Each orbit found is reduced to its own period and kept once. For short orbits Newton's method converges from about a
-cell around the orbit. For longer ones this distance shrinks like 1/|multiplier|, so a finer grid finds more. The
-residual proves what is found. It says nothing about what is missed. The indices of all fixed points of P^p with the
+cell around the orbit. For longer ones this distance shrinks like 1/|multiplier|, so a finer grid finds more. What is
+found is certain: the map returns to it. Nothing says what is missed. The indices of all fixed points of P^p with the
 same number of forcing periods, the signs of det(DP^p - 1), add up to 0: if those found do not, one is missed.
 """
 
+import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
+from rattle_kernels.model.departures import check_departures
 from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
-from rattle_kernels.numerics.phase import wrap
 from rattle_kernels.orbits.orbit_seeds import SearchSeeds, orbit_seeds
 from rattle_kernels.orbits.periodic_orbit import (
     NEWTON_ROUNDS,
@@ -28,7 +29,7 @@ from rattle_kernels.orbits.periodic_orbit import (
     newton_rounds,
 )
 
-_SEED_RESIDUAL = 1e-9
+_SEED_DISTANCE = 1e-9
 # Impacts of a round of Newton's method that need no pause: milliseconds in all rounds. In the softest contacts, where
 # an impact may take one, 16 are more than a second. So seeds are taken together up to half as many.
 _IMPACTS_A_ROUND = 16
@@ -55,28 +56,27 @@ class FoundOrbit(NamedTuple):
 
 
 @kernel
-def _newton_all(oscillator, t, v, period, scale, residual):
-    """Newton's method from all seeds, which become where it leads. The residuals show if it converged."""
+def _newton_all(oscillator, t, v, period, scale, distance):
+    """Newton's method from all seeds, which become where it leads. The distances from orbits show if it converged."""
     for i in range(t.size):
-        end, v[i], residual[i], _ = newton_rounds(oscillator, t[i], v[i], period[i], scale, NEWTON_ROUNDS)
-        t[i] = wrap(end)
+        t[i], v[i], distance[i], _ = newton_rounds(oscillator, t[i], v[i], period[i], scale, NEWTON_ROUNDS)
 
 
 def _newton_from(
     oscillator: Oscillator, seeds: SearchSeeds, scale: float, pause: Pause
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Where Newton's method leads from each seed: phase, speed and residual."""
-    t, v, residual = seeds.t.copy(), seeds.v.copy(), np.empty(seeds.t.size)
+    """Where Newton's method leads from each seed: phase, speed and distance from an orbit."""
+    t, v, distance = seeds.t.copy(), seeds.v.copy(), np.empty(seeds.t.size)
     legs = np.cumsum(seeds.period) // _IMPACTS_A_LEG
     for leg in np.split(np.arange(t.size), np.flatnonzero(np.diff(legs)) + 1):
         pause()
         part = slice(leg[0], leg[-1] + 1)
         if seeds.period[part].max() <= _IMPACTS_A_ROUND:
-            _newton_all(oscillator, t[part], v[part], seeds.period[part], scale, residual[part])
+            _newton_all(oscillator, t[part], v[part], seeds.period[part], scale, distance[part])
             continue
         for i in leg.tolist():
-            t[i], v[i], residual[i] = newton_orbit(oscillator, t[i], v[i], int(seeds.period[i]), scale, pause)
-    return t, v, residual
+            t[i], v[i], distance[i] = newton_orbit(oscillator, t[i], v[i], int(seeds.period[i]), scale, pause)
+    return t, v, distance
 
 
 def describe_orbit(oscillator: Oscillator, orbit: PeriodicOrbit) -> FoundOrbit:
@@ -150,19 +150,23 @@ def find_orbits(
     OutsideDomain
         If the oscillator's parameters lie outside the domain of the map.
     ValueError
-        If ``longest`` or ``cells`` is not positive.
+        If ``longest`` or ``cells`` is not positive, or the region is none.
     """
     checked = check_domain(oscillator)
     if longest < 1 or cells < 1:
         raise ValueError(f"longest and cells must be positive, not {longest} and {cells}")
+    if not (0.0 <= time[0] < time[1] <= 1.0):
+        raise ValueError(f"time must be two phases within 0 and 1, the lower first, not {time}")
+    if not (0.0 <= velocity[0] < velocity[1] < math.inf):
+        raise ValueError(f"velocity must be two speeds from 0 on, the lower first, not {velocity}")
     scale = float(fall_speed(checked))
     seeds = orbit_seeds(checked, (*time, *velocity), cells, rows or (0, cells), longest, pause)
-    t, v, residual = _newton_from(checked, seeds, scale, pause)
+    t, v, distance = _newton_from(checked, seeds, scale, pause)
     catalogue = _Catalogue(scale)
-    # Shortest first, so that a multiple of an orbit's period leads to an orbit already known. Those above the grazing
-    # curve last: of orbits that other seeds lead to, they give another last digit.
-    for i in np.lexsort((v, t, seeds.kind == 3, seeds.period)):
-        if residual[i] <= _SEED_RESIDUAL and not catalogue.holds(t[i], v[i]):
+    # Shortest first, so that a multiple of an orbit's period leads to an orbit already known. Those next to the grazing
+    # curve and of the finer grid last: of orbits that other seeds lead to, they give another last digit.
+    for i in np.lexsort((v, t, seeds.kind >= 3, seeds.period)):
+        if distance[i] <= _SEED_DISTANCE and not catalogue.holds(t[i], v[i]):
             pause()
             orbit = find_periodic_orbit(checked, t[i], v[i], int(seeds.period[i]), scale, pause=pause)
             if orbit is not None and not catalogue.holds(orbit.t[0], orbit.v[0]):
@@ -219,8 +223,13 @@ def find_orbit(
     ------
     OutsideDomain
         If the oscillator's parameters lie outside the domain of the map.
+    ValueError
+        If the seed is no departure: not finite, or without a positive speed; or ``period`` is below 1.
     """
     checked = check_domain(oscillator)
+    check_departures(t, v)
+    if period < 1:
+        raise ValueError(f"period must be at least 1, the number of impacts with +beta in one turn, not {period}")
     orbit = find_periodic_orbit(checked, float(t), float(v), period, float(fall_speed(checked)), pause=pause)
     return None if orbit is None else describe_orbit(checked, orbit)
 

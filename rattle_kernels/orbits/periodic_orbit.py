@@ -14,23 +14,31 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.jacobian import Jacobian, multiply, next_impact_with_jacobian
 from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import inlined, kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
-from rattle_kernels.numerics.phase import part_turn, wrap_all
+from rattle_kernels.numerics.phase import part_turn, wrap, wrap_all
 
 NEWTON_ROUNDS = 40
-_RESIDUAL = 1e-11
+# Largest distance from an orbit, in periods and the scale of speeds, at which Newton's method has reached it.
+_DISTANCE = 1e-11
+# Largest residual of an orbit, or this much for its multiplier; and that of its other departures.
+_RESIDUAL, _ROUNDING, _RETURNS = 1e-11, 1e-13, 1e-10
+# Longer orbits are followed for one turn alone, from their first departure: p turns take p^2 impacts.
+_CHECKED_ONE_BY_ONE = 64
 # Impacts between two pauses, if a round takes no more: milliseconds, but in the softest contacts most of a second.
 _IMPACTS_A_LEG = 512
 
 
 class PeriodicOrbit(NamedTuple):
-    """A periodic orbit to which Newton's method has converged.
+    """A periodic orbit to which Newton's method has converged, and to which the map returns.
 
     ``t``, ``v`` (shape (upper_contacts,)) are its departures from +beta in order of time, the slowest first.
-    ``jacobians`` (shape (upper_contacts, 2, 2)) are DP^p at each of them. ``residual`` is ``|P^p(x) - x|``.
+    ``jacobians`` (shape (upper_contacts, 2, 2)) are DP^p at each of them. ``residual`` is ``|P^p(x) - x|``
+    of the departure that it was found from.
     """
 
     t: np.ndarray
@@ -63,8 +71,23 @@ class PeriodicOrbit(NamedTuple):
 
 
 @inlined
-def _iterate(oscillator, t, v, period):
-    """P^p with its derivative, the elapsed time and the number of contacts with -beta."""
+def iterate(oscillator, t, v, period):
+    """P^p with its derivative, the elapsed time and the number of contacts with -beta.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    t, v : float
+        A departure from +beta: finite, v > 0.
+    period : int
+        p.
+
+    Returns
+    -------
+    (float, float, Jacobian, float, int)
+        Phase and speed, not a number where contact is permanent; DP^p, the time that it took, the contacts.
+    """
     jacobian = Jacobian(1.0, 0.0, 0.0, 1.0)
     elapsed, lower = 0.0, 0
     for _ in range(period):
@@ -78,44 +101,51 @@ def _iterate(oscillator, t, v, period):
     return t, v, jacobian, elapsed, lower
 
 
+@inlined
+def _size(jacobian):
+    """Greatest multiplier, or 1 if none is greater: what an error of a departure grows to in a turn, where it grows."""
+    return max(1.0, abs(jacobian.tt + jacobian.vv))
+
+
 @kernel
 def newton_rounds(oscillator, t, v, period, scale, rounds):
-    """Some rounds of Newton's method on P^p(x) - x: phase and speed, the residual before the last step, if it ended.
+    """Some rounds of Newton's method on P^p(x) - x: phase, speed, distance from an orbit before the last step, the end.
 
-    Steps that would make v <= 0 are halved. The phase is not reduced.
+    The distance is the residual over the greatest multiplier. Steps that would make v <= 0 are halved. A step of more
+    than a period leads nowhere: the method ends there, with an infinite distance.
     """
-    residual = math.inf
+    distance = math.inf
     for _ in range(rounds):
-        t1, v1, jacobian, _, _ = _iterate(oscillator, t, v, period)
+        t1, v1, jacobian, _, _ = iterate(oscillator, t, v, period)
         f = part_turn(t1 - t)
         g = v1 - v
-        residual = math.hypot(f, g / scale)
-        if not residual > 1e-15:
-            return t, v, residual, True
+        distance = math.hypot(f, g / scale) / _size(jacobian)
+        if not distance > 1e-15:
+            return t, v, distance, True
         a, b, c, d = jacobian.tt - 1.0, jacobian.tv, jacobian.vt, jacobian.vv - 1.0
         determinant = a * d - b * c
         dt, dv = (b * g - d * f) / determinant, (c * f - a * g) / determinant
-        if not (math.isfinite(dt) and math.isfinite(dv)):
+        if not (abs(dt) <= 1.0 and math.isfinite(dv)):
             return t, v, math.inf, True
         while v + dv <= 0.0:
             dt, dv = 0.5 * dt, 0.5 * dv
-        t, v = t + dt, v + dv
+        t, v = wrap(t + dt), v + dv
         if math.hypot(dt, dv / scale) < 1e-15:
-            return t, v, residual, True
-    return t, v, residual, False
+            return t, v, distance, True
+    return t, v, distance, False
 
 
 def newton_orbit(
     oscillator: Oscillator, t: float, v: float, period: int, scale: float, pause: Pause
 ) -> tuple[float, float, float]:
-    """Newton's method from one seed, whatever its period: phase, speed and residual."""
-    ended, rounds = False, NEWTON_ROUNDS
+    """Newton's method from one seed, whatever its period: phase, speed and distance from an orbit."""
+    ended, rounds, t = False, NEWTON_ROUNDS, float(wrap_all(np.array([t]))[0])
     while rounds > 0 and not ended:
         pause()
         now = min(rounds, max(1, _IMPACTS_A_LEG // period))
-        t, v, residual, ended = newton_rounds(oscillator, t, v, period, scale, now)
+        t, v, distance, ended = newton_rounds(oscillator, t, v, period, scale, now)
         rounds -= now
-    return float(wrap_all(np.array([t]))[0]), v, residual
+    return t, v, distance
 
 
 @inlined
@@ -172,22 +202,61 @@ def find_periodic_orbit(
     Returns
     -------
     PeriodicOrbit or None
-        None if Newton's method does not reach a residual of at most 1e-11, or ends at rest on the wall.
+        None if Newton's method reaches none, or ends at rest on the wall. The departures that are stored return to
+        themselves, by P and with reduced phases: within 1e-10 times the greatest multiplier, if that is above 1.
     """
-    t, v, residual = newton_orbit(oscillator, t, v, period, scale, pause)
-    if not residual <= _RESIDUAL:
+    t, v, distance = newton_orbit(oscillator, t, v, period, scale, pause)
+    if not distance <= _DISTANCE:
         return None
     period = _own_period(oscillator, t, v, period, scale)
     times, speeds = np.empty(period), np.empty(period)
     steps, jacobians = np.empty((period, 2, 2)), np.empty((period, 2, 2))
     elapsed, lower = _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians)
-    if round(elapsed) < 1:
+    if not (math.isfinite(elapsed) and round(elapsed) >= 1):
         return None  # the limit v -> 0, where every phase maps to itself, is not an orbit
+    multiplier = float(np.abs(np.linalg.eigvals(jacobians[0])).max())
+    residual = _residual(oscillator, times, speeds, scale, multiplier, pause)
+    if residual is None:
+        return None
     first = int(np.argmin(speeds))
     return PeriodicOrbit(
         np.roll(times, -first), np.roll(speeds, -first), round(elapsed), period, int(lower),
-        np.roll(jacobians, -first, axis=0), float(residual),
+        np.roll(jacobians, -first, axis=0), residual,
     )  # fmt: skip
+
+
+@kernel
+def _gap(oscillator, t, v, period, scale):
+    """Distance between a departure and P^p of it, by P alone and with reduced phases."""
+    here, speed = t, v
+    for _ in range(period):
+        impact = next_impact(oscillator, here, speed)
+        if impact.outcome != OUTCOME_RETURNED:
+            return math.inf
+        here, speed = impact.t, impact.v
+    return math.hypot(part_turn(here - t), (speed - v) / scale)
+
+
+def _residual(
+    oscillator: Oscillator, times: np.ndarray, speeds: np.ndarray, scale: float, multiplier: float, pause: Pause
+) -> float | None:
+    """|P^p(x) - x| of the first of these departures; None if the map does not return to each of them.
+
+    Rounding grows with the multiplier M. Near a graze, where DP is steep, P is linear within 1/M^2 only: a residual of
+    more than 1/M proves no orbit.
+    """
+    size, period = max(1.0, multiplier), times.size
+    residual = _gap(oscillator, times[0], speeds[0], period, scale)
+    if not residual <= max(_RESIDUAL, min(_ROUNDING * size, 0.1 / size)):
+        return None
+    for i in range(1, period if period <= _CHECKED_ONE_BY_ONE else 1):
+        pause()
+        if _gap(oscillator, times[i], speeds[i], period, scale) > _RETURNS * size:
+            # Carried here, the first departure's rounding has grown: this one by itself.
+            times[i], speeds[i], _, _ = newton_rounds(oscillator, times[i], speeds[i], period, scale, 4)
+            if not _gap(oscillator, times[i], speeds[i], period, scale) <= _RETURNS * size:
+                return None
+    return float(residual)
 
 
 @kernel
@@ -216,14 +285,14 @@ def derivatives_along(oscillator: Oscillator, orbit: PeriodicOrbit) -> np.ndarra
 
 
 @kernel
-def _returns_after(oscillator, t, v, divisor, scale):
-    t1, v1, _, _, _ = _iterate(oscillator, t, v, divisor)
-    f = part_turn(t1 - t)
-    return math.hypot(f, (v1 - v) / scale)
+def _distance_after(oscillator, t, v, divisor, scale):
+    """Distance from an orbit of this impact period."""
+    t1, v1, jacobian, _, _ = iterate(oscillator, t, v, divisor)
+    return math.hypot(part_turn(t1 - t), (v1 - v) / scale) / _size(jacobian)
 
 
 def _own_period(oscillator: Oscillator, t: float, v: float, period: int, scale: float) -> int:
     for divisor in range(1, period // 2 + 1):
-        if period % divisor == 0 and _returns_after(oscillator, t, v, divisor, scale) < 1e-9:
+        if period % divisor == 0 and _distance_after(oscillator, t, v, divisor, scale) < 1e-9:
             return divisor
     return period

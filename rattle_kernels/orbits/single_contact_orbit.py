@@ -27,8 +27,8 @@ from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI, second_phi, second_phi_slope
 from rattle_kernels.model.forcing_rate import eccentricity_at_rate, phases_at_rate
 from rattle_kernels.model.grazing_curve import grazing_velocity
-from rattle_kernels.model.harmonics import Harmonic
 from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.model.outside_domain import check_is_oscillator
 
 
 class SingleContactOrbit(NamedTuple):
@@ -50,35 +50,44 @@ class SingleContactOrbit(NamedTuple):
         return self.grazing_margin <= 0.0
 
 
-def eccentricity_bound_single_contact(
-    damping: float, forcing_periods: int = 1, restitution: float = 1.0, harmonics: tuple[Harmonic, ...] = ()
-) -> float:
+def eccentricity_bound_single_contact(oscillator: Oscillator, forcing_periods: int = 1) -> float:
     """Eccentricity at which the first orbits P(m, 1, 0) are born: the exact form of Eq. (41).
 
     Parameters
     ----------
-    damping : float
-        delta > 0.
+    oscillator : Oscillator
+        Impacting model; its eccentricity is not used.
     forcing_periods : int
         m > 0.
-    restitution : float
-        r.
-    harmonics : tuple of Harmonic
-        Those beside the first.
 
     Returns
     -------
     float
         ``x coth(x/2) - 2 + x (1 - r)/(1 + r)`` with x = delta m, accurate to rounding even where it is tiny. With
         harmonics there is no formula, and it is found by bisection; 0 if they make such orbits without eccentricity.
+
+    Raises
+    ------
+    OutsideDomain
+        If the oscillator's other parameters lie outside the domain of the map, or its stiffness is finite.
+    ValueError
+        If ``forcing_periods`` is not valid.
     """
-    others = Oscillator(harmonics=tuple(Harmonic(*each) for each in harmonics))
-    return eccentricity_at_rate(others, _rate_at_departure(damping, forcing_periods, restitution))
+    check_is_oscillator(oscillator)
+    checked = check_impacting(oscillator._replace(eccentricity=0.0))
+    return eccentricity_at_rate(checked, _rate_at_departure(checked, _checked_periods(forcing_periods)))
 
 
-def _rate_at_departure(damping: float, forcing_periods: int, restitution: float) -> float:
+def _checked_periods(forcing_periods: int) -> int:
+    if not (forcing_periods >= 1 and forcing_periods == math.floor(forcing_periods)):
+        raise ValueError(f"forcing_periods must be a whole number from 1 on, not {forcing_periods}")
+    return int(forcing_periods)
+
+
+def _rate_at_departure(oscillator: Oscillator, forcing_periods: int) -> float:
     """Rate of the forcing, e'(t)/(2 pi), at which an orbit P(m, 1, 0) departs."""
-    x = damping * forcing_periods
+    restitution = oscillator.restitution
+    x = oscillator.damping * forcing_periods
     # x coth(x/2) - 2 = x (2 phi2 - phi1)/phi1, and phi1 - 2 phi2 = x phi2': nothing cancels.
     elastic = -x * x * float(second_phi_slope(x)) / (1.0 - x * float(second_phi(x)))
     return elastic + x * (1.0 - restitution) / (1.0 + restitution)
@@ -103,15 +112,17 @@ def single_contact_orbits(oscillator: Oscillator, forcing_periods: int = 1) -> t
     Raises
     ------
     OutsideDomain
-        If the oscillator's parameters lie outside the domain of the map.
+        If the oscillator's parameters lie outside the domain of the map, or its stiffness is finite.
+    ValueError
+        If ``forcing_periods`` is not valid.
 
     References
     ----------
     Sec. 5.2, Eq. (41), given there as a series without derivation (Halse et al., 2007; Mason et al., 2007).
     """
-    checked = check_impacting(oscillator)
-    rate = _rate_at_departure(checked.damping, forcing_periods, checked.restitution)
-    return tuple(_at_phase(checked, forcing_periods, t) for t in phases_at_rate(checked, rate))
+    checked, periods = check_impacting(oscillator), _checked_periods(forcing_periods)
+    rate = _rate_at_departure(checked, periods)
+    return tuple(_at_phase(checked, periods, t) for t in phases_at_rate(checked, rate))
 
 
 def _at_phase(oscillator: Oscillator, forcing_periods: int, t: float) -> SingleContactOrbit:

@@ -45,7 +45,7 @@ def computed():
         special(0.527, "P(3,3,2)", SpecialKind.SADDLE_NODE),
         special(0.527, "P(3,3,2)", SpecialKind.PERIOD_DOUBLING),
         special(0.5, "P(3,3,2)", SpecialKind.PERIOD_DOUBLING),
-        (eccentricity_bound_single_contact(0.6), 0.0),
+        (eccentricity_bound_single_contact(Oscillator(0.6)), 0.0),
     ]
     return numbers
 

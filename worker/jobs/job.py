@@ -18,6 +18,7 @@ from typing import Any, ClassVar, Self
 from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 
 from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_impacting, check_quiet
+from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
 from worker.decidable import check_decidable, check_fastest, fastest_resolved
 from worker.jobs.oscillator_request import (
     ImpactingOscillator,
@@ -122,7 +123,8 @@ class Job(Request, ABC):
     @cached_property
     def oscillator(self) -> Oscillator:
         """Oscillator of the kernels, checked."""
-        return (check_impacting if self.impacting_only else check_domain)(self.oscillator_.to_oscillator())
+        asked = self.oscillator_.to_oscillator()
+        return check_impacting(asked, INVERSE_OF_IMPACTS) if self.impacting_only else check_domain(asked)
 
     def check_oscillators(
         self, check: Callable[[Oscillator], Oscillator], *, convex: Collection[str] | None = None

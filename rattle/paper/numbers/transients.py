@@ -85,7 +85,7 @@ def measure_transient(oscillator: Oscillator, orbit: Attractor, t: np.ndarray, v
     left, exponent = [t.size], np.nan
     for leg in range(_LEGS):
         later_t, later_v, _, _ = next_impacts(oscillator, t, v, _LEG_IMPACTS)
-        going = ~is_on_orbit(oscillator, orbit, later_t, later_v)
+        going = np.isfinite(later_t) & ~is_on_orbit(oscillator, orbit, later_t, later_v)
         exponent = _exponent(oscillator, t[going], v[going]) if leg == 0 else exponent
         t, v = later_t[going], later_v[going]
         left.append(t.size)

@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
-from rattle.cli import _loaded, app, remote
+from rattle.cli import _loaded, app, compute, remote
 from rattle.cli.console import out
 from rattle.cli.examples import examples_of
 from rattle.paper import production, registry
@@ -324,6 +324,23 @@ def test_what_cannot_be_done_is_said_in_one_line_without_a_traceback(tmp_path, m
     assert answer.exit_code == code, answer.output
     assert told in " ".join(answer.output.split()) and "Traceback" not in answer.output
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("last_whole", "code", "told"), [
+    (3, 0, "is complete"),
+    (1, 1, "orders 2 to 3 are incomplete: order 2 needs more points than a request may have; ask for --order 1,"),
+    (2, 1, "order 3 is incomplete: order 3 needs more points than a request may have; ask for --order 2,"),
+])  # fmt: skip
+def test_orders_of_a_grazing_curve_that_are_incomplete_are_an_error(monkeypatch, last_whole, code, told):
+    orders = [
+        {"order": order, "complete": order <= last_whole, "pieces": 1, "vertices": 9, "arclength": 1.0}
+        for order in range(4)
+    ]
+    monkeypatch.setattr(compute, "is_complete", lambda location, digest: True)
+    monkeypatch.setattr(compute, "_result", lambda job, location: {"orders": orders, "seconds": 1.0})
+    answer = CliRunner().invoke(app, ["grazing-curve", "--order", "3", "--out", "there.zarr"])
+    assert answer.exit_code == code, answer.output
+    assert told in " ".join(answer.output.split())
 
 
 def test_a_service_says_when_it_is_ready_and_where_its_data_are(service):

@@ -142,7 +142,9 @@ def test_newton_finds_the_own_period_of_an_orbit():
 
 @pytest.mark.parametrize("point", [(np.nan, np.nan), (0.3, -1.0), (0.3, 0.0), (np.inf, 1.0)])
 def test_what_is_no_departure_is_not_named(point):
-    catalogue = find_attractors(Oscillator(damping=0.7), [point[0]], [point[1]])
+    catalogue = find_attractors(Oscillator(damping=0.7), [0.3], [1.0])
+    with pytest.raises(ValueError, match="must be finite"):
+        find_attractors(Oscillator(damping=0.7), [point[0]], [point[1]])
     with pytest.raises(ValueError, match="positive speeds"):
         name_solutions(Oscillator(damping=0.7), catalogue, [point[0]], [point[1]])
 

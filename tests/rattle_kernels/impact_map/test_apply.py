@@ -64,14 +64,6 @@ def test_parameters_outside_the_domain_are_refused_by_name(field, value):
     assert refusal.value.parameter == field
 
 
-def test_points_that_are_no_departures_are_coded_not_raised():
-    impacts = next_impacts(Oscillator(), [0.1, math.nan, 0.2, 0.3, 0.4], [1.0, 1.0, -1.0, 0.0, math.inf])
-    assert impacts.outcome.tolist() == [Outcome.RETURNED] + 4 * [Outcome.OUTSIDE_SECTION]
-    assert np.isnan(impacts.t[1:]).all() and np.isnan(impacts.v[1:]).all()
-    backwards = previous_impacts(Oscillator(), [0.1, math.nan], [1.0, 1.0])
-    assert backwards.outcome.tolist() == [Outcome.RETURNED, Outcome.OUTSIDE_SECTION]
-
-
 @pytest.mark.parametrize("shape", [(), (0,), (1,), (3,), (2, 3), (65,), (1000,)])
 def test_arrays_keep_their_shape_and_scalars_broadcast(shape):
     t = np.full(shape, 0.3)

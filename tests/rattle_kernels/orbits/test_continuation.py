@@ -145,7 +145,7 @@ def test_the_curve_of_that_fold_is_the_closed_form():
     branch = continue_orbit(Oscillator(), orbit, "eccentricity", (0.03, 0.19))
     point = only(branch.special_points, SpecialKind.SADDLE_NODE)
     curve = continue_special_point(point, "damping", (0.001, 0.2), (0.05, 0.7))
-    exact = [eccentricity_bound_single_contact(damping) for _, damping in curve.values]
+    exact = [eccentricity_bound_single_contact(Oscillator(damping)) for _, damping in curve.values]
     assert curve.values[:, 0] == pytest.approx(np.array(exact), abs=1e-11)
     assert curve.values[:, 1].min() < 0.08 and curve.values[:, 1].max() == pytest.approx(0.7)
     assert all("a bound" in end for end in curve.ends)

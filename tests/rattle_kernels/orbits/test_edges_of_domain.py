@@ -58,5 +58,7 @@ def test_a_curve_ends_on_the_edge_too():
     curve = continue_special_point(fold, "restitution", (0.01, 0.11), (0.9, 1.0))
     assert all("a bound" in end for end in curve.ends)
     assert curve.values[-1, 1] == pytest.approx(1.0, abs=1e-15)
-    exact = [eccentricity_bound_single_contact(0.6, 1, r, HARMONICS) for _, r in curve.values]
+    exact = [
+        eccentricity_bound_single_contact(Oscillator(0.6, restitution=r, harmonics=HARMONICS)) for _, r in curve.values
+    ]
     assert curve.values[:, 0] == pytest.approx(np.array(exact), abs=1e-11)

@@ -16,12 +16,12 @@ from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 
 
 def test_the_exact_bound_behind_equation_41():
-    assert eccentricity_bound_single_contact(0.6) == pytest.approx(0.059643058193045, abs=1e-15)
+    assert eccentricity_bound_single_contact(Oscillator(0.6)) == pytest.approx(0.059643058193045, abs=1e-15)
 
 
 @pytest.mark.parametrize("x", [1e-6, 0.01, 0.3])
 def test_the_bound_has_the_printed_series(x):
-    assert eccentricity_bound_single_contact(x) == pytest.approx(x**2 / 6 - x**4 / 360, rel=x**4 + 1e-13)
+    assert eccentricity_bound_single_contact(Oscillator(x)) == pytest.approx(x**2 / 6 - x**4 / 360, rel=x**4 + 1e-13)
 
 
 @pytest.mark.parametrize(("damping", "eccentricity", "half_backlash", "m"), [(0.6, 0.1, 0.6, 1), (0.1, 0.02, 2.0, 2)])
@@ -44,7 +44,7 @@ def test_one_attracts_and_the_other_is_a_saddle():
 
 
 def test_they_are_born_at_the_bound_and_not_before():
-    bound = eccentricity_bound_single_contact(0.6)
+    bound = eccentricity_bound_single_contact(Oscillator(0.6))
     assert single_contact_orbits(Oscillator(eccentricity=bound * (1 - 1e-12))) == ()
     for orbit in single_contact_orbits(Oscillator(eccentricity=bound * (1 + 1e-12))):
         assert orbit.t == pytest.approx(0.75, abs=1e-6)
@@ -68,7 +68,7 @@ def test_with_losses_they_are_slower_and_born_later():
         assert (orbit.t[0], orbit.v[0]) == pytest.approx((closed.t, closed.v), abs=1e-11)
         assert orbit.multipliers.sum().real == pytest.approx(closed.trace, abs=1e-10)
         assert orbit.multipliers.prod().real == pytest.approx(0.81 * math.exp(-0.6), abs=1e-10)
-    bound = eccentricity_bound_single_contact(0.6, restitution=0.9)
+    bound = eccentricity_bound_single_contact(Oscillator(0.6, restitution=0.9))
     assert bound == pytest.approx(0.059643058193045 + 0.6 * 0.1 / 1.9)
     assert single_contact_orbits(oscillator.at(eccentricity=bound * (1 - 1e-12))) == ()
     assert len(single_contact_orbits(oscillator.at(eccentricity=bound * (1 + 1e-12)))) == 2
@@ -90,7 +90,7 @@ def test_several_harmonics_have_pairs_of_their_own():
 
 def test_under_several_harmonics_the_bound_is_where_the_first_orbits_are_born():
     harmonics = ((2, 0.01, 0.1), (3, 0.002, 0.4))
-    bound = eccentricity_bound_single_contact(0.6, restitution=0.95, harmonics=harmonics)
+    bound = eccentricity_bound_single_contact(Oscillator(0.6, restitution=0.95, harmonics=harmonics))
     oscillator = Oscillator(restitution=0.95, harmonics=harmonics)
     assert single_contact_orbits(oscillator.at(eccentricity=bound * (1 - 1e-6))) == ()
     late = oscillator.at(eccentricity=bound + 0.002)
@@ -102,12 +102,11 @@ def test_under_several_harmonics_the_bound_is_where_the_first_orbits_are_born():
         return max(-sum(n * size * np.sin(2 * np.pi * (n * t + phase)) for n, size, phase in waves))
 
     # The rate's second derivative is 10 at most, and its top 5e-6 from the mesh at most.
-    needed = eccentricity_bound_single_contact(0.6, restitution=0.95)
+    needed = eccentricity_bound_single_contact(Oscillator(0.6, restitution=0.95))
     assert needed - 10 / 2 * 5e-6**2 <= largest_rate(bound) <= needed + 1e-14
 
 
 def test_harmonics_may_make_orbits_without_eccentricity():
-    assert eccentricity_bound_single_contact(0.6, harmonics=((2, 0.035, 0.1),)) == 0.0
-    assert eccentricity_bound_single_contact(0.6, harmonics=((2, 0.0),)) == pytest.approx(
-        eccentricity_bound_single_contact(0.6), rel=1e-12
-    )
+    assert eccentricity_bound_single_contact(Oscillator(0.6, harmonics=((2, 0.035, 0.1),))) == 0.0
+    of_none = eccentricity_bound_single_contact(Oscillator(0.6, harmonics=((2, 0.0),)))
+    assert of_none == pytest.approx(eccentricity_bound_single_contact(Oscillator(0.6)), rel=1e-12)
