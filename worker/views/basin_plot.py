@@ -93,14 +93,14 @@ def plot_basin(
         figure.set_layout_engine("constrained")  # room for the legend beside the axes, in files as well
     attractors, extent = attractors_of(dataset), _extent(dataset)
     shown = thinned(dataset)
-    painted = {} if palette is None else {"palette": palette}
-    image = colours.paint_cells(shown.solution, shown.group, attractors, **painted)
+    palette = colours.USUAL if palette is None else palette
+    image = colours.paint_cells(shown.solution, shown.group, attractors, palette)
     axes.imshow(image, origin="lower", extent=extent, aspect="auto", interpolation="nearest")
     if OverlayKind.PROVEN in overlays:
         lay_unproven(dataset, axes)
     for overlay in overlays_for(overlays, job_of(dataset).oscillator, attractors, extent[2:]):
         overlay.draw(axes, extent[0])
     if legend and attractors:
-        draw_legend(axes, attractors, dataset.share.values, **painted)
+        draw_legend(axes, attractors, dataset.share.values, palette=palette)
     frame(axes, extent)
     return axes
