@@ -11,7 +11,7 @@
 
 import contextlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import repeat
 from pathlib import Path
 from typing import Any
@@ -226,6 +226,7 @@ def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
     names = [variable.name for variable in (*MOTIONS[:4], *MEASURED[1:])]
     numbers = zip(*(dataset[name].values.tolist() for name in names), strict=True)
     points = zip(dataset.attractor_time.values, dataset.attractor_velocity.values, strict=True)
+    ends: Iterable[tuple[tuple[int, float], ...]]
     ends = map(ends_in, dataset[ENDS.name].values) if ENDS.name in dataset else repeat(())
     return tuple(
         Attractor(
