@@ -238,6 +238,7 @@ def _cached(function: Callable[..., Any], fastmath: set[str] | bool) -> Any:
         compiled = numba.njit(**_AS_WRITTEN | {"fastmath": fastmath}, cache=True)(function)
     finally:
         config.CACHE_DIR = elsewhere
-    compiled.__class__ = _Kernel
+    if isinstance(compiled, Dispatcher):  # else compiling is switched off
+        compiled.__class__ = _Kernel
     KERNELS.append(compiled)
     return compiled
