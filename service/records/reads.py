@@ -67,7 +67,9 @@ class Reads:
         with to_read(self._sessions()) as session:
             rows = session.execute(query).all()
         found = [
-            Ended(job_id, store, max(_utc(each) for each in (done, read) if each)) for job_id, store, done, read in rows
+            Ended(job_id, store, max(_utc(each) for each in (done, read) if each))
+            for job_id, store, done, read in rows
+            if store is not None
         ]
         return sorted(found, key=lambda each: each.used)
 
