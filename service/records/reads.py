@@ -69,7 +69,7 @@ class Reads:
         found = [
             Ended(job_id, store, max(_utc(each) for each in (done, read) if each))
             for job_id, store, done, read in rows
-            if store
+            if store is not None
         ]
         return sorted(found, key=lambda each: each.used)
 

@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import typer
@@ -348,6 +349,18 @@ def test_a_service_says_when_it_is_ready_and_where_its_data_are(service):
     wait_until("it says so", lambda: f"ready: {service.url}, " in log.read_text(), service.why_not)
     assert service.results in log.read_text() or f"data in {service.data}" in log.read_text()
     assert "/readyz" not in log.read_text()
+
+
+def test_the_start_of_a_service_is_a_line_of_its_log(tmp_path, monkeypatch, caplog):
+    caplog.set_level("INFO", "rattle.serve")
+    monkeypatch.setattr("rattle.cli.serve.write_logs", lambda *_: None)
+    monkeypatch.setattr("rattle.cli.serve.create_app", lambda settings: None)
+    monkeypatch.setattr("rattle.cli.serve.Server", lambda *_, **__: SimpleNamespace(run=lambda: None))
+    monkeypatch.setattr("rattle.cli.serve.signal.signal", lambda *_: None)
+    port = str(free_port())
+    answer = CliRunner().invoke(app, ["serve", "--port", port, "--data", str(tmp_path / "data")])
+    assert answer.exit_code == 0 and answer.output == ""
+    assert caplog.messages == [f"starting on http://127.0.0.1:{port}"]
 
 
 def test_a_port_in_use_is_refused_before_anything_is_started(tmp_path):
