@@ -61,8 +61,9 @@ class Submission:
         """
         job = await self.checks.run(partial(settled_job, job_class, body, self.settings))
         known = await self.threads.read(self.views.answering, job)
-        if known and await self.threads.write(self._disowned, known[0]):
-            known = None
+        if known is not None:
+            gone = await self.threads.write(self._disowned, known[0])
+            known = None if gone else known
         job_id, view = known or await self._record(job)
         return Response(view.body, 202, {"location": f"/v1/jobs/{job_id}"}, "application/json")
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 class Axis(NamedTuple):
     """Number of values of a parameter, and whether the check is convex in it."""
 
-    count: int
+    size: int
     convex: bool
 
 
@@ -46,14 +46,14 @@ def _first(
 ) -> tuple[int, ...] | None:
     if not axes:
         return place if refused(place) else None
-    (count, convex), rest = axes[0], axes[1:]
+    (size, convex), rest = axes[0], axes[1:]
     if not convex:
-        found = (_first((*place, at), rest, refused) for at in range(count))
+        found = (_first((*place, at), rest, refused) for at in range(size))
         return next((each for each in found if each is not None), None)
     first = _first((*place, 0), rest, refused)
-    if first is not None or count == 1:
+    if first is not None or size == 1:
         return first
-    low, high = 0, count - 1
+    low, high = 0, size - 1
     last = _first((*place, high), rest, refused)
     # All before `low` are accepted. Where `high` is refused, so are all from the first refused one on.
     while last is not None and high - low > 1:
