@@ -61,7 +61,7 @@ class Submission:
         """
         job = await self.checks.run(partial(settled_job, job_class, body, self.settings))
         known = await self.threads.read(self.views.answering, job)
-        if known:
+        if known is not None:
             gone = await self.threads.write(self._disowned, known[0])
             known = None if gone else known
         job_id, view = known or await self._record(job)

@@ -65,7 +65,7 @@ def sent(value):
 @pytest.mark.parametrize("path", ["basins", "sweeps", "bifurcations", "orbits", "manifolds", "grazing-curves", "checks",
     "trajectories", "previews"])  # fmt: skip
 @given(body=BODIES)
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @example(body={"vary": [{"parameter": "\ud800", "values": [1]}]})
 @example(body={"kind": [1]})
 @example(body={"kind": {}})
@@ -97,7 +97,7 @@ def test_these_are_all_routes_that_take_a_body(service):
 
 
 @given(raw=st.binary(max_size=40))
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @example(raw=b'{"a": "\xed\xa0\x80"}')
 @example(raw=b"\xff\xfe{\x00}\x00")
 @example(raw=b'{"iterations": ' + 5000 * b"9" + b"}")
