@@ -8,21 +8,20 @@ import numpy as np
 DOCUMENTS = Path(__file__).parents[1] / "docs"
 
 
-def _block(document, language):
-    (found,) = re.findall(rf"```{language}\n(.*?)```", document, re.DOTALL)
-    return found
-
-
 def _words_and_numbers(text):
     number = r"-?\d+\.\d+"
     return re.split(number, text), np.array(re.findall(number, text), np.float64)
 
 
 def demand_as_printed(name, capsys, **tolerances):
-    """Run the code of a document of one block of it: the same words, numbers within the tolerances."""
+    """Run the code of a document up to what it first prints: the same words, numbers within the tolerances."""
     document = (DOCUMENTS / name).read_text()
-    exec(compile(_block(document, "python"), name, "exec"), {})
+    code, _, rest = document.partition("```text\n")
+    names = {}
+    for block in re.findall(r"```python\n(.*?)```", code, re.DOTALL):
+        capsys.readouterr()
+        exec(compile(block, name, "exec"), names)
     words, numbers = _words_and_numbers(capsys.readouterr().out)
-    printed_words, printed = _words_and_numbers(_block(document, "text"))
+    printed_words, printed = _words_and_numbers(rest.partition("```")[0])
     assert words == printed_words
     np.testing.assert_allclose(numbers, printed, **tolerances)

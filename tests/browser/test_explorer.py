@@ -286,7 +286,7 @@ def test_what_is_taken_away_is_what_made_the_picture(opened, finished):
         "Whole job (PNG)": b"\x89PNG",
         "Whole job (SVG)": b"<?xml",
         "Whole job (PDF)": b"%PDF",
-        "Table (CSV)": b"name,kind,share",
+        "Table (CSV)": b"name,share,kind",
     }
     for name, first in files.items():
         with page.expect_download() as download:

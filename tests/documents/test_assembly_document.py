@@ -14,8 +14,8 @@ NUMBERS = json.loads((DOCUMENTS / "figures" / "assembly.json").read_text())
 NOTEBOOKS = DOCUMENTS.parent / "notebooks"
 
 
-def test_the_code_gives_what_is_printed(capsys, monkeypatch):
-    monkeypatch.chdir(NOTEBOOKS)
+def test_the_code_gives_what_is_printed(capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
     demand_as_printed("guide/transmission-error.md", capsys, rtol=1e-11)
 
 

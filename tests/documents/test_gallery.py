@@ -20,4 +20,5 @@ def test_every_figure_is_there_and_no_other():
 @pytest.mark.parametrize("name", ALL_FIGURES)
 def test_the_line_below_a_figure_makes_it(name):
     _, _, below = GALLERY.partition(f"../figures/{name}.png)")
-    assert below.lstrip().startswith(f"```sh\nrattle paper {name} --out figures\n```")
+    below = re.sub(r"<!--.*?-->", "", below).lstrip()  # which says that the line is not run by the tests
+    assert below.startswith(f"```sh\nrattle paper {name} --out figures\n```")

@@ -13,7 +13,7 @@ def test_the_guides_python_runs(service, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("RATTLE_CACHE", str(tmp_path / "kept"))
     small = 'rattle.BasinJob(grid={"time": {"cells": 20}, "velocity": {"cells": 20}})'
-    others = {"http://127.0.0.1:8000": service.url, "cells=4000": "cells=40", "rattle.BasinJob()": small}
+    others = {"http://127.0.0.1:8000": service.url, "cells=1000": "cells=40", "rattle.BasinJob()": small}
     blocks, names = re.findall(r"```python\n(.*?)```", DOCUMENT, re.DOTALL), {}
     assert len(blocks) == 5
     for block in blocks:

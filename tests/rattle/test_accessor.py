@@ -160,8 +160,8 @@ def test_tables_have_words_for_codes_and_a_row_for_each_motion(basin, sweep, tmp
     table = basin.rattle.to_table()
     assert table["name"].tolist() == basin.name.values.tolist() and table.columns[:3].tolist() == [
         "name",
-        "kind",
         "share",
+        "kind",
     ]
     assert table["kind"].tolist() == ["permanent_contact", "periodic", "chaotic"]
     shares = sweep.rattle.to_table()

@@ -54,7 +54,7 @@ def measure_loudness(dataset: xr.Dataset) -> xr.Dataset:
         _expected(name): _variable(names or (WINDOW,), of_windows[..., place], _attributes(name, " over the window"))
         for place, name in enumerate(ExpectedLoudness._fields)
     }
-    coordinates = {name: dataset[name] for name in (*names, "name") if name in dataset}
+    coordinates = {name: dataset[name] for name in (*names, "name", "attractor") if name in dataset}
     return xr.Dataset(variables, coordinates)
 
 

@@ -2,7 +2,7 @@
 
 sweep = open_basin("sweep.zarr")
 measures = measure_basins(sweep)
-measures.integrity_factor.sel(attractor=0).plot()       # of permanent contact, over the swept parameter
+measures.integrity_factor.sel(attractor="permanent contact").plot()  # over the swept parameter
 """
 
 import itertools
@@ -71,7 +71,7 @@ def measure_basins(dataset: xr.Dataset, tolerance: float = 1e-6) -> xr.Dataset:
         name: ((*names, *dims), np.reshape([basin[name][1] for basin in measured], (*shape, *np.shape(first))))
         for name, (dims, first) in measured[0].items()
     }
-    coordinates = {name: dataset[name] for name in (*names, "time", "name") if name in dataset}
+    coordinates = {name: dataset[name] for name in (*names, "time", "name", "attractor") if name in dataset}
     return xr.Dataset(variables, coordinates)
 
 

@@ -23,6 +23,7 @@ from rattle_kernels import Attractor, AttractorKind
 from worker.errors import InvalidJob, StoreConflict, as_store_failure
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.jobs.swept_parameter import SweptParameter
+from worker.pictures.symbols import in_words
 from worker.stores.files.served_files import files_at
 from worker.stores.layout import ENDS, LAYOUT_VERSION, MEASURED, MOTIONS, READABLE_LAYOUTS
 from worker.stores.proofs.layout import PROOF, PROVEN
@@ -107,17 +108,23 @@ def open_group_of(
 
 
 def _labelled(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with its parameters as attributes, and names as coordinates; attributes are numbers and text alone.
+    """The dataset with its parameters as attributes, and names as coordinates, by which motions are selected.
 
-    netCDF knows no others.
+    Attributes are numbers and text alone: netCDF knows no others.
     """
     request = json.loads(dataset.attrs["request"])
     vary = request.get("vary", [])
     swept = [each["parameter"] for each in (vary if isinstance(vary, list) else [vary])]
     parameters = {name: value for name, value in request.get("oscillator", {}).items() if name not in swept}
     attributes = {name: _plain(value) for name, value in (dataset.attrs | parameters).items()}
-    names = [name for name in ("name",) if name in dataset.data_vars]
-    return dataset.set_coords(names).assign_attrs(attributes)
+    for parameter in swept:
+        if parameter in dataset.variables:
+            dataset[parameter].attrs["long_name"] = in_words(parameter)
+    if "name" in dataset.data_vars:
+        dataset = dataset.set_coords("name")
+        if dataset["name"].dims == ("attractor",):
+            dataset = dataset.assign_coords(attractor=dataset["name"].values)
+    return dataset.assign_attrs(attributes)
 
 
 def _plain(value: Any) -> Any:

@@ -19,8 +19,8 @@ _FIRST = {
     "attractor": "attractor", "seed": "velocity", "orbit": "orbit", "order": "order", "time": "time",
 }  # fmt: skip
 """The table that is meant if none is named, by a dimension that results of the kind have."""
-_LEADING = {"name": 0, "kind": 1, "share": 2}
-"""Columns that come first."""
+_LEADING = ("name", "share", "kind")
+"""Columns that come first; errors come last. A wide table is printed without its middle."""
 
 
 class TableFormat(StrEnum):
@@ -85,10 +85,11 @@ def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
         If there is no such table; it names those that there are.
     """
     chosen = _usual(dataset) if name is None else name
-    dataset = _with_loudness(dataset, chosen)
+    # Names of motions are a column of their own.
+    dataset = _with_loudness(dataset, chosen).drop_vars("attractor", errors="ignore")
     if chosen in dataset.dims and _columns_along(dataset, chosen):
         # A store lists its arrays by name.
-        columns = sorted(_columns_along(dataset, chosen), key=lambda name: _LEADING.get(name, len(_LEADING)))
+        columns = sorted(_columns_along(dataset, chosen), key=_place_of)
         return pd.DataFrame({column: _in_words(dataset[column]) for column in columns} | _ends(dataset, chosen))
     if chosen not in dataset.data_vars:
         raise InvalidJob(f"there is no table {chosen!r}; there are {', '.join(tables_in(dataset))}")
@@ -97,6 +98,7 @@ def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
     unnamed = [str(name) for name in array.dims if name not in dataset.coords]
     beside = [column for dimension in unnamed for column in _columns_along(dataset, dimension)]
     table = dataset.reset_coords()[[*alike, *beside]].to_dataframe().reset_index()
+    table = table[[*map(str, array.dims), *sorted(table.columns.drop([*map(str, array.dims)]), key=_place_of)]]
     for column in beside:
         table[column] = table[column].map(_words_of(dataset[column]) or (lambda value: value))
     if chosen == ENDS.name:
@@ -156,6 +158,10 @@ def _usual(dataset: xr.Dataset) -> str:
 
 def _columns_along(dataset: xr.Dataset, dimension: str) -> list[str]:
     return [str(name) for name, array in dataset.variables.items() if array.dims == (dimension,)]
+
+
+def _place_of(column: str) -> tuple[int, bool]:
+    return (_LEADING.index(column) if column in _LEADING else len(_LEADING)), column.endswith("_error")
 
 
 def _in_words(array: xr.DataArray) -> np.ndarray:

@@ -144,3 +144,19 @@ def test_numbers_of_a_phase_that_has_come_around_are_read_where_a_run_is_resumed
         table.enter(basin, each.numbers, each.attractors, np.zeros(len(each.numbers)))
     resumed = Numbering(job, table, lambda basin: whole[basin])
     assert resumed.assign(3, tuple(catalogues[3])).numbers == [0, 1, 2]
+
+
+def test_neighbours_of_a_sweep_that_is_not_square():
+    """Two values of the first parameter, three of the last, which varies fastest."""
+    vary = (SweptParameter("damping", (0.58, 0.6)), SweptParameter("eccentricity", (0.09, 0.1, 0.11)))
+    job, asked = SweepJob(vary=vary), {}
+
+    def read(basin):
+        asked[current].append(basin)
+        return Numbered((QUIET,), [0])
+
+    table = SolutionTable.empty(job)
+    for current in range(6):
+        asked[current] = []
+        Numbering(job, table, read).assign(current, (QUIET,))
+    assert asked == {0: [], 1: [0], 2: [1], 3: [0], 4: [3, 1], 5: [4, 2]}

@@ -313,7 +313,7 @@ def test_a_chunk_of_another_array_is_mended(finished, tmp_path, array, other):
 def test_a_root_and_chunks_that_are_lost_at_once_are_mended(finished, tmp_path):
     copy = shutil.copytree(finished / "basin", tmp_path / "store")
     text = (copy / "zarr.json").read_text()
-    (copy / "zarr.json").write_text(text.replace('"default"', '"dafault"'))
+    (copy / "zarr.json").write_text(text.replace('"default"', '"defaulu"'))
     (copy / "solution" / "c" / "1" / "0").unlink()
     flip(copy / "image_cell" / "c" / "0" / "1")
     dry = rattle.check(copy, dry_run=True)

@@ -60,7 +60,7 @@ def test_arrays_of_a_large_result_are_read_tile_by_tile(store, monkeypatch):
     with open_basin(store.location) as basin:
         assert basin.solution.chunks is None
         whole = basin.load()
-    monkeypatch.setattr(reading, "_ONE_PIECE", whole.nbytes - 1)
+    monkeypatch.setattr(reading, "_ONE_PIECE", whole.drop_vars("attractor").nbytes - 1)
     with open_basin(store.location) as basin:
         assert basin.solution.chunks is not None
         assert basin.load().identical(whole)

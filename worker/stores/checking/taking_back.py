@@ -33,8 +33,8 @@ def take_back(found: Findings) -> None:
     ------
     StoreConflict, StoreFailed
     """
-    arrays = [damage.array for damage in found.damages if damage.restored and damage.array]
-    restore_metadata(found.location, found.root, found.metadata, arrays)
+    restored = [damage.array for damage in found.damages if damage.restored and damage.array]
+    restore_metadata(found.location, found.root, found.metadata, restored)
     if found.root.damaged:
         found = check_store(found.location)  # what was missing is seen only now
         if not found.damages:
