@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.model.flight import acceleration_range
-from rattle_kernels.numerics.pseudo_arclength import WIDEST, solve, unit_tangent
+from rattle_kernels.numerics.pseudo_arclength import LEAST_COSINE, WIDEST, solve, unit_tangent
 from rattle_kernels.orbits.chart import GENTLE, Chart, chart_of
 from rattle_kernels.orbits.station import BranchTask, Station, level_of, station_at
 from rattle_kernels.orbits.touching_orbit import touches_of
@@ -24,7 +24,7 @@ _WEAKEST = 0.01
 # Greatest change of the trace, on its scale, between the graze and the first touch.
 _FIRST_CHANGE = 0.2
 # Accuracy of a station in scaled unknowns.
-_BLUR = 1e-9
+_BLUR = 1e-12
 
 
 class Graze(NamedTuple):
@@ -168,6 +168,8 @@ def graze_reached(task: BranchTask, station: Station) -> Graze | None:
         apart[:-1:2] -= np.rint(apart[:-1:2])
         # u falls to 0 along the tangent, or nearly so.
         reach = 4.0 * speed / abs(station.tangent[2 * k + 1]) + _BLUR
-        if change <= _FIRST_CHANGE and np.abs(apart).max() <= reach:
+        # Another graze, of an orbit close by, lies in another direction.
+        steady = -float(station.motion @ graze.touching.motion) >= LEAST_COSINE
+        if steady and change <= _FIRST_CHANGE and np.abs(apart).max() <= reach:
             return graze
     return None
