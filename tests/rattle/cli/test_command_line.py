@@ -338,7 +338,7 @@ def test_orders_of_a_grazing_curve_that_are_incomplete_are_an_error(monkeypatch,
         for order in range(4)
     ]
     monkeypatch.setattr(compute, "is_complete", lambda location, digest: True)
-    monkeypatch.setattr(compute, "_result", lambda job, location: {"orders": orders, "seconds": 1.0})
+    monkeypatch.setattr(compute, "_result", lambda job, location: {"orders": orders, "seconds": {"tracing": 1.0}})
     answer = CliRunner().invoke(app, ["grazing-curve", "--order", "3", "--out", "there.zarr"])
     assert answer.exit_code == code, answer.output
     assert told in " ".join(answer.output.split())
