@@ -11,6 +11,7 @@ from rattle_kernels.cell_mapping.cell_grid import CellGrid
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.interval import Interval, down, up
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
+from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.proof.flight import Box
 from rattle_kernels.proof.following import follow
 from rattle_kernels.proof.lattice import UNPROVEN
@@ -24,6 +25,8 @@ ENDS_ELSEWHERE = 4
 """Reason why not all of a cell is proven, beside those of `following`: some of it is proven to end otherwise."""
 IMPACTS = 12
 """How many impacts a cell is followed at most."""
+# Parts of cells that are followed between two pauses.
+_PIECES_AT_A_TIME = 32768
 _ROUNDED = 2.0**-50
 
 
@@ -93,6 +96,7 @@ def prove_cells(
     columns: tuple[int, int],
     colours: np.ndarray,
     levels: int = 0,
+    pause: Pause = never_stopped,
 ) -> ProvenCells:
     """Prove a rectangle of cells.
 
@@ -110,6 +114,8 @@ def prove_cells(
         Number of the motion that each cell is coloured as.
     levels : int
         How often a cell may be cut into four, 0 to 3.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
 
     Returns
     -------
@@ -126,5 +132,16 @@ def prove_cells(
     # An edge comes of four operations with numbers no larger than the ends of its window.
     slack = _ROUNDED * max(abs(grid.time_start), abs(grid.time_stop)), _ROUNDED * grid.velocity_stop
     stack = np.empty((3 * MOST_LEVELS + 2, 5))
-    _prove_all(machine, oscillator, targets, times, speeds, colours, float(levels), slack, stack, proven, reason)
+    # Whole rows, or parts of one: these are contiguous in memory.
+    most = max(1, _PIECES_AT_A_TIME >> (2 * levels))
+    wide = max(1, min(colours.shape[1], most))
+    high = max(1, most // wide)
+    for i in range(0, colours.shape[0], high):
+        for j in range(0, colours.shape[1], wide):
+            pause()
+            here = slice(i, i + high), slice(j, j + wide)
+            _prove_all(
+                machine, oscillator, targets, times[j : j + wide + 1], speeds[i : i + high + 1], colours[here],
+                float(levels), slack, stack, proven[here], reason[here],
+            )  # fmt: skip
     return ProvenCells(proven, reason)

@@ -9,13 +9,15 @@ grow in the same rounds.
 
 import numpy as np
 
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.interval import Interval, down, up, width
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.proof.following import WIDEST
 from rattle_kernels.proof.lattice import UNPROVEN, Lattice, Strip, box_at, find_end
+from rattle_kernels.proof.machine import Machine
 from rattle_kernels.proof.moving_set import advance, set_out, strip_of
-from rattle_kernels.proof.targets import proven_end
+from rattle_kernels.proof.targets import Targets, proven_end
 
 IMPACTS = 4
 """Length of a trail."""
@@ -24,6 +26,8 @@ NUMBERS = 7
 
 # Rows of boxes that are missing: none would help, and not known yet.
 _HOPELESS, _NOT_LOOKED_UP = -1, -2
+# Boxes between two pauses: some tenths of a second of images, or of looking trails up.
+_FOLLOWED_AT_A_TIME, _GROWN_AT_A_TIME = 8192, 65536
 _OUTWARDS = 2.0**-22
 _LEAST = 2.0**-100
 
@@ -93,6 +97,22 @@ def follow_boxes(machine, oscillator, targets, boxes, ends, trails):
             _write(trails[k, n], targets.lattice, strip)
 
 
+def follow_all(
+    machine: Machine,
+    oscillator: Oscillator,
+    targets: Targets,
+    boxes: np.ndarray,
+    ends: np.ndarray,
+    trails: np.ndarray,
+    pause: Pause = never_stopped,
+) -> None:
+    """Follow boxes of the lattice as `follow_boxes` does, with pauses; an exception raised there ends the work."""
+    for start in range(0, len(boxes), _FOLLOWED_AT_A_TIME):
+        pause()
+        run = slice(start, start + _FOLLOWED_AT_A_TIME)
+        follow_boxes(machine, oscillator, targets, boxes[run], ends[run], trails[run])
+
+
 @kernel_as_written
 def _grow(ends, boxes, trails, missing, found):
     """One round: write into `found` the ends of boxes that come to boxes proven before; how many.
@@ -138,21 +158,29 @@ def grow_all(
     trails : ndarray
         Of those.
     pause : callable
-        Called between two rounds; an exception raised there ends the work.
+        Called several times a second; an exception raised there ends the work.
     parts : int
         How many lattices stand above each other in the arrays.
     """
     lattices = ends.reshape(parts, -1, ends.shape[1])
     this_round = int(rounds.max())
-    missing = np.full((len(boxes), IMPACTS, 2), _NOT_LOOKED_UP, np.int32)
+    runs = [
+        (boxes[run], trails[run], np.full((len(boxes[run]), IMPACTS, 2), _NOT_LOOKED_UP, np.int32))
+        for run in (slice(start, start + _GROWN_AT_A_TIME) for start in range(0, len(boxes), _GROWN_AT_A_TIME))
+    ]
     while True:
-        pause()
-        left = ends[boxes[:, 0], boxes[:, 1]] == UNPROVEN
-        boxes, trails, missing = boxes[left], trails[left], missing[left]
-        found = np.empty(len(boxes), np.uint16)
-        if not _grow(lattices, boxes, trails, missing, found):
+        found = []
+        for n, run in enumerate(runs):
+            pause()
+            left = ends[run[0][:, 0], run[0][:, 1]] == UNPROVEN
+            runs[n] = run[0][left], run[1][left], run[2][left]
+            own = np.empty(len(runs[n][0]), np.uint16)
+            if _grow(lattices, *runs[n], own):
+                found.append((runs[n][0], own))
+        if not found:
             return
+        # Only now: a round looks up what was proven before it.
         this_round += 1
-        new = found != UNPROVEN
-        rows, columns = boxes[new].T
-        ends[rows, columns], rounds[rows, columns] = found[new], this_round
+        for followed, own in found:
+            rows, columns = followed[own != UNPROVEN].T
+            ends[rows, columns], rounds[rows, columns] = own[own != UNPROVEN], this_round

@@ -29,6 +29,7 @@ from rattle_kernels.numerics.interval import (
     up,
 )
 from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
+from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 from rattle_kernels.proof.flight import Box, Matrix, halves_of_part, spread
 from rattle_kernels.proof.impact import product
@@ -179,9 +180,10 @@ def _eigenframe(orbit: PeriodicOrbit, place: int, speed: float) -> np.ndarray:
     return np.ascontiguousarray(rows.real / (scaled.max() if values[0].imag != 0.0 else scaled))
 
 
-def _largest_radius(machine: Machine, oscillator: Oscillator, disc: OrbitDisc) -> float:
+def _largest_radius(machine: Machine, oscillator: Oscillator, disc: OrbitDisc, pause: Pause) -> float:
     radius = _LARGEST
     while radius > _SMALLEST:
+        pause()
         row = disc_rows({0: disc._replace(radius=radius)})[0]
         if maps_into_itself(machine, oscillator, disc.impacts, row):
             return radius
@@ -189,7 +191,9 @@ def _largest_radius(machine: Machine, oscillator: Oscillator, disc: OrbitDisc) -
     return 0.0
 
 
-def orbit_disc(machine: Machine, oscillator: Oscillator, attractor: Attractor) -> OrbitDisc | None:
+def orbit_disc(
+    machine: Machine, oscillator: Oscillator, attractor: Attractor, pause: Pause = never_stopped
+) -> OrbitDisc | None:
     """Largest disc found around a departure of an attracting periodic orbit.
 
     Parameters
@@ -199,6 +203,8 @@ def orbit_disc(machine: Machine, oscillator: Oscillator, attractor: Attractor) -
         One of them, whose orbit it is.
     attractor : Attractor
         Periodic.
+    pause : callable
+        Called before each disc is tried; an exception raised there ends the search.
 
     Returns
     -------
@@ -216,7 +222,7 @@ def orbit_disc(machine: Machine, oscillator: Oscillator, attractor: Attractor) -
     for place in range(orbit.upper_contacts):
         frame = _eigenframe(orbit, place, speed)
         disc = OrbitDisc(orbit.upper_contacts, float(orbit.t[place]), float(orbit.v[place]), frame, 0.0)
-        disc = disc._replace(radius=_largest_radius(machine, oscillator, disc))
+        disc = disc._replace(radius=_largest_radius(machine, oscillator, disc, pause))
         if best is None or disc.radius > best.radius:
             best = disc
     return best if best is not None and best.radius > 0.0 else None

@@ -116,7 +116,7 @@ def quiet_level(machine: Machine, fastest: float, parts: int = PARTS, pause: Pau
     parts : int
         In how many parts tolerances are cut at most.
     pause : callable
-        Called between two parts; an exception raised there ends the work.
+        Called several times a second; an exception raised there ends the work.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def quiet_level(machine: Machine, fastest: float, parts: int = PARTS, pause: Pau
         0 if nothing is proven.
     """
     number = itertools.count()
-    levels = [(_level_of(machine, fastest), next(number), machine)]
+    levels = [(_level_of(machine, fastest, pause), next(number), machine)]
     while len(levels) < parts:
         # The part with the least level, which is the level of all.
         halves = halves_of(levels[0][2])
@@ -132,12 +132,11 @@ def quiet_level(machine: Machine, fastest: float, parts: int = PARTS, pause: Pau
             break
         heapq.heappop(levels)
         for half in halves:
-            pause()
-            heapq.heappush(levels, (_level_of(half, fastest), next(number), half))
+            heapq.heappush(levels, (_level_of(half, fastest, pause), next(number), half))
     return levels[0][0] if machine.exact else down(_CLAIMED * levels[0][0])
 
 
-def _level_of(machine: Machine, fastest: float) -> float:
+def _level_of(machine: Machine, fastest: float, pause: Pause) -> float:
     oscillator = centre_of(machine)
     stack = np.empty((_DEPTH + 2, 5))
     highest = float(machine.harmonics[:, 0].max())
@@ -147,6 +146,7 @@ def _level_of(machine: Machine, fastest: float) -> float:
     for i in range(_STRIPS, -1, -1):
         end = short * (1.0 + _STEP_SHORT) ** -i
         for t in _columns(_COLUMNS):
+            pause()
             level = _lowest_failure(machine, oscillator, True, t, Interval(begin, end), level, stack)
         begin = end
     weakest = min(acceleration(machine, error_at(machine, t)).low for t in _columns(_FINE_COLUMNS))
@@ -163,6 +163,7 @@ def _level_of(machine: Machine, fastest: float) -> float:
             return least
         high = low * (1.0 + _STEP)
         for t in _columns(_COLUMNS):
+            pause()
             level = _lowest_failure(machine, oscillator, False, t, Interval(low, high), level, stack)
         low = high
     return min(level, least)

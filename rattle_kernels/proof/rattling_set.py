@@ -26,6 +26,8 @@ _LATTICES = ((1024, 4), (2048, 4), (4096, 4))
 _ROOM = 0.5
 _LARGEST_SHARE = 0.25
 _SEED_IMPACTS = 400
+# Boxes between two pauses: 32,768 images.
+_MARKED_AT_A_TIME = 2048
 NOTHING_RATTLES = Lattice(1.0, 0, np.zeros((1, 1), np.uint16))
 """The lattice where no such set is known."""
 
@@ -49,12 +51,13 @@ def _mark_images(machine, oscillator, lattice, rows, columns, parts, marked):
     return True
 
 
-def _visited(oscillator: Oscillator, attractor: Attractor, lattice: Lattice) -> np.ndarray:
+def _visited(oscillator: Oscillator, attractor: Attractor, lattice: Lattice, pause: Pause) -> np.ndarray:
     """Boxes that trajectories on an attractor have visited."""
     rows, columns = lattice.ends.shape
     held = np.zeros((rows, columns), np.bool_)
     t, v = attractor.time, attractor.velocity
     for _ in range(_SEED_IMPACTS):
+        pause()
         i, j = np.floor(v / lattice.height).astype(np.int64) - lattice.first, np.floor(t * columns).astype(np.int64)
         inside = (i >= 0) & (i < rows)
         held[i[inside], j[inside] % columns] = True
@@ -70,11 +73,15 @@ def _closed(
     """The boxes with all that their images reach; None if they leave the lattice or are too many."""
     new = held
     while new.any():
-        pause()
         marked = np.zeros_like(held)
         rows, columns = np.nonzero(new)
-        if held.mean() > _LARGEST_SHARE or not _mark_images(machine, oscillator, lattice, rows, columns, parts, marked):
+        if held.mean() > _LARGEST_SHARE:
             return None
+        for start in range(0, rows.size, _MARKED_AT_A_TIME):
+            pause()
+            run = slice(start, start + _MARKED_AT_A_TIME)
+            if not _mark_images(machine, oscillator, lattice, rows[run], columns[run], parts, marked):
+                return None
         new = marked & ~held
         held = held | new
     return held
@@ -95,7 +102,7 @@ def rattling_set(
     end : int
         What the boxes are to carry.
     pause : callable
-        Called between two rounds; an exception raised there ends the search.
+        Called several times a second; an exception raised there ends the search.
 
     Returns
     -------
@@ -107,7 +114,7 @@ def rattling_set(
     for columns, parts in _LATTICES:
         height = 2.0 ** math.floor(math.log2(fastest / columns))
         lattice = empty_lattice(max(slowest - room, 0.5 * slowest), fastest + room, columns, height)
-        held = _visited(oscillator, attractor, lattice)
+        held = _visited(oscillator, attractor, lattice, pause)
         closed = _closed(machine, oscillator, lattice, held, parts, pause)
         if closed is not None:
             lattice.ends[closed] = end

@@ -105,14 +105,12 @@ def prove_targets(
     """
     lattice, top = _lattice_for(oscillator, attractors, fastest, columns)
     level = quiet_level(machine, top, pause=pause)
-    pause()
     quiet = [n for n, each in enumerate(attractors) if each.kind == AttractorKind.PERMANENT_CONTACT]
     if quiet:
         _fill_core(machine, level, lattice, 1 + quiet[0])
     discs = {}
     for n, each in enumerate(attractors):
-        pause()
-        disc = orbit_disc(machine, oscillator, each) if each.kind == AttractorKind.PERIODIC else None
+        disc = orbit_disc(machine, oscillator, each, pause) if each.kind == AttractorKind.PERIODIC else None
         if disc is not None:
             discs[n] = disc
     rattling, chaos = NOTHING_RATTLES, None

@@ -14,7 +14,7 @@ import numpy as np
 
 from rattle_kernels import Attractor
 from rattle_kernels.proof.cells import prove_cells
-from rattle_kernels.proof.growth import empty_trails, follow_boxes, grow_all
+from rattle_kernels.proof.growth import empty_trails, follow_all, grow_all
 from rattle_kernels.proof.lattice import UNPROVEN, common_ends, refined
 from rattle_kernels.proof.machine import Machine, centre_of, machine_of, parts_of
 from rattle_kernels.proof.targets import Certificate, Targets, prove_targets
@@ -23,13 +23,8 @@ from worker.basins.tasks import open_store
 from worker.cluster.task import stop_if_cancelled
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.proofs.lattice import LEVELS, first_columns
-from worker.stores.basin_store import BasinStore
 from worker.stores.proofs.arrays import BOXES_A_PART
 from worker.stores.proofs.layout import PROVEN, UNPROVEN_REASON, Unproven
-from worker.stores.tiles import Tile
-
-# Cells that are proven between two looks at whether the job is cancelled: about a second, where each is cut into 64.
-_CELLS_AT_A_TIME = 4096
 
 
 @dataclass(frozen=True)
@@ -85,6 +80,7 @@ def _known(location: str, digest: str, level: int) -> _Known:
     """
     store = open_store(location, digest)
     ends, rounds = store.read_lattice(level, level == LEVELS)
+    stop_if_cancelled()
     certificate = store.certificate
     assert certificate is not None
     machine = _machine(store.job)
@@ -113,7 +109,7 @@ def follow_part(location: str, digest: str, part: int, level: int) -> float:
         here = slice(*np.searchsorted(boxes[:, 0], (below, above)))
         targets = known.targets._replace(lattice=lattice._replace(ends=lattice.ends[below:above]))
         local = boxes[here] - np.array([below, 0], np.int32)
-        follow_boxes(machine, centre_of(machine), targets, local, ends[here], trails[here])
+        follow_all(machine, centre_of(machine), targets, local, ends[here], trails[here], stop_if_cancelled)
     seconds = time.perf_counter() - begin
     store.write_followed(part, ends, trails)
     return seconds
@@ -144,27 +140,14 @@ def prove_tile(location: str, digest: str, number: int) -> ProofReceipt:
     cells = store.read_proof(tile)
     if cells is None:
         begin = time.perf_counter()
-        cells = _prove(store, _known(location, digest, LEVELS), tile, colours)
+        job, known = store.job, _known(location, digest, LEVELS)
+        assert job.prove is not None
+        cells = prove_cells(
+            known.machine, job.oscillator, known.targets, job.grid, tile.rows, tile.columns, colours,
+            job.prove.levels, stop_if_cancelled,
+        )  # fmt: skip
         seconds = time.perf_counter() - begin
         store.write_tile((PROVEN, UNPROVEN_REASON), tile, cells)
     proven, reason = cells
     by_solution = np.bincount(colours.ravel(), proven.ravel(), minlength=int(colours.max()) + 1)
     return ProofReceipt(by_solution.astype(np.int64), np.bincount(reason.ravel(), minlength=len(Unproven)), seconds)
-
-
-def _prove(store: BasinStore, known: _Known, tile: Tile, colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Prove a tile some rows at a time."""
-    job = store.job
-    assert job.prove is not None
-    rows = max(1, _CELLS_AT_A_TIME // colours.shape[1])
-    parts = []
-    for start in range(0, colours.shape[0], rows):
-        stop_if_cancelled()
-        here = colours[start : start + rows]
-        between = tile.rows[0] + start, tile.rows[0] + start + len(here)
-        part = prove_cells(
-            known.machine, job.oscillator, known.targets, job.grid, between, tile.columns, here,
-            job.prove.levels,
-        )  # fmt: skip
-        parts.append(part)
-    return np.concatenate([part.proven for part in parts]), np.concatenate([part.reason for part in parts])
