@@ -102,10 +102,11 @@ def test_the_change_by_the_highest_order_is_that_of_finite_differences(number, p
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("fields", MODELS)
+@pytest.mark.parametrize("fields", [{}, {"stiffness": 1e4}])
 @pytest.mark.parametrize("number", [3, LARGEST])
 def test_orbits_close(number, fields):
-    oscillator = oscillator_with(number, **fields)
+    # Enough for P(1,1,0), which without losses begins at 0.051 with 3 harmonics, and at 0.059 with 32.
+    oscillator = oscillator_with(number, **fields).at(eccentricity=0.08)
     found = find_orbits(oscillator, longest=1, cells=8)
     assert found
     for each in found:
