@@ -22,12 +22,9 @@ def blocks(language):
 
 @pytest.mark.parametrize("code", blocks("python"), ids=lambda code: code.splitlines()[0][:40])
 def test_the_readmes_python_runs(code, service, tmp_path, monkeypatch, capsys):
-    """Addresses of the README's examples are replaced by a service that runs here."""
+    """As printed, but for the address of a service that runs here, and fewer cells."""
     monkeypatch.chdir(tmp_path)
-    if "ID" in code:
-        body = {"grid": {"time": {"cells": 30}, "velocity": {"cells": 30}}}
-        job = service.wait(service.submit(body)["id"])
-        code = code.replace("http://127.0.0.1:8000", service.url).replace("/ID/", f"/{job['id']}/")
+    code = code.replace("http://127.0.0.1:8000", service.url).replace('"cells": 500', '"cells": 30')
     exec(compile(code, "README.md", "exec"), {})
     assert capsys.readouterr().out.strip()
 

@@ -305,7 +305,7 @@ def test_a_manifold_is_grown_here_told_and_drawn(tmp_path):
         (["serve", "--host", "0.0.0.0"], 2, "no loopback address"),
         (["serve", "--port", "99999"], 2, "port: Input should be less than or equal to 65535, not 99999"),
         (["serve", "--data", "/proc/foo", "--port", "0"], 2, "/proc/foo cannot hold database and results"),
-        (["keys", "list", "--data", "/proc/foo"], 1, "the database does not open"),
+        (["keys", "add", "me", "--data", "/proc/foo"], 1, "the database does not open"),
         (["basin", "--damping", "0.5", "--damping", "0.6", "--out", "x.zarr"], 2, "--damping is given 2 times"),
         (
             ["bifurcation", "--vary", "damping=0.5:0.6:3", "--vary", "eccentricity=0:0.1:3", "--out", "x.zarr"],
