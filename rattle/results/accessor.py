@@ -76,6 +76,6 @@ class Result(Measures, Plots):
         >>> rattle.basin(cells=40, progress=False).rattle.to_csv("motions.csv")
         >>> from pathlib import Path
         >>> Path("motions.csv").read_text()[:16]
-        'name,kind,share,'
+        'name,share,kind,'
         """
         self.to_table(name).to_csv(path, index=False)
