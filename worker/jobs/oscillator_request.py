@@ -18,7 +18,7 @@ from rattle_kernels import (
     transmission_error,
 )
 from worker.errors import InvalidJob
-from worker.jobs.request import Real, Request, accepting
+from worker.jobs.request import Real, Request, accepting, without_sign_of_zero
 
 IMPACTING: Literal["impacting"] = "impacting"
 PIECEWISE_LINEAR: Literal["piecewise_linear"] = "piecewise_linear"
@@ -55,7 +55,9 @@ class HarmonicRequest(Request):
 def harmonic_requests(harmonics: tuple[Harmonic, ...]) -> tuple[HarmonicRequest, ...]:
     """Harmonics of the kernels as requests describe them, unchecked."""
     return tuple(
-        HarmonicRequest.model_construct(order=int(order), amplitude=amplitude, phase=phase)
+        HarmonicRequest.model_construct(
+            order=int(order), amplitude=without_sign_of_zero(amplitude), phase=without_sign_of_zero(phase)
+        )
         for order, amplitude, phase in harmonics
     )
 
@@ -197,7 +199,7 @@ def oscillator_request(
     ImpactingOscillator or PiecewiseLinearOscillator
     """
     fields: dict[str, Any] = {
-        name: getattr(oscillator, name) for name in ("damping", "eccentricity", "half_backlash")
+        name: without_sign_of_zero(getattr(oscillator, name)) for name in ("damping", "eccentricity", "half_backlash")
     } | _of_wider_model(oscillator)
     if math.isinf(oscillator.stiffness):
         return ImpactingOscillator.model_construct(model=IMPACTING, **fields)
@@ -213,7 +215,7 @@ def _of_wider_model(oscillator: Oscillator) -> dict[str, Any]:
     """What goes beyond the paper's model. Requests without it are what they were, and so are their digests."""
     fields = {
         "restitution": oscillator.restitution,
-        "contact_damping": oscillator.contact_damping,
+        "contact_damping": without_sign_of_zero(oscillator.contact_damping),
         "harmonics": harmonic_requests(oscillator.harmonics),
     }
     return {name: value for name, value in fields.items() if value != getattr(_DEFAULT, name)}

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import CellGrid
 from worker.errors import InvalidJob, Place
-from worker.jobs.request import Real, values_config
+from worker.jobs.request import Real, values_config, without_sign_of_zero
 
 _WINDOW = CellGrid()
 SEARCH_CELLS = 40
@@ -39,7 +39,7 @@ class Departure:
                 f"not at the speed {self.velocity:g}",
                 ("velocity",),
             )
-        object.__setattr__(self, "time", float(self.time) - math.floor(self.time))
+        object.__setattr__(self, "time", float(self.time) - math.floor(self.time) + 0.0)
         object.__setattr__(self, "velocity", float(self.velocity))
 
 
@@ -53,8 +53,8 @@ class Interval:
     stop: Real
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "start", float(self.start))
-        object.__setattr__(self, "stop", float(self.stop))
+        object.__setattr__(self, "start", without_sign_of_zero(float(self.start)))
+        object.__setattr__(self, "stop", without_sign_of_zero(float(self.stop)))
 
     @property
     def ends(self) -> tuple[float, float]:

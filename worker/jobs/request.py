@@ -10,13 +10,13 @@ from rattle_kernels import OutsideDomain
 from worker.errors import InvalidFields, InvalidJob, Place
 
 
-def _without_sign_of_zero(value: float) -> float:
-    """The same number: -0.0 and 0.0 are one, and so are the requests that they stand in."""
-    return value + 0.0
+def without_sign_of_zero(value: Any) -> Any:
+    """The same number: -0.0 and 0.0 are one, and so are the requests that they stand in. Others stay as they are."""
+    return value + 0.0 if isinstance(value, float) else value
 
 
 # Strict: the JSON value true is not a number. An integer is accepted where a real number is expected.
-Real = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(_without_sign_of_zero)]
+Real = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(without_sign_of_zero)]
 Count = Annotated[int, Field(strict=True, ge=1)]
 
 UNION_TAGS = {"impacting", "piecewise_linear"}

@@ -17,7 +17,7 @@ from worker.errors import InvalidJob, Place
 from worker.jobs.budget import spend
 from worker.jobs.first_refused import Axis
 from worker.jobs.oscillator_request import with_swept_stiffness
-from worker.jobs.request import Real, Request, accepting
+from worker.jobs.request import Real, Request, accepting, without_sign_of_zero
 
 MOST_SWEPT = 2
 MOST_LISTED = 10_000
@@ -232,7 +232,7 @@ def vary_request(swept: SweptParameter) -> VaryRequest:
     -------
     VaryRequest
     """
-    fields: dict[str, Any] = {"parameter": swept.parameter, "values": tuple(swept.values)}
+    fields: dict[str, Any] = {"parameter": swept.parameter, "values": tuple(map(without_sign_of_zero, swept.values))}
     return VaryRequest.model_construct(**fields)
 
 
@@ -318,7 +318,7 @@ def check_swept(vary: Sequence[SweptParameter], oscillator: Oscillator) -> tuple
 
 
 def _checked_values(axis: int, swept: SweptParameter) -> tuple[float, ...]:
-    values = tuple(float(value) for piece in _in_pieces(swept.values) for value in piece)
+    values = tuple(float(value) + 0.0 for piece in _in_pieces(swept.values) for value in piece)
     if not values:
         raise InvalidJob(f"{swept.parameter} needs at least one value", ("vary", axis, "values"))
     numbers = np.array(values)
