@@ -24,6 +24,11 @@ _EXAMPLE: dict[str, Any] = {
     "direction": "both",
 }
 
+_SEEDS_OR_REGION: dict[str, Any] = {
+    "if": {"properties": {"seeds": {"type": "array"}}, "required": ["seeds"]},
+    "then": {"properties": {"region": {"type": "null"}}},
+}
+
 
 def _ascending(values: tuple[float, ...]) -> tuple[float, ...]:
     """The values of a range upwards; of a list, sorted."""
@@ -50,7 +55,7 @@ class BifurcationJob(AnalysisJob):
     ((0.58, 0.59), 'both')
     """
 
-    model_config = ConfigDict(title="BifurcationRequest", json_schema_extra={"examples": [_EXAMPLE]})
+    model_config = ConfigDict(title="BifurcationRequest", json_schema_extra={"examples": [_EXAMPLE]} | _SEEDS_OR_REGION)
 
     kind_: Literal["bifurcation"] = "bifurcation"
     vary_: Vary = Field(description="The parameter and its values")

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from enum import StrEnum
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from rattle_kernels import (
     AngleUnit,
@@ -18,7 +18,7 @@ from rattle_kernels import (
     transmission_error,
 )
 from worker.errors import InvalidJob
-from worker.jobs.request import Real, Request, accepting, without_sign_of_zero
+from worker.jobs.request import Real, Request, accepting, told, without_sign_of_zero
 
 IMPACTING: Literal["impacting"] = "impacting"
 PIECEWISE_LINEAR: Literal["piecewise_linear"] = "piecewise_linear"
@@ -27,7 +27,13 @@ _HIGHEST_ORDER = 1000
 _MOST_HARMONICS = 32
 _MOST_SAMPLES = 10_000
 BOTH_FORCINGS = "the forcing is given twice: give transmission_error, or eccentricity and harmonics"
-_BY_ANGLE = Annotated[tuple[Real, ...], Field(max_length=_MOST_SAMPLES, fail_fast=True)]
+_LEAST_SAMPLES = 3
+_BY_ANGLE = Annotated[tuple[Real, ...], Field(max_length=_MOST_SAMPLES, fail_fast=True), told(minItems=_LEAST_SAMPLES)]
+# A measured curve takes the place of both.
+_ONE_FORCING: dict[str, Any] = {
+    "if": {"properties": {"transmission_error": {"type": "object"}}, "required": ["transmission_error"]},
+    "then": {"properties": {"eccentricity": False, "harmonics": False}},
+}
 
 
 class PermanentContact(StrEnum):
@@ -71,7 +77,9 @@ class TransmissionErrorRequest(Request):
     explained: Real = Field(
         0.99, gt=0, le=1, description="The kept orders are the fewest that explain this part of the variance"
     )
-    scale: Real = Field(1.0, description="Errors times this are in the units of half_backlash")
+    scale: Annotated[Real, told(**{"not": {"const": 0}})] = Field(
+        1.0, description="Errors times this are in the units of half_backlash"
+    )
 
     def to_forcing(self) -> Forcing:
         """Eccentricity and harmonics.
@@ -94,6 +102,8 @@ class TransmissionErrorRequest(Request):
 
 class _Common(Request):
     """Parameters of the gear pair, nondimensional; the paper's by default."""
+
+    model_config = ConfigDict(json_schema_extra=_ONE_FORCING)
 
     model: str
     damping: Real = Field(_DEFAULT.damping, gt=0, description="delta")

@@ -1,5 +1,7 @@
 """What to compute at once, without a job: one time history."""
 
+from typing import Any
+
 from pydantic import ConfigDict, Field
 
 from rattle_kernels import Oscillator, OutsideDomain, TimeHistory, check_domain, check_quiet, time_history
@@ -39,8 +41,17 @@ def initial_state(
     return time, oscillator.half_backlash, -velocity
 
 
+# Without a displacement the velocity is the speed of a departure.
+_DEPARTURE: dict[str, Any] = {
+    "if": {"properties": {"displacement": {"type": "number"}}, "required": ["displacement"]},
+    "else": {"properties": {"velocity": {"exclusiveMinimum": 0}}},
+}
+
+
 class StartRequest(Request):
     """Initial condition; without a displacement, a departure from +beta."""
+
+    model_config = ConfigDict(json_schema_extra=_DEPARTURE)
 
     time: Real = Field(0.0, ge=-1e6, le=1e6, description="t, forcing periods")
     displacement: Real | None = Field(
