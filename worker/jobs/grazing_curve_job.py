@@ -10,7 +10,7 @@ from worker.errors import InvalidJob
 from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest, resolution_request
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
 from worker.jobs.region import SPEEDS, Interval, check_speeds, papers_speeds
-from worker.jobs.request import Count, told
+from worker.jobs.request import Count, Whole, told
 
 _EXAMPLE: dict[str, Any] = {
     "kind": "grazing_curve",
@@ -35,7 +35,7 @@ class GrazingCurveJob(AnalysisJob):
     impacting_only = True
 
     kind_: Literal["grazing_curve"] = "grazing_curve"
-    order: Annotated[int, Field(strict=True), told(minimum=0)] = Field(
+    order: Annotated[Whole, told(minimum=0)] = Field(
         2, description="Highest order of pre-images; 0 is the grazing curve itself"
     )
     velocity: Annotated[Interval, SPEEDS] = Field(default_factory=papers_speeds, description="Speeds to keep")

@@ -15,7 +15,7 @@ from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
 from worker.jobs.orbits_job import PERIODS, OrbitSeed
 from worker.jobs.region import SEARCH_CELLS, SPEEDS, Interval, Region, check_speeds, papers_speeds
-from worker.jobs.request import Count, Real, Request, accepting, told
+from worker.jobs.request import Count, Real, Request, Whole, accepting, told
 
 _EXAMPLE: dict[str, Any] = {
     "kind": "manifold",
@@ -99,7 +99,7 @@ class SaddleRequest(Request):
     )
     time: Real | None = None
     velocity: Annotated[Real, told(exclusiveMinimum=0)] | None = None
-    period: Annotated[int, Field(strict=True), PERIODS] = Field(1, description="Impact period: n+ of P(m, n+, n-)")
+    period: Annotated[Whole, PERIODS] = Field(1, description="Impact period: n+ of P(m, n+, n-)")
 
     @model_validator(mode="after")
     def _one_way(self) -> "SaddleRequest":
@@ -164,7 +164,7 @@ class ManifoldJob(AnalysisJob):
         ManifoldLimits().arclength, description="Of each branch, within the window of speeds"
     )
     velocity: Annotated[Interval, SPEEDS] = Field(default_factory=papers_speeds, description="Speeds to keep")
-    most_points: Count = Field(MOST_POINTS, description="Of each branch")
+    most_points: Annotated[Count, told(minimum=100)] = Field(MOST_POINTS, description="Of each branch")
     resolution_: Resolution = Field(default_factory=ResolutionRequest)
     region: Region = Field(default_factory=Region, description="Where saddles of an itinerary are looked for")
     cells: Count = Field(SEARCH_CELLS, description="Cells of that search each way")

@@ -11,7 +11,7 @@ from rattle_kernels.model.domain import closed_edges
 from worker.errors import InvalidJob
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import SEARCH_CELLS, Departure, Region
-from worker.jobs.request import Count, Real, told, values_config, without_sign_of_zero
+from worker.jobs.request import Count, Real, Whole, told, values_config, without_sign_of_zero
 from worker.jobs.swept_parameter import Parameter, is_phase
 
 _EXAMPLE: dict[str, Any] = {
@@ -49,9 +49,7 @@ class OrbitSeed(Departure):
 
     __pydantic_config__: ClassVar[ConfigDict] = values_config("OrbitSeedRequest")
 
-    period: Annotated[
-        int, Field(strict=True, description="Impact period: n+ of P(m, n+, n-), or a multiple of it"), PERIODS
-    ] = 1
+    period: Annotated[Whole, Field(description="Impact period: n+ of P(m, n+, n-), or a multiple of it"), PERIODS] = 1
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -4,7 +4,7 @@ import difflib
 from collections.abc import Callable
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from rattle_kernels import OutsideDomain
 from worker.errors import InvalidFields, InvalidJob, Place
@@ -15,9 +15,16 @@ def without_sign_of_zero(value: Any) -> Any:
     return value + 0.0 if isinstance(value, float) else value
 
 
+def _as_integer(value: Any) -> Any:
+    """The integer that a float is; what is none stays as it is, and is refused."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
 # Strict: the JSON value true is not a number. An integer is accepted where a real number is expected.
 Real = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(without_sign_of_zero)]
-Count = Annotated[int, Field(strict=True, ge=1)]
+Whole = Annotated[int, BeforeValidator(_as_integer), Field(strict=True)]
+"""An integer. In JSON and in its schemas 4.0 is the integer 4."""
+Count = Annotated[Whole, Field(ge=1)]
 
 UNION_TAGS = {"impacting", "piecewise_linear"}
 """Parts of pydantic's locations that name the model of the oscillator; they are not fields."""

@@ -48,6 +48,8 @@ REFUSED = {
     "saddle-of-a-phase": ("manifolds", {"saddles": [{"time": 0.5}]}, {"saddles": [SEED]}),
     "saddle-named-twice": ("manifolds", {"saddles": [SEED | {"itinerary": "P(1,1,0)"}]}, {"saddles": [SEED]}),
     "arclength-of-0": ("manifolds", {"saddles": [SEED], "arclength": 0}, {"saddles": [SEED], "arclength": 1}),
+    "few-points-of-a-branch": ("manifolds", {"saddles": [SEED], "most_points": 99},
+                               {"saddles": [SEED], "most_points": 100}),
     "manifold-of-springs": (
         "manifolds",
         {"saddles": [SEED], "oscillator": {"model": "piecewise_linear", "stiffness": 1000}},
@@ -127,3 +129,32 @@ def test_examples_and_canonical_requests_are_valid(schemas, kind):
     for example in kind.job_class.model_config["json_schema_extra"]["examples"]:
         assert schemas[kind.path].is_valid(example)
         assert schemas[kind.path].is_valid(kind.job_class.from_request(example).request())
+
+
+WHOLE = {
+    "basins": {"grid": {"time": {"cells": 8}}, "iterations": 127, "oscillator": {"harmonics": [
+        {"order": 2, "amplitude": 0.01}]}, "prove": {"levels": 2}},
+    "sweeps": {"vary": [{"parameter": "damping", "start": 0.5, "stop": 0.6, "count": 3}],
+               "sample": {"points": 64, "seed": 3, "scramblings": 2}},
+    "bifurcations": {"vary": DAMPING, "transient": 10, "kept": 2},
+    "orbits": {"seeds": [SEED | {"period": 2}]},
+    "manifolds": {"saddles": [SEED | {"period": 2}], "most_points": 1000, "cells": 20},
+    "grazing-curves": {"order": 3, "most_points": 1000},
+}  # fmt: skip
+
+
+def with_fractions(part):
+    """The same, with every integer written as 4.0, which JSON Schema takes for the integer 4."""
+    if isinstance(part, dict):
+        return {name: with_fractions(each) for name, each in part.items()}
+    if isinstance(part, list):
+        return [with_fractions(each) for each in part]
+    return float(part) if isinstance(part, int) else part
+
+
+@pytest.mark.parametrize("path", WHOLE)
+def test_an_integer_may_be_written_with_a_fraction_of_0(schemas, path):
+    written = with_fractions(WHOLE[path])
+    assert schemas[path].is_valid(written)
+    assert MODELS[path].from_request(written).request() == MODELS[path].from_request(WHOLE[path]).request()
+    assert MODELS[path].from_request(written).digest == MODELS[path].from_request(WHOLE[path]).digest
