@@ -14,7 +14,7 @@ from worker.jobs.budget import spend
 from worker.jobs.first_refused import first_refused
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import Departure, Region
-from worker.jobs.request import Count, Whole
+from worker.jobs.request import INTEGRAL, Count
 from worker.jobs.swept_parameter import SweptParameter, Vary, axes_of, check_swept
 
 _EXAMPLE: dict[str, Any] = {
@@ -64,7 +64,7 @@ class BifurcationJob(AnalysisJob):
     )
     region: Region | None = Field(None, description="Where those attractors are looked for")
     direction: Direction = Field(Direction.UP, description="both: up and then, from where that ends, down again")
-    transient: Annotated[Whole, Field(ge=0)] = Field(
+    transient: Annotated[int, Field(strict=True, ge=0), INTEGRAL] = Field(
         1000, description="Impacts at each value before any departure is kept"
     )
     kept: Count = Field(20, description="Departures kept at each value")

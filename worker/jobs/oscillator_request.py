@@ -18,7 +18,7 @@ from rattle_kernels import (
     transmission_error,
 )
 from worker.errors import InvalidJob
-from worker.jobs.request import Real, Request, Whole, accepting, told, without_sign_of_zero
+from worker.jobs.request import INTEGRAL, Real, Request, accepting, told, without_sign_of_zero
 
 IMPACTING: Literal["impacting"] = "impacting"
 PIECEWISE_LINEAR: Literal["piecewise_linear"] = "piecewise_linear"
@@ -53,7 +53,7 @@ class PermanentContact(StrEnum):
 class HarmonicRequest(Request):
     """A harmonic of the forcing beside the first: ``amplitude cos(2 pi (order t + phase))``."""
 
-    order: Annotated[Whole, Field(ge=2, le=_HIGHEST_ORDER)] = Field(description="2 or more")
+    order: Annotated[int, Field(strict=True, ge=2, le=_HIGHEST_ORDER), INTEGRAL] = Field(description="2 or more")
     amplitude: Real = Field(ge=0, description="as the eccentricity, which is that of the first order")
     phase: Real = Field(0.0, description="in periods of this harmonic")
 

@@ -22,9 +22,10 @@ def _as_integer(value: Any) -> Any:
 
 # Strict: the JSON value true is not a number. An integer is accepted where a real number is expected.
 Real = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(without_sign_of_zero)]
-Whole = Annotated[int, BeforeValidator(_as_integer), Field(strict=True)]
-"""An integer. In JSON and in its schemas 4.0 is the integer 4."""
-Count = Annotated[Whole, Field(ge=1)]
+INTEGRAL = BeforeValidator(_as_integer)
+"""In JSON and in its schemas 4.0 is the integer 4. It comes after the bounds, or the schema lacks them."""
+Whole = Annotated[int, Field(strict=True), INTEGRAL]
+Count = Annotated[int, Field(strict=True, ge=1), INTEGRAL]
 
 UNION_TAGS = {"impacting", "piecewise_linear"}
 """Parts of pydantic's locations that name the model of the oscillator; they are not fields."""

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import CellGrid
 from worker.errors import InvalidJob
-from worker.jobs.request import Count, Whole, told, values_config
+from worker.jobs.request import INTEGRAL, Count, told, values_config
 
 _BITS = 30
 _MOST_SCRAMBLINGS = 1000
@@ -42,7 +42,7 @@ class Sample:
     __pydantic_config__: ClassVar[ConfigDict] = values_config("SampleRequest")
 
     points: Annotated[Count, Field(description="Number of points"), told(maximum=1 << _BITS)]
-    seed: Annotated[Whole, Field(ge=0, description="The same seed gives the same points")] = 0
+    seed: Annotated[int, Field(strict=True, ge=0, description="The same seed gives the same points"), INTEGRAL] = 0
     # Left out of requests where it is 1: they, and their digests, are those of before there were scramblings.
     scramblings: Annotated[
         Count,

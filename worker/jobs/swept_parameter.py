@@ -17,7 +17,7 @@ from worker.errors import InvalidJob, Place
 from worker.jobs.budget import spend
 from worker.jobs.first_refused import Axis
 from worker.jobs.oscillator_request import with_swept_stiffness
-from worker.jobs.request import Real, Request, Whole, accepting, told, without_sign_of_zero
+from worker.jobs.request import INTEGRAL, Real, Request, accepting, told, without_sign_of_zero
 
 MOST_SWEPT = 2
 MOST_LISTED = 10_000
@@ -176,7 +176,7 @@ class VaryRequest(Request):
     )
     start: Real | None = None
     stop: Real | None = None
-    count: Annotated[Whole, Field(ge=2)] | None = None
+    count: Annotated[int, Field(strict=True, ge=2), INTEGRAL] | None = None
     spacing: Spacing = Spacing.LINEAR
 
     @property

@@ -18,6 +18,11 @@ MODELS = {kind.path: kind.job_class for kind in KINDS.values()} | {
 
 # Each is refused by what is said in its schema; beside it, the nearest that is right.
 REFUSED = {
+    "cells-of-0": ("basins", {"grid": {"time": {"cells": 0}}}, {"grid": {"time": {"cells": 1}}}),
+    "order-of-1": (
+        "basins", {"oscillator": {"harmonics": [{"order": 1, "amplitude": 0.01}]}},
+        {"oscillator": {"harmonics": [{"order": 2, "amplitude": 0.01}]}},
+    ),
     "departure-at-rest": ("bifurcations", {"vary": DAMPING, "seeds": [SEED | {"velocity": 0}]},
                           {"vary": DAMPING, "seeds": [SEED]}),
     "period-of-0": ("orbits", {"seeds": [SEED | {"period": 0}]}, {"seeds": [SEED | {"period": 1}]}),
