@@ -93,6 +93,8 @@ REFUSED = {
                          {"vary": DAMPING, "region": {}}),
     "departure-of-a-history": ("trajectories", {"start": {"velocity": 0}},
                                {"start": {"velocity": 0, "displacement": 0.1}}),
+    "displacement": ("trajectories", {"start": {"velocity": 0, "displacement": 2e6}},
+                     {"start": {"velocity": 0, "displacement": 0.1}}),
     "iterations-of-a-preview": ("previews", {"iterations": ITERATIONS + 1}, {"iterations": 127}),
 }  # fmt: skip
 
