@@ -17,6 +17,9 @@ _NOTHING_FOLLOWS: dict[int | str, dict[str, object]] = {
     204: {"description": "the job has ended, and the client has seen that"}
 }
 
+# Those that FastAPI gives a stream that it begins.
+_OF_STREAMS = {"cache-control": "no-cache", "x-accel-buffering": "no"}
+
 
 def _start(
     job_id: JobId,
@@ -55,6 +58,12 @@ async def follow_job(
     async with contextlib.aclosing(feed.follow(job_id, start)) as events:
         async for event in events:
             yield _as_sent(event)
+
+
+@router.head("/events", include_in_schema=False)
+def head_of_events(start: Annotated[int | None, Depends(_start)]) -> Response:
+    """What a stream would begin with. It has no end that could be waited for, so it is not begun."""
+    return Response(status_code=204) if start is None else EventSourceResponse(iter(()), headers=_OF_STREAMS)
 
 
 def _as_sent(event: EventRecord) -> ServerSentEvent:

@@ -18,7 +18,7 @@ from worker.decidable import check_window
 from worker.errors import InvalidJob
 from worker.jobs.grid_request import GridRequest, TimeWindow, VelocityWindow, grid_request
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, demand_quiet
-from worker.jobs.request import Count, Request, accepting
+from worker.jobs.request import Count, Request, accepting, told
 
 PREVIEW_CELLS = 128
 """Cells each way, unless a request says otherwise."""
@@ -73,7 +73,7 @@ class PreviewRequest(Request):
     grid: Annotated[PreviewGrid, BeforeValidator(accepting(CellGrid, grid_request))] = Field(
         default_factory=PreviewGrid
     )
-    iterations: Count | None = Field(
+    iterations: Annotated[Count, told(maximum=10**12)] | None = Field(
         None, description="k: 1 or a prime. By default 127 where damping is 0.5 or more, else about 76/damping"
     )
     quick: Annotated[bool, Field(strict=True)] = Field(

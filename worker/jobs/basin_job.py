@@ -17,7 +17,7 @@ from worker.jobs.first_refused import first_refused
 from worker.jobs.grid_request import Grid, GridRequest, grid_request
 from worker.jobs.job import Job, Sizes
 from worker.jobs.proofs.request import Prove, check_proof
-from worker.jobs.request import Count
+from worker.jobs.request import Count, told
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, Vary, axes_of, check_swept
 
@@ -37,6 +37,15 @@ _BYTES_OF_LABELS, _BYTES_OF_A_CELL = 3 * 4 + 2, 8 + 2 * 8 + 3 * 4 + 2
 _LONGEST_ALONE = 4000
 
 
+# Points take the place of cells.
+_NO_CELLS = {"properties": {"cells": False}}
+_SAMPLED: dict[str, Any] = {
+    "if": {"properties": {"sample": {"type": "object"}}, "required": ["sample"]},
+    "then": {"properties": {"grid": {"properties": {"time": _NO_CELLS, "velocity": _NO_CELLS}}}},
+}
+_NOT_PROVEN = {"properties": {"prove": {"enum": [None, False]}}}
+
+
 class BasinJob(Job):
     """One basin of attraction.
 
@@ -48,13 +57,13 @@ class BasinJob(Job):
     (0.7, 500, 1499)
     """
 
-    model_config = ConfigDict(title="BasinRequest", json_schema_extra={"examples": [_BASIN_EXAMPLE]})
+    model_config = ConfigDict(title="BasinRequest", json_schema_extra={"examples": [_BASIN_EXAMPLE]} | _SAMPLED)
     result_version: ClassVar[int] = 4
 
     # Every answer has the kind, so a request may have it, too. It is no part of the canonical form.
     kind_: Literal["basin"] = "basin"
     grid_: Grid = Field(default_factory=GridRequest)
-    iterations_: Count | None = Field(
+    iterations_: Annotated[Count, told(maximum=10**12)] | None = Field(
         None,
         description="k of P_corr o P^k: 1 or a prime. By default 1499 where the least damping is 0.5 or more, else the "
         "first prime from 900/damping",
@@ -269,7 +278,9 @@ class SweepJob(BasinJob):
     (3, 0.6)
     """
 
-    model_config = ConfigDict(title="SweepRequest", json_schema_extra={"examples": [_SWEEP_EXAMPLE]})
+    model_config = ConfigDict(
+        title="SweepRequest", json_schema_extra={"examples": [_SWEEP_EXAMPLE], "allOf": [_NOT_PROVEN]} | _SAMPLED
+    )
 
     kind_: Literal["sweep"] = "sweep"  # type: ignore[assignment]
     vary_: Annotated[list[Vary], Field(min_length=1, max_length=MOST_SWEPT)] = Field(

@@ -14,7 +14,7 @@ from worker.jobs.budget import spend
 from worker.jobs.first_refused import first_refused
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import Departure, Region
-from worker.jobs.request import Count
+from worker.jobs.request import INTEGRAL, Count
 from worker.jobs.swept_parameter import SweptParameter, Vary, axes_of, check_swept
 
 _EXAMPLE: dict[str, Any] = {
@@ -22,6 +22,11 @@ _EXAMPLE: dict[str, Any] = {
     "oscillator": {"model": "impacting", "eccentricity": 0.1, "half_backlash": 0.6},
     "vary": {"parameter": "damping", "start": 0.5, "stop": 0.6, "count": 1000},
     "direction": "both",
+}
+
+_SEEDS_OR_REGION: dict[str, Any] = {
+    "if": {"properties": {"seeds": {"type": "array"}}, "required": ["seeds"]},
+    "then": {"properties": {"region": {"type": "null"}}},
 }
 
 
@@ -50,7 +55,7 @@ class BifurcationJob(AnalysisJob):
     ((0.58, 0.59), 'both')
     """
 
-    model_config = ConfigDict(title="BifurcationRequest", json_schema_extra={"examples": [_EXAMPLE]})
+    model_config = ConfigDict(title="BifurcationRequest", json_schema_extra={"examples": [_EXAMPLE]} | _SEEDS_OR_REGION)
 
     kind_: Literal["bifurcation"] = "bifurcation"
     vary_: Vary = Field(description="The parameter and its values")
@@ -59,7 +64,7 @@ class BifurcationJob(AnalysisJob):
     )
     region: Region | None = Field(None, description="Where those attractors are looked for")
     direction: Direction = Field(Direction.UP, description="both: up and then, from where that ends, down again")
-    transient: Annotated[int, Field(strict=True, ge=0)] = Field(
+    transient: Annotated[int, Field(strict=True, ge=0), INTEGRAL] = Field(
         1000, description="Impacts at each value before any departure is kept"
     )
     kept: Count = Field(20, description="Departures kept at each value")

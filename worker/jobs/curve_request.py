@@ -7,9 +7,10 @@ from pydantic import BeforeValidator, Field
 from rattle_kernels import CurveResolution, ManifoldLimits
 from rattle_kernels.manifolds.polyline import check_resolution
 from worker.errors import InvalidJob
-from worker.jobs.request import Real, Request, accepting
+from worker.jobs.request import Real, Request, accepting, told
 
 _DEFAULT = CurveResolution()
+Positive = Annotated[Real, told(exclusiveMinimum=0)]
 MOST_POINTS = ManifoldLimits().points
 """Most points of a curve by default."""
 
@@ -17,9 +18,9 @@ MOST_POINTS = ManifoldLimits().points
 class ResolutionRequest(Request):
     """How fine curves are, with speeds in units of the largest v*."""
 
-    chord: Real = Field(_DEFAULT.chord, description="Longest distance between neighbouring points")
-    angle: Real = Field(_DEFAULT.angle, description="Largest angle between chords, radians")
-    finest: Real = Field(
+    chord: Positive = Field(_DEFAULT.chord, description="Longest distance between neighbouring points")
+    angle: Positive = Field(_DEFAULT.angle, description="Largest angle between chords, radians")
+    finest: Positive = Field(
         _DEFAULT.finest, description="Chords shorter than this are not divided to make an angle smaller"
     )
 

@@ -8,9 +8,9 @@ from pydantic import ConfigDict, Field
 from rattle_kernels import CurveResolution
 from worker.errors import InvalidJob
 from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest, resolution_request
-from worker.jobs.job import AnalysisJob, Sizes
-from worker.jobs.region import Interval, check_speeds, papers_speeds
-from worker.jobs.request import Count
+from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
+from worker.jobs.region import SPEEDS, Interval, check_speeds, papers_speeds
+from worker.jobs.request import Count, Whole, told
 
 _EXAMPLE: dict[str, Any] = {
     "kind": "grazing_curve",
@@ -30,17 +30,19 @@ class GrazingCurveJob(AnalysisJob):
     1
     """
 
-    model_config = ConfigDict(title="GrazingCurveRequest", json_schema_extra={"examples": [_EXAMPLE]})
+    model_config = ConfigDict(title="GrazingCurveRequest", json_schema_extra={"examples": [_EXAMPLE]} | IMPACTING_ALONE)
 
     impacting_only = True
 
     kind_: Literal["grazing_curve"] = "grazing_curve"
-    order: Annotated[int, Field(strict=True)] = Field(
+    order: Annotated[Whole, told(minimum=0)] = Field(
         2, description="Highest order of pre-images; 0 is the grazing curve itself"
     )
-    velocity: Interval = Field(default_factory=papers_speeds, description="Speeds to keep")
+    velocity: Annotated[Interval, SPEEDS] = Field(default_factory=papers_speeds, description="Speeds to keep")
     resolution_: Resolution = Field(default_factory=ResolutionRequest)
-    most_points: Count = Field(MOST_POINTS, description="Of one order; an order that needs more is left incomplete")
+    most_points: Annotated[Count, told(minimum=_LEAST_POINTS)] = Field(
+        MOST_POINTS, description="Of one order; an order that needs more is left incomplete"
+    )
 
     @property
     def fastest(self) -> float:

@@ -5,7 +5,7 @@ from typing import Annotated, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from rattle_kernels import CellGrid
-from worker.jobs.request import Count, Real, Request, accepting
+from worker.jobs.request import Count, Real, Request, accepting, without_sign_of_zero
 
 _DEFAULT = CellGrid()
 # Rounding: 1.001 - 0.001 is not 1.
@@ -73,6 +73,7 @@ def grid_request(grid: CellGrid, *, names_cells: bool = False) -> GridRequest:
     -------
     GridRequest
     """
+    grid = CellGrid(*map(without_sign_of_zero, grid))
     named = {"start", "stop", "cells"} if names_cells else {"start", "stop"}
     time = TimeWindow.model_construct(named, start=grid.time_start, stop=grid.time_stop, cells=grid.time_cells)
     velocity = VelocityWindow.model_construct(

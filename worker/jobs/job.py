@@ -34,6 +34,11 @@ Sizes = tuple[tuple[str, float, str], ...]
 # Stands for the values of a range: no text of a canonical request holds this character.
 _A_RANGE = "\0"
 
+# What the schema says of kinds that only the impacting model has.
+IMPACTING_ALONE: dict[str, Any] = {
+    "allOf": [{"properties": {"oscillator": {"properties": {"model": {"const": "impacting"}}}}}]
+}
+
 
 class Job(Request, ABC):
     """A job of any kind. Its fields are the request for it, as JSON and as arguments.

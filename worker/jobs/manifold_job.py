@@ -12,10 +12,10 @@ from rattle_kernels import CurveResolution, ManifoldLimits
 from rattle_kernels.manifolds.stable_manifold import check_limits
 from worker.errors import InvalidJob, Place
 from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest, resolution_request
-from worker.jobs.job import AnalysisJob, Sizes
-from worker.jobs.orbits_job import OrbitSeed
-from worker.jobs.region import SEARCH_CELLS, Interval, Region, check_speeds, papers_speeds
-from worker.jobs.request import Count, Real, Request, accepting
+from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
+from worker.jobs.orbits_job import PERIODS, OrbitSeed
+from worker.jobs.region import SEARCH_CELLS, SPEEDS, Interval, Region, check_speeds, papers_speeds
+from worker.jobs.request import Count, Real, Request, Whole, accepting, told
 
 _EXAMPLE: dict[str, Any] = {
     "kind": "manifold",
@@ -26,6 +26,16 @@ _EXAMPLE: dict[str, Any] = {
     "velocity": {"start": 0, "stop": 7},
 }
 _IMAGES_OF_A_POINT = 20
+_AS_ITINERARY = r"^\s*P\((?!0+,)[0-9]{1,4},\s*(?!0+,)[0-9]{1,4},\s*[0-9]{1,4}\)\s*$"
+# By its itinerary alone, or by a departure.
+_ONE_WAY: dict[str, Any] = {
+    "if": {"properties": {"itinerary": {"type": "string"}}, "required": ["itinerary"]},
+    "then": {"properties": {"time": False, "velocity": False, "period": False}},
+    "else": {
+        "properties": {"time": {"type": "number"}, "velocity": {"type": "number"}},
+        "required": ["time", "velocity"],
+    },
+}
 
 
 class Side(StrEnum):
@@ -69,7 +79,7 @@ class Itinerary(NamedTuple):
         InvalidJob
         """
         found = re.fullmatch(r"P\((\d{1,4}),\s*(\d{1,4}),\s*(\d{1,4})\)", text.strip())
-        if found is None or "0" in found.groups()[:2]:
+        if found is None or 0 in map(int, found.groups()[:2]):
             raise InvalidJob(f"an itinerary is P(m, n+, n-) with m and n+ above 0, as in P(1,1,0), not {text!r}", place)
         return cls(*(int(number) for number in found.groups()))
 
@@ -82,10 +92,14 @@ class Itinerary(NamedTuple):
 class SaddleRequest(Request):
     """A saddle: a departure close to it with its impact period, or its itinerary."""
 
-    itinerary: str | None = Field(None, description="The only saddle of that name in the region", examples=["P(1,1,0)"])
+    model_config = ConfigDict(json_schema_extra=_ONE_WAY)
+
+    itinerary: Annotated[str, told(pattern=_AS_ITINERARY)] | None = Field(
+        None, description="The only saddle of that name in the region", examples=["P(1,1,0)"]
+    )
     time: Real | None = None
-    velocity: Real | None = None
-    period: Annotated[int, Field(strict=True)] = Field(1, description="Impact period: n+ of P(m, n+, n-)")
+    velocity: Annotated[Real, told(exclusiveMinimum=0)] | None = None
+    period: Annotated[Whole, PERIODS] = Field(1, description="Impact period: n+ of P(m, n+, n-)")
 
     @model_validator(mode="after")
     def _one_way(self) -> "SaddleRequest":
@@ -139,16 +153,18 @@ class ManifoldJob(AnalysisJob):
     'stable'
     """
 
-    model_config = ConfigDict(title="ManifoldRequest", json_schema_extra={"examples": [_EXAMPLE]})
+    model_config = ConfigDict(title="ManifoldRequest", json_schema_extra={"examples": [_EXAMPLE]} | IMPACTING_ALONE)
 
     impacting_only = True
 
     kind_: Literal["manifold"] = "manifold"
     saddles_: Annotated[list[Saddle], Field(min_length=1, max_length=100)]
     side: Side = Field(Side.STABLE, description="Which manifolds")
-    arclength: Real = Field(ManifoldLimits().arclength, description="Of each branch, within the window of speeds")
-    velocity: Interval = Field(default_factory=papers_speeds, description="Speeds to keep")
-    most_points: Count = Field(MOST_POINTS, description="Of each branch")
+    arclength: Annotated[Real, told(exclusiveMinimum=0)] = Field(
+        ManifoldLimits().arclength, description="Of each branch, within the window of speeds"
+    )
+    velocity: Annotated[Interval, SPEEDS] = Field(default_factory=papers_speeds, description="Speeds to keep")
+    most_points: Annotated[Count, told(minimum=100)] = Field(MOST_POINTS, description="Of each branch")
     resolution_: Resolution = Field(default_factory=ResolutionRequest)
     region: Region = Field(default_factory=Region, description="Where saddles of an itinerary are looked for")
     cells: Count = Field(SEARCH_CELLS, description="Cells of that search each way")

@@ -11,7 +11,7 @@ from rattle_kernels.model.domain import closed_edges
 from worker.errors import InvalidJob
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import SEARCH_CELLS, Departure, Region
-from worker.jobs.request import Count, Real, values_config
+from worker.jobs.request import Count, Real, Whole, told, values_config, without_sign_of_zero
 from worker.jobs.swept_parameter import Parameter, is_phase
 
 _EXAMPLE: dict[str, Any] = {
@@ -20,10 +20,22 @@ _EXAMPLE: dict[str, Any] = {
     "longest": 4,
     "continuation": {"parameter": "damping", "start": 0.45, "stop": 0.7},
 }
+# Seeds, or a region to search; curves only beside a continuation.
+_TOGETHER: list[Any] = [
+    {
+        "if": {"properties": {"seeds": {"type": "array"}}, "required": ["seeds"]},
+        "then": {"properties": {"longest": False, "region": False, "cells": False}},
+    },
+    {
+        "if": {"properties": {"curves": {"type": "object"}}, "required": ["curves"]},
+        "then": {"properties": {"continuation": {"type": "object"}}, "required": ["continuation"]},
+    },
+]
 # Of the impact equations, until a start has converged or is given up; a step takes the map and its derivative.
 _NEWTON_STEPS = 40
 _LONGEST_PERIOD = 9999
 """Longest impact period of a saddle that an itinerary can name, too. A turn takes a hundredth of a second."""
+PERIODS = told(minimum=1, maximum=_LONGEST_PERIOD)
 
 
 @dataclass(frozen=True)
@@ -37,7 +49,7 @@ class OrbitSeed(Departure):
 
     __pydantic_config__: ClassVar[ConfigDict] = values_config("OrbitSeedRequest")
 
-    period: Annotated[int, Field(strict=True, description="Impact period: n+ of P(m, n+, n-), or a multiple of it")] = 1
+    period: Annotated[Whole, Field(description="Impact period: n+ of P(m, n+, n-), or a multiple of it"), PERIODS] = 1
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -59,11 +71,11 @@ class Continuation:
     parameter: Parameter
     start: Annotated[Real, Field(description="Lowest value")]
     stop: Annotated[Real, Field(description="Highest value")]
-    most_points: Annotated[Count, Field(description="Most points each way")] = 2000
+    most_points: Annotated[Count, Field(description="Most points each way"), told(minimum=2)] = 2000
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "start", float(self.start))
-        object.__setattr__(self, "stop", float(self.stop))
+        object.__setattr__(self, "start", without_sign_of_zero(float(self.start)))
+        object.__setattr__(self, "stop", without_sign_of_zero(float(self.stop)))
 
     def check(self, oscillator: Oscillator, place: str) -> None:
         """Check the bounds against the oscillator's own value.
@@ -104,10 +116,10 @@ class OrbitsJob(AnalysisJob):
     2
     """
 
-    model_config = ConfigDict(title="OrbitsRequest", json_schema_extra={"examples": [_EXAMPLE]})
+    model_config = ConfigDict(title="OrbitsRequest", json_schema_extra={"examples": [_EXAMPLE], "allOf": _TOGETHER})
 
     kind_: Literal["orbits"] = "orbits"
-    longest: Count = Field(4, description="Greatest n+ that is searched for")
+    longest: Annotated[Count, told(maximum=_LONGEST_PERIOD)] = Field(4, description="Greatest n+ that is searched for")
     region: Region = Field(default_factory=Region, description="Where it is searched")
     cells: Count = Field(SEARCH_CELLS, description="The search starts from the centres of so many cells each way")
     seeds: Annotated[list[OrbitSeed], Field(min_length=1, max_length=1000)] | None = Field(

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from enum import StrEnum
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from rattle_kernels import (
     AngleUnit,
@@ -18,7 +18,7 @@ from rattle_kernels import (
     transmission_error,
 )
 from worker.errors import InvalidJob
-from worker.jobs.request import Real, Request, accepting
+from worker.jobs.request import INTEGRAL, Real, Request, accepting, told, without_sign_of_zero
 
 IMPACTING: Literal["impacting"] = "impacting"
 PIECEWISE_LINEAR: Literal["piecewise_linear"] = "piecewise_linear"
@@ -27,7 +27,13 @@ _HIGHEST_ORDER = 1000
 _MOST_HARMONICS = 32
 _MOST_SAMPLES = 10_000
 BOTH_FORCINGS = "the forcing is given twice: give transmission_error, or eccentricity and harmonics"
-_BY_ANGLE = Annotated[tuple[Real, ...], Field(max_length=_MOST_SAMPLES, fail_fast=True)]
+_LEAST_SAMPLES = 3
+_BY_ANGLE = Annotated[tuple[Real, ...], Field(max_length=_MOST_SAMPLES, fail_fast=True), told(minItems=_LEAST_SAMPLES)]
+# A measured curve takes the place of both.
+_ONE_FORCING: dict[str, Any] = {
+    "if": {"properties": {"transmission_error": {"type": "object"}}, "required": ["transmission_error"]},
+    "then": {"properties": {"eccentricity": False, "harmonics": False}},
+}
 
 
 class PermanentContact(StrEnum):
@@ -47,7 +53,7 @@ class PermanentContact(StrEnum):
 class HarmonicRequest(Request):
     """A harmonic of the forcing beside the first: ``amplitude cos(2 pi (order t + phase))``."""
 
-    order: Annotated[int, Field(strict=True, ge=2, le=_HIGHEST_ORDER)] = Field(description="2 or more")
+    order: Annotated[int, Field(strict=True, ge=2, le=_HIGHEST_ORDER), INTEGRAL] = Field(description="2 or more")
     amplitude: Real = Field(ge=0, description="as the eccentricity, which is that of the first order")
     phase: Real = Field(0.0, description="in periods of this harmonic")
 
@@ -55,7 +61,9 @@ class HarmonicRequest(Request):
 def harmonic_requests(harmonics: tuple[Harmonic, ...]) -> tuple[HarmonicRequest, ...]:
     """Harmonics of the kernels as requests describe them, unchecked."""
     return tuple(
-        HarmonicRequest.model_construct(order=int(order), amplitude=amplitude, phase=phase)
+        HarmonicRequest.model_construct(
+            order=int(order), amplitude=without_sign_of_zero(amplitude), phase=without_sign_of_zero(phase)
+        )
         for order, amplitude, phase in harmonics
     )
 
@@ -69,7 +77,9 @@ class TransmissionErrorRequest(Request):
     explained: Real = Field(
         0.99, gt=0, le=1, description="The kept orders are the fewest that explain this part of the variance"
     )
-    scale: Real = Field(1.0, description="Errors times this are in the units of half_backlash")
+    scale: Annotated[Real, told(**{"not": {"const": 0}})] = Field(
+        1.0, description="Errors times this are in the units of half_backlash"
+    )
 
     def to_forcing(self) -> Forcing:
         """Eccentricity and harmonics.
@@ -92,6 +102,8 @@ class TransmissionErrorRequest(Request):
 
 class _Common(Request):
     """Parameters of the gear pair, nondimensional; the paper's by default."""
+
+    model_config = ConfigDict(json_schema_extra=_ONE_FORCING)
 
     model: str
     damping: Real = Field(_DEFAULT.damping, gt=0, description="delta")
@@ -197,7 +209,7 @@ def oscillator_request(
     ImpactingOscillator or PiecewiseLinearOscillator
     """
     fields: dict[str, Any] = {
-        name: getattr(oscillator, name) for name in ("damping", "eccentricity", "half_backlash")
+        name: without_sign_of_zero(getattr(oscillator, name)) for name in ("damping", "eccentricity", "half_backlash")
     } | _of_wider_model(oscillator)
     if math.isinf(oscillator.stiffness):
         return ImpactingOscillator.model_construct(model=IMPACTING, **fields)
@@ -213,7 +225,7 @@ def _of_wider_model(oscillator: Oscillator) -> dict[str, Any]:
     """What goes beyond the paper's model. Requests without it are what they were, and so are their digests."""
     fields = {
         "restitution": oscillator.restitution,
-        "contact_damping": oscillator.contact_damping,
+        "contact_damping": without_sign_of_zero(oscillator.contact_damping),
         "harmonics": harmonic_requests(oscillator.harmonics),
     }
     return {name: value for name, value in fields.items() if value != getattr(_DEFAULT, name)}

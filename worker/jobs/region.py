@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import CellGrid
 from worker.errors import InvalidJob, Place
-from worker.jobs.request import Real, values_config
+from worker.jobs.request import Real, told, values_config, without_sign_of_zero
 
 _WINDOW = CellGrid()
 SEARCH_CELLS = 40
@@ -28,7 +28,7 @@ class Departure:
     __pydantic_config__: ClassVar[ConfigDict] = values_config("SeedRequest")
 
     time: Annotated[Real, Field(description="Phase t, forcing periods")]
-    velocity: Annotated[Real, Field(description="Speed v of the departure, above 0")]
+    velocity: Annotated[Real, Field(description="Speed v of the departure, above 0"), told(exclusiveMinimum=0)]
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.time):
@@ -39,7 +39,7 @@ class Departure:
                 f"not at the speed {self.velocity:g}",
                 ("velocity",),
             )
-        object.__setattr__(self, "time", float(self.time) - math.floor(self.time))
+        object.__setattr__(self, "time", float(self.time) - math.floor(self.time) + 0.0)
         object.__setattr__(self, "velocity", float(self.velocity))
 
 
@@ -53,8 +53,8 @@ class Interval:
     stop: Real
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "start", float(self.start))
-        object.__setattr__(self, "stop", float(self.stop))
+        object.__setattr__(self, "start", without_sign_of_zero(float(self.start)))
+        object.__setattr__(self, "stop", without_sign_of_zero(float(self.stop)))
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -70,6 +70,13 @@ def papers_speeds() -> Interval:
 def papers_phases() -> Interval:
     """Phases of the paper's window: the whole period."""
     return Interval(_WINDOW.time_start, _WINDOW.time_stop)
+
+
+PHASES = told(
+    properties={"start": {"minimum": 0, "exclusiveMaximum": 1}, "stop": {"exclusiveMinimum": 0, "maximum": 1}}
+)
+SPEEDS = told(properties={"start": {"minimum": 0}, "stop": {"exclusiveMinimum": 0}})
+"""What the schema says of intervals of phases, and of speeds."""
 
 
 def check_speeds(speeds: Interval, place: Place = ("velocity",)) -> None:
@@ -102,8 +109,10 @@ class Region:
 
     __pydantic_config__: ClassVar[ConfigDict] = values_config("RegionRequest")
 
-    time: Annotated[Interval, Field(description="Phases within 0 and 1")] = field(default_factory=papers_phases)
-    velocity: Annotated[Interval, Field(description="Speeds of departure")] = field(default_factory=papers_speeds)
+    time: Annotated[Interval, Field(description="Phases within 0 and 1"), PHASES] = field(default_factory=papers_phases)
+    velocity: Annotated[Interval, Field(description="Speeds of departure"), SPEEDS] = field(
+        default_factory=papers_speeds
+    )
 
     def __post_init__(self) -> None:
         start, stop = self.time.ends

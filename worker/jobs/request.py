@@ -4,20 +4,28 @@ import difflib
 from collections.abc import Callable
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from rattle_kernels import OutsideDomain
 from worker.errors import InvalidFields, InvalidJob, Place
 
 
-def _without_sign_of_zero(value: float) -> float:
-    """The same number: -0.0 and 0.0 are one, and so are the requests that they stand in."""
-    return value + 0.0
+def without_sign_of_zero(value: Any) -> Any:
+    """The same number: -0.0 and 0.0 are one, and so are the requests that they stand in. Others stay as they are."""
+    return value + 0.0 if isinstance(value, float) else value
+
+
+def _as_integer(value: Any) -> Any:
+    """The integer that a float is; what is none stays as it is, and is refused."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 # Strict: the JSON value true is not a number. An integer is accepted where a real number is expected.
-Real = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(_without_sign_of_zero)]
-Count = Annotated[int, Field(strict=True, ge=1)]
+Real = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(without_sign_of_zero)]
+INTEGRAL = BeforeValidator(_as_integer)
+"""In JSON and in its schemas 4.0 is the integer 4. It comes after the bounds, or the schema lacks them."""
+Whole = Annotated[int, Field(strict=True), INTEGRAL]
+Count = Annotated[int, Field(strict=True, ge=1), INTEGRAL]
 
 UNION_TAGS = {"impacting", "piecewise_linear"}
 """Parts of pydantic's locations that name the model of the oscillator; they are not fields."""
@@ -50,6 +58,21 @@ def values_config(title: str) -> ConfigDict:
     ConfigDict
     """
     return ConfigDict(extra="forbid", title=title)
+
+
+def told(**keywords: Any) -> Any:
+    """Keywords of JSON Schema for what a request's own check demands: its message tells more than pydantic's.
+
+    Parameters
+    ----------
+    **keywords : object
+
+    Returns
+    -------
+    pydantic.fields.FieldInfo
+        Part of an annotation.
+    """
+    return Field(json_schema_extra=keywords)
 
 
 def accepting(value_type: type, convert: Callable[[Any], Any]) -> Callable[[Any], Any]:

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import CellGrid
 from worker.errors import InvalidJob
-from worker.jobs.request import Count, values_config
+from worker.jobs.request import INTEGRAL, Count, told, values_config
 
 _BITS = 30
 _MOST_SCRAMBLINGS = 1000
@@ -41,8 +41,8 @@ class Sample:
 
     __pydantic_config__: ClassVar[ConfigDict] = values_config("SampleRequest")
 
-    points: Annotated[Count, Field(description="Number of points")]
-    seed: Annotated[int, Field(strict=True, ge=0, description="The same seed gives the same points")] = 0
+    points: Annotated[Count, Field(description="Number of points"), told(maximum=1 << _BITS)]
+    seed: Annotated[int, Field(strict=True, ge=0, description="The same seed gives the same points"), INTEGRAL] = 0
     # Left out of requests where it is 1: they, and their digests, are those of before there were scramblings.
     scramblings: Annotated[
         Count,
@@ -50,6 +50,7 @@ class Sample:
             description="Sets of points, each scrambled by itself; from two on their scatter measures the errors",
             exclude_if=lambda number: number == 1,
         ),
+        told(maximum=_MOST_SCRAMBLINGS),
     ] = 1
 
     def __post_init__(self) -> None:

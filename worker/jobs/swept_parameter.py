@@ -9,7 +9,7 @@ from enum import StrEnum
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from rattle_kernels import Oscillator
 from rattle_kernels.model.oscillator import PARAMETERS
@@ -17,7 +17,7 @@ from worker.errors import InvalidJob, Place
 from worker.jobs.budget import spend
 from worker.jobs.first_refused import Axis
 from worker.jobs.oscillator_request import with_swept_stiffness
-from worker.jobs.request import Real, Request, accepting
+from worker.jobs.request import INTEGRAL, Real, Request, accepting, told, without_sign_of_zero
 
 MOST_SWEPT = 2
 MOST_LISTED = 10_000
@@ -150,16 +150,33 @@ def values_as_json(values: Sequence[float]) -> Iterator[str]:
     yield "]"
 
 
+# Values, or start, stop and count; what is spaced geometrically lies above 0.
+_NUMBERS = {"start": {"type": "number"}, "stop": {"type": "number"}, "count": {"type": "integer"}}
+_ABOVE_ZERO = {"exclusiveMinimum": 0}
+_LISTED_OR_SPACED: dict[str, Any] = {
+    "if": {"properties": {"values": {"type": "array"}}, "required": ["values"]},
+    "then": {"properties": {name: {"type": "null"} for name in _NUMBERS} | {"spacing": False}},
+    "else": {
+        "properties": _NUMBERS,
+        "required": list(_NUMBERS),
+        "if": {"properties": {"spacing": {"const": Spacing.GEOMETRIC.value}}, "required": ["spacing"]},
+        "then": {"properties": {"start": _ABOVE_ZERO, "stop": _ABOVE_ZERO}},
+    },
+}
+
+
 class VaryRequest(Request):
     """Values of one swept parameter: all of them, or how many from a start to a stop, both included."""
 
+    model_config = ConfigDict(json_schema_extra=_LISTED_OR_SPACED)
+
     parameter: Parameter
-    values: Annotated[tuple[Real, ...], Field(fail_fast=True)] | None = Field(
+    values: Annotated[tuple[Real, ...], Field(fail_fast=True), told(minItems=1)] | None = Field(
         None, description="Ascending or descending"
     )
     start: Real | None = None
     stop: Real | None = None
-    count: Annotated[int, Field(strict=True, ge=2)] | None = None
+    count: Annotated[int, Field(strict=True, ge=2), INTEGRAL] | None = None
     spacing: Spacing = Spacing.LINEAR
 
     @property
@@ -232,7 +249,7 @@ def vary_request(swept: SweptParameter) -> VaryRequest:
     -------
     VaryRequest
     """
-    fields: dict[str, Any] = {"parameter": swept.parameter, "values": tuple(swept.values)}
+    fields: dict[str, Any] = {"parameter": swept.parameter, "values": tuple(map(without_sign_of_zero, swept.values))}
     return VaryRequest.model_construct(**fields)
 
 
@@ -318,7 +335,7 @@ def check_swept(vary: Sequence[SweptParameter], oscillator: Oscillator) -> tuple
 
 
 def _checked_values(axis: int, swept: SweptParameter) -> tuple[float, ...]:
-    values = tuple(float(value) for piece in _in_pieces(swept.values) for value in piece)
+    values = tuple(float(value) + 0.0 for piece in _in_pieces(swept.values) for value in piece)
     if not values:
         raise InvalidJob(f"{swept.parameter} needs at least one value", ("vary", axis, "values"))
     numbers = np.array(values)

@@ -1,12 +1,14 @@
 """What to compute at once, without a job: one time history."""
 
-from pydantic import ConfigDict, Field
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, ConfigDict, Field
 
 from rattle_kernels import Oscillator, OutsideDomain, TimeHistory, check_domain, check_quiet, time_history
 from worker.decidable import check_decidable, check_fastest, fastest_resolved
 from worker.errors import InvalidJob
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, demand_quiet
-from worker.jobs.request import Count, Real, Request
+from worker.jobs.request import Count, Real, Request, without_sign_of_zero
 
 
 def initial_state(
@@ -39,12 +41,25 @@ def initial_state(
     return time, oscillator.half_backlash, -velocity
 
 
+# Bounds stand before the validator, or the schema lacks them.
+_Displacement = Annotated[
+    float, Field(strict=True, allow_inf_nan=False, ge=-1e6, le=1e6), AfterValidator(without_sign_of_zero)
+]
+# Without a displacement the velocity is the speed of a departure.
+_DEPARTURE: dict[str, Any] = {
+    "if": {"properties": {"displacement": {"type": "number"}}, "required": ["displacement"]},
+    "else": {"properties": {"velocity": {"exclusiveMinimum": 0}}},
+}
+
+
 class StartRequest(Request):
     """Initial condition; without a displacement, a departure from +beta."""
 
+    model_config = ConfigDict(json_schema_extra=_DEPARTURE)
+
     time: Real = Field(0.0, ge=-1e6, le=1e6, description="t, forcing periods")
-    displacement: Real | None = Field(
-        None, ge=-1e6, le=1e6, description="Phi; within the backlash in the impacting model. Without it, +beta is left"
+    displacement: _Displacement | None = Field(
+        None, description="Phi; within the backlash in the impacting model. Without it, +beta is left"
     )
     velocity: Real = Field(
         ge=-1e6, le=1e6, description="Signed velocity Phi'; without a displacement, the speed v > 0 of the departure"

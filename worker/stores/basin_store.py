@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from rattle_kernels import CellGroups
+from rattle_kernels import CellGroups, OutsideDomain
 from rattle_kernels.cell_mapping.image_set import ImageSet, with_counts
-from worker.errors import DamagedChunk, StoreConflict, StoreFailed, as_store_failure
+from worker.errors import DamagedChunk, InvalidJob, StoreConflict, StoreFailed, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
@@ -37,6 +37,15 @@ from worker.stores.tiles import Tile
 
 # Chunks are encoded without the GIL, and other workers may wait for this one. Three keep two cores busy.
 _WRITERS = 3
+
+
+def _job_of(location: str, request: dict[str, Any]) -> BasinJob:
+    """The job of a store. Its request was accepted when the store was made."""
+    try:
+        return basin_job(request)
+    except (InvalidJob, OutsideDomain) as error:
+        told = f"the request of the store {location} cannot be read: {error}"
+        raise StoreFailed(f"{told}; `rattle check` tells whether it is what was stored") from error
 
 
 class BasinStore(SolutionArrays, ProofArrays):
@@ -64,7 +73,7 @@ class BasinStore(SolutionArrays, ProofArrays):
             raise StoreConflict(f"{location} is no basin store: it is one of kind {self._group.attrs['kind']}")
         if self._group.attrs.get("layout_version") not in layout.READABLE_LAYOUTS:
             raise StoreConflict(f"{location} is no basin store of layout {layout.LAYOUT_VERSION}")
-        self.job = basin_job(json.loads(str(self._group.attrs["request"])))
+        self.job = _job_of(location, json.loads(str(self._group.attrs["request"])))
         self.digest = self.job.digest
         self.tiling = tiling_of(self.job)
         self.places = places_of(self.job)

@@ -1,5 +1,7 @@
 """Leases as a replica sees them, and what a driver does that has lost its own."""
 
+import contextlib
+import sqlite3
 import time
 from types import SimpleNamespace
 
@@ -44,6 +46,23 @@ def test_a_lease_runs_out_here_before_the_database_gives_the_job_to_another(clai
     with pytest.raises(LeaseLost, match=record.id):
         lease.check()
     assert jobs.claim("another") is None
+
+
+def test_a_job_is_another_replicas_once_its_lease_has_run_out(claimed, tmp_path):
+    jobs, record = claimed
+    with contextlib.closing(sqlite3.connect(tmp_path / "jobs.sqlite")) as database:
+
+        def left():
+            return database.execute(
+                "SELECT lease_until - (julianday('now') - 2440587.5) * 86400.0 FROM jobs"
+            ).fetchone()[0]
+
+        assert 0.0 < left() < LEASE_SECONDS + 0.01 and jobs.claim("another") is None
+        assert jobs.renew([record.lease_owner])
+        assert 0.0 < left() < LEASE_SECONDS + 0.01 and jobs.claim("another") is None
+        with database:
+            database.execute("UPDATE jobs SET lease_until = lease_until - ?", (LEASE_SECONDS,))
+    assert jobs.claim("another").id == record.id
 
 
 def test_a_renewed_lease_holds_and_a_lost_one_stops_the_driver(claimed, clock):

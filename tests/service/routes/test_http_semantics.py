@@ -3,9 +3,11 @@
 import json
 import re
 
+import httpx2 as httpx
 import pytest
 from fastapi.routing import iter_route_contexts
 
+from service.records.job_record import JobState
 from tests.raw_http import connection, received
 from tests.service.idle_service import idle_service
 from worker.jobs.basin_job import BasinJob, SweepJob
@@ -36,6 +38,24 @@ def test_head_is_answered_as_get_without_a_body(service, job):
         assert head.headers.get("content-length") == get.headers.get("content-length")
     assert service.request("HEAD", f"/v1/jobs/{'0' * 32}").status_code == 404
     assert service.request("HEAD", "/v1/basins").status_code == 405
+
+
+def test_head_of_events_is_that_of_the_stream(service, job):
+    path = f"/v1/jobs/{job.id}/events"
+    head = service.request("HEAD", path)
+    with httpx.stream("GET", service.url + path) as stream:
+        own = {"date", "request-id", "transfer-encoding"}
+        assert head.status_code == stream.status_code == 200 and head.content == b""
+        assert {name: head.headers.get(name) for name in stream.headers.keys() - own} == {
+            name: value for name, value in stream.headers.items() if name not in own
+        }
+    assert "content-length" not in head.headers
+    assert service.request("HEAD", f"/v1/jobs/{'0' * 32}/events").status_code == 404
+    ended = service.add_job(cells=5)
+    service.jobs.move(ended.id, JobState.QUEUED, JobState.CANCELLED)
+    seen = {"last-event-id": str(service.app.state.events.newest([ended.id])[ended.id])}
+    for method in ("HEAD", "GET"):
+        assert service.request(method, f"/v1/jobs/{ended.id}/events", headers=seen).status_code == 204
 
 
 def test_what_is_allowed_is_told_whole(service, job):

@@ -10,7 +10,7 @@ from rattle_kernels import Oscillator
 from rattle_kernels.proof.cells import MOST_LEVELS
 from rattle_kernels.proof.machine import ABOVE_ZERO, machine_of, parameters_within
 from worker.errors import InvalidJob
-from worker.jobs.request import Real, Request
+from worker.jobs.request import INTEGRAL, Real, Request
 
 
 class ProofRequest(Request):
@@ -18,7 +18,7 @@ class ProofRequest(Request):
 
     model_config = ConfigDict(title="ProofRequest")
 
-    levels: Annotated[int, Field(strict=True, ge=0, le=MOST_LEVELS)] = Field(
+    levels: Annotated[int, Field(strict=True, ge=0, le=MOST_LEVELS), INTEGRAL] = Field(
         MOST_LEVELS, description="How often a cell that is not proven whole may be cut into four"
     )
     tolerances: dict[str, tuple[Real, Real]] = Field(

@@ -166,7 +166,7 @@ def _job_of(location: str, kind: str, attributes: Any) -> Job:
         request = json.loads(str(attributes["request"]))
         kind = "sweep" if kind == "basin" and request.get("vary") else kind
         job: Job = KINDS[kind].job_class.from_request(request)
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError, RecursionError) as error:
         raise StoreConflict(
             f"{location} has lost its request, so nothing can be computed anew: {error}; {_NEXT_STEP}"
         ) from error

@@ -2,7 +2,7 @@
 
 Every chunk ends in the CRC-32C of its other bytes (Zarr's codec ``crc32c``). Zarr checks it, too, but says neither in
 which store nor in which chunk it fails. Arrays of older stores have no checksums, and are read without a check.
-Metadata have none either. Those that are no JSON any more are named. So is a chunk that a finished store has lost.
+Metadata have none either. Those that cannot be read any more are named. So is a chunk that a finished store has lost.
 """
 
 import json
@@ -40,7 +40,7 @@ class ChecksChunks(Store):
         prototype = prototype or default_buffer_prototype()
         found = await super().get(key, prototype, byte_range)
         node, _, name = key.rpartition("/")
-        if found is not None and name == METADATA and not _is_object(found.to_bytes()):
+        if found is not None and name == METADATA and not _are_metadata(found.to_bytes()):
             raise DamagedMetadata(self.name, node)
         array, is_chunk, chunk = key.rpartition(f"/{CHUNKS}/")
         if found is None and is_chunk and await self._has_all_chunks_of(array):
@@ -65,11 +65,26 @@ class ChecksChunks(Store):
         return bool(root["attributes"].get("complete")) and is_checked(own)
 
 
-def _is_object(content: bytes) -> bool:
-    try:
-        return isinstance(json.loads(content), dict)
-    except ValueError:
+def _are_metadata(content: bytes) -> bool:
+    """Whether this can be the ``zarr.json`` of an array or a group. A root of this project has a request as well."""
+    document = _object_of(content)
+    if document is None or not isinstance(document.get("consolidated_metadata"), dict | None):
         return False
+    attributes = document.get("attributes", {})
+    if not isinstance(attributes, dict):
+        return False
+    if "layout_version" not in attributes:
+        return True
+    return isinstance(attributes.get("complete"), bool) and _object_of(attributes.get("request")) is not None
+
+
+def _object_of(text: Any) -> dict[str, Any] | None:
+    """The object that a text of JSON is; None if it is no text, no JSON, nested too deeply to be read, or no object."""
+    try:
+        document = json.loads(text)
+    except (TypeError, ValueError, RecursionError):
+        return None
+    return document if isinstance(document, dict) else None
 
 
 def checksum_of(content: Any) -> bytes:

@@ -1,0 +1,116 @@
+"""A result whose root was broken is named with what to do, at every address of its job."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.service.idle_service import idle_service
+from worker.jobs.basin_job import BasinJob, SweepJob
+from worker.jobs.grazing_curve_job import GrazingCurveJob
+from worker.stores.analysis_store import AnalysisStore
+from worker.stores.new_store import create_store
+from worker.stores.result_files import result_location
+
+GRID = {"time": {"cells": 4}, "velocity": {"cells": 4}}
+BODIES = {
+    "basins": {"grid": GRID, "iterations": 1},
+    "sweeps": {"grid": GRID, "iterations": 1, "vary": [{"parameter": "damping", "values": [0.5, 0.6]}]},
+    "grazing-curves": {},
+}
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        with idle_service(patch, tmp_path_factory.mktemp("idle")) as service:
+            yield service
+
+
+@pytest.fixture(scope="module")
+def results(service):
+    """The number of a job of each sort, and its root."""
+    numbers = {path: service.request("POST", f"/v1/{path}", json=body).json()["id"] for path, body in BODIES.items()}
+    create_store(result_location(service.results, numbers["basins"]), BasinJob.from_request(BODIES["basins"]))
+    create_store(result_location(service.results, numbers["sweeps"]), SweepJob.from_request(BODIES["sweeps"]))
+    grazing = GrazingCurveJob.from_request(BODIES["grazing-curves"])
+    AnalysisStore.create_or_resume(result_location(service.results, numbers["grazing-curves"]), "Curve", grazing)
+    return {
+        path: (number, Path(result_location(service.results, number)) / "zarr.json") for path, number in numbers.items()
+    }
+
+
+def changed(attributes, **others):
+    """A root with other attributes."""
+    return lambda root: json.dumps(root | {"attributes": attributes(root["attributes"])} | others)
+
+
+def without(name):
+    return changed(lambda attributes: {key: value for key, value in attributes.items() if key != name})
+
+
+def having(**values):
+    return changed(lambda attributes: attributes | values)
+
+
+DEEP = 100_000
+ROOTS = {
+    "list": lambda _: "[]",
+    "null": lambda _: "null",
+    "number": lambda _: "1",
+    "text": lambda _: '"basin"',
+    "nothing": lambda _: "",
+    "attributes-alone": lambda _: '{"attributes": []}',
+    "attributes-a-list": changed(lambda _: []),
+    "attributes-a-number": changed(lambda _: 1),
+    "deep": lambda _: "[" * DEEP + "]" * DEEP,
+    "deep-unclosed": lambda _: "[" * DEEP,
+    "deep-attribute": lambda root: json.dumps(root).replace('"complete": false', '"a": ' + "[" * DEEP + "]" * DEEP),
+    "consolidated-a-number": changed(dict, consolidated_metadata=1),
+    "no-request": without("request"),
+    "no-complete": without("complete"),
+    "request-a-number": having(request=1),
+    "request-no-json": having(request="basin"),
+    "request-a-list": having(request="[]"),
+    "request-null": having(request="null"),
+    "request-deep": having(request="[" * DEEP),
+    "request-of-other-fields": having(request='{"a": 1}'),
+    "request-outside-domain": having(request='{"oscillator": {"eccentricity": 100.0}}'),
+}
+
+
+def addresses(service, number):
+    """All GET routes of a job but the events, which have no end, from the document."""
+    known = {"{job_id}": number, "{path}": "zarr.json", "{kind}": "grazing", "{number}": "0"}
+    for path, operations in service.app.openapi()["paths"].items():
+        if "{job_id}" in path and "get" in operations and not path.endswith("/events"):
+            for name, value in known.items():
+                path = path.replace(name, value)
+            yield path
+
+
+OF_ALL = "attributes-a-list", "deep", "no-request", "request-a-list"
+
+
+@pytest.mark.parametrize(
+    ("sort", "broken"),
+    [(sort, broken) for sort in BODIES for broken in ROOTS if sort == "basins" or broken in OF_ALL],
+)
+def test_a_broken_root_is_named_with_what_to_do(service, results, sort, broken):
+    number, root = results[sort]
+    whole = root.read_text()
+    root.write_text(ROOTS[broken](json.loads(whole)))
+    try:
+        answers = {path: service.request("GET", path) for path in addresses(service, number)}
+    finally:
+        root.write_text(whole)
+    assert answers.pop(f"/v1/jobs/{number}").status_code == 200
+    named = 0
+    for path, answer in answers.items():
+        assert answer.status_code in (200, 409, 503), (path, answer.text)  # 200: the file itself; 409: of another kind
+        if answer.status_code == 503:
+            named += 1
+            told = answer.json()
+            assert told["type"] == "/problems/store-failed" and "cannot be read" in told["detail"]
+            assert "`rattle check`" in told["detail"] and service.results not in told["detail"]
+    assert named >= 5
