@@ -9,6 +9,7 @@ from rattle_kernels.attractors.classify import UNASSIGNED, name_solutions
 from rattle_kernels.attractors.loudness import Loudness, loudness
 from rattle_kernels.attractors.matching import attractor_distance, continue_attractor
 from rattle_kernels.basin_measures.boundary import boundary_cells, boundary_share
+from rattle_kernels.basin_measures.boundary_dimension import BoundaryDimension, boundary_dimension
 from rattle_kernels.basin_measures.entropy import BasinEntropy, basin_entropy
 from rattle_kernels.basin_measures.expected_loudness import ExpectedLoudness, expected_loudness
 from rattle_kernels.basin_measures.integrity import (
@@ -72,6 +73,7 @@ __all__ = [
     "AttractorKind",
     "BasinEntropy",
     "BifurcationDiagram",
+    "BoundaryDimension",
     "Branch",
     "BranchEnd",
     "CellGrid",
@@ -116,6 +118,7 @@ __all__ = [
     "basin_entropy",
     "bifurcation_diagram",
     "boundary_cells",
+    "boundary_dimension",
     "boundary_share",
     "capture_velocity",
     "check_domain",
