@@ -19,6 +19,7 @@ from rattle_kernels.basin_measures.integrity import (
     local_integrity_measure,
 )
 from rattle_kernels.basin_measures.least_disturbance import LeastDisturbance, least_disturbance
+from rattle_kernels.basin_measures.shares import Shares, shares_of
 from rattle_kernels.basin_measures.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
 from rattle_kernels.cell_mapping.cell_grid import SINK, CellGrid
 from rattle_kernels.cell_mapping.cell_groups import CellGroups, find_groups, label_cells
@@ -101,6 +102,7 @@ __all__ = [
     "PeriodicOrbit",
     "Piece",
     "SINK",
+    "Shares",
     "SingleContactOrbit",
     "SpecialCurve",
     "SpecialKind",
@@ -155,6 +157,7 @@ __all__ = [
     "orbit_beyond_graze",
     "previous_impacts",
     "settled_iterations",
+    "shares_of",
     "single_contact_orbits",
     "stable_manifold",
     "stiffness_bound",
