@@ -9,6 +9,7 @@ from rattle_kernels.attractors.classify import UNASSIGNED, name_solutions
 from rattle_kernels.attractors.loudness import Loudness, loudness
 from rattle_kernels.attractors.matching import attractor_distance, continue_attractor
 from rattle_kernels.basin_measures.boundary import boundary_cells, boundary_share
+from rattle_kernels.basin_measures.boundary_dimension import BoundaryDimension, boundary_dimension
 from rattle_kernels.basin_measures.entropy import BasinEntropy, basin_entropy
 from rattle_kernels.basin_measures.expected_loudness import ExpectedLoudness, expected_loudness
 from rattle_kernels.basin_measures.integrity import (
@@ -18,6 +19,7 @@ from rattle_kernels.basin_measures.integrity import (
     local_integrity_measure,
 )
 from rattle_kernels.basin_measures.least_disturbance import LeastDisturbance, least_disturbance
+from rattle_kernels.basin_measures.shares import Shares, shares_of
 from rattle_kernels.basin_measures.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
 from rattle_kernels.cell_mapping.cell_grid import SINK, CellGrid
 from rattle_kernels.cell_mapping.cell_groups import CellGroups, find_groups, label_cells
@@ -72,6 +74,7 @@ __all__ = [
     "AttractorKind",
     "BasinEntropy",
     "BifurcationDiagram",
+    "BoundaryDimension",
     "Branch",
     "BranchEnd",
     "CellGrid",
@@ -99,6 +102,7 @@ __all__ = [
     "PeriodicOrbit",
     "Piece",
     "SINK",
+    "Shares",
     "SingleContactOrbit",
     "SpecialCurve",
     "SpecialKind",
@@ -116,6 +120,7 @@ __all__ = [
     "basin_entropy",
     "bifurcation_diagram",
     "boundary_cells",
+    "boundary_dimension",
     "boundary_share",
     "capture_velocity",
     "check_domain",
@@ -152,6 +157,7 @@ __all__ = [
     "orbit_beyond_graze",
     "previous_impacts",
     "settled_iterations",
+    "shares_of",
     "single_contact_orbits",
     "stable_manifold",
     "stiffness_bound",

@@ -13,9 +13,10 @@ def _words_and_numbers(text):
     return re.split(number, text), np.array(re.findall(number, text), np.float64)
 
 
-def demand_as_printed(name, capsys, **tolerances):
-    """Run the code of a document up to what it first prints: the same words, numbers within the tolerances."""
+def demand_as_printed(name, capsys, *, after="", **tolerances):
+    """Run a document's code from a heading on, up to what it first prints: same words, numbers within tolerances."""
     document = (DOCUMENTS / name).read_text()
+    document = document[document.index(after) :]
     code, _, rest = document.partition("```text\n")
     names = {}
     for block in re.findall(r"```python\n(.*?)```", code, re.DOTALL):
