@@ -202,7 +202,7 @@ def paint_cells(
         The catalogue that ``solution`` indexes.
     palette : Palette
     usual : int, optional
-        From `usual_speckle` of the whole picture, where these cells are a part of it.
+        From ``usual_speckle`` of the whole picture, where these cells are a part of it.
 
     Returns
     -------

@@ -156,7 +156,7 @@ def test_what_is_no_saddle_is_said_by_the_job_that_fails(service, saddle, told):
         ("manifolds", {"arclength": 1e9}, "RATTLE_MAX_ARCLENGTH"),
         ("manifolds", {"arclength": None}, "body.arclength"),
         ("manifolds", {"arclength": 0}, "arclength must be above 0"),
-        ("manifolds", {"oscillator": {"model": "piecewise_linear", "stiffness": 100}}, "only the impacting model"),
+        ("manifolds", {"oscillator": {"model": "piecewise_linear", "stiffness": 100}}, "the inverse of P is needed"),
         ("grazing-curves", {"order": -1}, "order must be 0"),
         ("grazing-curves", {"order": 99}, "RATTLE_MAX_ORDER"),
         ("grazing-curves", {"velocity": {"start": 5, "stop": 5}}, "speeds must ascend"),
