@@ -86,7 +86,7 @@ class TrajectoryRequest(Request):
     oscillator: OscillatorRequest = Field(default_factory=ImpactingOscillator)
     start: StartRequest
     periods: Real = Field(20.0, gt=0, description="Span, forcing periods")
-    samples_per_period: Count = 200
+    samples_per_period: Count = Field(200, le=1_000_000)
 
     def follow(self, most_contacts: int = 100_000) -> TimeHistory:
         """Compute the history.

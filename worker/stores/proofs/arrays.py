@@ -53,7 +53,8 @@ class ProofArrays:
     @property
     def holds_proof(self) -> bool:
         """Whether a proof was asked for: what is proven of cells is there, or comes."""
-        return self.job.prove is not None
+        # By the request, too: the arrays' metadata may be damaged.
+        return self.job.prove is not None or PROVEN.path in self._group
 
     def read_proof(self, tile: Tile) -> tuple[np.ndarray, np.ndarray] | None:
         """Read what is proven of a tile's cells, and why not all is; None until both are written."""
