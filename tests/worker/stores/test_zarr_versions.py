@@ -35,6 +35,8 @@ def there(request, tmp_path_factory):
 def assert_same(there, here):
     """All arrays: kinds of numbers, dimensions and values; the last digits may be another processor's."""
     with xr.open_zarr(there) as theirs, xr.open_zarr(here) as ours:
+        # The archives were written before stores said what chaotic transients end in.
+        ours = ours.drop_vars("transient_ends", errors="ignore")
         assert {name: array.dtype for name, array in theirs.variables.items()} == {
             name: array.dtype for name, array in ours.variables.items()
         }
