@@ -1,7 +1,10 @@
 """Where the impact map is defined: checks that name the parameter, the bound and what would be right."""
 
 import math
+from collections.abc import Callable
 from typing import Any
+
+import numpy as np
 
 from rattle_kernels.model.bounds import (
     eccentricity_bound_quiet,
@@ -92,7 +95,7 @@ def _check_eccentricity(checked: Oscillator) -> None:
         message = f"eccentricity must be at least 0, not {checked.eccentricity}"
         raise OutsideDomain("eccentricity", checked.eccentricity, "positivity", 0.0, message)
     if checked.harmonics:
-        _demand_positive(rest_acceleration_over_phases(checked), "Eq. 8", "the acceleration at rest", checked)
+        _demand_positive(rest_acceleration_over_phases, "Eq. 8", "the acceleration at rest", checked)
         return
     limit = eccentricity_bound_smooth_maxima(checked)
     if not checked.eccentricity < limit:
@@ -103,9 +106,16 @@ def _check_eccentricity(checked: Oscillator) -> None:
         raise OutsideDomain("eccentricity", checked.eccentricity, "epsilon_crit2", limit, message)
 
 
-def _demand_positive(felt: TrigonometricPolynomial, equation: str, what: str, checked: Oscillator) -> None:
+def _demand_positive(
+    over_phases: Callable[[Oscillator], TrigonometricPolynomial], equation: str, what: str, checked: Oscillator
+) -> None:
     """Refuse harmonics with which a polynomial is not positive at every phase."""
-    least, phase = least_value(felt)
+    with np.errstate(over="ignore", invalid="ignore"):
+        felt = over_phases(checked)
+        least, phase = least_value(felt)
+    if not math.isfinite(least):
+        message = f"harmonics are too large for {what} ({equation}) to be computed: lower their amplitudes"
+        raise OutsideDomain("harmonics", least, equation, 0.0, message)
     if not least > 0.0:
         # What they take from the mean grows as they do.
         part = felt.mean / (felt.mean - least)
@@ -200,7 +210,7 @@ def check_quiet(oscillator: Oscillator) -> Oscillator:
     """
     checked = check_domain(oscillator)
     if checked.harmonics:
-        _demand_positive(quiet_depth_over_phases(checked), "Eq. 3", "the reaction in permanent contact", checked)
+        _demand_positive(quiet_depth_over_phases, "Eq. 3", "the reaction in permanent contact", checked)
         return checked
     limit = eccentricity_bound_quiet(checked)
     if not checked.eccentricity < limit:

@@ -71,6 +71,12 @@ def test_a_harmonic_of_no_size_changes_no_bound():
         assert eccentricity_bound_quiet(wider) == pytest.approx(eccentricity_bound_quiet(plain))
 
 
+def test_harmonics_too_large_for_a_float_are_refused_in_words():
+    beyond = Oscillator(damping=7e16, eccentricity=9e307, harmonics=((124, 1.7e308, 0.0), (269, 1.6e308, -1.2)))
+    with pytest.raises(OutsideDomain, match="harmonics are too large"):
+        check_domain(beyond)
+
+
 def test_harmonics_beyond_equation_8_are_refused_with_the_least_acceleration_and_its_phase():
     beyond = Oscillator(eccentricity=0.0, harmonics=((2, 0.06, 0.25),))
     # 4 pi delta - (4 pi)^2 eps cos - 4 pi delta eps sin of the angle: the amplitude is eps 4 pi hypot(4 pi, delta).
