@@ -342,7 +342,8 @@ def _checked_values(axis: int, swept: SweptParameter) -> tuple[float, ...]:
     for index in np.flatnonzero(~np.isfinite(numbers))[:1].tolist():
         message = f"values of {swept.parameter} must be finite; number {index} is {values[index]}"
         raise InvalidJob(message, ("vary", axis, "values", index))
-    steps = np.diff(numbers)
+    with np.errstate(over="ignore"):  # the step between two huge numbers is infinite, of the right sign
+        steps = np.sign(np.diff(numbers))
     # Neighbours are compared with one another: births and deaths are reported for the interval between them.
     astray = np.flatnonzero(steps * (steps[0] if steps.size else 1.0) <= 0.0)
     if astray.size:

@@ -143,3 +143,9 @@ def test_values_too_close_for_doubles_are_refused():
         diagram(parameter="damping", start=0.5, stop=0.5 + 1e-14, count=20_000)
     with pytest.raises(OutsideDomain):
         diagram(parameter="damping", start=-0.5, stop=0.5, count=20_000)
+
+
+def test_values_between_which_the_step_overflows_are_refused_in_words():
+    body = {"region": {}, "vary": {"parameter": "half_backlash", "values": [1.5e252, 0.5]}}
+    with pytest.raises((InvalidJob, SweptOutsideDomain), match="half_backlash"):
+        BifurcationJob.from_request(body)
