@@ -329,6 +329,7 @@ def test_a_bifurcation_diagram_is_a_live_chart(opened):
     expect(page.locator("#shown")).to_contain_text("δ = 0.5")
 
 
+@pytest.mark.timeout(700)
 def test_diagrams_go_over_restitution_and_harmonics_too(opened):
     page = opened.page
     buttons = page.locator("#diagrams button")
@@ -342,7 +343,7 @@ def test_diagrams_go_over_restitution_and_harmonics_too(opened):
         timeout=120_000,  # kernels for one more harmonic may have to be compiled
     )  # fmt: skip
     page.locator("[data-diagram=restitution]").click()
-    expect(page.locator("#diagram-note")).to_contain_text("Click to look", timeout=120_000)
+    expect(page.locator("#diagram-note")).to_contain_text("Click to look", timeout=400_000)  # and more for names
     expect(page.locator("#diagram-title")).to_have_text("Bifurcation diagram over restitution r")
     expect(page.locator("#diagram .here")).to_have_attribute("visibility", "visible")
     with page.expect_request("**/v1/bifurcations") as asked:
