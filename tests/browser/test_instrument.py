@@ -351,6 +351,7 @@ def test_diagrams_go_over_restitution_and_harmonics_too(opened):
     assert asked.value.post_data_json["vary"] == {"parameter": "phase_2", "start": 0, "stop": 1, "count": 300}
 
 
+@pytest.mark.timeout(700)
 def test_a_diagram_over_a_phase_turns_the_harmonic(explorer, service):
     oscillator = {"harmonics": [{"order": 2, "amplitude": 0.008, "phase": 0.3}]}
     vary = {"parameter": "phase_2", "start": 0, "stop": 1, "count": 9}
@@ -359,7 +360,7 @@ def test_a_diagram_over_a_phase_turns_the_harmonic(explorer, service):
     service.wait(job["id"])
     explorer.visit(f"?job={job['id']}")
     page = explorer.page
-    expect(page.locator("#diagram-note")).to_contain_text("Click to look", timeout=60_000)
+    expect(page.locator("#diagram-note")).to_contain_text("Click to look", timeout=400_000)
     page.locator("#diagram .target").click(position={"x": 200, "y": 60})
     expect(page.locator("[name=harmonics]")).to_have_value(re.compile(r"^2: 0\.008, 0\.\d+$"))
     assert page.locator("[name=harmonics]").input_value() != "2: 0.008, 0.3"
