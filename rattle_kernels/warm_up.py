@@ -36,6 +36,7 @@ OF_ANALYSES = frozenset(
     {
         "impact_map.grazing_distance", "orbits.bifurcation_diagram", "orbits.bifurcation_point", "orbits.closure",
         "orbits.near_graze", "orbits.orbit_equations", "orbits.orbit_search", "orbits.orbit_seeds",
+        "orbits.touching_orbit",
     }
 )  # fmt: skip
 """Modules whose kernels analyses need, and basins do not."""
