@@ -103,8 +103,9 @@ def _files(location: str, dataset: xr.Dataset) -> Iterator[tuple[str, CrateFile]
         text = json.dumps(json.loads(certificate), indent=1)
         yield "certificate.json", CrateFile(text.encode(), "application/json", "Certificate of the proof")
     for name in _small_tables(dataset):
-        text = write_table(table_of(dataset, name), TableFormat.CSV)
-        yield f"tables/{name}.csv", CrateFile(text.encode(), "text/csv", f"Table of {name}")
+        if len(table := table_of(dataset, name)):  # few basins have a transient, whose ends are a table
+            text = write_table(table, TableFormat.CSV)
+            yield f"tables/{name}.csv", CrateFile(text.encode(), "text/csv", f"Table of {name}")
     figures = {"picture": figure_of_store} | ({"shares": shares_figure} if _is_sweep(dataset) else {})
     for name, draw in figures.items():
         for picture_format in (PictureFormat.PNG, PictureFormat.SVG):

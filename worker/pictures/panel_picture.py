@@ -191,7 +191,7 @@ class PanelPicture:
         if self.store.job.sample is not None:
             self._draw_points(axes)
             return
-        usual = self._usual_speckle()
+        usual = None if self.window == self.whole else self._usual_speckle()
         for rows, columns, place in self._parts():
             solution, group = (
                 self._read(self._of_layer(layer), rows, columns) for layer in (Layer.SOLUTION, Layer.GROUP)
@@ -200,13 +200,11 @@ class PanelPicture:
             axes.imshow(image, origin="lower", extent=place, aspect="auto", interpolation="nearest")
 
     def _usual_speckle(self) -> int:
-        """The same for each window of the panel."""
-        if self.window != self.whole:
-            look = replace(self.look, window=None)
-            whole = PanelPicture(self.store, self.table, self.solutions, self.panel, self.most_cells, look)
-            return whole._usual_speckle()
+        """That of the whole panel: each of its windows has the same."""
+        look = replace(self.look, window=None)
+        panel = PanelPicture(self.store, self.table, self.solutions, self.panel, self.most_cells, look)
         sides = (0, self.grid.velocity_cells), (0, self.grid.time_cells)
-        solution, group = (self._read(self._of_layer(layer), *sides) for layer in (Layer.SOLUTION, Layer.GROUP))
+        solution, group = (panel._read(panel._of_layer(layer), *sides) for layer in (Layer.SOLUTION, Layer.GROUP))
         return colours.usual_speckle(solution, group, self.solutions)
 
     def _draw_points(self, axes: Axes) -> None:

@@ -123,7 +123,7 @@ def _labelled(dataset: xr.Dataset) -> xr.Dataset:
     if "name" in dataset.data_vars:
         dataset = dataset.set_coords("name")
         if dataset["name"].dims == ("attractor",):
-            dataset = dataset.assign_coords(attractor=dataset["name"].values)
+            dataset = dataset.assign_coords(attractor=dataset["name"].variable)  # values alone would load dask.array
     return dataset.assign_attrs(attributes)
 
 

@@ -15,7 +15,6 @@ from tests.service.idle_service import idle_service
 from worker.jobs.basin_job import BasinJob
 from worker.stores.new_store import create_store
 
-NOW = datetime.now(UTC)
 BYTES = 1000
 
 
@@ -52,14 +51,19 @@ def retention(jobs, tmp_path):
     )
 
 
+def in_time(**span):
+    """The time that long from now: what was just read or has just ended is as old then."""
+    return datetime.now(UTC) + timedelta(**span)
+
+
 def stores(tmp_path):
     return {path.stem for path in tmp_path.glob("*.zarr")}
 
 
 def test_what_nobody_has_read_for_days_is_deleted_with_its_job(ended, jobs, retention, tmp_path):
     old, failed, running = ended(), ended(JobState.FAILED), ended(JobState.RUNNING)
-    assert retention(days=2.0).look(NOW + timedelta(days=1.9)) == []
-    assert retention(days=2.0).look(NOW + timedelta(days=2.1)) == [old, failed]
+    assert retention(days=2.0).look(in_time(days=1.9)) == []
+    assert retention(days=2.0).look(in_time(days=2.1)) == [old, failed]
     assert stores(tmp_path) == {running} and jobs.get(running).state is JobState.RUNNING
     with pytest.raises(JobNotFound):
         jobs.get(old)
@@ -68,7 +72,7 @@ def test_what_nobody_has_read_for_days_is_deleted_with_its_job(ended, jobs, rete
 def test_the_longest_unread_make_room_and_no_more_of_them_than_it_takes(ended, jobs, retention, tmp_path):
     first, second, third, running = ended(), ended(), ended(), ended(JobState.RUNNING)
     jobs.reads.note(first)
-    later = NOW + timedelta(hours=2)
+    later = in_time(hours=2)
     assert retention(kilobytes=3).look(later) == []
     assert retention(kilobytes=2.5).look(later) == [second]
     assert retention(kilobytes=1).look(later) == [third]
@@ -79,22 +83,22 @@ def test_the_longest_unread_make_room_and_no_more_of_them_than_it_takes(ended, j
 def test_what_is_being_read_stays_whatever_the_limits(ended, jobs, retention, tmp_path):
     read, other = ended(), ended()
     jobs.reads.note(read)
-    assert retention(days=0.001, kilobytes=0.001).look(NOW + timedelta(minutes=59)) == [other]
+    assert retention(days=0.001, kilobytes=0.001).look(in_time(minutes=59)) == [other]
     assert stores(tmp_path) == {read}
-    assert retention(kilobytes=0.001).look(NOW + timedelta(minutes=62)) == [read]
+    assert retention(kilobytes=0.001).look(in_time(minutes=62)) == [read]
 
 
 def test_a_store_that_a_waiting_job_goes_on_from_stays(ended, jobs, retention, tmp_path):
     failed = ended(JobState.CANCELLED)
     again, _ = jobs.submit(BasinJob.from_request(jobs.get(failed).request), "local")
     assert again.store == failed
-    assert retention(days=1.0, kilobytes=0.001).look(NOW + timedelta(days=2)) == [failed]
+    assert retention(days=1.0, kilobytes=0.001).look(in_time(days=2)) == [failed]
     assert stores(tmp_path) == {failed} and jobs.get(again.id).store == failed
 
 
 def test_without_limits_nothing_is_deleted(ended, retention, tmp_path):
     kept = ended()
-    assert retention().look(NOW + timedelta(days=10_000)) == [] and stores(tmp_path) == {kept}
+    assert retention().look(in_time(days=10_000)) == [] and stores(tmp_path) == {kept}
 
 
 @pytest.mark.parametrize("days", [None, 1.0])
