@@ -14,10 +14,13 @@ import numpy as np
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap
-from rattle_kernels.numerics.pseudo_arclength import Steps, System, follow_curve, solve
+from rattle_kernels.numerics.pseudo_arclength import CurvePoint, Steps, System, follow_curve, solve
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint, nears_edge_of_domain
 from rattle_kernels.orbits.closure import OrbitShape, closure, departures_from
 from rattle_kernels.orbits.orbit_equations import SpecialKind, Unknowns, special_system, unknowns
+
+# Turns of an orbit may come closer to each other by this factor a step, and as close as the corrector tells apart.
+_LEAST_PART, _TOLD_APART = 0.5, 1e-9
 
 
 class SpecialCurve(NamedTuple):
@@ -73,6 +76,11 @@ def _land(plane: _Plane, before: np.ndarray, beyond: np.ndarray) -> np.ndarray |
 
 def _stall(plane: _Plane, z: np.ndarray) -> str:
     message = f"no step succeeds at {plane.where(z)}"
+    apart = _turns_apart(plane, z)
+    if apart < 2.0 * _TOLD_APART:
+        return (
+            f"{message}; the orbit differs from turns of a shorter one by {apart:.3g} only, too little to be followed"
+        )
     read = plane.space.read(z)
     if read is not None and nears_edge_of_domain(read[0]):
         return f"the edge of the domain (Eq. 8), at {plane.where(z)}"
@@ -84,11 +92,30 @@ def _stall(plane: _Plane, z: np.ndarray) -> str:
     return f"{message}; the other flights are {others.min():.3g} from grazing" if others.size else message
 
 
+def _turns_apart(plane: _Plane, z: np.ndarray) -> float:
+    """Least distance, in scaled unknowns, between departures that are one if the orbit is turns of a shorter one."""
+    read, (periods, contacts, *_) = plane.space.read(z), plane.shape
+    turns = [k for k in range(2, contacts + 1) if contacts % k == periods % k == 0]
+    if read is None or not turns or not plane.space.with_speed:
+        return math.inf
+    orbit = departures_from(read[0], plane.space.parameters[0], plane.shape, read[1], read[2])
+    apart = np.array([orbit.t - orbit.t[0], (orbit.v - orbit.v[0]) / plane.space.scales[1]])[
+        :, [contacts // k for k in turns]
+    ]
+    apart[0] -= np.rint(apart[0])
+    return float(np.hypot(*apart).min())
+
+
 def _one_way(plane: _Plane, start: np.ndarray, way: float) -> tuple[list[np.ndarray], str]:
     along = np.zeros(start.size)
     along[-1] = way
     points = [start]
-    for point in follow_curve(plane.system, start, along, plane.steps):
+
+    def accepts(before: CurvePoint, after: CurvePoint) -> bool:
+        # Next to a graze of a shorter orbit, longer ones are so close to it that a step could lead there.
+        return _turns_apart(plane, after.z) >= max(_TOLD_APART, _LEAST_PART * _turns_apart(plane, before.z))
+
+    for point in follow_curve(plane.system, start, along, plane.steps, accepts):
         plane.pause()
         landed = _land(plane, points[-1], point.z)
         points.append(point.z if landed is None else landed)

@@ -9,8 +9,8 @@ the contact begins so softly (its duration grows with its speed) that DP is cont
 turns within 1/kappa of the graze, and the trace may pass its critical values within 1/kappa^2. So the branch stops at
 the graze itself and goes on from there, in unknowns in which it is smooth on either side (`chart`, `graze_passage`).
 
-A branch that can go no further keeps what it has and reports where it ended and why (`BranchEnd`); if the branch itself
-goes on, the message says from where on it is not seen.
+A branch that can go no further keeps what it has and reports where it ended and why (`BranchEnd`). At a graze of finite
+stiffness the message says from where on it is not seen, and which orbits exist on the other side.
 """
 
 from enum import StrEnum
@@ -22,6 +22,7 @@ from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.pseudo_arclength import CORNER, CurvePoint, Steps, follow_curve, solve, unit_tangent
+from rattle_kernels.orbits.beside_graze import orbits_beside, values_beside
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint, nears_edge_of_domain
 from rattle_kernels.orbits.branch_points import (
     coincide,
@@ -143,16 +144,32 @@ def _end(task: BranchTask, reason: BranchEnd, value: float) -> End:
 
 
 def _graze_end(task: BranchTask, last: Station, value: float) -> End:
-    """End at a graze: in the impacting model a branch does end there, else it is not followed further."""
+    """End at a graze: in the impacting model a branch does end there, else the message tells what is known beyond."""
     end = _end(task, BranchEnd.GRAZING, value)
     if task.infinitely_stiff:
         return end
     reached, trace = last.oscillator.value_of(task.parameter), float(np.trace(last.jacobian))
     unseen = (
-        f"the branch goes on, but is followed only to {task.parameter} = {reached:.12g}, where the trace is "
+        f"the branch is followed only to {task.parameter} = {reached:.12g}, where the trace is "
         f"{trace:.6g}; special points from there to the graze and beyond it are not listed"
     )
-    return end._replace(message=f"{end.message}: {unseen}")
+    return end._replace(message=f"{end.message}: {unseen}; {_beside(task, last, value)}")
+
+
+def _beside(task: BranchTask, last: Station, value: float) -> str:
+    """What is known of the other side of a graze."""
+    found = orbits_beside(task, last, value)
+    if not found:
+        places = " and ".join(f"{there:.12g}" for there in values_beside(task, value))
+        return (
+            f"no orbit of these periods that meets -beta another number of times is found next to it, at "
+            f"{task.parameter} = {places}"
+        )
+    orbits = ", ".join(
+        f"{orbit.name} at {task.parameter} = {there:.12g}, of trace {np.trace(orbit.jacobians[0]):.6g}"
+        for there, orbit in found
+    )
+    return f"next to it there is {orbits}; whether the branch leads there is not known"
 
 
 class _Walk:

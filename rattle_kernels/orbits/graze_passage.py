@@ -124,11 +124,14 @@ def is_between(graze: Graze, before: Station, after: Station) -> bool:
 def leaving(task: BranchTask, graze: Graze) -> Station | None:
     """The station of the graze from which the branch goes on with a flight that misses -beta."""
     there = graze.missing
+    ahead = list[tuple[float, Station]]()
     for way in (there, turned(there)):
-        ahead = station_at(task, there.chart, there.z + 1e-6 * way.tangent, way.tangent)
-        if ahead is not None and ahead.margin[graze.flight] < 0.0:
-            return way
-    return None
+        at = station_at(task, there.chart, there.z + 1e-6 * way.tangent, way.tangent)
+        if at is not None:
+            ahead.append((float(at.margin[graze.flight]), way))
+    # Off the branch, as both are, the margin may be negative either way.
+    margin, way = min(ahead, key=lambda each: each[0], default=(math.inf, there))
+    return way if margin < 0.0 else None
 
 
 def _layer(task: BranchTask, station: Station) -> float:

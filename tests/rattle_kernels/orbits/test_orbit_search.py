@@ -10,6 +10,7 @@ from rattle_kernels import (
     find_attractors,
     find_orbits,
     grazing_velocity,
+    largest_grazing_speed,
     next_impacts,
     single_contact_orbits,
 )
@@ -84,3 +85,48 @@ def test_a_finer_search_finds_the_same(at_06):
 def test_only_orbits_that_enter_the_region_are_listed(at_06):
     low = find_orbits(Oscillator(), longest=2, velocity=(3.0, 3.9), cells=20)
     assert [one.orbit.name for one in low] == ["P(1,1,0)", "P(1,1,0)"]
+
+
+def where_a_dense_newton_search_leads(oscillator, period, fastest, cells=100):
+    """Fixed points of P^p by Newton's method from every cell: derivatives are differences, and P alone is called."""
+    middles = (np.arange(cells) + 0.5) / cells
+    t, v = (axis.ravel() for axis in np.meshgrid(middles, fastest * middles))
+
+    def moved(t, v):
+        after = next_impacts(oscillator, t % 1.0, v, applications=period)
+        return np.array([after.t - t - np.rint(after.t - t), after.v - v])
+
+    step = 1e-7
+    for _ in range(15):
+        gap = moved(t, v)
+        by_t = (moved(t + step, v) - moved(t - step, v)) / (2.0 * step)
+        by_v = (moved(t, v + step) - moved(t, v - step)) / (2.0 * step)
+        determinant = by_t[0] * by_v[1] - by_v[0] * by_t[1]
+        with np.errstate(all="ignore"):
+            dt = (by_v[0] * gap[1] - by_v[1] * gap[0]) / determinant
+            dv = (by_t[1] * gap[0] - by_t[0] * gap[1]) / determinant
+        # Near v = 0 every phase is fixed.
+        kept = (np.abs(dt) < 0.5) & (v + dv > 0.02 * fastest) & (v + dv < fastest)
+        t, v, dt, dv = t[kept] + dt[kept], v[kept] + dv[kept], dt[kept], dv[kept]
+    ended = np.hypot(dt, dv) < 1e-9
+    return np.unique(np.round(np.column_stack([t[ended] % 1.0, v[ended]]), 7), axis=0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stiffness", [math.inf, 2e4])
+@pytest.mark.parametrize(
+    "parameters", [(0.32525, 0.074024, 0.6006), (0.56061, 0.14874, 0.58625), (0.24643, 0.056663, 0.67424)]
+)
+def test_newtons_method_from_every_cell_leads_to_no_other_orbit(parameters, stiffness):
+    oscillator = Oscillator(*parameters, stiffness)
+    fastest = 1.6 * largest_grazing_speed(oscillator)
+    found = find_orbits(oscillator, 3, velocity=(0.0, fastest))
+    known = np.array([point for one in found for point in zip(one.orbit.t, one.orbit.v, strict=True)])
+    reached = 0
+    for period in (1, 2, 3):
+        points = where_a_dense_newton_search_leads(oscillator, period, fastest)
+        apart = np.subtract.outer(points[:, 0], known[:, 0])
+        faster = np.subtract.outer(points[:, 1], known[:, 1])
+        assert (np.hypot(apart - np.rint(apart), faster).min(axis=1) < 1e-5).all()
+        reached += len(points)
+    assert reached >= len(found)

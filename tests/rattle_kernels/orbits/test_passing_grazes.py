@@ -4,11 +4,21 @@ Next to a graze the trace of P(m, n+, n-) passes its critical values within 1/ka
 """
 
 import math
+import re
 
 import numpy as np
 import pytest
 
-from rattle_kernels import BranchEnd, Oscillator, SpecialKind, continue_orbit, find_orbit, find_orbits
+from rattle_kernels import (
+    BranchEnd,
+    Oscillator,
+    SpecialKind,
+    continue_orbit,
+    continue_special_point,
+    find_orbit,
+    find_orbits,
+)
+from rattle_kernels.orbits import continuation
 from rattle_kernels.orbits.touching_orbit import touches_of
 from tests.rattle_kernels.orbits.contact_times import special_points
 
@@ -107,6 +117,58 @@ def test_p333_goes_on_as_p332(parameter, bounds, graze):
     assert sorted(beside) == sorted([SpecialKind.PERIOD_DOUBLING, SpecialKind.SADDLE_NODE])
     for end in (0, -1):
         assert_alike(branch, from_end(branch, oscillator, bounds, end))
+
+
+SEVERAL_AT_ONCE = Oscillator(0.602426, 0.112807, 0.518003, 1188740.4)
+P331, P332 = (0.6075386402956633, 4.0090117237992695, 3), (0.640249489416311, 4.143728394155803, 3)
+
+
+def test_flights_that_graze_at_once_are_passed_from_both_sides():
+    """Within 1e-10 of .74955 P(3,3,1) becomes P(3,3,2), doubles, folds, becomes P(3,3,3) and again P(3,3,2).
+
+    It ended there, with two points from one side and none from the other.
+    """
+    one, other = (branch_of(SEVERAL_AT_ONCE, seed, "damping", (0.42, 0.85)) for seed in (P331, P332))
+    assert_alike(one, other)
+    for branch in (one, other):
+        assert [end.reason for end in branch.ends] == [BranchEnd.BOUND, BranchEnd.BOUND]
+        narrow = [(kind, value) for kind, value in listed(branch) if abs(value - 0.7495526853) < 1e-9]
+        kinds = [SpecialKind.GRAZING, SpecialKind.PERIOD_DOUBLING, SpecialKind.SADDLE_NODE] + 2 * [SpecialKind.GRAZING]
+        assert [kind for kind, _ in narrow] in (kinds, kinds[::-1])
+        # The branch turns at its saddle-node: neither orbit is there beyond it.
+        fold = next(value for kind, value in narrow if kind == SpecialKind.SADDLE_NODE)
+        assert fold - 1e-12 < branch.values.max() <= fold + 1e-14
+        assert {int(met) for met in (branch.grazing_margin > 0.0).sum(axis=1)} == {1, 2, 3}
+
+
+def test_a_curve_of_grazes_of_three_turns_does_not_become_one_of_a_single_turn():
+    """The graze of P(1,1,0), three turns of which graze too, lies 5e-11 beside it: steps led there."""
+    branch = branch_of(SEVERAL_AT_ONCE, P331, "damping", (0.42, 0.85))
+    grazes = [p for p in branch.special_points if p.kind == SpecialKind.GRAZING and p.value > 0.7]
+    assert len(grazes) == 3
+    for point in grazes:
+        curve = continue_special_point(point, "eccentricity", (0.6, 0.85), (0.1, 0.125), most_points=30)
+        assert curve.values.tolist() == [[point.value, SEVERAL_AT_ONCE.eccentricity]]
+        assert all("differs from turns of a shorter one" in end for end in curve.ends)
+
+
+def test_a_branch_lost_at_a_graze_tells_which_orbits_lie_beside_it(monkeypatch):
+    oscillator, seed = Oscillator(stiffness=1e6), QUIET
+    whole = branch_of(oscillator, seed)
+    monkeypatch.setattr(continuation, "first_touch", lambda *_: None)
+    lost = branch_of(oscillator, seed)
+    (end,) = (end for end in lost.ends if end.reason == BranchEnd.GRAZING)
+    value, trace = re.search(
+        r"next to it there is P\(1,1,1\) at damping = (\S+), of trace (\S+);", end.message
+    ).groups()
+    nearest = int(
+        np.argmin(np.where(np.isfinite(whole.lower_speed[:, 0]), np.abs(whole.values - float(value)), np.inf))
+    )
+    here = oscillator.at(damping=float(value))
+    orbit = find_orbit(here, float(whole.t[nearest, 0]), float(whole.v[nearest, 0])).orbit
+    assert orbit.name == "P(1,1,1)"
+    assert float(trace) == pytest.approx(float(np.trace(orbit.jacobians[0])), rel=1e-4)
+    assert "not known" in end.message and "goes on" not in end.message
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e6])
