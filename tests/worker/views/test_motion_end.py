@@ -5,8 +5,8 @@ import pytest
 
 from rattle_kernels import AttractorKind, Oscillator, next_impacts, time_history
 from worker.errors import InvalidJob
-from worker.jobs.motion_end import FOLLOWED_PERIODS, end_of, motion_end
 from worker.jobs.trajectory_request import TrajectoryRequest
+from worker.views.motion_end import FOLLOWED_PERIODS, end_of, motion_end
 
 PLACES = 100
 OSCILLATORS = [
