@@ -427,6 +427,74 @@ def test_each_half_of_a_comparison_is_a_whole_plane(opened):
     expect(page.locator("#histories")).to_contain_text("of the kept basin from t = 0.97")
 
 
+def drawn(page):
+    """Wait until what was asked for is drawn."""
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def test_two_basins_lie_side_by_side_with_one_pointer(opened):
+    page, kept = opened.page, "#plane-kept"
+    expect(page.locator("#side")).to_be_hidden()
+    page.locator("#keep").click()
+    opened.fill(eccentricity=0.02)
+    expect(page.locator("#legend button")).to_have_count(1)
+    page.locator("#side").click()
+    expect(page.locator("#swipe")).to_be_hidden()
+    expect(page).to_have_url(re.compile("compare=side"))
+    drawn(page)
+    left, right = page.locator("#plane").bounding_box(), page.locator(kept).bounding_box()
+    assert left["width"] == right["width"] and left["x"] + left["width"] <= right["x"] + 1
+    # The same place of both: quiet in the one, P(1,1,0) in the other. Each has its own grazing curve, all along.
+    assert opened.colour(0.97, 0.53) == (20, 31, 64)
+    assert opened.colour(0.97, 0.53, kept) == (86, 180, 233)
+    for plane, *both in (("#plane", 0.02, 0.1), (kept, 0.1, 0.02)):
+        for t in (0.3, 0.8):
+            own, wrong = (float(grazing_velocity(Oscillator(eccentricity=each), [t])[0]) for each in both)
+            assert min(opened.colour(t, own / 7, plane)) > 150, "the grazing curve of this basin"
+            assert min(opened.colour(t, wrong / 7, plane)) < 150, "and not that of the other"
+    # The pointer of one is a cross in the other, at the same departure, and both are read.
+    for here, there, marks in (("#plane", kept, "#marks-kept"), (kept, "#plane", "#marks")):
+        told = opened.hover(0.97, 0.53, here)
+        assert ("kept: " if here == kept else "") + "t = 0.97" in told
+        assert "P(1,1,0)" in told and "permanent contact" in told
+        drawn(page)
+        assert min(opened.colour(0.97, 0.53, there, marks)) > 100, "a white line, where else nothing is drawn"
+    for plane, eccentricity in (("#plane", 0.02), (kept, 0.1)):
+        with page.expect_request("**/v1/trajectories?end=true") as asked:
+            page.mouse.click(*opened.spot(0.97, 0.53, plane))
+        assert asked.value.post_data_json["oscillator"]["eccentricity"] == eccentricity
+    expect(page.locator("#histories")).to_contain_text("of the kept basin from t = 0.97")
+    page.reload()
+    expect(page.locator("#kept-legend button")).to_have_count(3, timeout=60_000)
+    expect(page.locator("#side")).to_have_attribute("aria-pressed", "true")
+    expect(page.locator(kept)).to_be_visible()
+    expect(page.locator("#histories")).to_contain_text("of the kept basin from t = 0.97")
+
+
+def test_basins_side_by_side_share_the_window_and_the_keys(opened):
+    page, kept = opened.page, "#plane-kept"
+    page.locator("#keep").click()
+    opened.fill(eccentricity=0.02)
+    expect(page.locator("#legend button")).to_have_count(1)
+    page.locator("#side").click()
+    expect(page.locator(kept)).to_have_attribute("aria-label", re.compile("kept: Impacts: .*ε = 0.1"))
+    page.locator(kept).focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator("#reading")).to_contain_text("kept: t = 0.51")
+    expect(page.locator("#reading")).to_contain_text("seen there: permanent contact")
+    with page.expect_request("**/v1/trajectories?end=true") as asked:
+        page.keyboard.press("Enter")
+    assert asked.value.post_data_json["oscillator"]["eccentricity"] == 0.1
+    page.keyboard.press("+")
+    expect(page).to_have_url(re.compile("window="))
+    drawn(page)
+    here, there = (re.search(r"t = \S+ +v = \S+", opened.hover(0.25, 0.5, plane))[0] for plane in ("#plane", kept))
+    assert here == there
+    page.evaluate(AXE.read_text())
+    findings = page.evaluate("axe.run().then(({violations}) => violations)")
+    assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in findings] == []
+
+
 def test_what_is_kept_right_after_the_end_is_what_was_computed(explorer, service):
     """Its cells come late, and the page has gone on to another machine by then."""
     page = explorer.page

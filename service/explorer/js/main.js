@@ -39,8 +39,8 @@ const REST_MS = 350;
  */
 const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, rest: 0, sliding: false };
 
-const plane = new Plane(by("plane"), { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole) });
-const marks = new Marks(by("marks"), plane);
+const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: by("plane-kept"), marks: by("marks-kept") }], { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole) });
+const marks = new Marks(plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
 const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), sound: () => screen.confirm() && lifeChanged(jobs.life) });
 const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
@@ -50,10 +50,10 @@ const hover = new Hover(plane, marks, oscillatorAt, { reading: by("reading"), se
 const overlays = new OverlayList(by("overlays"), plane, () => remember(false));
 const sweep = new Sweep(by("sweep"), openPanel);
 const still = new Still(by("still"));
-const comparison = new Comparison({ button: by("keep"), range: by("swipe") }, plane, { seen: keptHere, changed: keptChanged, ended: () => motions.forgetKept(), failed: previewFailed });
+const comparison = new Comparison({ button: by("keep"), range: by("swipe"), side: by("side"), frame: by("frame") }, plane, { seen: keptHere, changed: keptChanged, ended: () => motions.forgetKept(), failed: previewFailed });
 const charts = {
-  orbits: new Orbits({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), pick: (departure) => motions.pick(departure, false, true) }),
-  bifurcation: new Diagrams({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) }),
+  orbits: new Orbits({ oscillator: () => screen.oscillator, colour: (name) => plane.paintOf(name).colour, pick: (departure) => motions.pick(departure, false, true) }),
+  bifurcation: new Diagrams({ oscillator: () => screen.oscillator, paint: (name) => plane.paintOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) }),
 };
 const examples = new Examples(by("preset"), by("examples"), by("preset-note"), showExample);
 
@@ -121,9 +121,9 @@ function requestHere() {
   return { oscillator: screen.oscillator, grid: axesOf(plane.view, cells), iterations };
 }
 
-/** The oscillator of the half of the plane in which a place is. */
-function oscillatorAt({ t }) {
-  return plane.isKept(t) ? plane.beside.oscillator : screen.oscillator;
+/** The oscillator of the basin in which a place is. @param {Place} place */
+function oscillatorAt(place) {
+  return (plane.keptAt(place) ?? screen).oscillator;
 }
 
 /** What is seen, to be kept. */
@@ -265,6 +265,7 @@ function restyle(look) {
   plane.restyle({ ...look, ground: getComputedStyle(document.documentElement).getPropertyValue("--plot").trim() });
   legend();
   sweep.repaint(plane.picture, plane.look.palette);
+  if (charts.bifurcation.shown) charts.bifurcation.draw();
   remember(false);
 }
 
