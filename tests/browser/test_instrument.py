@@ -94,6 +94,36 @@ def test_what_would_be_refused_is_not_asked_for(explorer):
     expect(explorer.page.locator("#shown")).to_contain_text("ε = 0.11")
 
 
+def test_the_plane_stays_where_it_is_under_the_pointer_when_a_motion_is_followed(opened):
+    before = opened.page.locator("#plane").bounding_box()
+    opened.page.mouse.click(*opened.spot(0.95, 0.52))
+    expect(opened.page.locator("#histories")).to_contain_text("ends in")
+    assert opened.page.locator("#plane").bounding_box() == before
+
+
+def test_where_there_is_no_picture_the_old_one_is_dimmed_and_nothing_offers_to_refine_it(explorer):
+    """Below a damping of 0.314 at this eccentricity there is no quiet solution."""
+    page = explorer.page
+    explorer.forgiven += ("422",)
+    explorer.visit().pictured("Preview")
+    slider = page.locator("[data-turn=damping]")
+
+    def slide(damping):
+        move = "(input, value) => { input.value = value; input.dispatchEvent(new Event('input', {bubbles: true})); }"
+        slider.evaluate(move, damping)
+
+    slide("0.2")
+    expect(page.locator("#frame")).to_have_class("old")
+    expect(page.locator("#standing")).to_have_text(re.compile("^Nothing is computed at the values of the sliders"))
+    expect(page.locator("#shown")).to_contain_text("δ = 0.6")
+    expect(page.locator("#compute")).to_be_disabled()
+    expect(page.locator("#verdict")).to_contain_text("eccentricity must be below")
+    slide("0.55")
+    expect(page.locator("#shown")).to_contain_text("δ = 0.55")
+    expect(page.locator("#frame")).not_to_have_class("old")
+    expect(page.locator("#compute")).to_be_enabled()
+
+
 def test_an_outage_of_the_service_is_said_and_ends_with_a_picture(explorer):
     explorer.forgiven += ("ERR_FAILED",)
     explorer.visit().pictured("Preview")

@@ -1,10 +1,10 @@
 /** The page: connects its parts. What is seen is one state: the request, the window, the look, the motions. */
 
-import { get, Unreachable, whenKeyIsNeeded } from "./net/api.js";
+import { get, Refusal, Unreachable, whenKeyIsNeeded } from "./net/api.js";
 import { Jobs } from "./jobs/jobs.js";
 import { ended } from "./jobs/life.js";
 import { showCaption } from "./look/caption.js";
-import { firstOf, Screen } from "./look/screen.js";
+import { firstOf, sameOscillator, Screen } from "./look/screen.js";
 import { by } from "./page/by.js";
 import { enableSteps, enableTools, setUpControls } from "./page/controls.js";
 import { askForKey } from "./page/login.js";
@@ -35,14 +35,15 @@ const REST_MS = 350;
 
 /**
  * `request`: what is asked for, or would be. `edited`: it has not been asked for. `whole`: the window before zooming.
- * `opening`: what the address says, while it is opened; at first nothing is known of it.
+ * `opening`: what the address says, while it is opened; at first nothing is known of it. `refused`: the service has no
+ * picture of what the form says.
  */
-const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, rest: 0, sliding: false };
+const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, rest: 0, sliding: false, refused: false };
 
 const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: by("plane-kept"), marks: by("marks-kept") }], { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole) });
 const marks = new Marks(plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
-const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), sound: () => screen.confirm() && lifeChanged(jobs.life) });
+const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), sound });
 const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
 const jobs = new Jobs({ changed: lifeChanged, begun, drawn });
 const motions = new Motions(by("history"), plane, marks, () => screen.wanted, () => remember(false));
@@ -75,6 +76,19 @@ function edited() {
   screen.propose(oscillator);
   turn.show(oscillator);
   remember(false);
+}
+
+/** The service would take the oscillator and the window of the form, or would not. */
+function sound(taken) {
+  refuse(!taken);
+  if (taken && screen.confirm()) lifeChanged(jobs.life);
+}
+
+/** There is no picture of what the form says, or there is again: the one that is seen is of other values. */
+function refuse(refused) {
+  at.refused = refused;
+  by("frame").classList.toggle("old", refused);
+  caption();
 }
 
 function slid(name, value) {
@@ -213,6 +227,7 @@ function openPanel(panel) {
 // What is seen.
 
 function pictureChanged() {
+  if (at.refused && sameOscillator(screen.oscillator, form.oscillator())) refuse(false);
   overlays.offer("proven", Boolean(plane.picture?.proof));
   charts.bifurcation.follow();
   legend();
@@ -236,6 +251,8 @@ function left() {
 
 function previewFailed(error) {
   if (error.name === "AbortError") return;
+  // The form says why.
+  if (error instanceof Refusal && error.status === 422 && screen.moving) return refuse(true);
   say(inWords(error), true);
   if (error instanceof Unreachable) form.doubt();
 }
@@ -252,7 +269,7 @@ function legend() {
 function caption() {
   const { job } = jobs;
   const kind = job && !hasCells(job) ? kindInWords(job) : null;
-  showCaption({ shown: by("shown"), standing: by("standing") }, { kind, job, oscillator: screen.oscillator, picture: plane.picture, edited: at.edited });
+  showCaption({ shown: by("shown"), standing: by("standing") }, { kind, job, oscillator: screen.oscillator, picture: plane.picture, edited: at.edited, refused: at.refused });
 }
 
 function takeaway() {

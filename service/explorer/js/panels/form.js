@@ -35,8 +35,8 @@ function fieldOf(location) {
 
 function secondsInWords(seconds) {
   if (seconds < 1) return "Less than a second of computing.";
-  if (seconds < 90) return `Up to ${Math.ceil(seconds)} s of computing.`;
-  return `Up to ${Math.ceil(seconds / 60)} minutes of computing.`;
+  if (seconds < 90) return `About ${Math.ceil(seconds)} s of computing.`;
+  return `About ${Math.ceil(seconds / 60)} minutes of computing.`;
 }
 
 function plainly(message) {
@@ -50,7 +50,7 @@ export class Form {
    * @param {(request: BasinRequest) => void} tell.submitted
    * @param {() => void} tell.edited called after each change
    * @param {(bounds: object[]) => void} tell.bounds called with the bounds that apply
-   * @param {() => void} tell.sound called when the service would take the oscillator and the window
+   * @param {(sound: boolean) => void} tell.sound called with whether the service would take the oscillator and the window
    */
   constructor(form, tell) {
     this.form = form;
@@ -242,7 +242,7 @@ export class Form {
 
   #show({ accepted, errors, seconds, bounds }) {
     this.tell.bounds(bounds);
-    if (!errors.some(({ location }) => ["oscillator", "grid"].includes(location[1]))) this.tell.sound();
+    this.tell.sound(!errors.some(({ location }) => ["oscillator", "grid"].includes(location[1])));
     this.form.querySelectorAll(".hint").forEach((hint) => this.#hint(hint, "", "", false));
     this.form.querySelectorAll("[aria-invalid]").forEach((input) => input.removeAttribute("aria-invalid"));
     for (const bound of bounds) {
