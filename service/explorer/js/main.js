@@ -43,7 +43,7 @@ const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0
 const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: by("plane-kept"), marks: by("marks-kept") }], { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole) });
 const marks = new Marks(plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
-const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), sound });
+const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), part: (request) => screen.partOf(request), sound });
 const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
 const jobs = new Jobs({ changed: lifeChanged, begun, drawn });
 const motions = new Motions(by("history"), plane, marks, () => screen.wanted, () => remember(false));
@@ -230,6 +230,7 @@ function pictureChanged() {
   if (at.refused && sameOscillator(screen.oscillator, form.oscillator())) refuse(false);
   overlays.offer("proven", Boolean(plane.picture?.proof));
   charts.bifurcation.follow();
+  form.price();
   legend();
   motions.told();
   hover.read();
