@@ -113,6 +113,9 @@ interface PreviewAnswer {
 
 interface Departure { t: number; v: number }
 
+/** A departure, and whether it is in the basin that was kept. */
+interface Place extends Departure { kept: boolean }
+
 /** How many of a cell's 64 parts are proven, and why not all; a reason of null where it was not tried yet. */
 interface Proven { parts: number; reason: number | null }
 

@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field
 
 from rattle_kernels import AttractorKind, Direction, Outcome, TimeHistory
 from service.models.numbers import FiniteOrNone
-from worker.jobs.motion_end import MotionEnd
+from worker.views.motion_end import MotionEnd
 
 _OUTCOMES: dict[Outcome, Literal["rattling", "permanent_contact", "undecided"]] = {
     Outcome.RETURNED: "rattling",

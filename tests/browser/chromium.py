@@ -75,28 +75,28 @@ class Explorer:
         expect(self.page.locator("#compute")).to_be_enabled()
         self.page.locator("#compute").click()
 
-    def frame(self):
+    def frame(self, plane="#plane"):
         """Left, top, width and height of the plot on the screen."""
-        box = self.page.locator("#plane").bounding_box()
-        left, top, width, height = map(float, self.page.locator("#plane").get_attribute("data-frame").split(","))
+        box = self.page.locator(plane).bounding_box()
+        left, top, width, height = map(float, self.page.locator(plane).get_attribute("data-frame").split(","))
         return box["x"] + left, box["y"] + top, width, height
 
-    def spot(self, across, up):
+    def spot(self, across, up, plane="#plane"):
         """Place on the screen of a part of the plot, from its lower left corner."""
-        left, top, width, height = self.frame()
+        left, top, width, height = self.frame(plane)
         return left + across * width, top + (1 - up) * height
 
-    def hover(self, across, up):
+    def hover(self, across, up, plane="#plane"):
         """Move the pointer there, and read what the page says of it."""
-        self.page.mouse.move(*self.spot(across, up))
+        self.page.mouse.move(*self.spot(across, up, plane))
         return self.page.locator("#reading").inner_text()
 
-    def colour(self, across, up):
-        """Colour of the plot at a place: red, green, blue."""
-        x, y = self.spot(across, up)
-        box = self.page.locator("#plane").bounding_box()
+    def colour(self, across, up, plane="#plane", canvas=None):
+        """Colour of the plot at a place, or of another canvas over it: red, green, blue."""
+        x, y = self.spot(across, up, plane)
+        box = self.page.locator(plane).bounding_box()
         script = """(canvas, [x, y]) => {
             const ratio = canvas.width / canvas.clientWidth;
             return [...canvas.getContext("2d").getImageData(x * ratio, y * ratio, 1, 1).data].slice(0, 3);
         }"""
-        return tuple(self.page.locator("#plane").evaluate(script, [x - box["x"], y - box["y"]]))
+        return tuple(self.page.locator(canvas or plane).evaluate(script, [x - box["x"], y - box["y"]]))

@@ -154,7 +154,7 @@ def slide(explorer):
         )
         expect(explorer.page.locator("#shown")).to_contain_text(f"δ = {damping}", timeout=30_000)
         explorer.page.wait_for_timeout(300)
-        yield f"slider-{number}", explorer.page.locator("#look")
+        yield f"slider-{number}", explorer.page.locator("#frame")
 
 
 def move_tooth(explorer):

@@ -154,7 +154,8 @@ def test_a_click_follows_the_motion_and_says_where_it_ends(opened):
     expect(page.locator("#histories path.first")).to_have_count(1)
     expect(page.locator("#histories path.second")).to_have_count(1)
     page.locator("#forget").click()
-    expect(page.locator("#history")).to_be_hidden()
+    expect(page.locator("#tooth-canvas")).to_be_hidden()
+    expect(page.locator("#history .invitation")).to_be_visible()
 
 
 def test_all_of_it_can_be_done_from_the_keyboard(opened):

@@ -94,6 +94,36 @@ def test_what_would_be_refused_is_not_asked_for(explorer):
     expect(explorer.page.locator("#shown")).to_contain_text("ε = 0.11")
 
 
+def test_the_plane_stays_where_it_is_under_the_pointer_when_a_motion_is_followed(opened):
+    before = opened.page.locator("#plane").bounding_box()
+    opened.page.mouse.click(*opened.spot(0.95, 0.52))
+    expect(opened.page.locator("#histories")).to_contain_text("ends in")
+    assert opened.page.locator("#plane").bounding_box() == before
+
+
+def test_where_there_is_no_picture_the_old_one_is_dimmed_and_nothing_offers_to_refine_it(explorer):
+    """Below a damping of 0.314 at this eccentricity there is no quiet solution."""
+    page = explorer.page
+    explorer.forgiven += ("422",)
+    explorer.visit().pictured("Preview")
+    slider = page.locator("[data-turn=damping]")
+
+    def slide(damping):
+        move = "(input, value) => { input.value = value; input.dispatchEvent(new Event('input', {bubbles: true})); }"
+        slider.evaluate(move, damping)
+
+    slide("0.2")
+    expect(page.locator("#frame")).to_have_class("old")
+    expect(page.locator("#standing")).to_have_text(re.compile("^Nothing is computed at the values of the sliders"))
+    expect(page.locator("#shown")).to_contain_text("δ = 0.6")
+    expect(page.locator("#compute")).to_be_disabled()
+    expect(page.locator("#verdict")).to_contain_text("eccentricity must be below")
+    slide("0.55")
+    expect(page.locator("#shown")).to_contain_text("δ = 0.55")
+    expect(page.locator("#frame")).not_to_have_class("old")
+    expect(page.locator("#compute")).to_be_enabled()
+
+
 def test_an_outage_of_the_service_is_said_and_ends_with_a_picture(explorer):
     explorer.forgiven += ("ERR_FAILED",)
     explorer.visit().pictured("Preview")
@@ -425,6 +455,74 @@ def test_each_half_of_a_comparison_is_a_whole_plane(opened):
     page.reload()
     expect(page.locator("#kept-legend button")).to_have_count(3, timeout=60_000)
     expect(page.locator("#histories")).to_contain_text("of the kept basin from t = 0.97")
+
+
+def drawn(page):
+    """Wait until what was asked for is drawn."""
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def test_two_basins_lie_side_by_side_with_one_pointer(opened):
+    page, kept = opened.page, "#plane-kept"
+    expect(page.locator("#side")).to_be_hidden()
+    page.locator("#keep").click()
+    opened.fill(eccentricity=0.02)
+    expect(page.locator("#legend button")).to_have_count(1)
+    page.locator("#side").click()
+    expect(page.locator("#swipe")).to_be_hidden()
+    expect(page).to_have_url(re.compile("compare=side"))
+    drawn(page)
+    left, right = page.locator("#plane").bounding_box(), page.locator(kept).bounding_box()
+    assert left["width"] == right["width"] and left["x"] + left["width"] <= right["x"] + 1
+    # The same place of both: quiet in the one, P(1,1,0) in the other. Each has its own grazing curve, all along.
+    assert opened.colour(0.97, 0.53) == (20, 31, 64)
+    assert opened.colour(0.97, 0.53, kept) == (86, 180, 233)
+    for plane, *both in (("#plane", 0.02, 0.1), (kept, 0.1, 0.02)):
+        for t in (0.3, 0.8):
+            own, wrong = (float(grazing_velocity(Oscillator(eccentricity=each), [t])[0]) for each in both)
+            assert min(opened.colour(t, own / 7, plane)) > 150, "the grazing curve of this basin"
+            assert min(opened.colour(t, wrong / 7, plane)) < 150, "and not that of the other"
+    # The pointer of one is a cross in the other, at the same departure, and both are read.
+    for here, there, marks in (("#plane", kept, "#marks-kept"), (kept, "#plane", "#marks")):
+        told = opened.hover(0.97, 0.53, here)
+        assert ("kept: " if here == kept else "") + "t = 0.97" in told
+        assert "P(1,1,0)" in told and "permanent contact" in told
+        drawn(page)
+        assert min(opened.colour(0.97, 0.53, there, marks)) > 100, "a white line, where else nothing is drawn"
+    for plane, eccentricity in (("#plane", 0.02), (kept, 0.1)):
+        with page.expect_request("**/v1/trajectories?end=true") as asked:
+            page.mouse.click(*opened.spot(0.97, 0.53, plane))
+        assert asked.value.post_data_json["oscillator"]["eccentricity"] == eccentricity
+    expect(page.locator("#histories")).to_contain_text("of the kept basin from t = 0.97")
+    page.reload()
+    expect(page.locator("#kept-legend button")).to_have_count(3, timeout=60_000)
+    expect(page.locator("#side")).to_have_attribute("aria-pressed", "true")
+    expect(page.locator(kept)).to_be_visible()
+    expect(page.locator("#histories")).to_contain_text("of the kept basin from t = 0.97")
+
+
+def test_basins_side_by_side_share_the_window_and_the_keys(opened):
+    page, kept = opened.page, "#plane-kept"
+    page.locator("#keep").click()
+    opened.fill(eccentricity=0.02)
+    expect(page.locator("#legend button")).to_have_count(1)
+    page.locator("#side").click()
+    expect(page.locator(kept)).to_have_attribute("aria-label", re.compile("kept: Impacts: .*ε = 0.1"))
+    page.locator(kept).focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator("#reading")).to_contain_text("kept: t = 0.51")
+    expect(page.locator("#reading")).to_contain_text("seen there: permanent contact")
+    with page.expect_request("**/v1/trajectories?end=true") as asked:
+        page.keyboard.press("Enter")
+    assert asked.value.post_data_json["oscillator"]["eccentricity"] == 0.1
+    page.keyboard.press("+")
+    expect(page).to_have_url(re.compile("window="))
+    drawn(page)
+    here, there = (re.search(r"t = \S+ +v = \S+", opened.hover(0.25, 0.5, plane))[0] for plane in ("#plane", kept))
+    assert here == there
+    page.evaluate(AXE.read_text())
+    findings = page.evaluate("axe.run().then(({violations}) => violations)")
+    assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in findings] == []
 
 
 def test_what_is_kept_right_after_the_end_is_what_was_computed(explorer, service):

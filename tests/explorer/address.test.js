@@ -19,7 +19,7 @@ for (const [name, request] of Object.entries({ impacts: REQUEST, springs: SPRING
     const seen = {
       job: "abc", panel: 2, request, view: { t0: 0.25, t1: 0.5, v0: 1, v1: 2 }, whole: { t0: 0, t1: 1, v0: 0, v1: 6 },
       layer: "step", palette: "paper", overlays: ["grazing", "saddles"], motions: [[0.5, 3], [0.125, 2]],
-      beside: null, part: 0.5,
+      beside: null, part: 0.5, compare: "swipe",
     };
     assert.deepEqual(decode(encode(seen)), seen);
   });
@@ -33,8 +33,8 @@ for (const [number, request] of JSON.parse(readFileSync(new URL("full_requests.j
 
 test("a basin that is kept beside another has an address of its own within that of the page", () => {
   const beside = { job: "def", panel: 1, request: SPRINGS, motions: [[0.25, 1]] };
-  const seen = decode(encode({ job: "abc", request: REQUEST, motions: [[0.5, 3]], beside, part: 0.3 }));
-  assert.deepEqual([seen.job, seen.request, seen.motions, seen.part], ["abc", REQUEST, [[0.5, 3]], 0.3]);
+  const seen = decode(encode({ job: "abc", request: REQUEST, motions: [[0.5, 3]], beside, part: 0.3, compare: "side" }));
+  assert.deepEqual([seen.job, seen.request, seen.motions, seen.part, seen.compare], ["abc", REQUEST, [[0.5, 3]], 0.3, "side"]);
   const { job, panel, request, motions } = seen.beside;
   assert.deepEqual({ job, panel, request, motions }, beside);
 });

@@ -3,7 +3,7 @@ import { test } from "node:test";
 
 import { isMarked, paintTextures, texturesOf } from "../../service/explorer/js/plane/palette.js";
 import { POOLS } from "../../service/explorer/js/plane/pools.js";
-import { colourOfName, inKeptColours } from "../../service/explorer/js/plane/session.js";
+import { inKeptColours, paintOfName } from "../../service/explorer/js/plane/session.js";
 
 const POOL = POOLS.colour_blind;
 const OWN = { "permanent contact": "#141f40", "P(1,1,0)": "#56b4e9" };
@@ -35,11 +35,11 @@ test("a motion keeps its colour by name while others come and go", () => {
 
 test("a diagram and a basin have one colour for a name", () => {
   const session = new Map();
-  const early = colourOfName("P(5,5,3)", "colour_blind", session);
+  const early = paintOfName("P(5,5,3)", "colour_blind", session).colour;
   const basinHas = paintsOf(inKeptColours(basin({ "P(2,2,2)": 0.6, "P(5,5,3)": 0.4 }), session));
   assert.equal(basinHas["P(5,5,3)"], `${early} 0`);
-  assert.equal(colourOfName("P(2,2,2)", "colour_blind", session), basinHas["P(2,2,2)"].split(" ")[0]);
-  assert.equal(colourOfName("chaotic", "colour_blind", session), "#d55e00");
+  assert.equal(paintOfName("P(2,2,2)", "colour_blind", session).colour, basinHas["P(2,2,2)"].split(" ")[0]);
+  assert.equal(paintOfName("chaotic", "colour_blind", session).colour, "#d55e00");
 });
 
 test("whatever was seen before, no two motions of a basin are painted alike", () => {

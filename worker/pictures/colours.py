@@ -6,6 +6,8 @@ least 15 of CIEDE2000: those of `Palette.COLOUR_BLIND` with each of the three co
 Machado, Oliveira and Fernandes (2009). Where the pool runs out, its colours come again with a texture.
 """
 
+import re
+from collections.abc import Iterable
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -129,6 +131,36 @@ def paints_of(attractors: tuple[Attractor, ...], palette: Palette = USUAL) -> li
     for place, (_, _, number) in enumerate(sorted(others)):
         paints[number] = Paint(pool[place % len(pool)], place // len(pool) % (TEXTURES + 1))
     return [paints[number] for number in range(len(attractors))]
+
+
+def _motion_of(name: str) -> Attractor:
+    """A motion with a name alone, as far as its colour needs one; chaos where the name has no numbers."""
+    numbers = tuple(map(int, re.findall(r"\d+", name)))
+    kind = AttractorKind.PERIODIC if numbers else AttractorKind.CHAOTIC
+    periods, upper, lower = numbers if len(numbers) == 3 else (0, sum(numbers), 0)
+    return Attractor(kind, periods, upper, lower, np.nan, np.nan, np.empty(0), np.empty(0))
+
+
+def paints_of_names(names: Iterable[str], palette: Palette = USUAL) -> dict[str, Paint]:
+    """Colour and texture of motions by their names, as the page has them where it shows nothing else.
+
+    Parameters
+    ----------
+    names : iterable of str
+        With the numbers of P(m,n+,n-), or of impacts alone; a name without numbers is painted as chaos.
+    palette : Palette
+
+    Returns
+    -------
+    dict of str to Paint
+
+    Examples
+    --------
+    >>> sorted(paints_of_names(["P(1,1,0)", "P(4,4,2)", "no period seen"]))
+    ['P(1,1,0)', 'P(4,4,2)', 'no period seen']
+    """
+    each = sorted(set(names))
+    return dict(zip(each, paints_of(tuple(map(_motion_of, each)), palette), strict=True))
 
 
 def colours_of(attractors: tuple[Attractor, ...], palette: Palette = USUAL) -> list[Colour]:

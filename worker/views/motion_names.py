@@ -8,6 +8,7 @@ import xarray as xr
 
 from rattle_kernels import Direction, Oscillator, Outcome, time_history
 from worker.jobs.bifurcation_job import BifurcationJob
+from worker.stores.layout import Columns
 
 NO_PERIOD = "no period seen"
 """Chaos, a period of more impacts than half of those kept, or a motion that has not settled yet."""
@@ -38,6 +39,26 @@ def _name(job: BifurcationJob, value: float, outcome: int, period: int, t: float
     return itinerary(job.oscillator_at(value), t, v, period) if period > 0 else NO_PERIOD
 
 
+def motion_names(job: BifurcationJob, columns: Columns) -> list[str]:
+    """Names of the motions of a diagram, by visit and seed.
+
+    Parameters
+    ----------
+    job : BifurcationJob
+    columns : mapping of str to ndarray
+        Of its store.
+
+    Returns
+    -------
+    list of str
+        Empty where nothing is computed, or where the motion could not be followed.
+    """
+    t, v = columns["time"][..., -1].ravel(), columns["velocity"][..., -1].ravel()
+    values = np.repeat(columns[job.vary.parameter], columns["outcome"].shape[1])
+    arrays = values, columns["outcome"].ravel(), columns["impact_period"].ravel(), t, v
+    return [_name(job, *row) for row in zip(*(array.tolist() for array in arrays), strict=True)]
+
+
 def add_motion_names(dataset: xr.Dataset, table: pd.DataFrame) -> pd.DataFrame:
     """The table of impact periods of a diagram with a column of names, unless there are too many.
 
@@ -56,8 +77,5 @@ def add_motion_names(dataset: xr.Dataset, table: pd.DataFrame) -> pd.DataFrame:
     if len(table) > MOST_NAMED:
         return table
     job = BifurcationJob.from_request(json.loads(dataset.attrs["request"]))
-    t, v = dataset.time.values[..., -1].ravel(), dataset.velocity.values[..., -1].ravel()
-    values = np.repeat(dataset[job.vary.parameter].values, dataset.sizes["seed"])
-    arrays = values, dataset.outcome.values.ravel(), dataset.impact_period.values.ravel(), t, v
-    rows = zip(*(array.tolist() for array in arrays), strict=True)
-    return table.assign(name=[_name(job, *row) for row in rows])
+    used = (job.vary.parameter, "time", "velocity", "outcome", "impact_period")
+    return table.assign(name=motion_names(job, {name: dataset[name].values for name in used}))

@@ -1,10 +1,10 @@
 /** The page: connects its parts. What is seen is one state: the request, the window, the look, the motions. */
 
-import { get, Unreachable, whenKeyIsNeeded } from "./net/api.js";
+import { get, Refusal, Unreachable, whenKeyIsNeeded } from "./net/api.js";
 import { Jobs } from "./jobs/jobs.js";
 import { ended } from "./jobs/life.js";
 import { showCaption } from "./look/caption.js";
-import { firstOf, Screen } from "./look/screen.js";
+import { firstOf, sameOscillator, Screen } from "./look/screen.js";
 import { by } from "./page/by.js";
 import { enableSteps, enableTools, setUpControls } from "./page/controls.js";
 import { askForKey } from "./page/login.js";
@@ -35,14 +35,15 @@ const REST_MS = 350;
 
 /**
  * `request`: what is asked for, or would be. `edited`: it has not been asked for. `whole`: the window before zooming.
- * `opening`: what the address says, while it is opened; at first nothing is known of it.
+ * `opening`: what the address says, while it is opened; at first nothing is known of it. `refused`: the service has no
+ * picture of what the form says.
  */
-const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, rest: 0, sliding: false };
+const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, rest: 0, sliding: false, refused: false };
 
-const plane = new Plane(by("plane"), { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole) });
-const marks = new Marks(by("marks"), plane);
+const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: by("plane-kept"), marks: by("marks-kept") }], { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole) });
+const marks = new Marks(plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
-const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), sound: () => screen.confirm() && lifeChanged(jobs.life) });
+const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), part: (request) => screen.partOf(request), sound });
 const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
 const jobs = new Jobs({ changed: lifeChanged, begun, drawn });
 const motions = new Motions(by("history"), plane, marks, () => screen.wanted, () => remember(false));
@@ -50,10 +51,10 @@ const hover = new Hover(plane, marks, oscillatorAt, { reading: by("reading"), se
 const overlays = new OverlayList(by("overlays"), plane, () => remember(false));
 const sweep = new Sweep(by("sweep"), openPanel);
 const still = new Still(by("still"));
-const comparison = new Comparison({ button: by("keep"), range: by("swipe") }, plane, { seen: keptHere, changed: keptChanged, ended: () => motions.forgetKept(), failed: previewFailed });
+const comparison = new Comparison({ button: by("keep"), range: by("swipe"), side: by("side"), frame: by("frame") }, plane, { seen: keptHere, changed: keptChanged, ended: () => motions.forgetKept(), failed: previewFailed });
 const charts = {
-  orbits: new Orbits({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), pick: (departure) => motions.pick(departure, false, true) }),
-  bifurcation: new Diagrams({ oscillator: () => screen.oscillator, colour: (name) => plane.colourOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) }),
+  orbits: new Orbits({ oscillator: () => screen.oscillator, colour: (name) => plane.paintOf(name).colour, pick: (departure) => motions.pick(departure, false, true) }),
+  bifurcation: new Diagrams({ oscillator: () => screen.oscillator, paint: (name) => plane.paintOf(name), turn: (name, value) => (form.set(name, value), compute(form.request())) }),
 };
 const examples = new Examples(by("preset"), by("examples"), by("preset-note"), showExample);
 
@@ -75,6 +76,19 @@ function edited() {
   screen.propose(oscillator);
   turn.show(oscillator);
   remember(false);
+}
+
+/** The service would take the oscillator and the window of the form, or would not. */
+function sound(taken) {
+  refuse(!taken);
+  if (taken && screen.confirm()) lifeChanged(jobs.life);
+}
+
+/** There is no picture of what the form says, or there is again: the one that is seen is of other values. */
+function refuse(refused) {
+  at.refused = refused;
+  by("frame").classList.toggle("old", refused);
+  caption();
 }
 
 function slid(name, value) {
@@ -121,9 +135,9 @@ function requestHere() {
   return { oscillator: screen.oscillator, grid: axesOf(plane.view, cells), iterations };
 }
 
-/** The oscillator of the half of the plane in which a place is. */
-function oscillatorAt({ t }) {
-  return plane.isKept(t) ? plane.beside.oscillator : screen.oscillator;
+/** The oscillator of the basin in which a place is. @param {Place} place */
+function oscillatorAt(place) {
+  return (plane.keptAt(place) ?? screen).oscillator;
 }
 
 /** What is seen, to be kept. */
@@ -213,8 +227,10 @@ function openPanel(panel) {
 // What is seen.
 
 function pictureChanged() {
+  if (at.refused && sameOscillator(screen.oscillator, form.oscillator())) refuse(false);
   overlays.offer("proven", Boolean(plane.picture?.proof));
   charts.bifurcation.follow();
+  form.price();
   legend();
   motions.told();
   hover.read();
@@ -236,6 +252,8 @@ function left() {
 
 function previewFailed(error) {
   if (error.name === "AbortError") return;
+  // The form says why.
+  if (error instanceof Refusal && error.status === 422 && screen.moving) return refuse(true);
   say(inWords(error), true);
   if (error instanceof Unreachable) form.doubt();
 }
@@ -252,7 +270,7 @@ function legend() {
 function caption() {
   const { job } = jobs;
   const kind = job && !hasCells(job) ? kindInWords(job) : null;
-  showCaption({ shown: by("shown"), standing: by("standing") }, { kind, job, oscillator: screen.oscillator, picture: plane.picture, edited: at.edited });
+  showCaption({ shown: by("shown"), standing: by("standing") }, { kind, job, oscillator: screen.oscillator, picture: plane.picture, edited: at.edited, refused: at.refused });
 }
 
 function takeaway() {
@@ -265,6 +283,7 @@ function restyle(look) {
   plane.restyle({ ...look, ground: getComputedStyle(document.documentElement).getPropertyValue("--plot").trim() });
   legend();
   sweep.repaint(plane.picture, plane.look.palette);
+  if (charts.bifurcation.shown) charts.bifurcation.draw();
   remember(false);
 }
 

@@ -16,7 +16,7 @@ function draw(place, backlashOf, motions) {
   const room = 0.08 * (most - least);
   const label = `Displacement over time of ${motions.size === 1 ? "one motion" : "two motions"} between the backlash boundaries`;
   const chart = new Chart(place, {
-    height: 170, x, y: [least - room, most + room], xLabel: "time t (forcing periods)", yLabel: "displacement Φ", label,
+    height: 140, x, y: [least - room, most + room], xLabel: "time t (forcing periods)", yLabel: "displacement Φ", label,
   });
   for (const [wall, name] of widths.flatMap((width) => [[width, "+β"], [-width, "−β"]])) {
     chart.add("path", { class: "wall", d: `M${chart.x(x[0])} ${chart.y(wall)}H${chart.x(x[1])}` });
@@ -64,7 +64,7 @@ function sentence(name, { start, ends, kept }) {
  * @returns {(at: number|null) => void}
  */
 export function showHistories(section, backlashOf, motions, seek) {
-  section.hidden = motions.size === 0;
+  section.classList.toggle("empty", motions.size === 0);
   const place = section.querySelector("#histories");
   place.replaceChildren();
   if (!motions.size) return () => {};

@@ -27,9 +27,11 @@ export function windowInWords({ t0, t1, v0, v1 }) {
  * Where the picture comes from: {words, kind}.
  * @param {import("../plane/picture.js").Picture|null} picture the picture on top
  * @param {boolean} edited whether the form has been changed since
+ * @param {boolean} refused whether the service refuses what the form has now
  * @param {Job|null} job the job of the picture
  */
-function standing(picture, edited, job) {
+function standing(picture, edited, job, refused) {
+  if (picture && refused) return { words: "Nothing is computed at the values of the sliders; the picture is of these.", kind: "edited" };
   if (!picture) return { words: "", kind: "none" };
   const { time, velocity } = picture.outline;
   const cells = `${time.cells} × ${velocity.cells} cells`;
@@ -49,10 +51,11 @@ function standing(picture, edited, job) {
  * @param {Oscillator|null} seen.oscillator
  * @param {import("../plane/picture.js").Picture|null} seen.picture
  * @param {boolean} seen.edited
+ * @param {boolean} seen.refused
  */
-export function showCaption(lines, { kind, job, oscillator, picture, edited }) {
+export function showCaption(lines, { kind, job, oscillator, picture, edited, refused }) {
   const text = kind ?? (oscillator ? oscillatorInWords(oscillator) : "");
-  const origin = standing(picture, edited, job);
+  const origin = standing(picture, edited, job, refused);
   lines.shown.textContent = text;
   lines.standing.textContent = kind ? "" : origin.words;
   lines.standing.dataset.kind = origin.kind;

@@ -5,6 +5,7 @@ import { ended } from "../jobs/life.js";
 import { Unreachable } from "../net/api.js";
 import { Latest } from "../net/latest.js";
 import { harmonicsText, NUMBERS, USUAL, withValues } from "../state/oscillator.js";
+import { partTaken } from "./estimate.js";
 import { Live } from "./live.js";
 
 const FIELDS = ["model", ...NUMBERS, "harmonics", "permanent_contact"];
@@ -69,6 +70,18 @@ export class Screen {
         if (!signal.aborted) this.plane.arrived(picture, tile);
       }, signal);
     }
+  }
+
+  /**
+   * Which part of a request's iterations its cells take, by the preview of the same machine: those that settle end early.
+   * Null where there is none.
+   * @param {BasinRequest} request
+   * @returns {number|null}
+   */
+  partOf(request) {
+    const { preview } = this.plane.stack;
+    if (!preview || preview.quick || request.prove || !sameOscillator(preview.oscillator, firstOf(request))) return null;
+    return partTaken(preview.outline.solutions, preview.iterations / request.iterations);
   }
 
   /** Look at an oscillator once the service is known to take it. */

@@ -53,7 +53,7 @@ export function setUpControls({ plane, jobs, restyle, whole, takeaway }) {
   by("in").addEventListener("click", () => plane.zoom(0.7));
   by("out").addEventListener("click", () => plane.zoom(1 / 0.7));
   by("whole").addEventListener("click", whole);
-  by("box").addEventListener("click", () => (plane.gestures.boxing = toggle(by("box"))));
+  by("box").addEventListener("click", () => (plane.boxing = toggle(by("box"))));
   by("layer").addEventListener("change", () => restyle({ layer: by("layer").value }));
   by("palette").addEventListener("change", () => restyle({ palette: by("palette").value }));
   by("open-drawer").addEventListener("click", () => {

@@ -9,19 +9,29 @@ const FONT = '13px system-ui, "DejaVu Sans", sans-serif';
 
 const UNPROVEN = "#d9d9d9";
 
-/** What is not proven, where it is hatched. */
-function unprovenOf({ picture, hatches }) {
+/** A part of the plane that has a legend of its own. @typedef {Pick<import("../plane/plane.js").Plane, "picture">} Part */
+
+/** What is not proven, where it is hatched. @param {Part} part */
+function unprovenOf({ picture }, hatches) {
   if (!picture.proof || !hatches) return [];
   const { proven } = picture.proof.shares(picture.solution, picture.outline.solutions.length);
   return [{ name: "not proven (hatched)", colour: UNPROVEN, share: 1 - proven.reduce((sum, each) => sum + each, 0) }];
 }
 
-function legendOf({ picture, look }) {
+/** @param {Part} part @param {Look} look */
+function legendOf({ picture }, look) {
   if (look.layer !== "solution") return [];
   const shares = picture.shares();
   return picture.outline.solutions.filter(({ number }) => shares[number] > 0).map((solution) => ({
     name: keyOf(picture.outline.solutions, solution.number), colour: solution.colours[look.palette], share: shares[solution.number],
   }));
+}
+
+/** Rows of the legends of all basins that are seen. @param {import("../plane/plane.js").Plane} plane */
+function rowsOf(plane) {
+  const rows = (part) => (part?.picture ? [...legendOf(part, plane.look), ...unprovenOf(part, plane.hatches)] : []);
+  const kept = rows(plane.beside).map((row) => ({ ...row, name: `kept: ${row.name}` }));
+  return [...rows(plane), ...kept];
 }
 
 /**
@@ -31,8 +41,11 @@ function legendOf({ picture, look }) {
  * @returns {Promise<Blob>}
  */
 export function pictureOf(plane, caption) {
-  const { width, height } = plane.plot.size;
-  const legend = [...legendOf(plane), ...unprovenOf(plane)];
+  const panes = plane.shown;
+  const [{ left }] = panes.map(({ plot }) => plot);
+  const width = panes.reduce((sum, { plot }) => sum + plot.size.width, 0);
+  const height = Math.max(...panes.map(({ plot }) => plot.size.height));
+  const legend = rowsOf(plane);
   const canvas = document.createElement("canvas");
   const below = ROW * (Math.ceil(legend.length / 3) + 2);
   [canvas.width, canvas.height] = [SCALE * width, SCALE * (height + below)];
@@ -40,13 +53,17 @@ export function pictureOf(plane, caption) {
   context.scale(SCALE, SCALE);
   context.fillStyle = colour("card");
   context.fillRect(0, 0, width, height + below);
-  context.drawImage(plane.canvas, 0, 0, width, height);
+  let across = 0;
+  for (const { canvas: drawn, plot } of panes) {
+    context.drawImage(drawn, across, 0, plot.size.width, plot.size.height);
+    across += plot.size.width;
+  }
   context.font = FONT;
   context.textBaseline = "middle";
   context.fillStyle = colour("ink");
-  context.fillText(caption, plane.plot.left, height + ROW / 2);
+  context.fillText(caption, left, height + ROW / 2);
   legend.forEach(({ name, colour: fill, share }, i) => {
-    const x = plane.plot.left + (i % 3) * ((width - plane.plot.left) / 3);
+    const x = left + (i % 3) * ((width - left) / 3);
     const y = height + ROW * (1.7 + Math.floor(i / 3));
     context.fillStyle = fill;
     context.fillRect(x, y - 6, 12, 12);

@@ -7,7 +7,7 @@ import { get, post } from "../net/api.js";
 import { follow } from "../net/follow.js";
 import { by } from "../page/by.js";
 import { inWords } from "../page/say.js";
-import { byMotion, NO_PERIOD } from "./branches.js";
+import { byMotion, markAt, NO_PERIOD } from "./branches.js";
 import { swatch } from "./swatch.js";
 import { harmonicParameters, NUMBERS, ONLY_IN, parameterInWords, valueIn } from "../state/oscillator.js";
 
@@ -38,7 +38,7 @@ export class Diagrams {
   /**
    * @param {object} page
    * @param {() => Oscillator|null} page.oscillator that is seen
-   * @param {(name: string) => string|undefined} page.colour of a motion on the basin
+   * @param {(name: string) => Paint} page.paint of a motion on the basin
    * @param {(parameter: string, value: number) => void} page.turn look at another value
    */
   constructor(page) {
@@ -46,7 +46,7 @@ export class Diagrams {
     this.section = by("diagram");
     this.note = by("diagram-note");
     this.following = new AbortController();
-    /** @type {{parameter: string, range: number[], motions: Map<string, any[]>}|null} */
+    /** @type {{parameter: string, range: number[], kept: number, motions: Map<string, any[]>}|null} */
     this.shown = null;
     new ResizeObserver(() => this.shown && this.draw()).observe(by("diagram-chart"));
   }
@@ -108,7 +108,7 @@ export class Diagrams {
       const tables = ["velocity", "impact_period"].map((name) => get(`${now.links.result}.json?table=${name}`));
       const [rows, named] = await Promise.all(tables);
       if (signal.aborted) return;
-      this.shown = { parameter, range: [values[0], values.at(-1)], motions: byMotion(rows, named) };
+      this.shown = { parameter, range: [values[0], values.at(-1)], kept: job.request.kept, motions: byMotion(rows, named) };
       this.draw();
       this.note.textContent = "Each dot is a departure that lasts. Click to look at a value, drag over a range to compute it anew.";
       this.section.scrollIntoView({ block: "nearest" });
@@ -123,12 +123,15 @@ export class Diagrams {
       height: 240, x: range, y: [0, 1.05 * most], xLabel: parameterInWords(parameter), yLabel: "velocity v of departure",
       label: `Velocities of departures that last, over ${parameterInWords(parameter)}`,
     });
-    for (const [name, rows] of motions) {
-      const d = rows.map((row) => `M${chart.x(row[parameter]).toFixed(1)} ${chart.y(row.velocity).toFixed(1)}h.01`).join("");
-      const line = chart.add("path", { class: "points", d, stroke: this.#colourOf(name), "data-motion": name });
+    const painted = [...motions].map(([name, rows]) => ({ name, rows, ...this.#paintOf(name) }));
+    // What there is less of lies on top.
+    painted.sort((one, other) => other.rows.length - one.rows.length);
+    for (const { name, rows, colour, texture } of painted) {
+      const d = rows.map((row) => markAt(chart.x(row[parameter]), chart.y(row.velocity), texture)).join("");
+      const line = chart.add("path", { class: texture ? "points marks" : "points", d, stroke: colour, "data-motion": name });
       line.append(Object.assign(document.createElementNS("http://www.w3.org/2000/svg", "title"), { textContent: name }));
     }
-    this.#list();
+    this.#list(painted);
     this.chart = chart;
     this.here = chart.add("path", { class: "here" });
     this.value = chart.add("text", {});
@@ -136,19 +139,21 @@ export class Diagrams {
     this.#listen(chart, range);
   }
 
-  #colourOf(name) {
-    return this.page.colour(name === NO_PERIOD ? "chaotic" : name);
+  #paintOf(name) {
+    return this.page.paint(name === NO_PERIOD ? "chaotic" : name);
   }
 
   /** Name the colours under the chart, those that are seen at most values first. */
-  #list() {
-    const motions = [...this.shown.motions].sort(([, one], [, other]) => other.length - one.length);
-    by("diagram-motions").replaceChildren(...motions.slice(0, LISTED).map(([name]) => {
+  #list(painted) {
+    const none = `no period within ${Math.floor(this.shown.kept / 2)} impacts: chaos, or longer`;
+    const lines = painted.slice(0, LISTED).map(({ name, colour, texture }) => {
       const line = document.createElement("span");
       line.className = "key";
-      line.append(swatch(this.#colourOf(name)), name === NO_PERIOD ? `no period within ${KEPT / 2} impacts: chaos, or longer` : name);
+      line.append(swatch(colour, false, texture), name === NO_PERIOD ? none : name);
       return line;
-    }));
+    });
+    const more = painted.length > LISTED ? [`and ${painted.length - LISTED} more`] : [];
+    by("diagram-motions").replaceChildren(...lines, ...more);
   }
 
   /** Offer what the oscillator that is seen has, and move the line to its value. */

@@ -1,5 +1,6 @@
 /** The form: the paper's examples, fields with their bounds, and errors that the service would report, shown beforehand. */
 
+import { secondsInWords } from "../look/estimate.js";
 import { by } from "../page/by.js";
 import { post, Unreachable } from "../net/api.js";
 import { harmonicParameters, harmonicsOf, harmonicsText, NUMBERS, ONLY_IN, parameterInWords, USUAL, withValues } from "../state/oscillator.js";
@@ -33,12 +34,6 @@ function fieldOf(location) {
   return part ?? null;
 }
 
-function secondsInWords(seconds) {
-  if (seconds < 1) return "Less than a second of computing.";
-  if (seconds < 90) return `Up to ${Math.ceil(seconds)} s of computing.`;
-  return `Up to ${Math.ceil(seconds / 60)} minutes of computing.`;
-}
-
 function plainly(message) {
   return message.replace(/^Input should be /, "must be ").replace(/ \(RATTLE_\w+\)/, "");
 }
@@ -50,7 +45,8 @@ export class Form {
    * @param {(request: BasinRequest) => void} tell.submitted
    * @param {() => void} tell.edited called after each change
    * @param {(bounds: object[]) => void} tell.bounds called with the bounds that apply
-   * @param {() => void} tell.sound called when the service would take the oscillator and the window
+   * @param {(request: BasinRequest) => number|null} tell.part of its iterations that a request's cells take, where that is known
+   * @param {(sound: boolean) => void} tell.sound called with whether the service would take the oscillator and the window
    */
   constructor(form, tell) {
     this.form = form;
@@ -59,6 +55,8 @@ export class Form {
     this.verdict = by("verdict");
     this.button = by("compute");
     this.asked = 0;
+    /** Seconds that the service gives at most; null where it refuses, or has not said. @type {number|null} */
+    this.seconds = null;
     form.querySelectorAll(".field").forEach((field) => {
       const hint = document.createElement("span");
       hint.className = "hint";
@@ -84,6 +82,7 @@ export class Form {
 
   #edited() {
     this.preset.value = "";
+    this.seconds = null;
     this.#shape();
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.check(), WAIT_MS);
@@ -222,6 +221,7 @@ export class Form {
       return verdict.accepted;
     } catch (error) {
       this.unanswered = error instanceof Unreachable;
+      if (number === this.asked) this.seconds = null;
       if (number === this.asked) this.#say(error instanceof Unreachable ? "The service does not answer." : error.message, true);
       return false;
     }
@@ -235,14 +235,15 @@ export class Form {
   }
 
   #say(text, wrong) {
-    this.verdict.textContent = text;
+    // Readers of the screen would hear the same again.
+    if (this.verdict.textContent !== text) this.verdict.textContent = text;
     this.verdict.classList.toggle("wrong", wrong);
     this.button.disabled = wrong;
   }
 
   #show({ accepted, errors, seconds, bounds }) {
     this.tell.bounds(bounds);
-    if (!errors.some(({ location }) => ["oscillator", "grid"].includes(location[1]))) this.tell.sound();
+    this.tell.sound(!errors.some(({ location }) => ["oscillator", "grid"].includes(location[1])));
     this.form.querySelectorAll(".hint").forEach((hint) => this.#hint(hint, "", "", false));
     this.form.querySelectorAll("[aria-invalid]").forEach((input) => input.removeAttribute("aria-invalid"));
     for (const bound of bounds) {
@@ -251,8 +252,14 @@ export class Form {
     }
     const elsewhere = errors.filter((error) => !this.#blame(error)).map(({ message }) => plainly(message));
     const oscillatorErrors = errors.filter(({ location }) => location[1] === "oscillator").map((error) => this.#words(error));
-    if (accepted) this.#say(secondsInWords(seconds), false);
+    this.seconds = accepted ? seconds : null;
+    if (accepted) this.price();
     else this.#say([...elsewhere, ...oscillatorErrors].join("; ") || "Not yet: see the field marked in the request.", true);
+  }
+
+  /** Say how long a request takes that the service would take. */
+  price() {
+    if (this.seconds !== null) this.#say(secondsInWords(this.seconds, this.tell.part(this.request())), false);
   }
 
   #hint(hint, text, why, wrong) {

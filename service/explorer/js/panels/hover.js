@@ -20,13 +20,14 @@ export class Hover {
     this.oscillator = oscillator;
     this.lines = lines;
     this.place = null;
-    const show = (departures, wish) => wish === this.place && this.marks.showHovered(departures);
+    const show = (departures, wish) => wish === this.place && this.marks.showHovered(departures, wish.kept);
     this.latest = new Latest((wish, signal) => briefMotion(this.oscillator(wish), wish, signal), show, () => {});
   }
 
-  /** The pointer is at a place of the plane; null when it has left. */
+  /** The pointer is at a place of the plane; null when it has left. @param {Place|null} place */
   at(place) {
     clearTimeout(this.timer);
+    this.marks.showPointer(place);
     if (!place) {
       this.latest.drop();
       this.marks.showHovered(null);
@@ -44,12 +45,21 @@ export class Hover {
     const place = this.place ?? this.left;
     if (!place) return;
     const { t0, t1, v0, v1 } = this.plane.view;
-    const known = this.plane.at(place.t, place.v);
+    const known = this.plane.at(place);
     const phase = place.t - Math.floor(place.t);
     const where = `t = ${reading(phase, t1 - t0)}   v = ${reading(place.v, v1 - v0)}`;
     const numbers = known?.step === undefined ? "" : `   step ${known.step}, group ${known.group}, period ${known.period}`;
-    this.lines.reading.textContent = (this.plane.isKept(place.t) ? "kept: " : "") + where + (known ? `   ${known.solution.name}${numbers}` : "   not known yet");
+    const there = known ? `   ${known.solution.name}${numbers}` : "   not known yet";
+    this.lines.reading.textContent = (this.plane.keptAt(place) ? "kept: " : "") + where + there + this.#besides(place);
     const proof = known?.proven ? ` ${proofInWords(known.proven, known.solution)}` : "";
     this.lines.sentence.textContent = known ? underPointer(known.solution) + proof : "";
+  }
+
+  /** What the other basin has at the same place, where both are seen as a whole. @param {Place} place */
+  #besides(place) {
+    const { plane } = this;
+    if (!plane.beside || !plane.side) return "";
+    const other = plane.at({ ...place, kept: !place.kept });
+    return `   ${place.kept ? "seen" : "kept"} there: ${other ? other.solution.name : "not known yet"}`;
   }
 }

@@ -29,7 +29,7 @@ export class Motions {
     this.cursor = () => {};
     this.tooth = new Tooth(section, (at, departure, name) => {
       this.cursor(at);
-      marks.showDot(departure, name);
+      marks.showDot(departure, name, Boolean(this.followed.get(name)?.kept));
     });
     /** @type {Map<string, Motion>} */
     this.followed = new Map();
@@ -50,11 +50,11 @@ export class Motions {
   /**
    * Follow the motion from a point: from one that was clicked, rounded to the digits that are shown, or exactly from
    * one that is given in numbers.
+   * @param {Departure & {kept?: boolean}} place
    */
   async pick(place, second, exactly = false) {
     if (place.v <= 0) return;
-    const kept = !exactly && this.plane.isKept(place.t) ? this.plane.beside : null;
-    await this.#pick(place, second, exactly, kept);
+    await this.#pick(place, second, exactly, this.plane.keptAt(place));
   }
 
   /** Follow a motion of the basin that was kept. @param {import("../plane/half.js").Half} kept */
@@ -107,7 +107,7 @@ export class Motions {
 
   /** @param {Motion} motion */
   #cellOf({ start, end, kept }) {
-    const known = this.plane.at(start.t, start.v, Boolean(kept));
+    const known = this.plane.at({ ...start, kept: Boolean(kept) });
     return known ? cellInWords(known.solution, end) : "";
   }
 

@@ -20,12 +20,13 @@ function pairOf(pointers) {
 export class Gestures {
   /**
    * @param {import("./plane.js").Plane} plane
+   * @param {import("./pane.js").Pane} pane the canvas's own
    * @param {HTMLCanvasElement} canvas
    */
-  constructor(plane, canvas) {
+  constructor(plane, pane, canvas) {
     this.plane = plane;
+    this.pane = pane;
     this.canvas = canvas;
-    this.boxing = false;
     this.drag = null;
     this.pointers = new Map();
     canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
@@ -48,7 +49,7 @@ export class Gestures {
   }
 
   #wheel(event) {
-    const { plot } = this.plane;
+    const { plot } = this.pane;
     if (!plot?.contains(event.offsetX, event.offsetY)) return;
     event.preventDefault();
     const factor = Math.exp(Math.min(Math.max(event.deltaY, -200), 200) / 350);
@@ -57,23 +58,23 @@ export class Gestures {
 
   #press(event) {
     const at = { x: event.offsetX, y: event.offsetY };
-    if (event.button !== 0 || !this.plane.plot?.contains(at.x, at.y)) return;
+    if (event.button !== 0 || !this.pane.plot?.contains(at.x, at.y)) return;
     this.canvas.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, at);
     if (this.pointers.size === 2) {
       this.drag = null;
-      this.pinch = { ...pairOf(this.pointers), view: this.plane.view, plot: this.plane.plot };
+      this.pinch = { ...pairOf(this.pointers), view: this.plane.view, plot: this.pane.plot };
     } else {
-      const boxing = this.boxing || event.shiftKey;
-      this.drag = { from: at, to: at, view: this.plane.view, plot: this.plane.plot, moved: false, box: false, boxing };
+      const boxing = this.plane.boxing || event.shiftKey;
+      this.drag = { from: at, to: at, view: this.plane.view, plot: this.pane.plot, moved: false, box: false, boxing };
     }
   }
 
   #move(event) {
     const to = { x: event.offsetX, y: event.offsetY };
     if (!this.pointers.has(event.pointerId)) {
-      const { plot } = this.plane;
-      this.plane.tell.hovered(plot?.contains(to.x, to.y) ? plot.point(to.x, to.y) : null);
+      const { pane } = this;
+      this.plane.tell.hovered(pane.plot?.contains(to.x, to.y) ? pane.placeAt(to.x, to.y) : null);
       return;
     }
     this.pointers.set(event.pointerId, to);
@@ -121,7 +122,7 @@ export class Gestures {
     } else if (drag?.moved) {
       this.plane.go(this.plane.view);
     } else if (drag) {
-      this.plane.tell.picked(drag.plot.point(drag.from.x, drag.from.y), event.shiftKey);
+      this.plane.tell.picked(this.pane.place(drag.plot.point(drag.from.x, drag.from.y)), event.shiftKey);
     }
   }
 
@@ -146,8 +147,8 @@ export class Gestures {
     } else if (event.key === "+" || event.key === "=") plane.zoom(0.7);
     else if (event.key === "-") plane.zoom(1 / 0.7);
     else if (event.key === "0") plane.tell.whole();
-    else if (event.key === "Enter" && plane.crossHair) plane.tell.picked(plane.crossHair, false);
-    else if (event.key === "b" && plane.crossHair) plane.tell.picked(plane.crossHair, true);
+    else if (event.key === "Enter" && plane.crossHair) plane.tell.picked(this.pane.place(plane.crossHair), false);
+    else if (event.key === "b" && plane.crossHair) plane.tell.picked(this.pane.place(plane.crossHair), true);
     else if (event.key === "Escape") plane.crossHair = null;
     else return;
     event.preventDefault();
@@ -159,6 +160,6 @@ export class Gestures {
     const at = this.plane.crossHair ?? { t: (t0 + t1) / 2, v: (v0 + v1) / 2 };
     const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
     this.plane.crossHair = { t: clamp(at.t + (across * (t1 - t0)) / 100, t0, t1), v: clamp(at.v + (up * (v1 - v0)) / 100, v0, v1) };
-    this.plane.tell.hovered(this.plane.crossHair);
+    this.plane.tell.hovered(this.pane.place(this.plane.crossHair));
   }
 }

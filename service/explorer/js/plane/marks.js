@@ -1,47 +1,74 @@
-/** What moves over the basin: the dot of the tooth that is played, and the motion under the pointer. A canvas of its own. */
+/** What moves over the basin: the dot of the tooth that is played, the motion under the pointer, and the pointer itself on the other canvas. */
 
 import { colour } from "../page/theme.js";
 
 const MOST = 14;
+const ARM = 9;
+
+/**
+ * Lines twice, so that they are seen on any colour.
+ * @param {CanvasRenderingContext2D} context
+ */
+function strokeTwice(context) {
+  for (const [style, width] of /** @type {[string, number][]} */ ([["rgb(0 0 0 / 55%)", 3], ["#ffffff", 1.2]])) {
+    context.strokeStyle = style;
+    context.lineWidth = width;
+    context.stroke();
+  }
+}
 
 export class Marks {
-  /** @param {HTMLCanvasElement} canvas @param {import("./plane.js").Plane} plane */
-  constructor(canvas, plane) {
-    this.canvas = canvas;
+  /** @param {import("./plane.js").Plane} plane */
+  constructor(plane) {
     this.plane = plane;
+    /** @type {{departure: Departure, name: string, kept: boolean}|null} */
     this.dot = null;
+    /** @type {{departures: Departure[], kept: boolean}|null} */
     this.hovered = null;
+    /** @type {Place|null} */
+    this.pointer = null;
     plane.tell.drawn = () => this.draw();
   }
 
   /** Show the departure that the tooth has just made; null hides it. */
-  showDot(departure, name) {
-    if (departure === this.dot?.departure) return;
-    this.dot = departure && { departure, name };
+  showDot(departure, name, kept) {
+    if (departure === (this.dot?.departure ?? null)) return;
+    this.dot = departure && { departure, name, kept };
     this.draw();
   }
 
-  /** Show departures of the motion under the pointer; null hides them. */
-  showHovered(departures) {
-    this.hovered = departures;
+  /** Show departures of the motion under the pointer, and of which basin they are; null hides them. */
+  showHovered(departures, kept = false) {
+    this.hovered = departures && { departures, kept };
     this.draw();
+  }
+
+  /** Show where the pointer is on the canvas beside it; null where it is on none. @param {Place|null} place */
+  showPointer(place) {
+    this.pointer = place;
+    if (this.plane.side) this.draw();
   }
 
   draw() {
-    const { plot } = this.plane;
-    if (!plot) return;
+    for (const pane of this.plane.shown) if (pane.plot) this.#drawOn(pane);
+  }
+
+  /** @param {import("./pane.js").Pane} pane */
+  #drawOn({ marks, plot, kept }) {
     const ratio = window.devicePixelRatio || 1;
     const [wide, high] = [Math.round(plot.size.width * ratio), Math.round(plot.size.height * ratio)];
-    if (this.canvas.width !== wide || this.canvas.height !== high) [this.canvas.width, this.canvas.height] = [wide, high];
-    const context = this.canvas.getContext("2d");
+    if (marks.width !== wide || marks.height !== high) [marks.width, marks.height] = [wide, high];
+    const context = marks.getContext("2d");
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, plot.size.width, plot.size.height);
     context.save();
     context.beginPath();
     context.rect(plot.left, plot.top, plot.width, plot.height);
     context.clip();
-    if (this.hovered) this.#drawHovered(context, plot);
-    if (this.dot) this.#drawDot(context, plot);
+    const alone = this.plane.shown.length === 1;
+    if (this.hovered && (alone || this.hovered.kept === kept)) this.#drawHovered(context, plot);
+    if (this.dot && (alone || this.dot.kept === kept)) this.#drawDot(context, plot);
+    if (this.pointer && !alone && this.pointer.kept !== kept) this.#drawPointer(context, plot);
     context.restore();
   }
 
@@ -50,19 +77,26 @@ export class Marks {
     return [plot.x(t), plot.y(v)];
   }
 
-  #drawHovered(context, plot) {
+  #drawPointer(context, plot) {
+    const [x, y] = this.#place(plot, this.pointer);
     context.beginPath();
-    this.hovered.slice(0, MOST).forEach((departure, i) => {
+    context.moveTo(x - ARM, y);
+    context.lineTo(x + ARM, y);
+    context.moveTo(x, y - ARM);
+    context.lineTo(x, y + ARM);
+    strokeTwice(context);
+  }
+
+  #drawHovered(context, plot) {
+    const departures = this.hovered.departures.slice(0, MOST);
+    context.beginPath();
+    departures.forEach((departure, i) => {
       const [x, y] = this.#place(plot, departure);
       if (i) context.lineTo(x, y);
       else context.moveTo(x, y);
     });
-    for (const [style, width] of [["rgb(0 0 0 / 55%)", 3], ["#ffffff", 1.2]]) {
-      context.strokeStyle = style;
-      context.lineWidth = width;
-      context.stroke();
-    }
-    for (const departure of this.hovered.slice(0, MOST)) {
+    strokeTwice(context);
+    for (const departure of departures) {
       const [x, y] = this.#place(plot, departure);
       context.beginPath();
       context.arc(x, y, 2.5, 0, 2 * Math.PI);
@@ -73,7 +107,7 @@ export class Marks {
 
   #drawDot(context, plot) {
     const [x, y] = this.#place(plot, this.dot.departure);
-    for (const [radius, style] of [[9, "#ffffff"], [7, "#000000"], [5.5, colour(this.dot.name)]]) {
+    for (const [radius, style] of /** @type {[number, string][]} */ ([[9, "#ffffff"], [7, "#000000"], [5.5, colour(this.dot.name)]])) {
       context.beginPath();
       context.arc(x, y, radius, 0, 2 * Math.PI);
       context.fillStyle = style;

@@ -42,20 +42,21 @@ function paintsIn(solutions, palette, kept) {
 }
 
 /**
- * Colour of a motion by its name, whether a basin has it or not: it keeps that as well.
+ * Colour and texture of a motion by its name, whether a basin has it or not: it keeps them as well.
  * @param {string} name
  * @param {string} palette
  * @param {Map<string, Map<string, Paint>>} [session]
+ * @returns {Paint}
  */
-export function colourOfName(name, palette, session = KEPT) {
-  if (OWN[palette][name]) return OWN[palette][name];
+export function paintOfName(name, palette, session = KEPT) {
+  if (OWN[palette][name]) return { colour: OWN[palette][name], texture: 0 };
   if (!session.has(palette)) session.set(palette, new Map());
   const kept = session.get(palette);
   if (!kept.has(name)) {
     const claimed = new Set([...kept.values()].map(textOf));
     kept.set(name, freePaint(palette, claimed, claimed) ?? { colour: POOLS[palette][kept.size % POOLS[palette].length], texture: 0 });
   }
-  return kept.get(name).colour;
+  return kept.get(name);
 }
 
 /**

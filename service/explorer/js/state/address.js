@@ -4,10 +4,10 @@ import { harmonicsOf, harmonicsText, NUMBERS } from "./oscillator.js";
 import { same, viewOf } from "./window.js";
 
 /** What is not written. */
-const USUAL = { layer: "solution", palette: "colour_blind", overlays: "proven,grazing,attractors", part: 0.5 };
+const USUAL = { layer: "solution", palette: "colour_blind", overlays: "proven,grazing,attractors", part: 0.5, compare: "swipe" };
 /** What there is to choose from. */
 const KNOWN = {
-  layer: ["solution", "step", "group", "period"], palette: ["colour_blind", "paper"],
+  layer: ["solution", "step", "group", "period"], palette: ["colour_blind", "paper"], compare: ["swipe", "side"],
   overlays: ["proven", "grazing", "attractors", "preimages", "manifolds", "saddles"],
 };
 /** What completes an address that names a part of a request. */
@@ -32,6 +32,7 @@ const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
  * @property {number[][]} motions departures (t, v) that are followed
  * @property {Partial<Seen>|null} beside what is kept beside it, without a view of its own
  * @property {number} part of the width at which that begins
+ * @property {string} compare whether it is swiped over what is seen, or lies side by side with it
  */
 
 function short(number) {
@@ -139,7 +140,7 @@ function requestOf(query) {
 export function doubts(search) {
   const query = new URLSearchParams(search);
   const unknown = [];
-  for (const name of ["layer", "palette"]) if (query.has(name) && !KNOWN[name].includes(query.get(name))) unknown.push(`${name}=${query.get(name)}`);
+  for (const name of ["layer", "palette", "compare"]) if (query.has(name) && !KNOWN[name].includes(query.get(name))) unknown.push(`${name}=${query.get(name)}`);
   for (const name of (query.get("overlays") ?? "").split(",").filter(Boolean)) if (!KNOWN.overlays.includes(name)) unknown.push(`overlays=${name}`);
   if (query.has("model") && !(query.get("model") in MODELS) && query.get("model") !== "impacting") unknown.push(`model=${query.get("model")}`);
   for (const name of NUMBERS) if (query.has(name) && !numbersIn(query).some(([known]) => known === name)) unknown.push(`${name}=${query.get(name)}`);
@@ -177,6 +178,7 @@ export function decode(search) {
     motions,
     beside: query.get("beside") ? decode(query.get("beside")) : null,
     part: query.has("part") ? Number(query.get("part")) : USUAL.part,
+    compare: knownOr("compare", query.get("compare")),
   };
 }
 
@@ -185,7 +187,7 @@ export function decode(search) {
  * @param {Partial<Seen>} seen
  * @returns {string}
  */
-export function encode({ job, panel, request, view, whole, layer, palette, overlays, motions, beside, part }) {
+export function encode({ job, panel, request, view, whole, layer, palette, overlays, motions, beside, part, compare }) {
   const fields = [];
   if (job) fields.push(["job", job]);
   if (panel) fields.push(["panel", String(panel)]);
@@ -199,5 +201,6 @@ export function encode({ job, panel, request, view, whole, layer, palette, overl
   for (const motion of motions ?? []) fields.push(["motion", motion.map(short).join(",")]);
   if (beside) fields.push(["beside", encode(beside)]);
   if (beside && part !== undefined && part !== USUAL.part) fields.push(["part", short(part)]);
+  if (beside && compare && compare !== USUAL.compare) fields.push(["compare", compare]);
   return fields.length ? `?${fields.map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&")}` : "";
 }

@@ -14,7 +14,9 @@ FOLLOWED_PERIODS = 1000
 """How long a motion is followed before it counts as one that still rattles."""
 
 # A motion is on an orbit once all its departures are this close to the orbit's points: in forcing periods and in speed.
-_CLOSE = np.array([1e-3, 5e-3])
+_CLOSE = np.array([1e-3, 1e-3])
+# It nearly repeats itself while it comes this close to where it was.
+_NEAR = np.array([1e-3, 5e-3])
 _SURE = 3
 # It has left what it nearly repeated at first once it is this many times as far.
 _FAR = 50.0
@@ -41,17 +43,17 @@ class MotionEnd(NamedTuple):
     first: Repeated | None
 
 
-def _apart(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+def _apart(one: np.ndarray, other: np.ndarray, close: np.ndarray) -> np.ndarray:
     """Distances of departures (t, v), in units of what counts as close."""
     apart = one - other
     apart[..., 0] -= np.rint(apart[..., 0])
-    return np.abs(apart / _CLOSE).max(axis=-1)
+    return np.abs(apart / close).max(axis=-1)
 
 
 def _first_on(departures: np.ndarray, orbit: Attractor) -> int | None:
     """Number of the departure from which all lie on an orbit; None if the last few do not."""
     points = np.column_stack([orbit.time, orbit.velocity])
-    on = np.array([_apart(points, each).min() < 1.0 for each in departures])
+    on = np.array([_apart(points, each, _CLOSE).min() < 1.0 for each in departures])
     off = np.flatnonzero(~on)
     first = int(off[-1]) + 1 if off.size else 0
     return first if len(departures) - first >= max(_SURE, len(points)) else None
@@ -60,7 +62,7 @@ def _first_on(departures: np.ndarray, orbit: Attractor) -> int | None:
 def _repeated_at_first(departures: np.ndarray, lower: np.ndarray) -> Repeated | None:
     """What the first departures nearly repeat for three turns and later ones leave; `lower` are times of -beta."""
     for period in range(1, min(_LONGEST_REPEATED, (len(departures) - 1) // _SURE) + 1):
-        away = _apart(departures, departures[np.arange(len(departures)) % period])
+        away = _apart(departures, departures[np.arange(len(departures)) % period], _NEAR)
         off = np.flatnonzero(away >= 1.0)
         if off.size and off[0] >= _SURE * period and away.max() > _FAR:
             t = departures[:, 0]
@@ -87,8 +89,8 @@ def motion_end(oscillator: Oscillator, history: TimeHistory, start: tuple[float,
     Returns
     -------
     MotionEnd
-        It has settled if contact has become permanent, or if its last departures lie within 0.001 forcing periods and
-        0.005 in speed of an attracting periodic orbit that they approach.
+        It has settled if contact has become permanent, or if its last departures lie within 0.001 of an attracting
+        periodic orbit that they approach, in forcing periods and in speed.
 
     Examples
     --------
