@@ -121,6 +121,9 @@ test("a curve of many points has no more of them than the screen shows", () => {
 test("what lies outside the window is left out, and a curve that enters it is whole there", () => {
   const view = { t0: 0.4, t1: 0.6, v0: 3, v1: 4 };
   assert.deepEqual(linesOf(plot(view), [{ time: [0.1, 0.2], velocity: [0.5, 0.6] }]), []);
+  for (const [t, v] of [[0.37, 3.5], [0.63, 3.5], [0.5, 2.9], [0.5, 4.1]]) {
+    assert.deepEqual(linesOf(plot(view), [{ time: [t, t + 0.001], velocity: [v, v] }]), [], "beside the window, where others are still drawn");
+  }
   const [line] = linesOf(plot(view), [{ time: [0, 0.5, 1], velocity: [3.5, 3.5, 3.5] }]);
   assert.equal(line.length, 6, "from the point before the window to the one after it");
 });
