@@ -8,7 +8,9 @@ from flint import arb, ctx
 from scipy.optimize import brentq
 
 from rattle.verification.machine import Machine
+from rattle.verification.targets import quiet
 from rattle.verification.targets.low_bounces import low_bounces
+from rattle.verification.targets.quiet import acceleration_at_rest
 
 DAMPING, WAVES = 0.6, ((1.0, 0.1, 0.0), (2.0, 0.013, 0.3), (7.0, 0.0007, 0.85))
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(60)
@@ -73,6 +75,18 @@ def test_an_action_falls_up_to_the_durations_at_which_it_does_not(told, restitut
                     falls = low_bounces(machine(told), arb(t), arb(near)).falls
                     assert falls == (growth(t, near, restitution) < 0.0), (t, near)
     assert tried
+
+
+def test_at_longer_bounces_their_images_say_whether_the_action_falls():
+    elastic, told = machine(1.0), []
+    assert acceleration_at_rest(elastic).holds
+    for t in TIMES:
+        for tau in (0.1, 0.2):
+            v = bounce(t, tau)[0]
+            assert 0.0 < v and v * v < 2.0 * elastic.least_acceleration * float(elastic.gap.lower()), "-beta is not met"
+            told.append(quiet._falls(elastic, arb(t), arb(v)))
+            assert told[-1] == (growth(t, tau, 1.0) < 0.0), (t, tau)
+    assert set(told) == {True, False}
 
 
 def test_a_box_falls_only_where_every_bounce_of_it_does():
