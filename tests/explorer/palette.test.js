@@ -34,12 +34,12 @@ test("all but the highlighted solution fade towards the ground", () => {
 
 test("Hsu's numbers climb a scale from 0 to the highest; codes and missing cells stand apart", () => {
   const pixels = new Int32Array(6).fill(9), special = specialPixel("#ff0000");
-  paintNumbers(pixels, [0, 1, 99, -1, 5, 5], [0, 0, 0, 0, -1, 0], 99, special, 0, 5);
+  paintNumbers(pixels, [0, 2, 99, -1, 5, 5], [0, 0, 0, 0, -1, 0], 99, special, 0, 5);
   const at = (place) => bytesOf(pixels[place]);
   assert.deepEqual(at(0), [0x44, 0x01, 0x54, 255]);
   assert.deepEqual(at(2), [0xfd, 0xe7, 0x25, 255]);
-  // ln(1 + 1) / ln(1 + 99) of 255 steps.
-  const step = Math.round((255 * Math.log(2)) / Math.log(100));
+  // ln(1 + 2) / ln(1 + 99) of 255 steps is 60.8.
+  const step = 61;
   assert.deepEqual(at(1).slice(0, 3), scaleColour(step / 255));
   assert.deepEqual([pixels[3], pixels[4], pixels[5]], [special, 0, 9]);
 });

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { axisTicks } from "../../service/explorer/js/charts/ticks.js";
+import { axisTicks, grouped, percent } from "../../service/explorer/js/charts/ticks.js";
 import { stateInWords } from "../../service/explorer/js/jobs/words.js";
 import { expectedInWords, loudnessInWords, solutionInWords } from "../../service/explorer/js/look/explain.js";
 import { isBehind } from "../../service/explorer/js/net/follow.js";
@@ -24,6 +24,19 @@ test("a wide axis is labelled plainly", () => {
   const { ticks, title } = axisTicks(0, 7, 7);
   assert.deepEqual(ticks.map(({ label }) => label), ["0", "1", "2", "3", "4", "5", "6", "7"]);
   assert.equal(title, "");
+});
+
+test("labels move to the title only where they have more than four digits", () => {
+  assert.equal(axisTicks(0, 0.0007, 7).title, "");
+  assert.equal(axisTicks(3, 3.0007, 7).title, "");
+  // Two ticks, half of 1e-4 apart.
+  assert.equal(axisTicks(0.99996, 1.00008, 3).ticks.length, 2);
+  assert.match(axisTicks(0.99996, 1.00008, 3).title, /10⁻⁴$/);
+});
+
+test("shares and counts are written for readers", () => {
+  assert.deepEqual([0, 0.00005, 0.0001, 0.12345, 1].map(percent), ["0 %", "< 0.01 %", "0.01 %", "12.35 %", "100.00 %"]);
+  assert.deepEqual([0, 999, 1000, 1234567.4].map(grouped), ["0", "999", "1\u202f000", "1\u202f234\u202f567"]);
 });
 
 test("a motion is explained in a sentence", () => {
@@ -59,6 +72,14 @@ test("events older than what is known of a job are behind", () => {
 test("a job whose workers compile says so", () => {
   const progress = { stage: "compiling", tiles_done: 0, tiles_total: 16, basins_done: 0, basins_total: 1, seconds_left: null };
   assert.equal(stateInWords({ state: "running", progress }).text, "Compiling kernels, a minute or so: 0 of 16 tiles.");
+});
+
+test("a speed is told where cells are mapped, and where it is known", () => {
+  const progress = { stage: "mapping", tiles_done: 3, tiles_total: 16, basins_done: 1, basins_total: 2, seconds_left: null };
+  const told = (more) => stateInWords({ state: "running", progress: { ...progress, ...more } }).text;
+  assert.equal(told({ cells_per_second: 12345 }), "Mapping cells: 3 of 16 tiles, 1 of 2 basins complete, 12\u202f345 cells a second.");
+  assert.doesNotMatch(told({ cells_per_second: null }), /second/);
+  assert.doesNotMatch(told({ cells_per_second: 12345, stage: "labelling" }), /second/);
 });
 
 test("seconds that are left are rounded up, those that it took to a tenth", () => {
@@ -123,6 +144,12 @@ test("what lies outside the window is left out, and a curve that enters it is wh
   assert.deepEqual(linesOf(plot(view), [{ time: [0.1, 0.2], velocity: [0.5, 0.6] }]), []);
   for (const [t, v] of [[0.37, 3.5], [0.63, 3.5], [0.5, 2.9], [0.5, 4.1]]) {
     assert.deepEqual(linesOf(plot(view), [{ time: [t, t + 0.001], velocity: [v, v] }]), [], "beside the window, where others are still drawn");
+  }
+  const [early, late] = [-0.5, 1.5].map((t) => linesOf(plot(view), [{ time: [t - 0.01, t + 0.01], velocity: [3.5, 3.5] }]));
+  // A window 0.2 wide on 1000 pixels from 50 on: its middle is at 550.
+  for (const [[x0, y0, x1, y1], ...others] of [early, late]) {
+    assert.equal(others.length, 0);
+    assert.deepEqual([x0, y0, x1, y1].map(Math.round), [500, 260, 600, 260], "a phase before or after the period is a phase of it");
   }
   const [line] = linesOf(plot(view), [{ time: [0, 0.5, 1], velocity: [3.5, 3.5, 3.5] }]);
   assert.equal(line.length, 6, "from the point before the window to the one after it");
