@@ -10,6 +10,8 @@ test("harmonics are read as they are written", () => {
   assert.deepEqual(harmonicsOf("2: 0.01, 0.25; 13: 0.0004"), HARMONICS);
   assert.deepEqual(harmonicsOf(harmonicsText(HARMONICS)), HARMONICS);
   assert.deepEqual(harmonicsOf(" "), []);
+  assert.equal(harmonicsText([{ order: 3, amplitude: 0.5 }, { order: 4, amplitude: 0.25, phase: 0.125 }]), "3: 0.5; 4: 0.25, 0.125");
+  assert.deepEqual([undefined, "3: x"].map(harmonicsText), ["", "3: x"]);
 });
 
 test("what cannot be read stays text, which the service refuses", () => {

@@ -6,7 +6,7 @@ import { inkOn, isMarked, paintNumbers, paintSolutions, paintTextures, scaleColo
 const bytesOf = (pixel) => [pixel & 255, (pixel >> 8) & 255, (pixel >> 16) & 255, (pixel >> 24) & 255];
 const solution = (number, kind, paper, textures) => ({ number, kind, name: `${kind} ${number}`, colours: { paper }, textures: { paper: textures } });
 const OUTLINE = {
-  solutions: [solution(0, "permanent_contact", "#102030", 0), solution(1, "chaotic", "#804020", 2), solution(2, "periodic", "#f0e0d0", 1)],
+  solutions: [solution(0, "permanent_contact", "#102030", 0), solution(1, "chaotic", "#814121", 2), solution(2, "periodic", "#f0e0d0", 1)],
   speckle: [0.5, 1, 1.5],
 };
 const LOOK = { palette: "paper", highlight: null, ground: "#ffffff" };
@@ -22,7 +22,7 @@ test("cells have the colour of their solution, chaotic ones the brightness of th
   assert.equal(pixels[3], 0);
   const seen = [...pixels].map((pixel) => bytesOf(pixel).slice(0, 3));
   assert.deepEqual([seen[1], seen[2]], [[0x10, 0x20, 0x30], [0xf0, 0xe0, 0xd0]]);
-  assert.deepEqual(seen.slice(4), [[64, 32, 16], [128, 64, 32], [192, 96, 48]]);
+  assert.deepEqual(seen.slice(4), [[65, 33, 17], [129, 65, 33], [194, 98, 50]]);
 });
 
 test("all but the highlighted solution fade towards the ground", () => {
@@ -62,7 +62,7 @@ test("textures are lines up, lines down and dots", () => {
 test("marks are counted from the lowest row, in ink that is seen on the colour", () => {
   const { texture, ink } = texturesOf(OUTLINE, LOOK);
   assert.deepEqual(texture, [0, 2, 1]);
-  assert.deepEqual([inkOn("#804020"), inkOn("#f0e0d0"), inkOn("#ff0000"), inkOn("#00ff00")], ["#ffffff", "#000000", "#ffffff", "#000000"]);
+  assert.deepEqual([inkOn("#814121"), inkOn("#f0e0d0"), inkOn("#ff0000"), inkOn("#00ff00")], ["#ffffff", "#000000", "#ffffff", "#000000"]);
   // Two rows of three cells; the lowest is painted last.
   const pixels = new Int32Array(6).fill(9), cells = [1, 2, 2, 2, 1, 0];
   for (const from of [0, 3]) paintTextures(pixels, cells, { texture, ink }, 3, from, from + 3);

@@ -74,6 +74,17 @@ test("a job whose workers compile says so", () => {
   assert.equal(stateInWords({ state: "running", progress }).text, "Compiling kernels, a minute or so: 0 of 16 tiles.");
 });
 
+test("each state of a job has its words, and only a failure is an error", () => {
+  const error = { detail: "tile 3 failed" };
+  const told = [
+    [{ state: "queued" }, 3, "Waiting: number 3 in the queue."], [{ state: "queued" }, 1, "Waiting: next in the queue."],
+    [{ state: "queued" }, null, "Waiting: next in the queue."], [{ state: "running", progress: null }, null, "Beginning."],
+    [{ state: "cancelling" }, null, "Stopping."], [{ state: "cancelled" }, null, "Cancelled; what had been computed is shown."],
+    [{ state: "failed", error }, null, "Failed: tile 3 failed"], [{ state: "failed", error: null }, null, "Failed: see the service's log"],
+  ];
+  for (const [job, place, text] of told) assert.deepEqual(stateInWords(job, place), { text, wrong: job.state === "failed" });
+});
+
 test("a speed is told where cells are mapped, and where it is known", () => {
   const progress = { stage: "mapping", tiles_done: 3, tiles_total: 16, basins_done: 1, basins_total: 2, seconds_left: null };
   const told = (more) => stateInWords({ state: "running", progress: { ...progress, ...more } }).text;
@@ -147,9 +158,8 @@ test("what lies outside the window is left out, and a curve that enters it is wh
   }
   const [early, late] = [-0.5, 1.5].map((t) => linesOf(plot(view), [{ time: [t - 0.01, t + 0.01], velocity: [3.5, 3.5] }]));
   // A window 0.2 wide on 1000 pixels from 50 on: its middle is at 550.
-  for (const [[x0, y0, x1, y1], ...others] of [early, late]) {
-    assert.equal(others.length, 0);
-    assert.deepEqual([x0, y0, x1, y1].map(Math.round), [500, 260, 600, 260], "a phase before or after the period is a phase of it");
+  for (const lines of [early, late]) {
+    assert.deepEqual(lines.map((one) => one.map(Math.round)), [[500, 260, 600, 260]], "a phase before or after the period is a phase of it");
   }
   const [line] = linesOf(plot(view), [{ time: [0, 0.5, 1], velocity: [3.5, 3.5, 3.5] }]);
   assert.equal(line.length, 6, "from the point before the window to the one after it");
