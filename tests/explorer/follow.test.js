@@ -42,7 +42,7 @@ async function followed(first, answers) {
 test("a job is followed through outages, from the last event seen to its end", async () => {
   const two = event(2, { state: "running", progress: progress(5) });
   const { asked, reported, lost } = await followed(job("running", 3), [
-    refused(503), new TypeError("no network"), json(job("running", 4)),
+    refused(500), new TypeError("no network"), json(job("running", 4)),
     // Comments say nothing, what is older than the job is left out, and an event may come in two chunks.
     stream(": hello\n\n", event(1, { state: "running", progress: progress(2) }), two.slice(0, 9), two.slice(9).replaceAll("\n", "\r\n")),
     json(job("running", 6)), stream(event(3, { state: "succeeded", progress: null })), json(job("succeeded")),
@@ -53,7 +53,7 @@ test("a job is followed through outages, from the last event seen to its end", a
   assert.deepEqual(reported, [
     ["running", 3, null], ["running", 4, null], ["running", 5, null], ["running", 6, null], ["succeeded", null, null],
   ]);
-  assert.deepEqual(lost, ["the service answered 503", "the service does not answer"]);
+  assert.deepEqual(lost, ["the service answered 500", "the service does not answer"]);
 });
 
 test("a job that waits is told its place: one more than those before it", async () => {

@@ -23,6 +23,11 @@ function live(events, life = BEGINNING) {
 
 const FIRST = [{ type: "ask", request: REQUEST }, { type: "accepted", turn: 1, job: job("a"), mine: true }];
 
+test("in the beginning there is no job, nor is one this page's", () => {
+  const { phase, job: of, mine, withdrawn, place, notice } = BEGINNING;
+  assert.deepEqual([phase, of, mine, withdrawn, place, notice], ["idle", null, false, [], null, ""]);
+});
+
 test("a request is submitted, and its job followed", () => {
   const { life, did } = live(FIRST);
   assert.deepEqual(did, ["submit", "follow a"]);

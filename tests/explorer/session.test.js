@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { isMarked, paintTextures, texturesOf } from "../../service/explorer/js/plane/palette.js";
-import { POOLS } from "../../service/explorer/js/plane/pools.js";
+import { POOLS, TEXTURES } from "../../service/explorer/js/plane/pools.js";
 import { colourOfName, inKeptColours } from "../../service/explorer/js/plane/session.js";
 
 const POOL = POOLS.colour_blind;
@@ -47,6 +47,13 @@ test("a motion that is new has the colour that the service offers, if that is fr
   const outline = basin({ "P(2,2,2)": 1 });
   outline.solutions[0].colours.colour_blind = POOL[3];
   assert.equal(paintsOf(inKeptColours(outline, new Map()))["P(2,2,2)"], `${POOL[3]} 0`);
+});
+
+test("there are as many paints as colours and textures", () => {
+  assert.deepEqual(TEXTURES, [0, 1, 2, 3]);
+  const names = Array.from({ length: POOL.length * 4 }, (_, i) => `P(${i + 1},1,0)`).filter((name) => !OWN[name]);
+  const paints = paintsOf(inKeptColours(basin(Object.fromEntries(names.map((name) => [name, 0.1]))), new Map()));
+  assert.equal(new Set(Object.values(paints)).size, names.length);
 });
 
 test("a diagram and a basin have one colour for a name", () => {

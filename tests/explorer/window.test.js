@@ -42,6 +42,10 @@ test("one direction at its limit does not stop the other, and the point under th
   assert.deepEqual(zoomed, { t0: 0, t1: 1, v0: 0, v1: 4 });
 });
 
+test("the wheel narrows both ways about the point under the pointer", () => {
+  assert.deepEqual(scaled({ t0: 0, t1: 1, v0: 0, v1: 8 }, { t: 0.5, v: 2 }, 0.5), { t0: 0.25, t1: 0.75, v0: 1, v1: 5 });
+});
+
 test("a window survives the way through a request", () => {
   const view = within({ t0: 0.123456789, t1: 0.2, v0: 1, v1: 2 });
   assert.ok(same(viewOf(axesOf(view, CELLS)), view));

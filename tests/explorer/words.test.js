@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { axisTicks, grouped, percent } from "../../service/explorer/js/charts/ticks.js";
+import { axisTicks, grouped, percent, reading } from "../../service/explorer/js/charts/ticks.js";
 import { stateInWords } from "../../service/explorer/js/jobs/words.js";
 import { expectedInWords, loudnessInWords, solutionInWords } from "../../service/explorer/js/look/explain.js";
 import { isBehind } from "../../service/explorer/js/net/follow.js";
@@ -32,6 +32,11 @@ test("labels move to the title only where they have more than four digits", () =
   // Two ticks, half of 1e-4 apart.
   assert.equal(axisTicks(0.99996, 1.00008, 3).ticks.length, 2);
   assert.match(axisTicks(0.99996, 1.00008, 3).title, /10⁻⁴$/);
+});
+
+test("steps below 1 and coordinates have the digits that they need", () => {
+  assert.deepEqual(axisTicks(0, 1, 5).ticks.map(({ label }) => label), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+  assert.deepEqual([[1.23456789, 7], [1.23456789, 0.1], [1.23456789, 1e-4], [1.23456789, 1e-30]].map(([at, width]) => reading(at, width)), ["1.235", "1.2346", "1.2345679", "1.234567890000"]);
 });
 
 test("shares and counts are written for readers", () => {
@@ -106,6 +111,8 @@ function outline(names) {
 }
 
 test("a motion is known by its name, not by its number", () => {
+  const twins = outline(["P(1,1,0)", "P(1,1,0)", "P(1,1,0)"]).solutions;
+  assert.deepEqual([0, 1, 2].map((number) => keyOf(twins, number)), ["P(1,1,0)", "P(1,1,0) (2)", "P(1,1,0) (3)"]);
   const { solutions } = outline(["permanent_contact", "P(1,1,0)", "P(1,1,0)"]);
   assert.deepEqual(solutions.map(({ number }) => keyOf(solutions, number)), ["permanent_contact", "P(1,1,0)", "P(1,1,0) (2)"]);
 });
