@@ -23,6 +23,8 @@ test("cells have the colour of their solution, chaotic ones the brightness of th
   const seen = [...pixels].map((pixel) => bytesOf(pixel).slice(0, 3));
   assert.deepEqual([seen[1], seen[2]], [[0x10, 0x20, 0x30], [0xf0, 0xe0, 0xd0]]);
   assert.deepEqual(seen.slice(4, 7), [[65, 33, 17], [129, 65, 33], [194, 98, 50]]);
+  paintSolutions(pixels, [1], [0], table, 3, 0, 1);
+  assert.deepEqual(bytesOf(pixels[0]).slice(0, 3), [129, 65, 33], "the sink is plain");
 });
 
 test("all but the highlighted solution fade towards the ground", () => {
