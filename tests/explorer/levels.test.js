@@ -42,6 +42,42 @@ for (const part of [0.5, 0.1, 0.02, 0.01, 0.004]) {
   });
 }
 
+// Twice as many cells along time as along velocity, in tiles that are higher than wide.
+const WIDE = {
+  time: { start: 0.25, stop: 1.25, cells: 8000 }, velocity: { start: 1, stop: 3, cells: 4000 },
+  tiles: { rows: 500, columns: 300, down: 8, across: 27, first: 0, states: [] },
+  levels: [
+    { level: 1, every: 2, rows: 600, columns: 500, down: 4, across: 8, first: 0 },
+    { level: 2, every: 4, rows: 600, columns: 500, down: 2, across: 4, first: 0 },
+    { level: 3, every: 8, rows: 500, columns: 1000, down: 1, across: 1, first: 0 },
+  ],
+};
+
+test("the longer side says which cells are shown", () => {
+  for (const [time, velocity] of [[8000, 4000], [4000, 8000]]) {
+    const outline = { ...WIDE, time: { ...WIDE.time, cells: time }, velocity: { ...WIDE.velocity, cells: velocity } };
+    assert.equal(wholeOf(outline).query, "level=3");
+    assert.equal(wholeOf({ ...outline, levels: [] }).query, "every=6");
+  }
+});
+
+test("a window that is not square is covered by the tiles of its own rows and columns", () => {
+  // 2000 x 400 cells: 1000 columns of level 1, of tiles of 500 x 600 of them.
+  const [{ time, velocity, shown }, ...others] = partsOf(WIDE, 8, { t0: 0.5, t1: 0.75, v0: 1.9, v1: 2.1 });
+  assert.equal(others.length, 0);
+  assert.deepEqual([shown.query, shown.down, shown.across, shown.first, shown.stride], ["level=1", 1, 2, 1 * 8 + 2, 8]);
+  assert.deepEqual(time, { start: 0.5, stop: 0.75, cells: 2000 });
+  assert.ok(Math.abs(velocity.start - 1.6) < 1e-12 && Math.abs(velocity.stop - 2.2) < 1e-12 && velocity.cells === 1200);
+});
+
+test("the finest cells are those of the tiles themselves, up to the edge", () => {
+  const [{ time, velocity, shown }] = partsOf(WIDE, 8, { t0: 1.2, t1: 1.25, v0: 2.9, v1: 3 });
+  assert.deepEqual([shown.query, shown.every, shown.down, shown.across, shown.first], ["level=0", 1, 1, 2, 7 * 27 + 25]);
+  // Columns 7500 to 8000, and rows 3500 to 4000.
+  assert.deepEqual([time.stop, time.cells, velocity.stop, velocity.cells], [1.25, 500, 3, 500]);
+  assert.ok(Math.abs(time.start - (0.25 + 7500 / 8000)) < 1e-12 && Math.abs(velocity.start - (1 + 3500 / 2000)) < 1e-12);
+});
+
 test("where phases begin anew within the window there are two parts", () => {
   const parts = partsOf(LARGE, 128, around(1.0, 2.9, 0.1));
   assert.equal(parts.length, 2);

@@ -23,6 +23,11 @@ function live(events, life = BEGINNING) {
 
 const FIRST = [{ type: "ask", request: REQUEST }, { type: "accepted", turn: 1, job: job("a"), mine: true }];
 
+test("in the beginning there is no job, nor is one this page's", () => {
+  const { phase, job: of, mine, withdrawn, place, notice } = BEGINNING;
+  assert.deepEqual([phase, of, mine, withdrawn, place, notice], ["idle", null, false, [], null, ""]);
+});
+
 test("a request is submitted, and its job followed", () => {
   const { life, did } = live(FIRST);
   assert.deepEqual(did, ["submit", "follow a"]);
@@ -111,8 +116,19 @@ test("a job that has ended needs no withdrawal", () => {
 });
 
 test("asking for the same again keeps the job", () => {
-  const { did } = live([...FIRST, { type: "ask", request: REQUEST }, { type: "accepted", turn: 2, job: job("a", "running"), mine: false }]);
+  const again = [{ type: "ask", request: REQUEST }, { type: "accepted", turn: 2, job: job("a", "running"), mine: false }];
+  const { did, life } = live([...FIRST, ...again]);
   assert.ok(!did.includes("withdraw a"));
+  assert.ok(live([{ type: "leave" }], life).did.includes("withdraw a"), "it is still this page's");
+  const opened = live([{ type: "open", job: job("a", "running"), request: REQUEST }, again[0]]).life;
+  assert.equal(live([{ ...again[1], turn: opened.turn }], opened).life.mine, false, "nor does it become this page's");
+});
+
+test("somebody else's job that is shown after one's own is not one's own", () => {
+  const shared = live([...FIRST, { type: "ask", request: OTHER }, { type: "accepted", turn: 2, job: job("b", "running"), mine: false }]);
+  assert.ok(shared.did.includes("withdraw a"));
+  const left = live([{ type: "ask", request: REQUEST }, { type: "accepted", turn: 3, job: job("c"), mine: true }], shared.life);
+  assert.deepEqual(left.did, ["submit", "follow c"]);
 });
 
 test("leaving lets go of the job, and of what is on its way", () => {

@@ -27,6 +27,7 @@ test("a sentence says what the followed motion does, whatever its cell is", asyn
 test("a motion that has settled on nothing still rattles, and one beside a saddle leaves it", () => {
   assert.equal(endInWords("impacting", RATTLES), "still rattles after 1637 impacts, 1000 forcing periods");
   assert.match(endInWords("impacting", PERIODIC), /^nearly repeats P\(2,2,1\) for 14\.85 forcing periods, leaves it, and ends in P\(1,1,0\) after 61 impacts, 58\.25 /);
+  assert.match(endInWords("impacting", { ...QUIET, impacts: 1, periods: 2 }), /after 1 impact, 2 forcing periods/);
   assert.match(endInWords("piecewise_linear", QUIET), /contact never ends/);
 });
 
@@ -44,4 +45,6 @@ test("an impact leaves a part of its speed", async () => {
   globalThis.fetch = async () => new Response(JSON.stringify({ time: [0, 15], contacts, permanent_from: null, end: RATTLES }));
   const { departures } = await followMotion({ ...OSCILLATOR, restitution: 0.5 }, { t: 0, v: 3 });
   assert.deepEqual(departures, [{ t: 0, v: 3 }, { t: 1, v: 1 }]);
+  const elastic = await followMotion(OSCILLATOR, { t: 0, v: 3 });
+  assert.deepEqual(elastic.departures, [{ t: 0, v: 3 }, { t: 1, v: 2 }]);
 });

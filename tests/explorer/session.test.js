@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { isMarked, paintTextures, texturesOf } from "../../service/explorer/js/plane/palette.js";
-import { POOLS } from "../../service/explorer/js/plane/pools.js";
+import { POOLS, TEXTURES } from "../../service/explorer/js/plane/pools.js";
 import { inKeptColours, paintOfName } from "../../service/explorer/js/plane/session.js";
 
 const POOL = POOLS.colour_blind;
@@ -31,6 +31,29 @@ test("a motion keeps its colour by name while others come and go", () => {
   assert.equal(second["P(3,3,0)"], first["P(3,3,0)"]);
   assert.notEqual(second["P(1,1,1)"], first["P(2,2,2)"], "a colour that no name has had comes first");
   assert.equal(second["P(1,1,0)"], "#56b4e9 0");
+});
+
+test("of two motions that had one colour the larger share keeps it", () => {
+  for (const [small, large] of [["P(2,2,2)", "P(3,3,0)"], ["P(3,3,0)", "P(2,2,2)"]]) {
+    const had = { colour: POOL[2], texture: 0 };
+    const session = new Map([["colour_blind", new Map([["P(2,2,2)", had], ["P(3,3,0)", had]])]]);
+    const paints = paintsOf(inKeptColours(basin({ "P(2,2,2)": small === "P(2,2,2)" ? 0.2 : 0.6, "P(3,3,0)": small === "P(3,3,0)" ? 0.2 : 0.6 }), session));
+    assert.equal(paints[large], `${POOL[2]} 0`);
+    assert.notEqual(paints[small], paints[large]);
+  }
+});
+
+test("a motion that is new has the colour that the service offers, if that is free", () => {
+  const outline = basin({ "P(2,2,2)": 1 });
+  outline.solutions[0].colours.colour_blind = POOL[3];
+  assert.equal(paintsOf(inKeptColours(outline, new Map()))["P(2,2,2)"], `${POOL[3]} 0`);
+});
+
+test("there are as many paints as colours and textures", () => {
+  assert.deepEqual(TEXTURES, [0, 1, 2, 3]);
+  const names = Array.from({ length: POOL.length * 4 }, (_, i) => `P(${i + 1},1,0)`).filter((name) => !OWN[name]);
+  const paints = paintsOf(inKeptColours(basin(Object.fromEntries(names.map((name) => [name, 0.1]))), new Map()));
+  assert.equal(new Set(Object.values(paints)).size, names.length);
 });
 
 test("a diagram and a basin have one colour for a name", () => {

@@ -42,8 +42,26 @@ test("one direction at its limit does not stop the other, and the point under th
   assert.deepEqual(zoomed, { t0: 0, t1: 1, v0: 0, v1: 4 });
 });
 
+test("the wheel narrows both ways about the point under the pointer", () => {
+  assert.deepEqual(scaled({ t0: 0, t1: 1, v0: 0, v1: 8 }, { t: 0.5, v: 2 }, 0.5), { t0: 0.25, t1: 0.75, v0: 1, v1: 5 });
+});
+
 test("a window survives the way through a request", () => {
   const view = within({ t0: 0.123456789, t1: 0.2, v0: 1, v1: 2 });
   assert.ok(same(viewOf(axesOf(view, CELLS)), view));
   assert.ok(!same(view, { ...view, t1: 0.21 }));
+});
+
+test("windows are the same to a billionth of their width, and to rounding", () => {
+  for (const width of [1, 1e-3]) {
+    const view = { t0: 0, t1: width, v0: 0, v1: 2 * width };
+    assert.ok(same(view, { ...view, t0: 0.5e-9 * width, v1: 2 * width + 1e-9 * width }));
+    for (const name of ["t0", "t1", "v0", "v1"]) assert.ok(!same(view, { ...view, [name]: view[name] + 5e-9 * width + 5e-12 }), name);
+  }
+});
+
+test("a window that is too wide keeps its middle", () => {
+  const { t0, t1, v0, v1 } = within({ t0: 0.1, t1: 1.7, v0: 1, v1: 2 });
+  assert.ok(Math.abs(t1 - t0 - 1) < 1e-12 && Math.abs((((t0 + t1) / 2 - 0.9) % 1)) < 1e-12);
+  assert.deepEqual([v0, v1], [1, 2]);
 });

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { axisTicks } from "../../service/explorer/js/charts/ticks.js";
+import { axisTicks, grouped, percent, reading } from "../../service/explorer/js/charts/ticks.js";
 import { stateInWords } from "../../service/explorer/js/jobs/words.js";
 import { expectedInWords, loudnessInWords, solutionInWords } from "../../service/explorer/js/look/explain.js";
 import { isBehind } from "../../service/explorer/js/net/follow.js";
@@ -24,6 +24,24 @@ test("a wide axis is labelled plainly", () => {
   const { ticks, title } = axisTicks(0, 7, 7);
   assert.deepEqual(ticks.map(({ label }) => label), ["0", "1", "2", "3", "4", "5", "6", "7"]);
   assert.equal(title, "");
+});
+
+test("labels move to the title only where they have more than four digits", () => {
+  assert.equal(axisTicks(0, 0.0007, 7).title, "");
+  assert.equal(axisTicks(3, 3.0007, 7).title, "");
+  // Two ticks, half of 1e-4 apart.
+  assert.equal(axisTicks(0.99996, 1.00008, 3).ticks.length, 2);
+  assert.match(axisTicks(0.99996, 1.00008, 3).title, /10⁻⁴$/);
+});
+
+test("steps below 1 and coordinates have the digits that they need", () => {
+  assert.deepEqual(axisTicks(0, 1, 5).ticks.map(({ label }) => label), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+  assert.deepEqual([[1.23456789, 7], [1.23456789, 0.1], [1.23456789, 1e-4], [1.23456789, 1e-30]].map(([at, width]) => reading(at, width)), ["1.235", "1.2346", "1.2345679", "1.234567890000"]);
+});
+
+test("shares and counts are written for readers", () => {
+  assert.deepEqual([0, 0.00005, 0.0001, 0.12345, 1].map(percent), ["0 %", "< 0.01 %", "0.01 %", "12.35 %", "100.00 %"]);
+  assert.deepEqual([0, 999, 1000, 1234567.4].map(grouped), ["0", "999", "1\u202f000", "1\u202f234\u202f567"]);
 });
 
 test("a motion is explained in a sentence", () => {
@@ -61,6 +79,25 @@ test("a job whose workers compile says so", () => {
   assert.equal(stateInWords({ state: "running", progress }).text, "Compiling kernels, a minute or so: 0 of 16 tiles.");
 });
 
+test("each state of a job has its words, and only a failure is an error", () => {
+  const error = { detail: "tile 3 failed" };
+  const told = [
+    [{ state: "queued" }, 3, "Waiting: number 3 in the queue."], [{ state: "queued" }, 1, "Waiting: next in the queue."],
+    [{ state: "queued" }, null, "Waiting: next in the queue."], [{ state: "running", progress: null }, null, "Beginning."],
+    [{ state: "cancelling" }, null, "Stopping."], [{ state: "cancelled" }, null, "Cancelled; what had been computed is shown."],
+    [{ state: "failed", error }, null, "Failed: tile 3 failed"], [{ state: "failed", error: null }, null, "Failed: see the service's log"],
+  ];
+  for (const [job, place, text] of told) assert.deepEqual(stateInWords(job, place), { text, wrong: job.state === "failed" });
+});
+
+test("a speed is told where cells are mapped, and where it is known", () => {
+  const progress = { stage: "mapping", tiles_done: 3, tiles_total: 16, basins_done: 1, basins_total: 2, seconds_left: null };
+  const told = (more) => stateInWords({ state: "running", progress: { ...progress, ...more } }).text;
+  assert.equal(told({ cells_per_second: 12345 }), "Mapping cells: 3 of 16 tiles, 1 of 2 basins complete, 12\u202f345 cells a second.");
+  assert.doesNotMatch(told({ cells_per_second: null }), /second/);
+  assert.doesNotMatch(told({ cells_per_second: 12345, stage: "labelling" }), /second/);
+});
+
 test("seconds that are left are rounded up, those that it took to a tenth", () => {
   const progress = { stage: "proving", tiles_done: 3, tiles_total: 16, basins_done: 0, basins_total: 1, seconds_left: 3.2 };
   assert.equal(stateInWords({ state: "running", progress }).text, "Proving cells: 3 of 16 tiles, about 4 s left.");
@@ -74,6 +111,8 @@ function outline(names) {
 }
 
 test("a motion is known by its name, not by its number", () => {
+  const twins = outline(["P(1,1,0)", "P(1,1,0)", "P(1,1,0)"]).solutions;
+  assert.deepEqual([0, 1, 2].map((number) => keyOf(twins, number)), ["P(1,1,0)", "P(1,1,0) (2)", "P(1,1,0) (3)"]);
   const { solutions } = outline(["permanent_contact", "P(1,1,0)", "P(1,1,0)"]);
   assert.deepEqual(solutions.map(({ number }) => keyOf(solutions, number)), ["permanent_contact", "P(1,1,0)", "P(1,1,0) (2)"]);
 });
@@ -121,6 +160,14 @@ test("a curve of many points has no more of them than the screen shows", () => {
 test("what lies outside the window is left out, and a curve that enters it is whole there", () => {
   const view = { t0: 0.4, t1: 0.6, v0: 3, v1: 4 };
   assert.deepEqual(linesOf(plot(view), [{ time: [0.1, 0.2], velocity: [0.5, 0.6] }]), []);
+  for (const [t, v] of [[0.37, 3.5], [0.63, 3.5], [0.5, 2.9], [0.5, 4.1]]) {
+    assert.deepEqual(linesOf(plot(view), [{ time: [t, t + 0.001], velocity: [v, v] }]), [], "beside the window, where others are still drawn");
+  }
+  const [early, late] = [-0.5, 1.5].map((t) => linesOf(plot(view), [{ time: [t - 0.01, t + 0.01], velocity: [3.5, 3.5] }]));
+  // A window 0.2 wide on 1000 pixels from 50 on: its middle is at 550.
+  for (const lines of [early, late]) {
+    assert.deepEqual(lines.map((one) => one.map(Math.round)), [[500, 260, 600, 260]], "a phase before or after the period is a phase of it");
+  }
   const [line] = linesOf(plot(view), [{ time: [0, 0.5, 1], velocity: [3.5, 3.5, 3.5] }]);
   assert.equal(line.length, 6, "from the point before the window to the one after it");
 });

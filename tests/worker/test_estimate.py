@@ -1,6 +1,9 @@
 """How long a job takes, and how large its store is, is said before it begins."""
 
 import math
+import os
+import subprocess
+import sys
 
 import pytest
 import xarray as xr
@@ -158,6 +161,44 @@ def test_a_diagram_takes_the_impacts_of_every_seed_at_every_value_each_way(direc
     counted = ways * 3 * 2 * (300 + 20)
     assert job.impacts == counted
     assert estimate(job).seconds - estimates._OF_A_JOB == pytest.approx(counted / SPEED)
+
+
+# Kernels that are not compiled are functions whose calls can be counted, wherever they are called.
+COUNT_A_SEARCH = """
+import sys
+from rattle_kernels.orbits import orbit_search, orbit_seeds, periodic_orbit
+from rattle_kernels import Oscillator
+calls = 0
+def counted(function):
+    def count(*arguments):
+        global calls
+        calls += 1
+        return function(*arguments)
+    return count
+for module in (orbit_seeds, periodic_orbit):
+    for name in ("next_impact", "next_impact_with_jacobian"):
+        setattr(module, name, counted(getattr(module, name)))
+orbit_search.find_orbits(Oscillator(), longest=int(sys.argv[2]), cells=int(sys.argv[1]))
+print(calls)
+"""
+
+
+@pytest.mark.parametrize(("cells", "longest"), [(4, 1), (6, 1), (4, 2), pytest.param(4, 4, marks=pytest.mark.slow)])
+def test_a_search_for_orbits_takes_as_many_impacts_as_its_kernels_are_called_for_within_a_factor(cells, longest):
+    command = [sys.executable, "-W", "ignore", "-c", COUNT_A_SEARCH, str(cells), str(longest)]
+    counting = subprocess.run(
+        command, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True, check=True
+    )
+    job = OrbitsJob(cells=cells, longest=longest)
+    assert int(counting.stdout) <= job.impacts <= 4 * int(counting.stdout)
+    # Saddles of an itinerary are found by the same search.
+    named, given = (
+        KINDS["manifold"].job_class.from_request(
+            {"saddles": [saddle], "cells": cells} if named else {"saddles": [saddle]}
+        )
+        for named, saddle in ((True, {"itinerary": f"P(1,{longest},0)"}), (False, {"time": 0.6, "velocity": 3.77}))
+    )
+    assert named.impacts - given.impacts == job.impacts
 
 
 COUNTED = {

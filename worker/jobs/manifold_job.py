@@ -13,7 +13,7 @@ from rattle_kernels.manifolds.stable_manifold import check_limits
 from worker.errors import InvalidJob, Place
 from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest, resolution_request
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
-from worker.jobs.orbits_job import PERIODS, OrbitSeed
+from worker.jobs.orbits_job import PERIODS, OrbitSeed, search_impacts
 from worker.jobs.region import SEARCH_CELLS, SPEEDS, Interval, Region, check_speeds, papers_speeds
 from worker.jobs.request import Count, Real, Request, Whole, accepting, told
 
@@ -185,8 +185,13 @@ class ManifoldJob(AnalysisJob):
 
     @property
     def impacts(self) -> int:
-        """Usual number of applications of P: each point is mapped some times until neighbours are close enough."""
-        return self._points * _IMAGES_OF_A_POINT
+        """Usual number of applications of P: each point is mapped some times until neighbours are close enough.
+
+        Saddles that are named by their itineraries are searched for.
+        """
+        named = (each for each in self.saddles if isinstance(each, Itinerary))
+        searched = sum(search_impacts(self.cells, each.upper_contacts) for each in named)
+        return searched + self._points * _IMAGES_OF_A_POINT
 
     @property
     def bytes(self) -> int:

@@ -33,6 +33,9 @@ _TOGETHER: list[Any] = [
 ]
 # Of the impact equations, until a start has converged or is given up; a step takes the map and its derivative.
 _NEWTON_STEPS = 40
+# Of a search (`rattle_kernels.orbits.orbit_seeds`): impacts for each cell, to see what recurs; departures of its finer
+# grid, which are mapped once for each period; and for each column and period the starts beside the grazing curve.
+_RECURRENCES, _FINER, _BESIDE = 200, 100, 72
 _LONGEST_PERIOD = 9999
 """Longest impact period of a saddle that an itinerary can name, too. A turn takes a hundredth of a second."""
 PERIODS = told(minimum=1, maximum=_LONGEST_PERIOD)
@@ -106,6 +109,25 @@ class Continuation:
             raise InvalidJob(f"most_points must be 2 or more, not {self.most_points}", (place, "most_points"))
 
 
+def search_impacts(cells: int, longest: int) -> int:
+    """Usual number of applications of P in a search of a region, within a factor of 4 and seldom more.
+
+    Parameters
+    ----------
+    cells : int
+        Each way.
+    longest : int
+        Greatest n+ that is searched for.
+
+    Returns
+    -------
+    int
+    """
+    # A start, and often a recurrence near it, for each cell and period; a turn has as many impacts as the period.
+    turns = (2 * cells**2 + _BESIDE * cells) * longest * (longest + 1) // 2
+    return cells**2 * (_RECURRENCES + _FINER * longest) + _NEWTON_STEPS * turns
+
+
 class OrbitsJob(AnalysisJob):
     """Periodic orbits, stable or not: those of a region, or those near seeds; on request with their branches.
 
@@ -146,13 +168,10 @@ class OrbitsJob(AnalysisJob):
     @property
     def impacts(self) -> int:
         """Usual number of applications of P: Newton's method from every start, and from point to point of a branch."""
-        seeds = self.seeds or ()
-        periods = (
-            sum(seed.period for seed in seeds) if seeds else self.cells**2 * self.longest * (self.longest + 1) // 2
-        )
+        turns = sum(seed.period for seed in self.seeds or ()) or self.longest * (self.longest + 1) // 2
+        searched = _NEWTON_STEPS * turns if self.seeds else search_impacts(self.cells, self.longest)
         points = sum(each.most_points for each in (self.continuation, self.curves) if each)
-        followed = sum(seed.period for seed in seeds) if seeds else self.longest * (self.longest + 1) // 2
-        return _NEWTON_STEPS * (periods + 2 * points * followed)
+        return searched + _NEWTON_STEPS * 2 * points * turns
 
     @property
     def bytes(self) -> int:

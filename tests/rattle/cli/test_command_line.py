@@ -295,6 +295,7 @@ def test_a_manifold_is_grown_here_told_and_drawn(tmp_path):
         (["grazing-curve", "--order", "-1", "--out", "x.zarr"], 2, "order must be 0"),
         (["plot", "nowhere.zarr", "--out", "x.gif"], 2, "ends in one of .png, .svg, .pdf"),
         (["table", "nowhere.zarr"], 1, "nowhere.zarr is no basin store"),
+        (["submit", "nowhere.json"], 2, "nowhere.json cannot be read"),
         (["table", "nowhere.zarr", "--out", "x.xls"], 2, "ends in .csv or .json"),
         (["plot", "nowhere.zarr", "--overlay", "saddle", "--out", "x.png"], 2, "choose among proven,grazing,preimages"),
         (["paper", "fig99", "--out", "x"], 2, "choose one of fig1, fig2, fig3, fig4"),

@@ -38,6 +38,7 @@ from worker.kinds import KINDS
 from worker.pictures.figure_file import save_figure
 from worker.progress import Stage
 from worker.stores.analysis_store import AnalysisStore, kind_of_store
+from worker.stores.layout import MISSING
 
 DAMPING = SweptParameter.spaced("damping", 0.59, 0.6, 120, Spacing.LINEAR)
 SEEDS = (Departure(0.9, 3.7), Departure(0.553, 4.703))
@@ -178,6 +179,32 @@ def test_a_diagram_is_that_of_the_kernels_whatever_the_stretches(stores):
         np.testing.assert_array_equal(store.velocity, direct.v)
         np.testing.assert_array_equal(store.impact_period, direct.period)
         assert store.way.values.tolist() == [1] * 120 + [-1] * 120
+
+
+def test_of_a_diagram_without_seeds_the_search_for_them_is_the_first_of_its_stages():
+    job = BifurcationJob(vary=DAMPING, transient=4_000)
+    stage, ready, done, total = KINDS[job.kind].loaded_analysis.plan(job, {})
+    assert (stage, [piece.name for piece in ready], done, total) == (Stage.SEARCHING, ["seeds"], 0, 1)
+
+
+def test_stretches_of_a_diagram_follow_each_other_without_gaps():
+    values = np.linspace(0.5, 0.6, 6)
+    columns = {
+        "damping": np.concatenate([values, values[::-1]]), "way": np.repeat([1, -1], 6),
+        "outcome": np.array([[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, MISSING, MISSING]]).T,
+        "impact_period": np.array([[1, 1, 2, 2, 2, 0, 0, 0, 1, 1, MISSING, MISSING]]).T,
+        "seed_name": np.array(["given"]), "seed_time": np.array([0.25]), "seed_velocity": np.array([4.5]),
+    }  # fmt: skip
+    job = BifurcationJob(vary=SweptParameter("damping", tuple(values)), seeds=(Departure(0.25, 4.5),), direction="both")
+    told = KINDS[job.kind].loaded_analysis.summarise(job, columns)
+    assert (told["parameter"], told["values_visited"]) == ("damping", 12)
+    (motion,) = told["motions"]
+    assert (motion["name"], motion["time"], motion["velocity"], motion["stretches_total"]) == ("given", 0.25, 4.5, 6)
+    assert [tuple(run.values()) for run in motion["stretches"]] == [
+        ("impact period 1", "up", values[0], values[1], 2), ("impact period 2", "up", values[2], values[4], 3),
+        ("no period seen", "up", values[5], values[5], 1), ("no period seen", "down", values[5], values[4], 2),
+        ("impact period 1", "down", values[3], values[2], 2), ("not computed", "down", values[1], values[0], 2),
+    ]  # fmt: skip
 
 
 def test_orbits_are_those_of_the_undivided_search(stores):

@@ -6,6 +6,7 @@ import numba
 import pytest
 
 from rattle_kernels.numerics import jit
+from worker.cluster.compiling import Compiling
 from worker.cluster.connection import thread_cluster
 from worker.cluster.driver import Driver
 from worker.cluster.task import Task
@@ -48,6 +49,14 @@ def test_a_job_whose_workers_compile_is_told_and_other_jobs_are_not(driver, monk
     assert run("first", 4) == [(8, True)]
     assert run("second", 5) == [(10, True)]  # nothing is left to compile
     assert told == ["first"]
+
+
+def test_a_job_is_told_once_for_each_time_that_a_worker_says_so():
+    compiling = Compiling(None)
+    for _ in range(2):
+        compiling._take((0.0, ["store", "first"]))
+        asked = [compiling.has_begun(("store", digest)) for digest in ("second", "first", "first")]
+        assert asked == [False, True, False]
 
 
 def test_what_is_done_stays_while_workers_compile():

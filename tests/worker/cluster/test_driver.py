@@ -131,6 +131,16 @@ def fail_at_three(location, digest, number):
     return number
 
 
+def test_what_a_task_took_is_known_afterwards(client, tmp_path):
+    """Calls of one task each become calls of many, where tasks end soon."""
+    driver, place = Driver(client), tmp_path / "place"
+    tasks = iter([Task(reach_store, number, (0, StoreFailed)) for number in range(3)])
+    begun = time.perf_counter()
+    assert len(list(driver.run_tasks((str(place), "digest"), lambda: next(tasks, None), threading.Event()))) == 3
+    took = driver._seconds
+    assert list(took) == [reach_store] and 0.0 < took[reach_store] < time.perf_counter() - begun
+
+
 def test_tasks_of_a_call_that_failed_are_tried_alone(client, tmp_path):
     driver, again = Driver(client, lambda: again.append(1)), []
     driver.timed(fail_at_three, 1e-4)
