@@ -53,6 +53,8 @@ from rattle_kernels.orbits.station import BranchTask, Station, are_neighbours, o
 
 # Least step next to a graze, as a part of the least step elsewhere.
 _LEAST_TOUCHING = 1e-3
+# Corrected points that are less apart are the same, in least steps: a thousand times the corrector's tolerance.
+_SAME = 100.0
 
 
 class BranchEnd(StrEnum):
@@ -318,7 +320,7 @@ def _one_way(task: BranchTask, start: Station) -> _Side:
 
 def _goes_on(walk: _Walk, start: Station, stretch: _Stretch, point: CurvePoint) -> End | None:
     """Add a stretch to a branch, as far as its end if that lies on it; the end, if it does."""
-    task = walk.task
+    task, before = walk.task, walk.last
     landed = _land(walk, stretch.end)
     if landed is not None:
         stretch = walk.stretch_to(landed)
@@ -330,12 +332,22 @@ def _goes_on(walk: _Walk, start: Station, stretch: _Stretch, point: CurvePoint) 
     value = stretch.end.oscillator.value_of(task.parameter)
     if landed is not None:
         return _end(task, BranchEnd.BOUND, value)
-    back = walk.last.chart.is_like(start.chart) and np.abs(point.z - start.z).max() < 0.5 * point.step
-    if len(walk.stations) > 3 and back:
+    if len(walk.stations) > 3 and _is_back(task, start, before, walk.last, point.step):
         return _end(task, BranchEnd.CLOSED, value)
     if len(walk.stations) >= task.most_points:
         return _end(task, BranchEnd.POINTS, value)
     return None
+
+
+def _is_back(task: BranchTask, start: Station, before: Station, here: Station, step: float) -> bool:
+    """Whether a step of a branch leads through its start. Another part of the branch may pass close by."""
+    if not here.chart.is_like(start.chart) or np.abs(here.z - start.z).max() > step:
+        return False
+    part = start.tangent @ (start.z - before.z) / (start.tangent @ (here.z - before.z))
+    if not 0.0 <= part <= 1.0:
+        return False
+    there = solve(start.chart.system(), before.z + part * (here.z - before.z), start.tangent)
+    return there is not None and bool(np.abs(there.z - start.z).max() <= _SAME * task.steps.least)
 
 
 def _passes(walk: _Walk, start: Station, stretch: _Stretch, step: float) -> "Steps | End | None":

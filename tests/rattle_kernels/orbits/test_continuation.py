@@ -1,5 +1,6 @@
 """Branches: every point closes under P, special points have their multipliers, both ways give the same branch."""
 
+import collections
 import math
 
 import numpy as np
@@ -12,6 +13,7 @@ from rattle_kernels import (
     continue_orbit,
     continue_special_point,
     eccentricity_bound_single_contact,
+    find_orbit,
     find_orbits,
     grazing_velocity,
     next_impacts,
@@ -259,3 +261,29 @@ def test_what_cannot_be_followed_is_refused(change, says):
     arguments = {"parameter": "damping", "bounds": (0.5, 0.7)} | change
     with pytest.raises(ValueError, match=says):
         continue_orbit(Oscillator(), orbit, **arguments)
+
+
+def test_a_branch_that_passes_close_by_its_start_goes_on():
+    """Orbits on both sides of a fold, and a part of the branch that returns, lie within a step of each other."""
+    oscillator = Oscillator(0.7364397061069343, 0.10722700471040196, 0.6584309774674322, 39441.09941661308)
+    bounds = (0.43, 0.669)
+    branch = continue_orbit(oscillator, find_orbit(oscillator, 0.7452219, 4.95472382, 3).orbit, "half_backlash", bounds)
+    assert [end.reason for end in branch.ends] == [BranchEnd.BOUND, BranchEnd.BOUND]
+    kinds = collections.Counter(point.kind for point in branch.special_points)
+    assert kinds == {SpecialKind.GRAZING: 5, SpecialKind.SADDLE_NODE: 3, SpecialKind.PERIOD_DOUBLING: 4}
+
+
+def test_an_isola_ends_where_it_began():
+    """At the fold of P(1,1,0) a small second harmonic leaves it at half of the phases: node and saddle, one loop."""
+    oscillator = Oscillator(eccentricity=0.05964305819304491, harmonics=((2, 1e-3, 0.25),))
+    pair = [each.orbit for each in find_orbits(oscillator, longest=1) if each.orbit.name == "P(1,1,0)"]
+    branches = [continue_orbit(oscillator, orbit, "phase_2", (-1.0, 2.0)) for orbit in pair]
+    assert len(branches) == 2
+    for branch in branches:
+        assert {end.reason for end in branch.ends} == {BranchEnd.CLOSED}
+        assert [point.kind for point in branch.special_points] == [SpecialKind.SADDLE_NODE] * 2
+        # Beyond its start by a part of the last step, once around.
+        way = np.diff(branch.values)
+        assert np.sum(way[1:] * way[:-1] < 0.0) == 2 and abs(branch.values[-1] - branch.values[0]) <= abs(way[0])
+    places = [sorted(point.value for point in branch.special_points) for branch in branches]
+    np.testing.assert_allclose(places[0], places[1], atol=1e-12)
