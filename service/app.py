@@ -43,6 +43,7 @@ from service.routes import (
     viewer,
 )
 from service.routes.dependencies import refuse_unknown_parameters
+from service.routes.plain_json import HeldBodies
 from service.routes.submissions import submission_router
 from service.runner.process import RunnerProcess
 from service.settings import Settings
@@ -92,6 +93,7 @@ def create_app(settings: Settings) -> FastAPI:
         app.state.views = JobViews(Revisions(engine), app.state.jobs)
         app.state.previews = Previews()
         app.state.checks = RequestChecks()
+        app.state.bodies = HeldBodies()
         app.state.large_answers = LargeAnswers()
         app.state.threads = DatabaseThreads(near=engine.dialect.name == "sqlite")
         app.state.key_ring = KeyRing(Keys(sessions), settings.keys_required)
