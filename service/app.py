@@ -11,6 +11,7 @@ from fastapi import Depends, FastAPI
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
 from rattle_kernels import warm_up_curves
+from rattle_kernels.numerics.compiled_apart import compiled_apart
 from service.answers.event_feed import EventFeed
 from service.answers.job_views import JobViews
 from service.answers.large_answers import LargeAnswers
@@ -43,6 +44,7 @@ from service.routes import (
     viewer,
 )
 from service.routes.dependencies import refuse_unknown_parameters
+from service.routes.plain_json import HeldBodies
 from service.routes.submissions import submission_router
 from service.runner.process import RunnerProcess
 from service.settings import Settings
@@ -65,10 +67,11 @@ forcing periods; everything else is nondimensional.
 
 def _load_kernels() -> None:
     """Load what outlines and estimates need."""
-    warm_up_curves()
-    for stiff in (False, True):
-        for together in (True, False):
-            measured_speed(stiff, together)
+    with compiled_apart(lambda: None):  # a process that dies with this one
+        warm_up_curves()
+        for stiff in (False, True):
+            for together in (True, False):
+                measured_speed(stiff, together)
     # Objects loaded so far stay. The garbage collector would scan them otherwise and delay responses by 150 ms.
     gc.freeze()
 
@@ -92,6 +95,7 @@ def create_app(settings: Settings) -> FastAPI:
         app.state.views = JobViews(Revisions(engine), app.state.jobs)
         app.state.previews = Previews()
         app.state.checks = RequestChecks()
+        app.state.bodies = HeldBodies()
         app.state.large_answers = LargeAnswers()
         app.state.threads = DatabaseThreads(near=engine.dialect.name == "sqlite")
         app.state.key_ring = KeyRing(Keys(sessions), settings.keys_required)
@@ -109,6 +113,7 @@ def create_app(settings: Settings) -> FastAPI:
             app.state.feed.close()
             app.state.previews.close()
             app.state.checks.close()
+            app.state.large_answers.close()
             await to_thread.run_sync(app.state.runner.stop)
             await to_thread.run_sync(loading.join, _LOADED_SECONDS)
             engine.dispose()

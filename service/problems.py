@@ -54,6 +54,7 @@ _TABLE: dict[type[Exception], tuple[int, str]] = {
 _KIND_OF_STATUS = {
     400: "malformed-request", 404: "not-found", 405: "method-not-allowed", 413: "body-too-large", 415:
     "unsupported-media-type", 416: "range-not-satisfiable", 422: "invalid-request",
+    503: "overloaded",
 }  # fmt: skip
 
 

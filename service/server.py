@@ -2,6 +2,7 @@
 
 import asyncio
 import socket
+import sys
 from collections.abc import Callable
 
 import uvicorn
@@ -11,6 +12,8 @@ from service.bounded_connection import BoundedConnection
 from service.settings import Settings
 
 _STOP_SECONDS = 2
+# Threads that check requests compute in Python. The event loop waits for some turns of theirs whenever it wakes up.
+_TURN_SECONDS = 0.001
 
 
 def address(host: str, port: int) -> str:
@@ -66,6 +69,7 @@ class Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start to listen, and call `on_ready` once everything needed is ready."""
+        sys.setswitchinterval(_TURN_SECONDS)
         await super().startup(sockets)
         if self._on_ready is not None:
             self._getting_ready = asyncio.create_task(self._say_when_ready(self._on_ready))

@@ -170,6 +170,21 @@ class DamagedMetadata(Damaged):
         return f"{damaged}; `rattle check` mends it{lost}"
 
 
+class OtherArrays(DamagedMetadata):
+    """An array of a store is of another shape than the store's request asks for: one of the two was changed.
+
+    Examples
+    --------
+    >>> from worker.errors import OtherArrays
+    >>> print(OtherArrays("basin.zarr", "solution"))
+    the store basin.zarr is damaged: solution is no array of its request; `rattle check` tells which of them to mend
+    """
+
+    def __str__(self) -> str:
+        what = f"{self.node} is no array of its request"
+        return f"the store {self.store} is damaged: {what}; `rattle check` tells which of them to mend"
+
+
 class DamagedChunk(Damaged):
     """A chunk of a store does not hold the bytes that were written, or is missing from a finished store.
 

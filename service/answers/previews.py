@@ -13,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from anyio import create_task_group
 
+from rattle_kernels.numerics.compiled_apart import compiled_apart
 from rattle_kernels.numerics.jit import timing_compilation
 from service.errors import LimitExceeded, TooMuch
 from worker.basins.preview import Preview, preview_basin
@@ -102,12 +103,16 @@ class Previews:
 def _compute(request: PreviewRequest, stopped: threading.Event) -> Preview:
     _demand_small(request)
     begun = time.monotonic()
+
     # The first preview with harmonics compiles kernels, half a minute or more. That is no fault of its own.
-    with timing_compilation() as compiling:
+    def leave() -> None:
+        if stopped.is_set():
+            raise JobCancelled("the client of this preview is gone")
+
+    with timing_compilation() as compiling, compiled_apart(leave):
 
         def pause() -> None:
-            if stopped.is_set():
-                raise JobCancelled("the client of this preview is gone")
+            leave()
             if time.monotonic() - begun - compiling() > _MOST_SECONDS:
                 raise LimitExceeded(
                     f"this preview takes longer than the limit of {_MOST_SECONDS:.0f} s: ask for fewer cells, or for "

@@ -3,10 +3,11 @@
 import logging
 import time
 
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import Message, Receive, Scope, Send
 
 from service.logs import ACCESS_LOG
 from service.middleware import metrics
+from service.middleware.of_http import OfHttp
 
 _log = logging.getLogger(ACCESS_LOG)
 # Monitors request these every few seconds: liveness, readiness and metrics.
@@ -14,22 +15,11 @@ _ROUTINE = frozenset({"/healthz", "/readyz", "/metrics"})
 _METHODS = ("GET", "HEAD", "POST", "DELETE", "PUT", "PATCH", "OPTIONS")
 
 
-class Access:
-    """ASGI middleware that records each request with its caller and its response.
+class Access(OfHttp):
+    """ASGI middleware that records each request with its caller and its response."""
 
-    Parameters
-    ----------
-    app : ASGI application
-    """
-
-    def __init__(self, app: ASGIApp) -> None:
-        self.app = app
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on and record its response."""
-        if scope["type"] != "http":
-            await self.app(scope, receive, send)
-            return
         begin = time.perf_counter()
         status = 0
 

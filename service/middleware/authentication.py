@@ -10,6 +10,7 @@ from anyio import to_thread
 from starlette.responses import Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from service.middleware.of_http import OfHttp
 from service.problems import database_problem, problem
 from service.records.engine import DatabaseError
 from service.records.key_record import KeyScope
@@ -28,7 +29,7 @@ def required_scope(method: str) -> KeyScope:
     return KeyScope.READ if method in _READING else KeyScope.SUBMIT
 
 
-class Authentication:
+class Authentication(OfHttp):
     """ASGI middleware that passes a request on if its key allows it, or if no keys are required.
 
     Parameters
@@ -38,14 +39,11 @@ class Authentication:
     """
 
     def __init__(self, app: ASGIApp) -> None:
-        self.app = app
+        super().__init__(app)
         self._refreshing = asyncio.Lock()
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
-        if scope["type"] != "http":
-            await self.app(scope, receive, send)
-            return
         if not _is_open(scope["path"]):
             caller = await self._authenticate(scope)
             if isinstance(caller, Response):

@@ -2,29 +2,20 @@
 
 import asyncio
 
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import Message, Receive, Scope, Send
+
+from service.middleware.of_http import OfHttp
 
 _LONG_BYTES, _PIECE_BYTES = 1 << 18, 1 << 16
 # A client that takes longer for one piece has gone, or means to hold the answer in memory.
 _SECONDS_FOR_A_PIECE = 30.0
 
 
-class Pieces:
-    """ASGI middleware that sends long bodies piece by piece.
+class Pieces(OfHttp):
+    """ASGI middleware that sends long bodies piece by piece."""
 
-    Parameters
-    ----------
-    app : ASGI application
-    """
-
-    def __init__(self, app: ASGIApp) -> None:
-        self.app = app
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, and its answer back in pieces."""
-        if scope["type"] != "http":
-            await self.app(scope, receive, send)
-            return
 
         async def send_pieces(message: Message) -> None:
             body = message.get("body", b"")

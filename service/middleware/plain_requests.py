@@ -1,29 +1,23 @@
 """Requests as the routes take them: HEAD as GET, and the encodings of an answer as their weights say."""
 
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import Message, Receive, Scope, Send
+
+from service.middleware.of_http import OfHttp
 
 # A stream has no end, so its head is all that could be waited for.
 _STREAM = "/events"
 
 
-class PlainRequests:
+class PlainRequests(OfHttp):
     """ASGI middleware that passes HEAD on as GET, and gzip only where it is accepted.
 
     The server sends no body in answer to HEAD. Starlette takes ``gzip;q=0`` for a wish.
-
-    Parameters
-    ----------
-    app : ASGI application
     """
 
-    def __init__(self, app: ASGIApp) -> None:
-        self.app = app
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on."""
-        if scope["type"] == "http":
-            scope["headers"] = [_as_understood(name, value) for name, value in scope["headers"]]
-        if scope["type"] != "http" or scope["method"] != "HEAD" or scope["path"].endswith(_STREAM):
+        scope["headers"] = [_as_understood(name, value) for name, value in scope["headers"]]
+        if scope["method"] != "HEAD" or scope["path"].endswith(_STREAM):
             await self.app(scope, receive, send)
             return
         as_get = {**scope, "method": "GET"}

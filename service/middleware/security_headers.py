@@ -1,7 +1,9 @@
 """Headers that restrict what browsers do with responses."""
 
 from starlette.datastructures import MutableHeaders
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import Message, Receive, Scope, Send
+
+from service.middleware.of_http import OfHttp
 
 _NOTHING = "default-src 'none'; frame-ancestors 'none'"
 # The page of the API loads only its own files. Swagger UI sets `style` attributes and draws icons from data.
@@ -17,25 +19,15 @@ _EXPLORER = (
 _PAGES = {"/": _EXPLORER, "/docs": _DOCS}
 
 
-class SecurityHeaders:
+class SecurityHeaders(OfHttp):
     """ASGI middleware that adds the security headers to every response.
 
     Responses are private: shared caches do not store them. A client's own cache may store a response that has an ETag,
     and revalidates it.
-
-    Parameters
-    ----------
-    app : ASGI application
     """
 
-    def __init__(self, app: ASGIApp) -> None:
-        self.app = app
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on and add the headers to its response."""
-        if scope["type"] != "http":
-            await self.app(scope, receive, send)
-            return
 
         async def send_guarded(message: Message) -> None:
             if message["type"] == "http.response.start":

@@ -32,7 +32,7 @@ class OrbitView(BaseModel):
     branch: int | None = Field(None, description="Branch that it lies on; null where none was asked for")
 
 
-class EndView(BaseModel):
+class BranchEndView(BaseModel):
     """Why a branch ends."""
 
     reason: Literal[
@@ -49,7 +49,7 @@ class BranchView(BaseModel):
     points: int
     lowest: float = Field(description="Least value of the parameter on it")
     highest: float
-    ends: tuple[EndView, EndView]
+    ends: tuple[BranchEndView, BranchEndView]
 
 
 class SpecialDeparture(BaseModel):

@@ -18,6 +18,8 @@ from worker.errors import Place
 _MOST_KEYS = 1000
 # Larger bodies are parsed in a thread.
 _SMALL_BYTES = 8192
+# As many of the largest are held at a time, until they are answered.
+_LARGE_BODIES = 16
 # A whole number of more is read as a float, infinite if need be: nothing of a request is so large.
 _MOST_DIGITS, _UNREADABLE_DIGITS = 300, 4300
 
@@ -88,14 +90,28 @@ def parse_body(body: bytes) -> Any:
     return value
 
 
+class HeldBodies:
+    """Bytes of all bodies of requests that are not answered yet. It must be used from one event loop."""
+
+    size = 0
+
+
 class _PlainJsonRequest(Request):
+    size = 0
+
     async def stream(self) -> AsyncGenerator[bytes]:
-        most, size = self.app.state.settings.max_body_bytes, 0
+        most: int = self.app.state.settings.max_body_bytes
+        held: HeldBodies = self.app.state.bodies
         async for chunk in super().stream():
-            size += len(chunk)
-            if size > most:
-                # The rest of the body is not read: the connection closes after the response.
+            self.size += len(chunk)
+            held.size += len(chunk)
+            # The rest of the body is not read: the connection closes after the response.
+            if self.size > most:
                 raise HTTPException(413, f"a request body may have at most {most} bytes", {"connection": "close"})
+            # Small bodies are taken all the same: large ones that do not end keep nobody else from submitting.
+            if held.size > _LARGE_BODIES * most and self.size > _SMALL_BYTES:
+                message = f"bodies of requests take {_LARGE_BODIES * most} bytes already: try again in a second"
+                raise HTTPException(503, message, {"connection": "close", "retry-after": "1"})
             yield chunk
 
     async def json(self) -> Any:
@@ -114,6 +130,10 @@ class PlainJsonRoute(APIRoute):
         handle = super().get_route_handler()
 
         async def handle_plain_json(request: Request) -> Response:
-            return await handle(_PlainJsonRequest(request.scope, request.receive))
+            plain = _PlainJsonRequest(request.scope, request.receive)
+            try:
+                return await handle(plain)
+            finally:
+                plain.app.state.bodies.size -= plain.size
 
         return handle_plain_json

@@ -1,5 +1,8 @@
 """What kill tests share: requests that take some seconds, and their results undisturbed."""
 
+import json
+import subprocess
+import sys
 import threading
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +23,28 @@ SWEEP = {
     "grid": {"time": {"cells": 160}, "velocity": {"cells": 160}}, "iterations": 4999,
     "vary": [{"parameter": "damping", "values": [0.58, 0.6, 0.7]}],
 }  # fmt: skip
+_SAMPLER = """
+import contextlib, glob, json, select, socket, sys, time
+
+def computed():
+    total = 0
+    for path in glob.glob(f"/proc/{sys.argv[2]}/task/*/schedstat"):
+        with contextlib.suppress(OSError):
+            total += int(open(path).read().split()[0])
+    return total / 1e9
+
+waits, line = [], socket.create_connection(("127.0.0.1", int(sys.argv[1])), timeout=60)
+print("ready", flush=True)
+while not select.select([sys.stdin], [], [], 0.01)[0]:
+    before, begun = computed(), time.perf_counter()
+    line.sendall(b"GET /healthz HTTP/1.1\\r\\nhost: localhost\\r\\n\\r\\n")
+    answer = b""
+    while not answer.endswith(b"}"):
+        answer += line.recv(65536)
+    waited = time.perf_counter() - begun
+    waits.append(1e3 * min(waited, computed() - before or waited))
+print(json.dumps(waits))
+"""
 
 
 def pytest_collection_modifyitems(items):
@@ -78,3 +103,23 @@ def right(undisturbed, starts_file):
         assert sum(started.values()) - expected.tiles <= 2 * disturbed, (started, disturbed)
 
     return check
+
+
+@pytest.fixture
+def health(request):
+    """Waits for `/healthz` in milliseconds, sampled in another process until they are asked for.
+
+    A wait counts as far as the service's process computed meanwhile: on a busy machine it gets no processor for longer.
+    """
+
+    def sample(service):
+        port = service.url.rpartition(":")[2]
+        process = subprocess.Popen(
+            [sys.executable, "-c", _SAMPLER, port, str(service.process.pid)],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        request.addfinalizer(process.kill)
+        assert process.stdout.readline() == "ready\n"
+        return lambda: json.loads(process.communicate("\n", timeout=60)[0])
+
+    return sample

@@ -5,7 +5,7 @@ from pathlib import Path
 from tests.faults.conftest import BASIN
 
 
-def test_the_same_request_is_computed_after_its_store_lost_its_root(a_service, undisturbed):
+def test_the_same_request_is_computed_after_its_store_lost_its_root(a_service):
     with a_service() as service:
         job = service.submit(BASIN)
         service.wait(job["id"], lambda job: job["progress"] and job["progress"]["tiles_done"] >= 1)

@@ -31,6 +31,7 @@ DOCUMENTED = {
     service_errors.NotYours("another's"): (403, "not-yours"),
     worker_errors.StoreFailed("cannot be read"): (503, "store-failed"),
     worker_errors.DamagedMetadata("basin.zarr", "solution"): (503, "store-failed"),
+    worker_errors.OtherArrays("basin.zarr", "solution"): (503, "store-failed"),
     worker_errors.DamagedChunk("basin.zarr", "solution", "3/0"): (503, "store-failed"),
     worker_errors.ClusterFailed("no scheduler"): (503, "cluster-failed"),
     worker_errors.TileFailed("tile 3"): (500, "tile-failed"),

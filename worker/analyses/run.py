@@ -11,16 +11,17 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
+from rattle_kernels import OutsideDomain
 from worker.analyses.analysis import Analysis, Plan
 from worker.cluster.driver import Driver
 from worker.cluster.task import Task, stop_if_cancelled
-from worker.errors import StoreFailed
+from worker.errors import InvalidJob, StoreFailed
 from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob
 from worker.progress import Progress, Report, Stage
 from worker.stores.analysis_store import AnalysisStore, StoredParts
 from worker.stores.layout import Columns
-from worker.stores.opening import demand_same_digest
+from worker.stores.opening import demand_own_request, demand_same_digest
 from worker.stores.summary import without_nan
 
 
@@ -158,7 +159,7 @@ def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, Anal
     StoreConflict, StoreFailed
     """
     store = AnalysisStore(location)
-    job = analysis.from_request(store.request)
+    job = job_of_analysis(analysis, store)
     if not store.complete:
         columns, failure = _from_parts(analysis, job, store)
         # A driver marks the store complete before it removes the parts. If it is still unmarked, they were whole.
@@ -168,6 +169,32 @@ def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, Anal
                 raise StoreFailed(f"the store {location} has lost a part of what was found: {failure}") from failure
             return job, columns, store
     return job, store.read_tables(), store
+
+
+def job_of_analysis(analysis: Analysis, store: AnalysisStore) -> Any:
+    """The job of a store. Its request was accepted when the store was made.
+
+    Parameters
+    ----------
+    analysis : Analysis
+    store : AnalysisStore
+
+    Returns
+    -------
+    AnalysisJob
+
+    Raises
+    ------
+    StoreFailed
+        If its request was changed since.
+    """
+    try:
+        job = analysis.from_request(store.request)
+    except (InvalidJob, OutsideDomain) as error:
+        told = f"the request of the store {store.location} cannot be read: {error}"
+        raise StoreFailed(f"{told}; `rattle check` tells whether it is what was stored") from error
+    demand_own_request(store.location, job.digest, store.digest)
+    return job
 
 
 def _from_parts(analysis: Analysis, job: Any, store: AnalysisStore) -> tuple[Columns, Exception | None]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
@@ -16,6 +16,7 @@ from worker.jobs.budget import spend
 from worker.jobs.first_refused import first_refused
 from worker.jobs.grid_request import Grid, GridRequest, grid_request
 from worker.jobs.job import Job, Sizes
+from worker.jobs.pressed_for_sure import pressed_for_sure
 from worker.jobs.proofs.request import Prove, check_proof
 from worker.jobs.request import Count, told
 from worker.jobs.sample import Sample
@@ -181,7 +182,8 @@ class BasinJob(Job):
                 errors[place] = error
             return place in errors
 
-        place = first_refused(axes_of(vary, convex), refused)
+        surely = partial(pressed_for_sure, oscillator, vary, quiet=convex is not None)
+        place = first_refused(axes_of(vary, convex), refused, surely)
         if place is None:
             return
         error = errors[place]

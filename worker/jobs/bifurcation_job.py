@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection
 from enum import StrEnum
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -13,6 +13,7 @@ from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.budget import spend
 from worker.jobs.first_refused import first_refused
 from worker.jobs.job import AnalysisJob, Sizes
+from worker.jobs.pressed_for_sure import pressed_for_sure
 from worker.jobs.region import Departure, Region
 from worker.jobs.request import INTEGRAL, Count
 from worker.jobs.swept_parameter import SweptParameter, Vary, axes_of, check_swept
@@ -166,7 +167,8 @@ class BifurcationJob(AnalysisJob):
                 errors[place] = error
             return place in errors
 
-        place = first_refused(axes_of([swept], convex), refused)
+        surely = partial(pressed_for_sure, oscillator, [swept], quiet=convex is not None)
+        place = first_refused(axes_of([swept], convex), refused, surely)
         if place is None:
             return
         error = errors[place]

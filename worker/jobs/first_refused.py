@@ -6,11 +6,14 @@ values between them, and the first refused one is found by halving.
 The domain of the map is convex in each number of the oscillator but the phases of harmonics: the acceleration at rest
 (Eq. 8) is linear in the damping and in each amplitude at every phase, and all other bounds are monotonic or have one
 maximum. The reaction of contact without ringing (Eq. 3) is linear in the amplitudes alone where the stiffness is
-finite: it has a resonance.
+finite: it has a resonance. In the other parameters `worker.jobs.pressed_for_sure` decides most values at once, and the
+rest is checked one by one.
 """
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
+
+import numpy as np
 
 
 class Axis(NamedTuple):
@@ -20,7 +23,11 @@ class Axis(NamedTuple):
     convex: bool
 
 
-def first_refused(axes: Sequence[Axis], refused: Callable[[tuple[int, ...]], bool]) -> tuple[int, ...] | None:
+def first_refused(
+    axes: Sequence[Axis],
+    refused: Callable[[tuple[int, ...]], bool],
+    accepted: Callable[[], np.ndarray] = lambda: np.array(False),
+) -> tuple[int, ...] | None:
     """Place of the first refused combination of values, the last axis fastest; None if there is none.
 
     Parameters
@@ -28,6 +35,9 @@ def first_refused(axes: Sequence[Axis], refused: Callable[[tuple[int, ...]], boo
     axes : sequence of Axis
     refused : callable
         Whether the check refuses the combination at a place.
+    accepted : callable
+        Which combinations the check accepts for sure, so far as it is not convex in all parameters. What else it checks
+        is convex in all of them.
 
     Returns
     -------
@@ -38,18 +48,26 @@ def first_refused(axes: Sequence[Axis], refused: Callable[[tuple[int, ...]], boo
     >>> first_refused([Axis(1_000_000, True)], lambda place: place[0] > 314_159)
     (314160,)
     """
-    return _first((), tuple(axes), refused)
+    found = _first((), tuple(axis.size for axis in axes), refused)
+    if all(axis.convex for axis in axes):
+        return found
+    shape = tuple(axis.size for axis in axes)
+    for number in np.flatnonzero(~np.broadcast_to(accepted(), shape)):
+        place = tuple(map(int, np.unravel_index(number, shape)))
+        if found is not None and place >= found:
+            break
+        if refused(place):
+            return place
+    return found
 
 
 def _first(
-    place: tuple[int, ...], axes: tuple[Axis, ...], refused: Callable[[tuple[int, ...]], bool]
+    place: tuple[int, ...], sizes: tuple[int, ...], refused: Callable[[tuple[int, ...]], bool]
 ) -> tuple[int, ...] | None:
-    if not axes:
+    """A refused place. No earlier one is refused by what is convex in all parameters."""
+    if not sizes:
         return place if refused(place) else None
-    (size, convex), rest = axes[0], axes[1:]
-    if not convex:
-        found = (_first((*place, at), rest, refused) for at in range(size))
-        return next((each for each in found if each is not None), None)
+    size, rest = sizes[0], sizes[1:]
     first = _first((*place, 0), rest, refused)
     if first is not None or size == 1:
         return first

@@ -132,6 +132,20 @@ def _in_pieces(values: Any) -> Iterator[Any]:
         yield values[begin : begin + _PIECE]
 
 
+def as_array(values: Sequence[float]) -> np.ndarray:
+    """Values, one or more, as an array. No other thread waits for long while it is made.
+
+    Parameters
+    ----------
+    values : sequence of float
+
+    Returns
+    -------
+    ndarray
+    """
+    return np.concatenate([np.array(piece) for piece in _in_pieces(values)])
+
+
 def values_as_json(values: Sequence[float]) -> Iterator[str]:
     """The text of `json.dumps` for a list of finite floats, in pieces.
 
@@ -338,7 +352,7 @@ def _checked_values(axis: int, swept: SweptParameter) -> tuple[float, ...]:
     values = tuple(float(value) + 0.0 for piece in _in_pieces(swept.values) for value in piece)
     if not values:
         raise InvalidJob(f"{swept.parameter} needs at least one value", ("vary", axis, "values"))
-    numbers = np.array(values)
+    numbers = as_array(values)
     for index in np.flatnonzero(~np.isfinite(numbers))[:1].tolist():
         message = f"values of {swept.parameter} must be finite; number {index} is {values[index]}"
         raise InvalidJob(message, ("vary", axis, "values", index))

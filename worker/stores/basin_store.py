@@ -26,7 +26,13 @@ from worker.stores.files.whole_chunks import read_chunk, write_chunk
 from worker.stores.files.write_over import write_over
 from worker.stores.layout import Variable
 from worker.stores.new_store import consolidate, create_store, places_of, tiling_of, write_coordinates
-from worker.stores.opening import create_unless_there, demand_same_request, open_group, open_store_at
+from worker.stores.opening import (
+    create_unless_there,
+    demand_own_request,
+    demand_same_request,
+    open_group,
+    open_store_at,
+)
 from worker.stores.proofs.arrays import ProofArrays
 from worker.stores.provenance import now
 from worker.stores.pyramid.convention import ATTRIBUTE
@@ -75,6 +81,7 @@ class BasinStore(SolutionArrays, ProofArrays):
             raise StoreConflict(f"{location} is no basin store of layout {layout.LAYOUT_VERSION}")
         self.job = _job_of(location, json.loads(str(self._group.attrs["request"])))
         self.digest = self.job.digest
+        demand_own_request(location, self.digest, self._group.attrs.get("request_sha256"))
         self.tiling = tiling_of(self.job)
         self.places = places_of(self.job)
         levels = levels_of(self.job, self.tiling)
@@ -100,6 +107,38 @@ class BasinStore(SolutionArrays, ProofArrays):
         if not store.complete:
             demand_same_rounding(location, store.attributes)
         return store
+
+    def fits(self, variable: Variable, shape: tuple[int, ...]) -> bool:
+        """Whether an array has a shape that the request asks for. Only some dimensions have a length from the start."""
+        basins = self.job.sweep_shape if variable.per_basin else ()
+        lengths = dict(zip(self.places.solution.dims, self._cells, strict=True))
+        lengths |= dict(zip(self.places.ledger.dims, self._tiles, strict=True))
+        of_levels = variable.group not in ("", self.places.own_solution.group)
+        own = [None if of_levels else lengths.get(name) for name in variable.dims]
+        asked = [*basins, *own]
+        return len(asked) == len(shape) and all(each in (None, there) for each, there in zip(asked, shape, strict=True))
+
+    def demand_fitting(self) -> None:
+        """Refuse arrays that were made for another request, before anything is read.
+
+        Raises
+        ------
+        StoreFailed
+        """
+        with as_store_failure(self.location):
+            for variable in (self.places.ledger, self.places.solution):
+                self._kept(variable)
+
+    @property
+    def _cells(self) -> tuple[int, ...]:
+        """Cells of a basin along each dimension; of a sample its points."""
+        grid = self.job.grid
+        return grid.shape if self.job.sample is None else (grid.time_cells,)
+
+    @property
+    def _tiles(self) -> tuple[int, ...]:
+        """Tiles of a basin along each dimension."""
+        return self.tiling.shape if self.job.sample is None else self.tiling.shape[1:]
 
     @property
     def complete(self) -> bool:

@@ -6,7 +6,7 @@ from typing import Any
 
 import zarr
 
-from worker.errors import StoreConflict, as_store_failure
+from worker.errors import StoreConflict, StoreFailed, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.stores.storage import place_at
 
@@ -83,6 +83,20 @@ def demand_same_digest(location: str, there: str, digest: str) -> None:
     """
     if there != digest:
         raise StoreConflict(f"{location} holds the store of another request by now")
+
+
+def demand_own_request(location: str, digest: str, there: Any) -> None:
+    """Refuse a store whose request is not the one that it was made for. `there` is the digest that it was given then.
+
+    Raises
+    ------
+    StoreFailed
+    """
+    if there != digest:
+        raise StoreFailed(
+            f"the request of the store {location} cannot be read: it does not have the digest that was stored with it; "
+            "`rattle check` tells what to do"
+        )
 
 
 def demand_same_request(location: str, digest: str, there: str, request: dict[str, Any]) -> None:

@@ -2,11 +2,14 @@
 
 import asyncio
 
+import httpx2 as httpx
 import numpy as np
 import pytest
 import xarray as xr
+from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
 
+from rattle_kernels.numerics import jit
 from service.answers import large_answers
 from service.answers.large_answers import LargeAnswers
 from service.errors import TooMuch
@@ -65,6 +68,35 @@ def test_a_place_that_is_not_free_in_time_is_not_waited_for_longer(monkeypatch):
             return True
 
     assert asyncio.run(visit())
+
+
+def test_kernels_that_a_large_answer_needs_are_compiled_in_another_process():
+    app = FastAPI()
+
+    @app.get("/", dependencies=[LARGE])
+    def compiles_apart() -> bool:
+        return jit.before_compiling.get() is not None
+
+    async def ask():
+        app.state.large_answers = LargeAnswers()
+        async with httpx.AsyncClient(transport=httpx.ASGITransport(app=app), base_url="http://localhost") as client:
+            answers = [(await client.get("/")).json() for _ in range(3)]
+        return answers, jit.before_compiling.get()
+
+    assert asyncio.run(ask()) == ([True, True, True], None)
+
+
+def test_a_stopping_service_waits_for_no_kernel():
+    async def leave():
+        large = LargeAnswers()
+        async with large.place():
+            pause = jit.before_compiling.get().__self__._pause
+            pause()
+            large.close()
+            pause()
+
+    with pytest.raises(TooMuch, match="is stopping"):
+        asyncio.run(leave())
 
 
 def test_every_route_whose_answer_grows_with_a_job_has_a_place(service):

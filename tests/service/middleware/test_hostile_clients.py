@@ -15,6 +15,7 @@ from service.records.job_record import JobState
 from tests.raw_http import connection, received, sent_endlessly
 from tests.service.idle_service import idle_service
 from tests.service.records.many_jobs import add_copies
+from tests.waiting import wait_until
 from worker.jobs.basin_job import basin_job
 from worker.stores.new_store import create_store
 
@@ -59,6 +60,32 @@ def test_what_has_no_end_is_cut_off(service, beginning, part):
     with connection(service.port) as line:
         assert sent_endlessly(line, beginning, part) < 29_000_000
     assert answers(service)
+
+
+def test_unfinished_bodies_hold_a_bounded_memory_and_keep_nobody_from_submitting(monkeypatch, tmp_path):
+    most = 40_000
+    head = (
+        b"POST /v1/basins HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: %d\r\n\r\n"
+    )
+    with idle_service(monkeypatch, tmp_path, max_body_bytes=most) as service, contextlib.ExitStack() as stack:
+        held = service.app.state.bodies
+        lines = [stack.enter_context(connection(service.port)) for _ in range(30)]
+        for line in lines[:16]:
+            line.sendall(head % most + b" " * (most - 1))
+        wait_until("sixteen bodies lack their last byte", lambda: held.size == 16 * (most - 1))
+        for line in lines[16:]:
+            line.sendall(head % most + b" " * 20_000)
+        refused = [received(line) for line in lines[16:]]
+        assert all(each.startswith(b"HTTP/1.1 503") and b"\r\nretry-after: 1\r\n" in each for each in refused)
+        assert held.size <= 16 * most
+        small = service.request("POST", "/v1/basins", json={"iterations": 1})
+        assert small.status_code == 202, small.text
+        large = {"content": b'{"iterations": 1}' + b" " * 20_000, "headers": {"content-type": "application/json"}}
+        assert service.request("POST", "/v1/basins", **large).status_code == 503
+        for line in lines[:16]:
+            line.close()
+        wait_until("they are given up", lambda: held.size == 0)
+        assert service.request("POST", "/v1/basins", **large).status_code == 202
 
 
 def test_heads_of_many_requests_on_one_connection_are_not_added_up(service):

@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 
 from tests.service.idle_service import idle_service
-from worker.jobs.basin_job import BasinJob, SweepJob
+from worker.errors import StoreConflict
+from worker.jobs.basin_job import BasinJob, SweepJob, basin_job
 from worker.jobs.grazing_curve_job import GrazingCurveJob
 from worker.stores.analysis_store import AnalysisStore
+from worker.stores.checking.damage import check_store
 from worker.stores.new_store import create_store
 from worker.stores.result_files import result_location
 
@@ -79,6 +81,23 @@ ROOTS = {
 }
 
 
+OTHER_GRID = {"time": {"cells": 5}, "velocity": {"cells": 4}}
+SWEPT = BODIES["sweeps"] | {"vary": [{"parameter": "damping", "values": [0.5, 0.6, 0.7]}]}
+OTHERS = {
+    "basin-of-other-numbers": ("basins", BODIES["basins"] | {"oscillator": {"damping": 0.7}}),
+    "basin-of-more-cells": ("basins", BODIES["basins"] | {"grid": OTHER_GRID}),
+    "basin-of-many-tiles": (
+        "basins",
+        BODIES["basins"] | {"grid": {"time": {"cells": 300}, "velocity": {"cells": 300}}},
+    ),
+    "sample": ("basins", {"iterations": 1, "sample": {"points": 16}}),
+    "sweep-in-a-basin": ("basins", BODIES["sweeps"]),
+    "sweep-of-more-basins": ("sweeps", SWEPT),
+    "basin-in-a-sweep": ("sweeps", BODIES["basins"]),
+    "curve-of-other-order": ("grazing-curves", {"order": 3}),
+}
+
+
 def addresses(service, number):
     """All GET routes of a job but the events, which have no end, from the document."""
     known = {"{job_id}": number, "{path}": "zarr.json", "{kind}": "grazing", "{number}": "0"}
@@ -104,6 +123,10 @@ def test_a_broken_root_is_named_with_what_to_do(service, results, sort, broken):
         answers = {path: service.request("GET", path) for path in addresses(service, number)}
     finally:
         root.write_text(whole)
+    assert_named(service, number, answers, "cannot be read")
+
+
+def assert_named(service, number, answers, what):
     assert answers.pop(f"/v1/jobs/{number}").status_code == 200
     named = 0
     for path, answer in answers.items():
@@ -111,6 +134,33 @@ def test_a_broken_root_is_named_with_what_to_do(service, results, sort, broken):
         if answer.status_code == 503:
             named += 1
             told = answer.json()
-            assert told["type"] == "/problems/store-failed" and "cannot be read" in told["detail"]
+            assert told["type"] == "/problems/store-failed" and what in told["detail"]
             assert "`rattle check`" in told["detail"] and service.results not in told["detail"]
     assert named >= 5
+
+
+# Nothing else in a store contradicts a root of such a request and its digest.
+OF_THE_SAME_SHAPE = "basin-of-other-numbers", "curve-of-other-order"
+
+
+@pytest.mark.parametrize(
+    ("other", "with_digest"),
+    [(other, with_digest) for other in OTHERS for with_digest in (False, True)[: 2 - (other in OF_THE_SAME_SHAPE)]],
+)
+def test_the_request_of_another_store_is_named_with_what_to_do(service, results, other, with_digest):
+    sort, body = OTHERS[other]
+    number, root = results[sort]
+    job = GrazingCurveJob.from_request(body) if sort == "grazing-curves" else basin_job(body)
+    attributes = {"request": json.dumps(job.request())}
+    what = "does not have the digest that was stored with it"
+    if with_digest:
+        attributes["request_sha256"], what = job.digest, "is no array of its request"
+    whole = root.read_text()
+    root.write_text(having(**attributes)(json.loads(whole)))
+    try:
+        answers = {path: service.request("GET", path) for path in addresses(service, number)}
+        with pytest.raises(StoreConflict, match="has lost its request.* put back a copy of its zarr.json"):
+            check_store(str(root.parent))
+    finally:
+        root.write_text(whole)
+    assert_named(service, number, answers, what)

@@ -10,7 +10,7 @@ from worker.errors import DamagedChunk, StoreConflict, as_store_failure
 from worker.jobs.job import Job
 from worker.kinds import KINDS
 from worker.stores.analysis_store import PARTS, AnalysisStore
-from worker.stores.checking.expected import expected_chunks
+from worker.stores.checking.expected import NEXT_STEP, expected_chunks
 from worker.stores.checking.metadata import (
     COPY_IS_WRONG,
     ROOT_IS_WRONG,
@@ -23,8 +23,6 @@ from worker.stores.checking.metadata import (
 from worker.stores.files.checked_chunks import CHUNKS, METADATA
 from worker.stores.opening import open_group
 from worker.stores.storage import place_at
-
-_NEXT_STEP = f"put back a copy of its {METADATA}, or remove the store and compute it anew"
 
 Report = Callable[[int, int], None]
 """Called with the number of files that have been read, and of all."""
@@ -168,11 +166,11 @@ def _job_of(location: str, kind: str, attributes: Any) -> Job:
         job: Job = KINDS[kind].job_class.from_request(request)
     except (AttributeError, KeyError, TypeError, ValueError, RecursionError) as error:
         raise StoreConflict(
-            f"{location} has lost its request, so nothing can be computed anew: {error}; {_NEXT_STEP}"
+            f"{location} has lost its request, so nothing can be computed anew: {error}; {NEXT_STEP}"
         ) from error
     if job.digest != attributes["request_sha256"]:
         raise StoreConflict(
-            f"{location} has lost its request: it does not have the digest that it was stored with; {_NEXT_STEP}"
+            f"{location} has lost its request: it does not have the digest that it was stored with; {NEXT_STEP}"
         )
     return job
 

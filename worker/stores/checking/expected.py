@@ -7,14 +7,18 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import AttractorKind
-from worker.errors import Damaged
+from worker.errors import Damaged, StoreConflict
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
+from worker.stores.files.checked_chunks import METADATA
 from worker.stores.layout import TileState, Variable
 from worker.stores.new_store import ATTRACTORS_A_CHUNK
 from worker.stores.proofs.layout import LATTICE_ENDS, LATTICE_ROUNDS, PROVEN, RATTLING, UNPROVEN_REASON
 from worker.stores.solution_table import SolutionTable
 from worker.stores.summary import WITHOUT_POINTS
+
+NEXT_STEP = f"put back a copy of its {METADATA}, or remove the store and compute it anew"
+"""Where nothing tells any more what a store holds."""
 
 Chunk = tuple[str, tuple[int, ...]]
 """Path of an array, and numbers of a chunk along each dimension."""
@@ -28,9 +32,17 @@ def expected_chunks(location: str, arrays: dict[str, Any]) -> Iterator[Chunk]:
     location : str
     arrays : dict of str to zarr.Array
         Of the store, by path.
+
+    Raises
+    ------
+    StoreConflict
+        If its request is not the one that they were made for.
     """
     store = BasinStore(location)
     places = store.places
+    astray = [each.path for each in (places.ledger, places.solution) if _is_another(store, each, arrays)]
+    if astray:
+        raise StoreConflict(f"{location} has lost its request: {astray[0]} was made for another; {NEXT_STEP}")
     states = readable_ledger(store)
     swept = [swept.parameter for swept in store.job.vary]
     whole = [variable.path for variable in (places.ledger, *places.coordinates, layout.IMAGE_COUNTS)]
@@ -59,6 +71,10 @@ def expected_chunks(location: str, arrays: dict[str, Any]) -> Iterator[Chunk]:
             yield from _of_ends(store, basin, table)
         if store.complete or table.complete[basin]:
             yield from _of_levels(store, basin)
+
+
+def _is_another(store: BasinStore, variable: Variable, arrays: dict[str, Any]) -> bool:
+    return variable.path in arrays and not store.fits(variable, arrays[variable.path].shape)
 
 
 def readable_ledger(store: BasinStore) -> np.ndarray:
