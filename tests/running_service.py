@@ -58,13 +58,14 @@ class RunningService:
         code = self.process.poll()
         return None if code is None else f"the service has ended with {code}: {(self.data / 'serve.log').read_text()}"
 
-    def wait_until_ready(self):
+    def wait_until_ready(self, path="/readyz"):
         """Until it answers, and has workers: as long as its process lives."""
-        wait_until(f"{self.url}/readyz answers 200, see {self.data / 'serve.log'}", self._is_ready, self.why_not)
+        what = f"{self.url}{path} answers 200, see {self.data / 'serve.log'}"
+        wait_until(what, lambda: self._answers(path), self.why_not)
 
-    def _is_ready(self):
+    def _answers(self, path):
         with contextlib.suppress(httpx.TransportError):
-            return self.request("GET", "/readyz").status_code == 200
+            return self.request("GET", path).status_code == 200
 
     def request(self, method, path, **options):
         """Answer to a request."""
@@ -113,8 +114,8 @@ BACKENDS = Backends()
 
 
 @contextlib.contextmanager
-def running_service(data, port=None, **environment):
-    """Run ``rattle serve`` with two workers until the context ends."""
+def running_service(data, port=None, *, ready="/readyz", **environment):
+    """Run ``rattle serve`` with two workers until the context ends; it is given once an address answers."""
     port = port or free_port()
     command = [
         sys.executable,
@@ -133,7 +134,7 @@ def running_service(data, port=None, **environment):
     results = settings.get("RATTLE_STORE", str(Path(data) / "results"))
     service = RunningService(f"http://127.0.0.1:{port}", Path(data), process, results)
     try:
-        service.wait_until_ready()
+        service.wait_until_ready(ready)
         yield service
     finally:
         if process.poll() is None:
