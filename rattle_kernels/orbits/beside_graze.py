@@ -2,7 +2,7 @@
 
 Next to the graze an orbit that touches -beta is too steep to be followed, a little further off it is not. So Newton's
 method looks for orbits of the same forcing and impact period, but of another number of contacts with -beta, at two
-values of the parameter beside that of the graze. Those found exist. That the branch leads to them is likely, not known.
+values of the parameter beside that of the graze. Those found exist. Whether they lie on the branch is not known.
 """
 
 from typing import NamedTuple

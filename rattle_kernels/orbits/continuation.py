@@ -171,7 +171,7 @@ def _beside(task: BranchTask, last: Station, value: float) -> str:
         f"{orbit.name} at {task.parameter} = {there:.12g}, of trace {np.trace(orbit.jacobians[0]):.6g}"
         for there, orbit in found
     )
-    return f"next to it there is {orbits}; whether the branch leads there is not known"
+    return f"next to it there is {orbits}; whether that lies on this branch is not known"
 
 
 class _Walk:
