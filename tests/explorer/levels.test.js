@@ -61,6 +61,11 @@ test("the longer side says which cells are shown", () => {
   }
 });
 
+test("a level that is exactly coarse enough is taken", () => {
+  // 12000 cells want every 8th.
+  assert.equal(wholeOf({ ...WIDE, time: { ...WIDE.time, cells: 12000 } }).query, "level=3");
+});
+
 test("a window that is not square is covered by the tiles of its own rows and columns", () => {
   // 2000 x 400 cells: 1000 columns of level 1, of tiles of 500 x 600 of them.
   const [{ time, velocity, shown }, ...others] = partsOf(WIDE, 8, { t0: 0.5, t1: 0.75, v0: 1.9, v1: 2.1 });

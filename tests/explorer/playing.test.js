@@ -33,6 +33,11 @@ test("the wall that was struck glows, and fades", () => {
   assert.ok(Math.abs(struck.lower - (4 / 9) ** 2) < 1e-12 && Math.abs(later.lower - (4 / 9) ** 2 / Math.E) < 1e-12);
 });
 
+test("each wall glows by its own contacts", () => {
+  const contacts = [{ time: 1, wall: 1, direction: "impact", speed: 4 }, { time: 1, wall: -1, direction: "impact", speed: -2 }];
+  assert.deepEqual(glowAt({ ...HISTORY, contacts }, 1, 0.1), { upper: 1, lower: 0.25 });
+});
+
 test("the dot is at the last departure", () => {
   const departures = [{ t: 1, v: 3 }, { t: 2.2, v: 4 }];
   assert.equal(departureAt(departures, 1.9), departures[0]);

@@ -64,4 +64,5 @@ test("a window that is too wide keeps its middle", () => {
   const { t0, t1, v0, v1 } = within({ t0: 0.1, t1: 1.7, v0: 1, v1: 2 });
   assert.ok(Math.abs(t1 - t0 - 1) < 1e-12 && Math.abs((((t0 + t1) / 2 - 0.9) % 1)) < 1e-12);
   assert.deepEqual([v0, v1], [1, 2]);
+  assert.deepEqual([0.25, -1].map((low) => within({ t0: 0, t1: 1, v0: low, v1: low + 0.5 }).v0), [0.25, 0]);
 });

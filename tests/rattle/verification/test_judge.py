@@ -9,8 +9,10 @@ from flint import arb, ctx
 
 from rattle.verification import work
 from rattle.verification.checking import _core
-from rattle.verification.claims import Core, claims_of
+from rattle.verification.claims import Core, Disc, claims_of
+from rattle.verification.flight import Slope
 from rattle.verification.machine import Machine, ball
+from rattle.verification.targets import discs
 from rattle.verification.targets.quiet import COLUMNS, acceleration_at_rest
 from rattle.verification.work import Subject
 
@@ -73,6 +75,18 @@ def test_the_error_and_its_derivatives(t):
 def test_the_decay_of_freeplay(tau):
     e, d = MACHINE.decay(arb(tau))
     assert same(e, -math.expm1(-DAMPING * tau) / DAMPING) and same(d, math.exp(-DAMPING * tau))
+
+
+def test_slopes_multiply_turn_back_and_have_the_norm_of_matrices():
+    random = np.random.default_rng(3)
+    for _ in range(20):
+        one, other = random.normal(size=(2, 2, 2))
+        slopes = [Slope(*(arb(each) for each in matrix.ravel())) for matrix in (one, other)]
+        product = [float(each) for each in slopes[0].times(slopes[1])]
+        assert product == pytest.approx((one @ other).ravel().tolist(), rel=1e-12, abs=1e-12)
+        assert float(discs._norm(slopes[0])) == pytest.approx(np.linalg.norm(one, 2), rel=1e-12)
+        inverse = discs._inverse(Disc(1, 1, 0.5, 4.0, tuple(map(tuple, one.tolist())), 0.1))
+        assert [float(each) for each in inverse] == pytest.approx(np.linalg.inv(one).ravel().tolist(), rel=1e-9)
 
 
 def test_balls_hold_every_machine_and_time_within():
