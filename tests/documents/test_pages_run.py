@@ -60,9 +60,9 @@ def serve(programs, reader, tmp_path):
 
     def start():
         folder, variables = reader
-        log = (tmp_path / "serve.log").open("wb")
         command = [programs / "rattle", "serve", "--data", tmp_path / "data"]
-        process = subprocess.Popen(command, cwd=folder, env=variables, stdout=log, stderr=log)
+        with (tmp_path / "serve.log").open("wb") as log:
+            process = subprocess.Popen(command, cwd=folder, env=variables, stdout=log, stderr=log)
         started.append(process)
         RunningService(ADDRESS, tmp_path, process, "").wait_until_ready()
 

@@ -14,6 +14,7 @@ from worker import estimate as estimates
 from worker.estimate import Estimate, estimate, measured_speed
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.bifurcation_job import BifurcationJob
+from worker.jobs.manifold_job import ManifoldJob
 from worker.jobs.orbits_job import OrbitsJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.kinds import KINDS
@@ -219,3 +220,14 @@ def test_curves_take_as_many_impacts_as_their_points_within_a_factor(kind, tmp_p
         points = store.sizes["vertex"]
     assert points <= job.impacts <= 2 * 20 * points
     assert 16 * points <= 2 * estimate(job).bytes
+
+
+def test_the_shortest_chord_gives_a_branch_its_most_points():
+    saddle = {"time": 0.6017, "velocity": 3.77}
+    tiny, most = (
+        ManifoldJob.from_request(
+            {"saddles": [saddle], "most_points": 100, "resolution": {"chord": chord, "finest": chord}}
+        )
+        for chord in (5e-324, 1e-9)
+    )
+    assert estimate(tiny).bytes == estimate(most).bytes == 2 * 100 * 16  # two branches of a side

@@ -200,7 +200,7 @@ class ManifoldJob(AnalysisJob):
 
     @property
     def _points(self) -> int:
-        branch = min(self.most_points, math.ceil(self.arclength / self.resolution_.chord))
+        branch = math.ceil(min(self.most_points, self.arclength / self.resolution_.chord))
         return 2 * len(self.side.each) * len(self.saddles_) * branch
 
     def _settled(self) -> dict[str, Any]:
