@@ -51,7 +51,8 @@ def least_value(polynomial: TrigonometricPolynomial) -> tuple[float, float]:
     Returns
     -------
     (float, float)
-        The least value, too large by at most 1e-14 of the polynomial's size, and its phase in [0, 1).
+        The least value, too large by at most 1e-14 of the polynomial's size, and its phase in [0, 1). It is NaN where
+        values overflow.
     """
     highest = float(polynomial.order.max(initial=1.0))
     step = 1.0 / (_A_PERIOD * highest)
@@ -61,6 +62,8 @@ def least_value(polynomial: TrigonometricPolynomial) -> tuple[float, float]:
         low, high = polynomial.at(begin), polynomial.at(begin + step)
         least = min(low.min(), high.min())
         sag = polynomial.bend * step * step / 8.0
+        if not (math.isfinite(least) and math.isfinite(sag)):
+            return math.nan, 0.0
         if sag <= tolerance:
             place = int(low.argmin())
             return float(least), float(begin[place] % 1.0)

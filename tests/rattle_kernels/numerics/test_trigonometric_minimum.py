@@ -24,3 +24,10 @@ def test_no_mesh_finds_a_lower_value(cosine, sine):
     value, phase = least_value(polynomial)
     assert polynomial.at(np.arange(20_000) / 20_000).min() >= value - 1e-13 * polynomial.size
     assert polynomial.at(np.array([phase]))[0] == pytest.approx(value, abs=1e-13 * polynomial.size)
+
+
+@pytest.mark.parametrize("amplitude", [np.inf, 1e306, 5e307])
+def test_what_overflows_has_no_least_value(amplitude):
+    huge = TrigonometricPolynomial(0.0, np.array([95.0, 2.0]), np.array([amplitude, 0.0]), np.array([amplitude, 0.0]))
+    with np.errstate(over="ignore", invalid="ignore"):
+        assert np.isnan(least_value(huge)[0])
