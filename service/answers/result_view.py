@@ -10,10 +10,8 @@ from service.errors import NotReady
 from service.models.basin_result import ResultView
 from service.models.results import ANALYSIS_VIEWS, AnyAnalysisView, AnyResult
 from service.records.job_record import JobRecord, JobState
-from worker.analyses.run import fingerprint_of_analysis, job_of_analysis, summarise_analysis
+from worker.analyses.run import fingerprint_of_analysis, summarise_analysis
 from worker.kinds import KINDS
-from worker.stores.analysis_store import AnalysisStore
-from worker.stores.basin_store import BasinStore
 from worker.stores.opening import holds_store
 from worker.stores.result_files import holds_root, result_location
 from worker.stores.summary import fingerprint, summarise
@@ -71,19 +69,8 @@ def _result_view(kind: str, location: str, zarr: str) -> AnyResult:
     return ANALYSIS_VIEWS.get(kind, AnyAnalysisView)(**fields | fields.pop("result"), zarr=zarr)
 
 
-def demand_request(kind: str, location: str) -> None:
-    """Refuse a store whose request was changed since it was made.
-
-    Raises
-    ------
-    StoreConflict, StoreFailed
-    """
-    if KINDS[kind].analysis is None:
-        BasinStore(location).demand_fitting()
-    else:
-        job_of_analysis(KINDS[kind].loaded_analysis, AnalysisStore(location))
-
-
 def result_fingerprint(kind: str, location: str) -> bytes:
     """Bytes that change whenever the picture of the result does."""
-    return fingerprint(location) if KINDS[kind].analysis is None else fingerprint_of_analysis(location)
+    if KINDS[kind].analysis is None:
+        return fingerprint(location)
+    return fingerprint_of_analysis(KINDS[kind].loaded_analysis, location)

@@ -16,12 +16,7 @@ from pydantic import AfterValidator
 
 from service.answers.byte_range import range_of_file
 from service.answers.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, json_or_not_modified, not_modified
-from service.answers.result_view import (
-    demand_request,
-    location_of_result,
-    result_fingerprint,
-    summary_of_result,
-)
+from service.answers.result_view import location_of_result, result_fingerprint, summary_of_result
 from service.errors import JobNotFound, NotReady
 from service.models.results import AnyResult
 from service.routes.dependencies import LARGE, JobId, JobsHere, SettingsHere, problems, require_kind
@@ -190,9 +185,7 @@ def get_certificate(job_id: JobId, jobs: JobsHere, settings: SettingsHere) -> Re
     Where `counts` are missing the proof is under way.
     """
     require_kind(jobs.get(job_id), "a certificate", "basin")
-    store = BasinStore(location_of(job_id, jobs, settings))
-    store.demand_fitting()
-    certificate = store.certificate
+    certificate = BasinStore(location_of(job_id, jobs, settings)).certificate
     if certificate is None:
         raise NotReady(f"job {job_id} has no certificate: no proof was asked for, or it has not begun")
     return JSONResponse(certificate)
@@ -234,7 +227,6 @@ def get_table(
     known = not_modified(etag, if_none_match)
     if known is not None:
         return known
-    demand_request(kind, location)
     with open_store(location) as dataset:
         demand_small_table(dataset, table, settings.max_table_rows, f"/v1/jobs/{job_id}/result.zarr")
         text = write_table(table_of(dataset, table), table_format)

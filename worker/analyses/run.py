@@ -159,7 +159,7 @@ def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, Anal
     StoreConflict, StoreFailed
     """
     store = AnalysisStore(location)
-    job = job_of_analysis(analysis, store)
+    job = _job_of(analysis, store)
     if not store.complete:
         columns, failure = _from_parts(analysis, job, store)
         # A driver marks the store complete before it removes the parts. If it is still unmarked, they were whole.
@@ -171,23 +171,8 @@ def read_analysis(analysis: Analysis, location: str) -> tuple[Any, Columns, Anal
     return job, store.read_tables(), store
 
 
-def job_of_analysis(analysis: Analysis, store: AnalysisStore) -> Any:
-    """The job of a store. Its request was accepted when the store was made.
-
-    Parameters
-    ----------
-    analysis : Analysis
-    store : AnalysisStore
-
-    Returns
-    -------
-    AnalysisJob
-
-    Raises
-    ------
-    StoreFailed
-        If its request was changed since.
-    """
+def _job_of(analysis: Analysis, store: AnalysisStore) -> Any:
+    """The job of a store; refused if its request was changed since the store was made, when it was accepted."""
     try:
         job = analysis.from_request(store.request)
     except (InvalidJob, OutsideDomain) as error:
@@ -205,7 +190,7 @@ def _from_parts(analysis: Analysis, job: Any, store: AnalysisStore) -> tuple[Col
         return {}, error
 
 
-def fingerprint_of_analysis(location: str) -> bytes:
+def fingerprint_of_analysis(analysis: Analysis, location: str) -> bytes:
     """Bytes that change whenever a picture of the store does. They list its parts and say whether it is complete.
 
     Raises
@@ -213,6 +198,7 @@ def fingerprint_of_analysis(location: str) -> bytes:
     StoreConflict, StoreFailed
     """
     store = AnalysisStore(location)
+    _job_of(analysis, store)
     return " ".join([str(store.complete), *sorted(store.parts())]).encode()
 
 

@@ -8,7 +8,7 @@ over HTTP, which cannot list a folder, always see everything.
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
 from typing import Any
@@ -17,7 +17,15 @@ import numpy as np
 
 from rattle_kernels import CellGroups, OutsideDomain
 from rattle_kernels.cell_mapping.image_set import ImageSet, with_counts
-from worker.errors import DamagedChunk, InvalidJob, StoreConflict, StoreFailed, as_store_failure
+from worker.errors import (
+    DamagedChunk,
+    DamagedMetadata,
+    InvalidJob,
+    OtherArrays,
+    StoreConflict,
+    StoreFailed,
+    as_store_failure,
+)
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
@@ -63,6 +71,8 @@ class BasinStore(SolutionArrays, ProofArrays):
         Location as in `worker.stores.storage`.
     fence : Fence
         The driver's fence.
+    as_found : bool
+        Whether its arrays are taken whatever their shapes are: by a check, which tells which of them to mend.
 
     Raises
     ------
@@ -72,7 +82,7 @@ class BasinStore(SolutionArrays, ProofArrays):
         If it cannot be read.
     """
 
-    def __init__(self, location: str, fence: Fence = unfenced) -> None:
+    def __init__(self, location: str, fence: Fence = unfenced, *, as_found: bool = False) -> None:
         self.location, self._fence = location, fence
         self._group = open_store_at(location, "basin store", fence)
         if "kind" in self._group.attrs:
@@ -89,6 +99,8 @@ class BasinStore(SolutionArrays, ProofArrays):
         self.levels = levels if ATTRIBUTE in self._group.attrs else levels[:1]
         self._place = place_at(location)
         super().__init__()
+        if not as_found:
+            self._demand_own_arrays()
 
     @classmethod
     def create_or_resume(cls, location: str, job: BasinJob, fence: Fence = unfenced) -> "BasinStore":
@@ -108,37 +120,23 @@ class BasinStore(SolutionArrays, ProofArrays):
             demand_same_rounding(location, store.attributes)
         return store
 
-    def fits(self, variable: Variable, shape: tuple[int, ...]) -> bool:
-        """Whether an array has a shape that the request asks for. Only some dimensions have a length from the start."""
-        basins = self.job.sweep_shape if variable.per_basin else ()
-        lengths = dict(zip(self.places.solution.dims, self._cells, strict=True))
-        lengths |= dict(zip(self.places.ledger.dims, self._tiles, strict=True))
-        of_levels = variable.group not in ("", self.places.own_solution.group)
-        own = [None if of_levels else lengths.get(name) for name in variable.dims]
-        asked = [*basins, *own]
-        return len(asked) == len(shape) and all(each in (None, there) for each, there in zip(asked, shape, strict=True))
+    def own_shapes(self) -> Iterator[tuple[Variable, tuple[int, ...]]]:
+        """The arrays whose lengths the request gives from the start, and what they are."""
+        first = 0 if self.job.sample is None else 1  # a sample is one row of points
+        cells, tiles = self.job.grid.shape[first:], self.tiling.shape[first:]
+        yield self.places.ledger, (*self.job.sweep_shape, *tiles)
+        yield self.places.solution, (*self.job.sweep_shape, *cells)
 
-    def demand_fitting(self) -> None:
-        """Refuse arrays that were made for another request, before anything is read.
-
-        Raises
-        ------
-        StoreFailed
-        """
+    def _demand_own_arrays(self) -> None:
+        """Refuse arrays that were made for another request. Those whose metadata are damaged are refused when read."""
         with as_store_failure(self.location):
-            for variable in (self.places.ledger, self.places.solution):
-                self._kept(variable)
-
-    @property
-    def _cells(self) -> tuple[int, ...]:
-        """Cells of a basin along each dimension; of a sample its points."""
-        grid = self.job.grid
-        return grid.shape if self.job.sample is None else (grid.time_cells,)
-
-    @property
-    def _tiles(self) -> tuple[int, ...]:
-        """Tiles of a basin along each dimension."""
-        return self.tiling.shape if self.job.sample is None else self.tiling.shape[1:]
+            for variable, own in self.own_shapes():
+                try:
+                    there = self._kept(variable).shape
+                except DamagedMetadata:
+                    continue
+                if there != own:
+                    raise OtherArrays(self.location, variable.path)
 
     @property
     def complete(self) -> bool:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind
-from worker.errors import DamagedMetadata, OtherArrays, as_store_failure
+from worker.errors import DamagedMetadata, as_store_failure
 from worker.fence import Fence
 from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
@@ -35,16 +35,9 @@ class SolutionArrays:
 
     def _array(self, variable: Variable) -> Any:
         try:
-            array = self._group[variable.path].with_config(CONFIG)
+            return self._group[variable.path].with_config(CONFIG)
         except (KeyError, TypeError, ValueError) as error:  # they are missing, or JSON that Zarr does not take
             raise DamagedMetadata(self.location, variable.path) from error
-        if not self.fits(variable, array.shape):
-            raise OtherArrays(self.location, variable.path)
-        return array
-
-    def fits(self, variable: Variable, shape: tuple[int, ...]) -> bool:
-        """Whether an array has a shape that the request asks for."""
-        raise NotImplementedError
 
     def _kept(self, variable: Variable) -> Any:
         if variable.path not in self._handles:

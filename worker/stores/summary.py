@@ -140,7 +140,6 @@ def summarise(location: str) -> BasinSummary:
         If there is no basin's store, or it cannot be read.
     """
     store = BasinStore(location)
-    store.demand_fitting()
     states = store.read_ledger()
     table = store.read_solutions()
     whole = bool(table.complete.all())
@@ -173,7 +172,6 @@ def fingerprint(location: str) -> bytes:
         If there is no basin's store, or it cannot be read.
     """
     store = BasinStore(location)
-    store.demand_fitting()
     table = store.read_solutions()
     return b"".join(
         (bytes([store.complete]), store.read_ledger().tobytes(), repr(table.motions).encode(), table.share.tobytes())
