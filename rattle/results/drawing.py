@@ -1,14 +1,16 @@
 """A result on a figure, whatever its kind."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.collections import Collection as Points
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.legend import Legend
 
 from rattle.results.curves import curves_of
@@ -17,7 +19,7 @@ from rattle_kernels import Attractor
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob
 from worker.kinds import KINDS
-from worker.pictures.colours import Palette
+from worker.pictures.colours import Colour, Palette
 from worker.pictures.history_picture import draw_history
 from worker.pictures.overlay import Lines
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
@@ -38,7 +40,7 @@ class Paints(NamedTuple):
     """Palette of basins, if it is not the usual one, and colours of some motions by name."""
 
     palette: Palette | None = None
-    colors: Mapping[str, tuple[float, float, float]] = {}
+    colors: Mapping[str, Colour] = {}
 
 
 _USUAL_PAINTS = Paints()
@@ -71,27 +73,39 @@ def draw_basin(
     """Draw one basin, on a new figure if there are no axes."""
     axes = plt.figure(figsize=_SIZE, layout="constrained").add_subplot() if ax is None else ax
     chosen: Any = USUAL_OVERLAYS if overlays is None else overlays
-    before = len(axes.images)
+    images, points = len(axes.images), len(axes.collections)
     plot_basin(dataset, axes, legend=legend, overlays=chosen, palette=paints.palette)
-    if paints.colors:
-        _recolour(dataset, axes, before, paints.colors)
+    if paints.colors and "sample" in dataset.dims:
+        _recolour_points(dataset, axes.collections[points], paints.colors)
+    elif paints.colors:
+        _recolour_cells(dataset, axes.images[images], paints.colors)
+    if paints.colors and (drawn := axes.get_legend()) is not None:
+        _recolour_legend(drawn, paints.colors)
     return axes
 
 
-def _recolour(dataset: xr.Dataset, axes: Axes, place: int, colors: Mapping[str, tuple[float, float, float]]) -> None:
-    """Paint some motions of a drawn basin in other colours, in its image and its legend."""
+def _recoloured(dataset: xr.Dataset, colors: Mapping[str, Colour]) -> Iterator[tuple[int, Colour]]:
+    """Number and new colour of each motion of a basin that is to have one."""
     motions = [each.name for each in reading.attractors_of(dataset)]
-    image, numbers = axes.images[place], thinned(dataset).solution.values
-    pixels = np.array(image.get_array())
-    for name, color in colors.items():
-        if name in motions:
-            pixels[numbers == motions.index(name)] = color
+    return ((motions.index(name), color) for name, color in colors.items() if name in motions)
+
+
+def _recolour_cells(dataset: xr.Dataset, image: AxesImage, colors: Mapping[str, Colour]) -> None:
+    pixels, numbers = np.array(image.get_array()), thinned(dataset).solution.values
+    for number, color in _recoloured(dataset, colors):
+        pixels[numbers == number] = color
     image.set_data(pixels)
-    if (legend := axes.get_legend()) is not None:
-        _recolour_legend(legend, colors)
 
 
-def _recolour_legend(legend: Legend, colors: Mapping[str, tuple[float, float, float]]) -> None:
+def _recolour_points(dataset: xr.Dataset, points: Points, colors: Mapping[str, Colour]) -> None:
+    painted, numbers = np.array(points.get_facecolor()), dataset.solution.values
+    numbers = numbers[numbers >= 0][: len(painted)]
+    for number, color in _recoloured(dataset, colors):
+        painted[numbers == number, :3] = color
+    points.set_facecolor(painted)
+
+
+def _recolour_legend(legend: Legend, colors: Mapping[str, Colour]) -> None:
     """Give the entries of some motions other colours; chaos is then of one colour, too."""
     for handle, text in zip(legend.get_patches(), legend.get_texts(), strict=False):
         # "P(1,1,0)   3.24 %" beside a basin, "1: P(1,1,0)" beside a sweep.

@@ -1,9 +1,8 @@
 """Small jobs of every kind, computed by a service: what is kept of each."""
 
 import hashlib
-import struct
 
-from tests.golden import stores
+from tests.golden import shown, stores
 from tests.golden.adapter import store_folder
 from tests.golden.door import steady, submitted
 
@@ -32,7 +31,7 @@ def looked_at(service, job):
         "chunks": stores.chunks(folder),
         "metadata": stores.metadata(folder),
         "arrays": stores.arrays(folder),
-    }
+    } | shown.shown(folder)
 
 
 def _get(service, job, path):
@@ -68,7 +67,6 @@ def _pictures(service, job):
 
 
 def _picture(answer):
-    """Width and height, which the first bytes of a PNG say."""
     if answer.status_code != 200:
         return {"status": answer.status_code, "type": answer.json()["type"]}
-    return list(struct.unpack(">II", answer.content[16:24]))
+    return shown.picture(answer.content)

@@ -1,8 +1,8 @@
 """Writes the golden files anew: ``python -m tests.golden.record``.
 
 Golden files say what must stay the same: of every kind of job the stored request and its digest, of small jobs the
-store, the summary and the size of pictures, what requests are refused with, the structure of ``docs/openapi.yaml``, and
-the options of every command. The tests beside this file compare them with the code.
+store, the summary, pictures, tables and measures, what requests are refused with, the structure of
+``docs/openapi.yaml``, and the options of every command. The tests beside this file compare them with the code.
 
 A golden file is written anew only where a change of what it says is meant. Read the diff before you commit it: every
 line of it is something that a user, a reader of old stores or a client will notice. A changed digest means that old
@@ -12,7 +12,7 @@ results are no longer found.
     refusals.json       bodies; status, type and locations of the problem that refuses each
     trajectories.json   bodies; the time history that answers each
     jobs.json           bodies of small jobs
-    stores/NAME.json    each of these jobs: its view, its result, its store
+    stores/NAME.json    each of these jobs: its view, its result, its store, and what is shown of it
     commands.json       what each command takes
     help/*.txt          its help, to read; of it only the usage is compared
     openapi.json        docs/openapi.yaml without words

@@ -63,6 +63,18 @@ def test_a_basin_is_drawn_in_colours_and_with_a_title_of_ones_own(basin):
     assert entry.get_facecolor()[:3] == (1.0, 128 / 255, 0.0) and axes.get_title() == "mine"
 
 
+def test_a_sample_is_drawn_as_points_in_the_colours_of_their_motions(kept):
+    sample = rattle.basin(sample=300, seed=7, iterations=101, progress=False)
+    names, numbers = sample.name.values.tolist(), sample.solution.values
+    axes = sample.rattle.plot(overlays=[], colors={"P(1,1,0)": "#ff8000"})
+    (points,) = axes.collections
+    np.testing.assert_array_equal(points.get_offsets(), np.transpose([sample.time, sample.velocity]))
+    assert axes.get_xlim() == (0.0, 1.0) and axes.get_ylim() == (0.0, 7.0)
+    wanted = np.array(colours_of(sample.rattle.catalogue()))
+    wanted[names.index("P(1,1,0)")] = [1.0, 128 / 255, 0.0]
+    np.testing.assert_allclose(points.get_facecolor()[:, :3], wanted[numbers])
+
+
 @pytest.mark.parametrize("palette", Palette)
 def test_a_basin_is_drawn_in_a_palette(basin, palette):
     axes = basin.rattle.plot(overlays=[], palette=palette.value)

@@ -34,6 +34,13 @@ class Layer(StrEnum):
     STEP = "step"
 
 
+def draw_points(axes: Axes, t: np.ndarray, v: np.ndarray, solution: np.ndarray, palette: np.ndarray) -> None:
+    """Draw points of a sample, up to 20,000 of them, each in the colour of its solution."""
+    known = np.flatnonzero(solution[:_MOST_POINTS] >= 0)
+    axes.scatter(t[known], v[known], s=2.0, c=palette[solution[known]], linewidths=0.0)
+    axes.set_facecolor(colours.MISSING)
+
+
 @dataclass(frozen=True)
 class Look:
     """How basins are drawn.
@@ -181,9 +188,6 @@ class PanelPicture:
                 place = (t + columns[0] * width, t + columns[1] * width, v + rows[0] * height, v + rows[1] * height)
                 yield rows, columns, place
 
-    def _colours(self, solution: np.ndarray) -> np.ndarray:
-        return self.palette[np.where(solution >= 0, solution, len(self.solutions))]
-
     def draw_solutions(self, axes: Axes) -> None:
         """Draw cells, or the points of a sample, in the colours of their solutions."""
         if self.window != self.whole:
@@ -208,12 +212,10 @@ class PanelPicture:
         return colours.usual_speckle(solution, group, self.solutions)
 
     def _draw_points(self, axes: Axes) -> None:
-        solution = self._read(self._of_layer(Layer.SOLUTION), (0, 1), (0, self.grid.time_cells))[0, :_MOST_POINTS]
-        t, v = (values[:_MOST_POINTS] for values in self.store.read_whole(SAMPLE_COORDINATES))
-        known = solution >= 0
+        solution = self._read(self._of_layer(Layer.SOLUTION), (0, 1), (0, self.grid.time_cells))[0]
+        t, v = self.store.read_whole(SAMPLE_COORDINATES)
         for period in self.periods:
-            axes.scatter(t[known] + period, v[known], s=2.0, c=self._colours(solution)[known], linewidths=0.0)
-        axes.set_facecolor(colours.MISSING)
+            draw_points(axes, t + period, v, solution, self.palette)
 
     def _catalogue(self) -> tuple[Attractor, ...]:
         numbers = self.table.numbers_in(self.panel)

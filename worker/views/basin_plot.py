@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from worker.errors import InvalidJob
 from worker.pictures import colours
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
-from worker.pictures.panel_picture import frame
+from worker.pictures.panel_picture import draw_points, frame
 from worker.pictures.picture import draw_legend
 from worker.pictures.unproven import demand_proof, draw_unproven, share_unproven
 from worker.stores.proofs.layout import PROVEN
@@ -25,6 +25,8 @@ def _edges(centres: np.ndarray, width: float) -> tuple[float, float]:
 
 def _extent(dataset: xr.Dataset) -> tuple[float, float, float, float]:
     grid = job_of(dataset).grid
+    if "sample" in dataset.dims:
+        return grid.time_start, grid.time_stop, grid.velocity_start, grid.velocity_stop
     width = (grid.time_stop - grid.time_start) / grid.time_cells
     height = (grid.velocity_stop - grid.velocity_start) / grid.velocity_cells
     return *_edges(dataset.time.values, width), *_edges(dataset.velocity.values, height)
@@ -55,7 +57,7 @@ def plot_basin(
     dataset: xr.Dataset, ax: Axes | None = None, *, legend: bool = True,
     overlays: Collection[OverlayKind] = USUAL_OVERLAYS, palette: colours.Palette | None = None,
 ) -> Axes:  # fmt: skip
-    """Draw the solutions of a basin in the project's colours, with overlays.
+    """Draw the solutions of a basin, of cells or of a sample's points, in the project's colours, with overlays.
 
     Parameters
     ----------
@@ -94,8 +96,12 @@ def plot_basin(
     attractors, extent = attractors_of(dataset), _extent(dataset)
     shown = thinned(dataset)
     palette = colours.USUAL if palette is None else palette
-    image = colours.paint_cells(shown.solution, shown.group, attractors, palette)
-    axes.imshow(image, origin="lower", extent=extent, aspect="auto", interpolation="nearest")
+    if "sample" in dataset.dims:
+        t, v, solution = (dataset[name].values for name in ("time", "velocity", "solution"))
+        draw_points(axes, t, v, solution, np.array(colours.colours_of(attractors, palette)))
+    else:
+        image = colours.paint_cells(shown.solution, shown.group, attractors, palette)
+        axes.imshow(image, origin="lower", extent=extent, aspect="auto", interpolation="nearest")
     if OverlayKind.PROVEN in overlays:
         lay_unproven(dataset, axes)
     for overlay in overlays_for(overlays, job_of(dataset).oscillator, attractors, extent[2:]):
