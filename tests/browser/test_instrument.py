@@ -520,8 +520,13 @@ def test_basins_side_by_side_share_the_window_and_the_keys(opened):
     page.keyboard.press("+")
     expect(page).to_have_url(re.compile("window="))
     drawn(page)
-    here, there = (re.search(r"t = \S+ +v = \S+", opened.hover(0.25, 0.5, plane))[0] for plane in ("#plane", kept))
-    assert here == there
+    told, boxes = [], []
+    for plane in ("#plane", kept):
+        told.append(re.search(r"t = \S+ +v = \S+", opened.hover(0.25, 0.5, plane))[0])
+        drawn(page)
+        boxes.append(page.locator("#frame").bounding_box())
+    assert told[0] == told[1]
+    assert boxes[0] == boxes[1], "the words under the planes do not move them under the pointer"
     page.evaluate(AXE.read_text())
     findings = page.evaluate("axe.run().then(({violations}) => violations)")
     assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in findings] == []
