@@ -4,7 +4,8 @@ All modules together load Numba, Dask, FastAPI and Matplotlib, which takes secon
 """
 
 from importlib import import_module
-from importlib.metadata import version
+from importlib.metadata import entry_points, version
+from pkgutil import resolve_name
 from typing import Annotated, Any
 
 import typer
@@ -27,10 +28,6 @@ _OTHER_COMMANDS = {
     "transmission-error": (
         "transmission_error",
         "Make harmonics of a measured transmission error: the options to copy, and what they leave out.",
-    ),
-    "paper": (
-        "paper",
-        "Recompute a figure of the paper and its numbers; basins that are there already are used, unfinished resumed.",
     ),
     "submit": ("remote", "Submit a request to a service; the same request again is the same job."),
     "jobs": ("remote", "List the service's jobs, newest first."),
@@ -63,8 +60,11 @@ _OTHER_COMMANDS = {
 }
 """Module of each command, and what ``rattle --help`` says of it. The others compute a kind of `worker.kinds`."""
 
-_WITH_KERNELS = ("serve", "trajectory", "paper", "check")
+_WITH_KERNELS = ("serve", "trajectory", "check")
 """Those of them that run kernels, or start processes that do."""
+
+_BESIDE: dict[str, tuple[str, str]] = {each.name: each.load() for each in entry_points(group="rattle.commands")}
+"""Commands of packages that stand beside: where the function is, as ``module:name``, and what the help says of it."""
 
 
 def _kinds_by_command() -> dict[str, str]:
@@ -75,10 +75,12 @@ def _kinds_by_command() -> dict[str, str]:
 def _loaded(name: str) -> Any:
     """The command itself."""
     kinds = _kinds_by_command()
-    if name in kinds or name in _WITH_KERNELS:
+    if name in kinds or name in _WITH_KERNELS or name in _BESIDE:
         use_whole_registers()
     if name in kinds:
         found = import_module("rattle.cli.compute").compute_command(kinds[name])
+    elif name in _BESIDE:
+        found = resolve_name(_BESIDE[name][0])
     else:
         found = getattr(_loaded_module(name), name.replace("-", "_"))
     if not isinstance(found, typer.Typer):
@@ -145,7 +147,7 @@ def command_line() -> typer.Typer:
     )  # fmt: skip
     app.callback()(_options_of_all)
     commands = {name: KINDS[kind].command for name, kind in _kinds_by_command().items()}
-    listed = {name: text for name, (_, text) in _OTHER_COMMANDS.items()}
+    listed = {name: text for name, (_, text) in (_OTHER_COMMANDS | _BESIDE).items()}
     for name, text in ({"serve": listed["serve"]} | commands | listed).items():
         app.command(name, help=text)(lambda: None)
     return app

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("rattle", "service", "worker", "rattle_kernels")
+PACKAGES = ("rattle_paper", "rattle", "service", "worker", "rattle_kernels")
 
 
 def lint_imports(folder):
@@ -27,7 +27,7 @@ def test_planted_imports_are_caught(tmp_path):
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
     planted = {
         "rattle_kernels/model/flight.py": ["worker.stores.tiles"],
-        "rattle/paper/figures/fig5.py": ["rattle_kernels.lanes.run", "worker.jobs.basin_job", "rattle.here"],
+        "rattle_paper/figures/fig5.py": ["rattle_kernels.lanes.run", "worker.jobs.basin_job", "rattle.here"],
     }
     for name, modules in planted.items():
         path = tmp_path / name

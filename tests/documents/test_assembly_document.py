@@ -6,7 +6,7 @@ import re
 import nbformat
 import pytest
 
-from rattle.paper import assembly
+from rattle_paper.figures import assembly
 from tests.printed import DOCUMENTS, demand_as_printed
 
 DOCUMENT = (DOCUMENTS / "guide" / "transmission-error.md").read_text()

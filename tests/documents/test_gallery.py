@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from rattle.paper.registry import ALL_FIGURES
+from rattle_paper.registry import ALL_FIGURES
 
 DOCS = Path(__file__).parents[2] / "docs"
 GALLERY = (DOCS / "paper" / "gallery.md").read_text()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rattle.paper.registry import PAPER_FIGURES
+from rattle_paper.registry import PAPER_FIGURES
 
 DOCS = Path(__file__).parents[2] / "docs"
 DOCUMENT = (DOCS / "paper" / "figures.md").read_text()

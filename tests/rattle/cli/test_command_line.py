@@ -17,8 +17,8 @@ from typer.testing import CliRunner
 from rattle.cli import _loaded, app, compute, remote
 from rattle.cli.console import out
 from rattle.cli.examples import examples_of
-from rattle.paper import production, registry
-from rattle.paper.figure import PaperFigure, Printed, Sheet
+from rattle_paper import production, registry
+from rattle_paper.figure import PaperFigure, Printed, Sheet
 from tests.ports import free_port
 from tests.waiting import wait_until
 

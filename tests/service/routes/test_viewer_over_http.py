@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rattle.paper.papers_oscillator import papers_oscillator
+from rattle_paper.papers_oscillator import papers_oscillator
 from tests.service.routes.problems import assert_problem
 from worker.jobs.basin_job import basin_job
 from worker.views.reading import open_basin
