@@ -28,6 +28,8 @@ def name_solutions(
     t: np.typing.ArrayLike,
     v: np.typing.ArrayLike,
     pause: Pause = never_stopped,
+    *,
+    legs: int = _LEGS,
 ) -> np.ndarray:
     """Index of the attractor that each landing point ends in, found by applying P to it.
 
@@ -41,12 +43,14 @@ def name_solutions(
         Landing points: finite phases and speeds of departures from +beta.
     pause : callable
         Called several times a second; an exception raised there ends the search.
+    legs : int
+        Stretches of 4093 impacts that a point is followed for; four times as many of low bounces.
 
     Returns
     -------
     ndarray of int16, shape (n,)
-        UNASSIGNED (-1) for a point that reaches no attractor of the catalogue within about 130,000 impacts, or
-        half a million of low bounces.
+        UNASSIGNED (-1) for a point that reaches no attractor of the catalogue: by default within about 130,000
+        impacts, or half a million of low bounces.
 
     Raises
     ------
@@ -64,7 +68,7 @@ def name_solutions(
     places = np.empty(times.size, np.int16)
     for start in range(0, times.size, _POINTS_AT_A_TIME):
         part = slice(start, start + _POINTS_AT_A_TIME)
-        places[part] = locate(checked, around, times[part], speeds[part], _LEGS, pause)
+        places[part] = locate(checked, around, times[part], speeds[part], legs, pause)
     return places
 
 

@@ -29,15 +29,15 @@ def choose_seeds(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> Seeds:
     return Seeds(numbers[numbers >= 0], t.ravel()[first], v.ravel()[first])
 
 
-def gather_seeds(parts: Sequence[Seeds]) -> Seeds:
-    """The first seed of each box. Boxes are coarsened until at most a few thousand seeds remain.
+def gather_seeds(parts: Sequence[Seeds], most: int = _MOST_SEEDS) -> Seeds:
+    """The first seed of each box. Boxes are coarsened until at most a few thousand seeds remain, or as many as asked.
 
     Parts are in the order of tiles, so the first seed does not depend on when its tile was computed. Attractors that
     the thinned seeds miss show up when landing points are named, as unassigned points.
     """
     boxes = np.concatenate([part.box for part in parts])
     numbers, first = np.unique(boxes, return_index=True)
-    while first.size > _MOST_SEEDS:
+    while first.size > most:
         boxes = coarser_boxes(boxes)
         numbers, first = np.unique(boxes, return_index=True)
     times = np.concatenate([part.time for part in parts])

@@ -3,6 +3,7 @@
 Trajectories start from cell centres. Only the landing point of ``P^k`` is rounded to a cell.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +39,12 @@ class CellImages(NamedTuple):
     landing_time: np.ndarray
     landing_velocity: np.ndarray
     applications: int
+
+
+def join_images(parts: Sequence[CellImages]) -> CellImages:
+    """Images of some rectangles, one above the other, or of some lists of points as one."""
+    image_cell, t, v = map(np.concatenate, zip(*(part[:3] for part in parts), strict=True))
+    return CellImages(image_cell, t, v, sum(part.applications for part in parts))
 
 
 @kernel
