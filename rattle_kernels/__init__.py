@@ -24,7 +24,7 @@ from rattle_kernels.basin_measures.uncertainty_exponent import UncertaintyExpone
 from rattle_kernels.basins.basin import Basin, basin
 from rattle_kernels.cell_mapping.cell_grid import SINK, CellGrid
 from rattle_kernels.cell_mapping.cell_groups import CellGroups, find_groups, label_cells
-from rattle_kernels.cell_mapping.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells, map_points
+from rattle_kernels.cell_mapping.cell_map import NOT_CONVERGED, PERMANENT_CONTACT, CellImages, map_cells, map_points
 from rattle_kernels.cell_mapping.iterations import expected_applications, settled_iterations
 from rattle_kernels.impact_map.apply import Impacts, previous_impacts
 from rattle_kernels.impact_map.capture_velocity import capture_velocity
@@ -114,7 +114,7 @@ __all__ = [
     "TooManyPoints",
     "TransmissionError",
     "UNASSIGNED",
-    "UNDECIDED",
+    "NOT_CONVERGED",
     "UncertaintyExponent",
     "UnusableCurve",
     "arclength",

@@ -21,7 +21,7 @@ from rattle_kernels.basins.naming import Catalogue, first_catalogue, name_landin
 from rattle_kernels.basins.tiles import Tile, bands, cut
 from rattle_kernels.cell_mapping.cell_grid import SINK, CellGrid, check_grid
 from rattle_kernels.cell_mapping.cell_groups import find_groups, label_cells
-from rattle_kernels.cell_mapping.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, join_images, map_cells
+from rattle_kernels.cell_mapping.cell_map import NOT_CONVERGED, PERMANENT_CONTACT, CellImages, join_images, map_cells
 from rattle_kernels.cell_mapping.image_set import MarkedWords, mark_images, place_images, unite
 from rattle_kernels.cell_mapping.iterations import check_iterations, expected_applications, settled_iterations
 from rattle_kernels.model.domain import check_domain
@@ -34,11 +34,11 @@ class Basin:
     """Basins of attraction of one oscillator: the image, Hsu's numbers and the motion of each cell of a grid.
 
     Arrays have the shape (velocity cells, time cells), from the lowest speed. ``solution`` (int16) is the motion that a
-    cell ends in, an index into the catalogue ``attractors``. ``image_cell`` (int64) is a cell number, SINK,
-    PERMANENT_CONTACT or UNDECIDED; ``landing_time`` and ``landing_velocity`` (float64) are ``P^k(centre)``, NaN where
-    it is captured. ``group`` (int32) is 1, 2, ... in the order of each cycle's lowest cell, 0 for the sink, -1 for
-    permanent contact, -2 for undecided; ``period`` (int32) is the length of the group's cycle, 0 where there is none;
-    ``step`` (int32) is the number of applications to the cycle, 0 on it.
+    cell ends in, an index into the catalogue ``attractors``. ``image_cell`` (int64), ``landing_time`` and
+    ``landing_velocity`` (float64) are as in `CellImages`. ``group`` (int32) is 1, 2, ... in the order of each cycle's
+    lowest cell, 0 for the sink, -1 for permanent contact, -2 for cells that were not followed; ``period`` (int32) is
+    the length of the group's cycle, 0 where there is none; ``step`` (int32) is the number of applications to the cycle,
+    0 on it.
     """
 
     oscillator: Oscillator
@@ -63,8 +63,8 @@ class Basin:
 class Survey:
     """What becomes of a basin's tile, as far as its other tiles need to know.
 
-    ``reserved`` (shape (3,)) counts the images SINK, PERMANENT_CONTACT and UNDECIDED. ``image_set`` holds the distinct
-    image cells, ``seeds`` the seeds of the catalogue.
+    ``reserved`` (shape (3,)) counts the images SINK, PERMANENT_CONTACT and NOT_CONVERGED. ``image_set`` holds the
+    distinct image cells, ``seeds`` the seeds of the catalogue.
     """
 
     reserved: np.ndarray
@@ -117,7 +117,7 @@ def survey_images(oscillator: Oscillator, grid: CellGrid, images: CellImages) ->
     """
     cells = images.image_cell
     return Survey(
-        reserved=np.array([(cells == code).sum() for code in (SINK, PERMANENT_CONTACT, UNDECIDED)]),
+        reserved=np.array([(cells == code).sum() for code in (SINK, PERMANENT_CONTACT, NOT_CONVERGED)]),
         image_set=mark_images(grid.cells, cells),
         seeds=choose_seeds(oscillator, images.landing_time, images.landing_velocity),
     )

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rattle_kernels.attractors.attractor import UNDECIDED_ATTRACTOR, Attractor, AttractorKind
+from rattle_kernels.attractors.attractor import Attractor, AttractorKind, with_undecided
 from rattle_kernels.attractors.attractor_search import find_attractors
 from rattle_kernels.attractors.classify import UNASSIGNED, name_solutions
 from rattle_kernels.attractors.seeds import Seeds, choose_seeds
@@ -18,16 +18,10 @@ Catalogue = tuple[Attractor, ...]
 _ROUNDS = 3
 
 
-def with_undecided(attractors: Catalogue) -> Catalogue:
-    """Catalogue that holds undecided cells as its last solution."""
-    known = any(attractor.kind == AttractorKind.UNDECIDED for attractor in attractors)
-    return attractors if known else (*attractors, UNDECIDED_ATTRACTOR)
-
-
-def first_catalogue(oscillator: Oscillator, seeds: Seeds, undecided: bool, pause: Pause) -> Catalogue:
-    """Catalogue of the motions that seeds end in; `undecided` says whether the flights of some cells are lost."""
+def first_catalogue(oscillator: Oscillator, seeds: Seeds, lost: bool, pause: Pause) -> Catalogue:
+    """Catalogue of the motions that seeds end in. If flights of some cells are lost, these are undecided in it."""
     attractors = find_attractors(oscillator, seeds.time, seeds.velocity, pause=pause)
-    return with_undecided(attractors) if undecided else attractors
+    return with_undecided(attractors) if lost else attractors
 
 
 def next_catalogue(

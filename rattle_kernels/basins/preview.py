@@ -7,13 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.attractors.attractor import with_undecided
 from rattle_kernels.attractors.attractor_search import find_attractors
 from rattle_kernels.attractors.classify import name_solutions
 from rattle_kernels.attractors.loudness import Loudness, loudness
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import choose_seeds, gather_seeds
 from rattle_kernels.basin_measures.expected_loudness import ExpectedLoudness, expected_loudness
-from rattle_kernels.basins.naming import Catalogue, name_landings, with_undecided
+from rattle_kernels.basins.naming import Catalogue, name_landings
 from rattle_kernels.basins.quick_labels import FEW_SEEDS, quick_labels
 from rattle_kernels.cell_mapping.cell_grid import CellGrid
 from rattle_kernels.cell_mapping.cell_map import CellImages, map_cells

@@ -23,7 +23,7 @@ class CellGroups(NamedTuple):
     ``members`` is the image set R. ``group`` and ``step`` (both int16 if all numbers fit, else int32) have an entry for
     each member, in ascending order. They are columns of one array, so that a look-up of both takes one line of the
     cache. ``group`` is 1, 2, ... in the order of each cycle's lowest cell number, 0 for the sink, -1 for
-    permanent contact, -2 for undecided. ``step`` is the number of applications to the cycle (0 on it) or to the
+    permanent contact, -2 for not converged. ``step`` is the number of applications to the cycle (0 on it) or to the
     reserved image. ``period_of_group`` (int32) is the length of each group's cycle, 0 for entry 0.
     """
 

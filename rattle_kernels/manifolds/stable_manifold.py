@@ -27,7 +27,7 @@ from rattle_kernels.manifolds.curve_images import (
     drop_fast,
     first_points,
     forget_ancestors,
-    map_points,
+    map_curve_points,
     next_image,
 )
 from rattle_kernels.manifolds.grazing_preimages import speed_of_no_return
@@ -49,7 +49,7 @@ from rattle_kernels.manifolds.polyline import (
     cut_at_arclength,
     split_at_corners,
 )
-from rattle_kernels.manifolds.saddle import check_saddle, directions, orbit_name
+from rattle_kernels.manifolds.saddle import check_saddle, directions
 from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
@@ -127,7 +127,7 @@ def _grow(curve_map: CurveMap, growth: _Growth, limits: ManifoldLimits, resoluti
 def _begin(curve_map: CurveMap, saddle: np.ndarray, first_step: np.ndarray) -> _Growth:
     """Begin with the chord from the saddle to a point close to it, and the chord from there to its image under F."""
     near = saddle + first_step
-    image = map_points(curve_map, first_points(*near[:, None]))
+    image = map_curve_points(curve_map, first_points(*near[:, None]))
     domain = first_points(image.t[:, 0], image.v[:, 0])
     return _Growth(_appended(first_points(*np.column_stack([saddle, near])), domain), domain, 0.0, None)
 
@@ -166,9 +166,7 @@ def _manifold(
     flips = bool(min(orbit.multipliers.real) < 0.0)
     power = orbit.upper_contacts * (2 if flips else 1)
     if power > LARGEST_POWER:
-        raise ValueError(
-            f"P^{power} maps {orbit_name(orbit)} along its manifold: at most P^{LARGEST_POWER} is computed"
-        )
+        raise ValueError(f"P^{power} maps {orbit.name} along its manifold: at most P^{LARGEST_POWER} is computed")
     turns = sense * orbit.forcing_periods * (2 if flips else 1)
     curve_map = CurveMap(checked, sense, power, turns, scale, pause=pause)
     branches = []

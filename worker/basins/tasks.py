@@ -123,7 +123,7 @@ def open_store(location: str, digest: str) -> BasinStore:
     return store
 
 
-def assemble_basin(location: str, digest: str, basin: int, seeds: Seeds, undecided: bool) -> CatalogueReceipt:
+def assemble_basin(location: str, digest: str, basin: int, seeds: Seeds, lost: bool) -> CatalogueReceipt:
     """Run Hsu's algorithm on a basin's image set, and find the attractors that its seeds end in."""
     store = open_store(location, digest)
     begin = time.perf_counter()
@@ -131,7 +131,7 @@ def assemble_basin(location: str, digest: str, basin: int, seeds: Seeds, undecid
     if store.job.sample is None:
         assemble_groups(store, basin, stop_if_cancelled)
         store.write_grazing_velocity(basin, grazing_velocity(oscillator, store.job.grid.time_centres()))
-    attractors = first_catalogue(oscillator, seeds, undecided, stop_if_cancelled)
+    attractors = first_catalogue(oscillator, seeds, lost, stop_if_cancelled)
     return CatalogueReceipt(attractors, time.perf_counter() - begin)
 
 
