@@ -7,7 +7,6 @@ import numpy as np
 from rattle_kernels.attractors.attractor import Attractor
 from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.model.domain import check_domain
-from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap_all
@@ -17,7 +16,6 @@ UNASSIGNED = -1
 
 # For transients of chaotic saddles: 32 more legs of 4093 impacts before a point remains unassigned.
 _LEGS = 32
-_LATTICE = 512
 # A leg of this many points takes about 0.4 s.
 _POINTS_AT_A_TIME = 8192
 
@@ -70,44 +68,3 @@ def name_solutions(
         part = slice(start, start + _POINTS_AT_A_TIME)
         places[part] = locate(checked, around, times[part], speeds[part], legs, pause)
     return places
-
-
-def landing_boxes(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.ArrayLike) -> np.ndarray:
-    """Box of each landing point in a coarse lattice: 512 boxes to a period and to the largest grazing speed.
-
-    One landing point from every box suffices to seed a catalogue, however many cells there are.
-
-    Parameters
-    ----------
-    oscillator : Oscillator
-        Either model.
-    t, v : array_like, shape (n,)
-        Landing points; NaN for a cell that has none.
-
-    Returns
-    -------
-    ndarray of int64, shape (n,)
-        Box numbers, -1 for NaN.
-    """
-    scale = largest_grazing_speed(check_domain(oscillator))
-    times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
-    known = np.isfinite(times) & np.isfinite(speeds)
-    columns = np.minimum((np.where(known, times, 0.0) * _LATTICE).astype(np.int64), _LATTICE - 1)
-    rows = (np.where(known, speeds, 0.0) / scale * _LATTICE).astype(np.int64)
-    return np.where(known, rows * _LATTICE + columns, -1)
-
-
-def coarser_boxes(boxes: np.ndarray) -> np.ndarray:
-    """Boxes of the next coarser lattice, with half as many each way, that contain given boxes.
-
-    Parameters
-    ----------
-    boxes : ndarray of int64, shape (n,)
-        Numbers from `landing_boxes` or from this function; not negative.
-
-    Returns
-    -------
-    ndarray of int64, shape (n,)
-    """
-    rows, columns = np.divmod(boxes, _LATTICE)
-    return rows // 2 * _LATTICE + columns // 2
