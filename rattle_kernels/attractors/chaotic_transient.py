@@ -42,8 +42,8 @@ _SHORTEST_LEG = SHORTEST_RUN // _LEGS
 # Impacts of a test for chaos. Beyond a cascade of period doublings chaos is so weak that it needs the second.
 _GROWING = 512, 8192
 _STANDARD_ERRORS = 5.0
-# Regular motions separate too, but at most in proportion to the impacts: by at most this factor times their number.
-_REGULAR_GROWTH = 6.0
+REGULAR_GROWTH = 6.0
+"""Regular motions separate too, but at most in proportion to the impacts: by this factor times their number."""
 SLUGGISH = 0.25
 """A tangent vector whose logarithm has grown by less than this part of what is usual is not in chaos."""
 # Ever lower bounces take less and less time, down to thousands of impacts per period. On an attractor the pace is
@@ -157,7 +157,7 @@ def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = n
     pace = turns / grown_over / (float(np.nanmean(begun.elapsed)) / _GROWING[0])
     ensemble = EnsembleRun(
         _LEGS * leg, staying.exponent, staying.error, float(staying.growth.mean()),
-        math.log(_REGULAR_GROWTH * grown_over), turns, pace, *points,
+        math.log(REGULAR_GROWTH * grown_over), turns, pace, *points,
         ENSEMBLE - int(there.sum()) + int((~kept).sum()), np.column_stack(ends),
     )  # fmt: skip
     if boxes is not None and ensemble.chaotic:
@@ -170,7 +170,7 @@ def _resolved_growth(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> tu
     for impacts in _GROWING:
         ended = tangent_growth(oscillator, t, v, impacts)
         growth = ended.growth[np.isfinite(ended.growth)]
-        if not growth.size or not 0.0 < np.median(growth) < math.log(_REGULAR_GROWTH * impacts):
+        if not growth.size or not 0.0 < np.median(growth) < math.log(REGULAR_GROWTH * impacts):
             break
     return ended, impacts
 

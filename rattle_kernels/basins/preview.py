@@ -22,6 +22,7 @@ from rattle_kernels.attractors.attractor import (
     with_undecided,
 )
 from rattle_kernels.attractors.attractor_search import find_attractors
+from rattle_kernels.attractors.chaotic_transient import REGULAR_GROWTH
 from rattle_kernels.attractors.classify import UNASSIGNED, name_solutions
 from rattle_kernels.attractors.loudness import Loudness, loudness
 from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
@@ -53,8 +54,6 @@ _SETTLING = 4096
 # Motions settle in a time like 1/damping. Chaos never does, and most cells lie in its basin where there is any.
 _NAMING, _NAMING_BESIDE_CHAOS, _MOST_NAMING = 60.0, 20.0, 600
 _GROWING = 512
-# Regular motions separate too: by at most this factor times the impacts.
-_REGULAR_GROWTH = 6.0
 
 _CHAOS = UNDECIDED_ATTRACTOR._replace(kind=AttractorKind.CHAOTIC)
 
@@ -227,7 +226,7 @@ def _name_soon(
 
 def _growths(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Logarithm of the growth of tangent vectors beyond that along regular motions; NaN of captured motions."""
-    return tangent_growth(oscillator, t, v, _GROWING).growth - math.log(_REGULAR_GROWTH * _GROWING)
+    return tangent_growth(oscillator, t, v, _GROWING).growth - math.log(REGULAR_GROWTH * _GROWING)
 
 
 def _mostly_grow(oscillator: Oscillator, seeds: Seeds) -> bool:
