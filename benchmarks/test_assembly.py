@@ -147,7 +147,7 @@ def test_a_hundred_million_cells_through_the_store(benchmark, tmp_path):
         marks = [time.perf_counter()]
         receipts = run(map_tile, range(store.tiling.tiles))
         marks.append(time.perf_counter())
-        store.write_image_words(0, unite(SIDE * SIDE, [receipt.image_set for receipt in receipts]).words)
+        store.write_image_words(0, unite(SIDE * SIDE, [receipt.survey.image_set for receipt in receipts]).words)
         run(find_groups_in_store, [0])
         marks.append(time.perf_counter())
         run(label_groups, range(store.tiling.tiles))

@@ -21,9 +21,10 @@ from rattle_kernels.basin_measures.integrity import (
 from rattle_kernels.basin_measures.least_disturbance import LeastDisturbance, least_disturbance
 from rattle_kernels.basin_measures.shares import Shares, shares_of
 from rattle_kernels.basin_measures.uncertainty_exponent import UncertaintyExponent, uncertainty_exponent
+from rattle_kernels.basins.basin import Basin, basin
 from rattle_kernels.cell_mapping.cell_grid import SINK, CellGrid
 from rattle_kernels.cell_mapping.cell_groups import CellGroups, find_groups, label_cells
-from rattle_kernels.cell_mapping.cell_map import PERMANENT_CONTACT, UNDECIDED, CellImages, map_cells, map_points
+from rattle_kernels.cell_mapping.cell_map import NOT_CONVERGED, PERMANENT_CONTACT, CellImages, map_cells, map_points
 from rattle_kernels.cell_mapping.iterations import expected_applications, settled_iterations
 from rattle_kernels.impact_map.apply import Impacts, previous_impacts
 from rattle_kernels.impact_map.capture_velocity import capture_velocity
@@ -72,6 +73,7 @@ __all__ = [
     "AngleUnit",
     "Attractor",
     "AttractorKind",
+    "Basin",
     "BasinEntropy",
     "BifurcationDiagram",
     "BoundaryDimension",
@@ -112,11 +114,12 @@ __all__ = [
     "TooManyPoints",
     "TransmissionError",
     "UNASSIGNED",
-    "UNDECIDED",
+    "NOT_CONVERGED",
     "UncertaintyExponent",
     "UnusableCurve",
     "arclength",
     "attractor_distance",
+    "basin",
     "basin_entropy",
     "bifurcation_diagram",
     "boundary_cells",

@@ -24,7 +24,7 @@ from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 from rattle_kernels.numerics.jit import KERNELS, watch_compiling
 from rattle_kernels.orbits.bifurcation_diagram import bifurcation_diagram
-from rattle_kernels.orbits.bifurcation_point import describe_point, locate, shallowest_in_contact
+from rattle_kernels.orbits.bifurcation_point import describe_point, point_near, shallowest_in_contact
 from rattle_kernels.orbits.closure import OrbitShape
 from rattle_kernels.orbits.continuation import continue_orbit
 from rattle_kernels.orbits.orbit_equations import SpecialKind
@@ -172,8 +172,8 @@ def _run_kernels_of_analyses() -> None:
     assert found is not None
     continue_orbit(oscillator, found.orbit, "damping", (0.599, 0.601))
     bifurcation_diagram(oscillator, "damping", [0.6], [_T], [_V], transient=1, kept=2)
-    locate(SpecialKind.GRAZING, oscillator, "damping", OrbitShape(1, 1), _T, _V)
-    locate(SpecialKind.CONTACT_LOSS, _STIFF, "stiffness", OrbitShape(1, 2), _T, _V)
+    point_near(SpecialKind.GRAZING, oscillator, "damping", OrbitShape(1, 1), _T, _V)
+    point_near(SpecialKind.CONTACT_LOSS, _STIFF, "stiffness", OrbitShape(1, 2), _T, _V)
     describe_point(SpecialKind.CONTACT_LOSS, "stiffness", OrbitShape(1, 2), _STIFF, _T, 0.0, residual=0.0, error=0.0)
     shallowest_in_contact(_STIFF, found.orbit.t, found.orbit.v)
     touching_orbit(_STIFF, "damping", OrbitShape(1, 1), (0,), touches_of(_STIFF, found.orbit.t, np.array([_MEETING])))

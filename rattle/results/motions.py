@@ -7,10 +7,10 @@ import numpy as np
 import xarray as xr
 
 from rattle.results.described import Described
-from rattle_kernels import PERMANENT_CONTACT, SINK, UNDECIDED, Attractor
+from rattle_kernels import NOT_CONVERGED, PERMANENT_CONTACT, SINK, Attractor
 from worker.views import reading
 
-_RESERVED_IMAGES = {"sink": SINK, "permanent_contact": PERMANENT_CONTACT, "undecided": UNDECIDED}
+_RESERVED_IMAGES = {"sink": SINK, "permanent_contact": PERMANENT_CONTACT, "undecided": NOT_CONVERGED}
 
 
 class Motions(Described):

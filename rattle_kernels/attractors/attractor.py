@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.orbits.periodic_orbit import orbit_name
+
 ENSEMBLE, SHORTEST_RUN = 64, 16_384
 """Trajectories from which a mean life is counted, and the least impacts of each."""
 
@@ -46,7 +48,7 @@ class Attractor(NamedTuple):
     def name(self) -> str:
         """``P(m, n+, n-)`` (Sec. 4), chaotic, chaotic transient, permanent contact or undecided."""
         if self.kind == AttractorKind.PERIODIC:
-            return f"P({self.forcing_periods},{self.upper_contacts},{self.lower_contacts})"
+            return orbit_name(self.forcing_periods, self.upper_contacts, self.lower_contacts)
         return self.kind.name.lower().replace("_", " ")
 
     @property
@@ -80,3 +82,9 @@ def _without_points(kind: AttractorKind) -> Attractor:
 
 PERMANENT_CONTACT_ATTRACTOR = _without_points(AttractorKind.PERMANENT_CONTACT)
 UNDECIDED_ATTRACTOR = _without_points(AttractorKind.UNDECIDED)
+
+
+def with_undecided(attractors: tuple[Attractor, ...]) -> tuple[Attractor, ...]:
+    """Catalogue that holds undecided motions, as its last one if it has none."""
+    known = any(attractor.kind == AttractorKind.UNDECIDED for attractor in attractors)
+    return attractors if known else (*attractors, UNDECIDED_ATTRACTOR)

@@ -9,8 +9,8 @@ P is applied to a seed (a landing point) until its final motion is clear:
 4. Otherwise an ensemble starts beside it (`chaotic_transient`). If most of it settles, the seed was on a short
    transient and ends as the ensemble does. If not, and the largest Lyapunov exponent is positive by several standard
    errors, this is chaos: an attractor if no trajectory leaves it, else a transient. The ensemble of a transient is
-   followed to its end (`transient_ends`), and the motions there are listed, too. If none leaves there, over half a
-   million impacts, this is an attractor after all: the others had begun beside it.
+   followed to its end, and the motions there are listed, too. If none leaves there, over half a million impacts, this
+   is an attractor after all: the others had begun beside it.
 5. Otherwise it is listed as undecided.
 
 A few seeds from all over the plane come first, as many as lanes follow at a time. Most of the others have arrived at
@@ -31,10 +31,9 @@ from rattle_kernels.attractors.attractor import (
     AttractorKind,
 )
 from rattle_kernels.attractors.chaotic_boxes import hit_the_same_boxes
-from rattle_kernels.attractors.chaotic_transient import follow_ensemble
+from rattle_kernels.attractors.chaotic_transient import distinct, follow_ensemble, follow_to_ends
 from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
-from rattle_kernels.attractors.transient_ends import distinct, follow_to_ends
 from rattle_kernels.lanes.lane_fields import LANES
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.model.departures import check_departures

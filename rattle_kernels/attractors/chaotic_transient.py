@@ -8,15 +8,24 @@ oscillator's damping. The growth of their tangent vectors then decides two quest
 - Does it last? A trajectory that has left chaos is captured, or bounces low until it is, or its tangent vector no
   longer grows. Followed as far again, it is on a periodic orbit. Chaos that some trajectories leave is a chaotic
   saddle, not an attractor. The number that leave gives its mean life.
+
+Then the ensemble is followed until its members settle, and what they settle on are the ends of the transient. After
+every 16,384 impacts each member is looked at. It has ended if contact is permanent, if it has arrived at an orbit that
+others have ended on, or if its tangent vector no longer grows and Newton's method finds an attracting orbit there. A
+member that has ended is not followed any further, so this takes 64 mean lives of impacts, or 64 times half a million.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.attractors.attractor import ENSEMBLE, SHORTEST_RUN
+from rattle_kernels.attractors.attractor import ENSEMBLE, PERMANENT_CONTACT_ATTRACTOR, SHORTEST_RUN, Attractor
 from rattle_kernels.attractors.chaotic_boxes import IMAGES, fly_and_note, keep_boxes
+from rattle_kernels.attractors.matching import attractor_distance
+from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
+from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
 from rattle_kernels.cell_mapping.iterations import settled_iterations
 from rattle_kernels.lanes.batch import Rules
 from rattle_kernels.lanes.lyapunov import TangentGrowth, tangent_growth
@@ -33,8 +42,8 @@ _SHORTEST_LEG = SHORTEST_RUN // _LEGS
 # Impacts of a test for chaos. Beyond a cascade of period doublings chaos is so weak that it needs the second.
 _GROWING = 512, 8192
 _STANDARD_ERRORS = 5.0
-# Regular motions separate too, but at most in proportion to the impacts: by at most this factor times their number.
-_REGULAR_GROWTH = 6.0
+REGULAR_GROWTH = 6.0
+"""Regular motions separate too, but at most in proportion to the impacts: by this factor times their number."""
 SLUGGISH = 0.25
 """A tangent vector whose logarithm has grown by less than this part of what is usual is not in chaos."""
 # Ever lower bounces take less and less time, down to thousands of impacts per period. On an attractor the pace is
@@ -148,7 +157,7 @@ def follow_ensemble(oscillator: Oscillator, t: float, v: float, pause: Pause = n
     pace = turns / grown_over / (float(np.nanmean(begun.elapsed)) / _GROWING[0])
     ensemble = EnsembleRun(
         _LEGS * leg, staying.exponent, staying.error, float(staying.growth.mean()),
-        math.log(_REGULAR_GROWTH * grown_over), turns, pace, *points,
+        math.log(REGULAR_GROWTH * grown_over), turns, pace, *points,
         ENSEMBLE - int(there.sum()) + int((~kept).sum()), np.column_stack(ends),
     )  # fmt: skip
     if boxes is not None and ensemble.chaotic:
@@ -161,7 +170,7 @@ def _resolved_growth(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> tu
     for impacts in _GROWING:
         ended = tangent_growth(oscillator, t, v, impacts)
         growth = ended.growth[np.isfinite(ended.growth)]
-        if not growth.size or not 0.0 < np.median(growth) < math.log(_REGULAR_GROWTH * impacts):
+        if not growth.size or not 0.0 < np.median(growth) < math.log(REGULAR_GROWTH * impacts):
             break
     return ended, impacts
 
@@ -183,3 +192,102 @@ def _carried(
     carried, _ = run_lanes(oscillator, t, v, impacts, shortcuts=True, pause=pause)
     kept = carried.outcome == Outcome.RETURNED
     return kept, carried.t[kept], carried.v[kept]
+
+
+LONGEST = 1 << 19
+"""Impacts for which a member is followed at most, after those of the ensemble."""
+# Newton's method converges to 1e-11. Orbits closer than this are the same.
+_SAME_ORBIT = 1e-6
+
+
+def _place_of(oscillator: Oscillator, orbit: Attractor, motions: Sequence[Attractor]) -> int:
+    """Place of a periodic orbit among motions; their number if it is none of them."""
+    for place, motion in enumerate(motions):
+        if motion[:4] == orbit[:4] and attractor_distance(oscillator, motion, orbit) < _SAME_ORBIT:
+            return place
+    return len(motions)
+
+
+def distinct(oscillator: Oscillator, orbits: Sequence[Attractor]) -> list[Attractor]:
+    """Periodic orbits, each once.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    orbits : sequence of Attractor
+
+    Returns
+    -------
+    list of Attractor
+        In the order in which they come.
+    """
+    once: list[Attractor] = []
+    for orbit in orbits:
+        if _place_of(oscillator, orbit, once) == len(once):
+            once.append(orbit)
+    return once
+
+
+def follow_to_ends(
+    oscillator: Oscillator, ensemble: EnsembleRun, orbits: Sequence[Attractor], pause: Pause = never_stopped
+) -> tuple[list[Attractor], list[int], int]:
+    """Follow the members of an ensemble on a chaotic transient until they have ended.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+    ensemble : EnsembleRun
+        Chaotic; some of its trajectories have left.
+    orbits : sequence of Attractor
+        Periodic orbits that are known to attract some, each once.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
+
+    Returns
+    -------
+    motions : list of Attractor
+        Permanent contact, then periodic orbits, with the given ones first.
+    members : list of int
+        How many have ended in each. The others of the ensemble were still on the transient.
+    later : int
+        How many of them have left after the run of the ensemble itself.
+    """
+    motions = [PERMANENT_CONTACT_ATTRACTOR, *orbits]
+    members = [ensemble.captured, *(0 for _ in orbits)]
+    t, v = np.ascontiguousarray(ensemble.ends.T)
+    begun = 0
+    for followed in range(0, LONGEST + 1, SHORTEST_RUN):
+        if followed:
+            carried, _ = run_lanes(oscillator, t, v, SHORTEST_RUN, shortcuts=True, pause=pause)
+            members[0] += int((carried.outcome == Outcome.PERMANENT_CONTACT).sum())
+            going = carried.outcome == Outcome.RETURNED
+            t, v = carried.t[going], carried.v[going]
+        t, v = _not_ended(oscillator, t, v, ensemble.exponent, motions, members, pause)
+        begun = begun if followed else sum(members)
+        if not t.size:
+            break
+    return motions, members, sum(members) - begun
+
+
+def _not_ended(
+    oscillator: Oscillator, t: np.ndarray, v: np.ndarray, exponent: float, motions: list[Attractor], members: list[int],
+    pause: Pause,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Members that are still on the transient. The others are counted, and new orbits added."""
+    places = locate(oscillator, neighbourhoods(oscillator, motions, pause), t, v)
+    grown = tangent_growth(oscillator, t, v, _GROWING[0])
+    settled = (places < 0) & (grown.growth < SLUGGISH * exponent * grown.elapsed)
+    for member in np.flatnonzero(settled).tolist():
+        pause()
+        orbit = settled_orbit(oscillator, float(t[member]), float(v[member]))
+        if orbit is not None:
+            found = attractor_of(orbit)
+            places[member] = _place_of(oscillator, found, motions)
+            if places[member] == len(motions):
+                motions.append(found)
+                members.append(0)
+    for place in places[places >= 0].tolist():
+        members[place] += 1
+    return t[places < 0], v[places < 0]

@@ -7,7 +7,6 @@ import numpy as np
 from rattle_kernels.attractors.attractor import Attractor
 from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
 from rattle_kernels.model.domain import check_domain
-from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap_all
@@ -17,7 +16,6 @@ UNASSIGNED = -1
 
 # For transients of chaotic saddles: 32 more legs of 4093 impacts before a point remains unassigned.
 _LEGS = 32
-_LATTICE = 512
 # A leg of this many points takes about 0.4 s.
 _POINTS_AT_A_TIME = 8192
 
@@ -28,6 +26,8 @@ def name_solutions(
     t: np.typing.ArrayLike,
     v: np.typing.ArrayLike,
     pause: Pause = never_stopped,
+    *,
+    legs: int = _LEGS,
 ) -> np.ndarray:
     """Index of the attractor that each landing point ends in, found by applying P to it.
 
@@ -41,12 +41,14 @@ def name_solutions(
         Landing points: finite phases and speeds of departures from +beta.
     pause : callable
         Called several times a second; an exception raised there ends the search.
+    legs : int
+        Stretches of 4093 impacts that a point is followed for; four times as many of low bounces.
 
     Returns
     -------
     ndarray of int16, shape (n,)
-        UNASSIGNED (-1) for a point that reaches no attractor of the catalogue within about 130,000 impacts, or
-        half a million of low bounces.
+        UNASSIGNED (-1) for a point that reaches no attractor of the catalogue: by default within about 130,000
+        impacts, or half a million of low bounces.
 
     Raises
     ------
@@ -64,46 +66,5 @@ def name_solutions(
     places = np.empty(times.size, np.int16)
     for start in range(0, times.size, _POINTS_AT_A_TIME):
         part = slice(start, start + _POINTS_AT_A_TIME)
-        places[part] = locate(checked, around, times[part], speeds[part], _LEGS, pause)
+        places[part] = locate(checked, around, times[part], speeds[part], legs, pause)
     return places
-
-
-def landing_boxes(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.ArrayLike) -> np.ndarray:
-    """Box of each landing point in a coarse lattice: 512 boxes to a period and to the largest grazing speed.
-
-    One landing point from every box suffices to seed a catalogue, however many cells there are.
-
-    Parameters
-    ----------
-    oscillator : Oscillator
-        Either model.
-    t, v : array_like, shape (n,)
-        Landing points; NaN for a cell that has none.
-
-    Returns
-    -------
-    ndarray of int64, shape (n,)
-        Box numbers, -1 for NaN.
-    """
-    scale = largest_grazing_speed(check_domain(oscillator))
-    times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
-    known = np.isfinite(times) & np.isfinite(speeds)
-    columns = np.minimum((np.where(known, times, 0.0) * _LATTICE).astype(np.int64), _LATTICE - 1)
-    rows = (np.where(known, speeds, 0.0) / scale * _LATTICE).astype(np.int64)
-    return np.where(known, rows * _LATTICE + columns, -1)
-
-
-def coarser_boxes(boxes: np.ndarray) -> np.ndarray:
-    """Boxes of the next coarser lattice, with half as many each way, that contain given boxes.
-
-    Parameters
-    ----------
-    boxes : ndarray of int64, shape (n,)
-        Numbers from `landing_boxes` or from this function; not negative.
-
-    Returns
-    -------
-    ndarray of int64, shape (n,)
-    """
-    rows, columns = np.divmod(boxes, _LATTICE)
-    return rows // 2 * _LATTICE + columns // 2

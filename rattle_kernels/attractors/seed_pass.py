@@ -39,7 +39,7 @@ def traps_of_seeds(
         Checked by the caller.
     grid : CellGrid
     iterations : int
-        k, applied to each seed. Seeds captured or undecided by then are left out.
+        k, applied to each seed. Seeds captured by then are left out.
     places : int
         Number of cells or points that will use the traps.
     pause : callable

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.attractors.attractor import UNDECIDED_ATTRACTOR, Attractor, AttractorKind
+from rattle_kernels.attractors.attractor import Attractor, AttractorKind, with_undecided
 from rattle_kernels.attractors.attractor_search import find_attractors
 from rattle_kernels.attractors.classify import UNASSIGNED, name_solutions
 from rattle_kernels.model.departures import check_departures
@@ -151,7 +151,6 @@ def shares_of(
         solution = name_solutions(checked, catalogue, times, speeds, pause)
         lost = solution == UNASSIGNED
     if lost.any():
-        if all(attractor.kind != AttractorKind.UNDECIDED for attractor in catalogue):
-            catalogue = (*catalogue, UNDECIDED_ATTRACTOR)
+        catalogue = with_undecided(catalogue)
         solution[lost] = [attractor.kind for attractor in catalogue].index(AttractorKind.UNDECIDED)
     return Shares(catalogue, solution, *weighted_shares(solution, weight, len(catalogue)))

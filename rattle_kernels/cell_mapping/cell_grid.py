@@ -53,6 +53,10 @@ class CellGrid(NamedTuple):
         height = (self.velocity_stop - self.velocity_start) / self.velocity_cells
         return self.velocity_start + (np.arange(self.velocity_cells) + 0.5) * height
 
+    def cell_numbers(self, rows: tuple[int, int], columns: tuple[int, int]) -> np.ndarray:
+        """Numbers of the cells of a rectangle, from start to stop along velocity and along time: one row a velocity."""
+        return np.arange(*rows)[:, None] * self.time_cells + np.arange(*columns)
+
 
 def check_grid(grid: CellGrid) -> CellGrid:
     """Return the grid with plain float and int fields, or raise if it is not valid.

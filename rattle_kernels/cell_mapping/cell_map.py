@@ -3,6 +3,7 @@
 Trajectories start from cell centres. Only the landing point of ``P^k`` is rounded to a cell.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -22,22 +23,28 @@ from rattle_kernels.numerics.pausing import Pause, never_stopped
 PERMANENT_CONTACT = -2
 """Image of a cell that ends in permanent contact."""
 
-UNDECIDED = -3
-"""Image of a cell whose flights could not be followed; none is expected."""
+NOT_CONVERGED = -3
+"""Image of a cell on whose way a root-finder gave up, called undecided in stores; none is expected."""
 
 
 class CellImages(NamedTuple):
     """Images of a rectangle of cells, arrays of shape (rows, columns).
 
-    ``image_cell`` (int64) is a cell number, SINK, PERMANENT_CONTACT or UNDECIDED. ``landing_time`` and
-    ``landing_velocity`` (float64) are ``P^k(centre)``, NaN if captured or undecided. ``applications`` is the number of
-    applications of P computed.
+    ``image_cell`` (int64) is a cell number, SINK, PERMANENT_CONTACT or NOT_CONVERGED. ``landing_time`` and
+    ``landing_velocity`` (float64) are ``P^k(centre)``, NaN if captured or not converged. ``applications`` is the number
+    of applications of P computed.
     """
 
     image_cell: np.ndarray
     landing_time: np.ndarray
     landing_velocity: np.ndarray
     applications: int
+
+
+def join_images(parts: Sequence[CellImages]) -> CellImages:
+    """Images of some rectangles, one above the other, or of some lists of points as one."""
+    image_cell, t, v = map(np.concatenate, zip(*(part[:3] for part in parts), strict=True))
+    return CellImages(image_cell, t, v, sum(part.applications for part in parts))
 
 
 @kernel
@@ -50,7 +57,7 @@ def _settle_images(oscillator, bound, grid, outcome, t, v, image_cell):
         elif outcome[i] == OUTCOME_RETURNED:
             image_cell[i] = cell_number(grid, t[i], v[i])
         else:
-            image_cell[i] = UNDECIDED
+            image_cell[i] = NOT_CONVERGED
         if image_cell[i] < SINK:
             t[i] = v[i] = np.nan
 

@@ -143,7 +143,7 @@ def _apply(oscillator, t, v, direction):
     """P forwards (direction +1) or backwards (-1, impacting model)."""
     if not (math.isfinite(t) and math.isfinite(v) and v > 0.0):
         return _no_departure(0, OUTCOME_OUTSIDE_SECTION)
-    passage = walk(oscillator, t, v, direction, False, True)
+    passage = walk(oscillator, t, v, direction, over=False, reduces=True)
     upper = passage.upper
     if upper.outcome != OUTCOME_RETURNED:
         return _no_departure(passage.lower_impacts, upper.outcome)

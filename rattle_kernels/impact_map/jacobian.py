@@ -105,7 +105,7 @@ def next_impact_with_jacobian(oscillator, t, v):
     (Impact, Jacobian)
         The impact, and DP; of no meaning where contact is permanent.
     """
-    passage = walk(oscillator, t, v, FORWARDS, False, False)
+    passage = walk(oscillator, t, v, FORWARDS, over=False, reduces=False)
     fall, rise = passage.fall, passage.rise
     jacobian = flight_jacobian(oscillator, t, -v, fall)
     if passage.lower_impacts > 0:

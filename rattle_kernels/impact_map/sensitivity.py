@@ -238,7 +238,7 @@ def next_impact_with_sensitivity(oscillator, parameter, t, v, over):
         The impact, DP, and dP/dp as (dt, dv); of no meaning where contact is permanent.
     """
     # In one function: with a part of it in another, the compiler fuses other products, and last bits of dP/dp change.
-    passage = walk(oscillator, t, v, FORWARDS, over, False)
+    passage = walk(oscillator, t, v, FORWARDS, over=over, reduces=False)
     fall, lower, rise = passage.fall, passage.lower, passage.rise
     jacobian = flight_jacobian(oscillator, t, -v, fall)
     change = flight_sensitivity(oscillator, parameter, UPPER, t, -v, fall)

@@ -223,7 +223,7 @@ def refine(
     return points
 
 
-def map_points(curve_map: CurveMap, points: CurvePoints) -> CurvePoints:
+def map_curve_points(curve_map: CurveMap, points: CurvePoints) -> CurvePoints:
     """Images of the points, none added.
 
     Parameters
@@ -259,7 +259,7 @@ def next_image(
     CurvePoints or None
         With one more ancestor. None if it takes more than `most_points`.
     """
-    return refine(curve_map, map_points(curve_map, points), resolution, most_points)
+    return refine(curve_map, map_curve_points(curve_map, points), resolution, most_points)
 
 
 def forget_ancestors(points: CurvePoints, velocity_scale: float) -> CurvePoints:

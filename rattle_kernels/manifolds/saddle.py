@@ -37,11 +37,6 @@ class Directions(NamedTuple):
     unstable_multiplier: float
 
 
-def orbit_name(orbit: PeriodicOrbit) -> str:
-    """``P(m, n+, n-)`` of an orbit."""
-    return f"P({orbit.forcing_periods},{orbit.upper_contacts},{orbit.lower_contacts})"
-
-
 def check_saddle(orbit: PeriodicOrbit) -> PeriodicOrbit:
     """Return the orbit, or raise an error that says why it is not a saddle.
 
@@ -50,7 +45,7 @@ def check_saddle(orbit: PeriodicOrbit) -> PeriodicOrbit:
     NotASaddle
     """
     inner, outer = sorted(orbit.multipliers, key=abs)
-    where = f"{orbit_name(orbit)} at t = {orbit.t[0]:.6f}, v = {orbit.v[0]:.6f}"
+    where = f"{orbit.name} at t = {orbit.t[0]:.6f}, v = {orbit.v[0]:.6f}"
     remedy = (
         "start from a seed nearer to a saddle: one lies on the boundary of each basin that a saddle-node has opened"
     )

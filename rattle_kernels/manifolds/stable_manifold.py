@@ -13,6 +13,8 @@ corners are found where they are. (A polyline of chord h and angle alpha is off 
 of that would show.)
 """
 
+import math
+from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -27,17 +29,10 @@ from rattle_kernels.manifolds.curve_images import (
     drop_fast,
     first_points,
     forget_ancestors,
-    map_points,
+    map_curve_points,
     next_image,
 )
 from rattle_kernels.manifolds.grazing_preimages import speed_of_no_return
-from rattle_kernels.manifolds.manifold_branch import (
-    DEFAULT_LIMITS,
-    ManifoldBranch,
-    ManifoldEnd,
-    ManifoldLimits,
-    check_limits,
-)
 from rattle_kernels.manifolds.polyline import (
     DEFAULT_RESOLUTION,
     CurveResolution,
@@ -49,12 +44,80 @@ from rattle_kernels.manifolds.polyline import (
     cut_at_arclength,
     split_at_corners,
 )
-from rattle_kernels.manifolds.saddle import check_saddle, directions, orbit_name
+from rattle_kernels.manifolds.saddle import check_saddle, directions
 from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
+
+
+class ManifoldEnd(StrEnum):
+    """Why a branch stopped growing."""
+
+    ARCLENGTH = "it is as long as asked for"
+    POINTS = "it would take more points than allowed"
+    FAST = "all the rest is faster than asked for and than the speed of no return"
+    SETTLED = "its images shrink to points: it ends in an attracting orbit"
+    IMAGES = "its images grow no more: it is captured by ever lower bounces, or its multiplier is next to 1"
+
+
+class ManifoldBranch(NamedTuple):
+    """One of the two halves into which a point of a saddle divides its manifold.
+
+    ``point`` is the index of the point in the orbit. ``side`` is +1 if the branch leaves it towards later phases, else
+    -1. ``pieces`` are its smooth arcs, in order from the saddle. ``arclength`` is their total length in the plane (t,
+    v/velocity_scale). ``end`` states why there are no more.
+    """
+
+    point: int
+    side: int
+    pieces: tuple[Piece, ...]
+    arclength: float
+    end: ManifoldEnd
+
+
+class ManifoldLimits(NamedTuple):
+    """How far a manifold may grow.
+
+    Parameters
+    ----------
+    arclength : float
+        Length of each branch in the plane (t, v/velocity_scale), within the velocity limits.
+    lowest_velocity, highest_velocity : float
+        Lowest and highest speed to keep.
+    points : int
+        Largest number of points of a branch, and of the image that extends it.
+    """
+
+    arclength: float = 20.0
+    lowest_velocity: float = 0.0
+    highest_velocity: float = math.inf
+    points: int = 1_000_000
+
+
+DEFAULT_LIMITS = ManifoldLimits()
+
+
+def check_limits(limits: ManifoldLimits) -> ManifoldLimits:
+    """Return the limits if they are valid.
+
+    Raises
+    ------
+    ValueError
+        If a limit is not valid. The message names it, its value and what is valid.
+    """
+    if not (math.isfinite(limits.arclength) and limits.arclength > 0.0):
+        raise ValueError(f"arclength must be positive and finite, not {limits.arclength}")
+    if not 0.0 <= limits.lowest_velocity < limits.highest_velocity:
+        raise ValueError(
+            f"velocities must be 0 <= lowest_velocity < highest_velocity, not {limits.lowest_velocity} and "
+            f"{limits.highest_velocity}"
+        )
+    if limits.points < 100:
+        raise ValueError(f"points must be at least 100, not {limits.points}")
+    return limits
+
 
 # Distance from the saddle to the far end of the fundamental domain: the manifold is 5e-15 times its curvature off its
 # tangent there. Next to a graze the curvature is large, and the multiplier too, so fixing the near end will not do.
@@ -127,7 +190,7 @@ def _grow(curve_map: CurveMap, growth: _Growth, limits: ManifoldLimits, resoluti
 def _begin(curve_map: CurveMap, saddle: np.ndarray, first_step: np.ndarray) -> _Growth:
     """Begin with the chord from the saddle to a point close to it, and the chord from there to its image under F."""
     near = saddle + first_step
-    image = map_points(curve_map, first_points(*near[:, None]))
+    image = map_curve_points(curve_map, first_points(*near[:, None]))
     domain = first_points(image.t[:, 0], image.v[:, 0])
     return _Growth(_appended(first_points(*np.column_stack([saddle, near])), domain), domain, 0.0, None)
 
@@ -166,9 +229,7 @@ def _manifold(
     flips = bool(min(orbit.multipliers.real) < 0.0)
     power = orbit.upper_contacts * (2 if flips else 1)
     if power > LARGEST_POWER:
-        raise ValueError(
-            f"P^{power} maps {orbit_name(orbit)} along its manifold: at most P^{LARGEST_POWER} is computed"
-        )
+        raise ValueError(f"P^{power} maps {orbit.name} along its manifold: at most P^{LARGEST_POWER} is computed")
     turns = sense * orbit.forcing_periods * (2 if flips else 1)
     curve_map = CurveMap(checked, sense, power, turns, scale, pause=pause)
     branches = []

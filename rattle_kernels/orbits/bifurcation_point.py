@@ -39,6 +39,7 @@ from rattle_kernels.orbits.orbit_equations import (
     special_system,
     unknowns,
 )
+from rattle_kernels.orbits.periodic_orbit import orbit_name
 
 # A curve that runs into the bound of Eq. (8) stalls within this fraction of it.
 _EDGE = 1e-5
@@ -68,6 +69,11 @@ class SpecialPoint(NamedTuple):
     multipliers: np.ndarray
     residual: float
     error: float
+
+    @property
+    def orbit_name(self) -> str:
+        """``P(m, n+, n-)``."""
+        return orbit_name(self.forcing_periods, self.upper_contacts, self.lower_contacts)
 
 
 def nears_edge_of_domain(oscillator: Oscillator) -> bool:
@@ -110,7 +116,7 @@ def shallowest_in_contact(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) 
     return float(_shallowest(oscillator, t, v))
 
 
-def locate(
+def point_near(
     kind: SpecialKind, oscillator: Oscillator, parameter: str, shape: OrbitShape, t: float, v: float
 ) -> SpecialPoint | None:
     """Locate a special point from a guess.
@@ -160,7 +166,7 @@ def describe_point(
     Parameters
     ----------
     kind, parameter, shape
-        As for `locate`.
+        As for `point_near`.
     oscillator : Oscillator
         With the parameter's value at the solution.
     t, v : float

@@ -18,7 +18,7 @@ from rattle_kernels.numerics.pseudo_arclength import WIDEST, solve
 from rattle_kernels.orbits.bifurcation_point import (
     SpecialPoint,
     describe_point,
-    locate,
+    point_near,
     shallowest_in_contact,
 )
 from rattle_kernels.orbits.chart import Chart, chart_of
@@ -92,7 +92,7 @@ def _crossing(task: BranchTask, before: Station, after: Station, test: _Test) ->
         here, there = (_departure(task, at, test.departure) for at in (before, after))
         there[0] -= np.rint(there[0] - here[0])
         guess = task.space.read(here + part * (there - here))
-        point = None if guess is None else locate(test.kind, guess[0], task.parameter, test.shape, *guess[1:])
+        point = None if guess is None else point_near(test.kind, guess[0], task.parameter, test.shape, *guess[1:])
         if point is not None:
             place = _place(task, test, before, after, point)
             if place.between:
@@ -249,7 +249,7 @@ def graze_near(task: BranchTask, station: Station, departure: int) -> SpecialPoi
     """Graze of one flight, if it lies on the branch: it is near, and no other flight is on another side of grazing."""
     shape = task.shape._replace(over=1)
     t, v = float(station.t[departure]), float(station.v[departure])
-    point = locate(SpecialKind.GRAZING, station.oscillator, task.parameter, shape, t, v)
+    point = point_near(SpecialKind.GRAZING, station.oscillator, task.parameter, shape, t, v)
     if point is None or distance_to(task, point, station, departure) > _REACH:
         return None
     others = np.roll(station.margin > 0, -departure)[1:]
@@ -273,7 +273,7 @@ def repeated_graze_near(task: BranchTask, station: Station) -> SpecialPoint | No
             continue
         for i in range(shape.upper_contacts):
             t, v = float(station.t[i]), float(station.v[i])
-            point = locate(SpecialKind.GRAZING, station.oscillator, task.parameter, shape, t, v)
+            point = point_near(SpecialKind.GRAZING, station.oscillator, task.parameter, shape, t, v)
             again = range(i, task.shape.upper_contacts, shape.upper_contacts)
             if point is not None and max(distance_to(task, point, station, j) for j in again) < _MERGED:
                 return point
@@ -289,7 +289,7 @@ def contact_loss_near(task: BranchTask, station: Station) -> Iterator[SpecialPoi
     for more, t in ((0, slowest), (1, shallow)):
         shape = task.shape._replace(upper_contacts=task.shape.upper_contacts + more)
         if shape.upper_contacts > 1 and math.isfinite(t):
-            point = locate(SpecialKind.CONTACT_LOSS, station.oscillator, task.parameter, shape, t, 0.0)
+            point = point_near(SpecialKind.CONTACT_LOSS, station.oscillator, task.parameter, shape, t, 0.0)
             value = station.oscillator.value_of(task.parameter)
             if point is not None and abs(point.value - value) < _REACH_OF_LOSS * task.space.scales[2]:
                 yield point

@@ -22,7 +22,6 @@ from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.pseudo_arclength import CORNER, CurvePoint, Steps, follow_curve, solve, unit_tangent
-from rattle_kernels.orbits.beside_graze import orbits_beside, values_beside
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint, nears_edge_of_domain
 from rattle_kernels.orbits.branch_points import (
     coincide,
@@ -45,7 +44,9 @@ from rattle_kernels.orbits.graze_passage import (
     in_chart,
     is_between,
     leaving,
+    orbits_beside,
     turned,
+    values_beside,
 )
 from rattle_kernels.orbits.orbit_equations import SpecialKind, unknowns
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit

@@ -152,7 +152,7 @@ def _special_equation(kind: SpecialKind, space: Unknowns, shape: OrbitShape) -> 
 @inlined
 def entry_after(oscillator, t, v):
     """Time from a departure to the next contact with +beta, and the phase and velocity there."""
-    passage = walk(oscillator, t, v, FORWARDS, False, False)
+    passage = walk(oscillator, t, v, FORWARDS, over=False, reduces=False)
     return passage.flown, passage.rise.phase, passage.rise.velocity
 
 

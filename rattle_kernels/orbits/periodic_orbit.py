@@ -33,6 +33,11 @@ _CHECKED_ONE_BY_ONE = 64
 _IMPACTS_A_LEG = 512
 
 
+def orbit_name(forcing_periods: int, upper_contacts: int, lower_contacts: int) -> str:
+    """``P(m, n+, n-)``, the name of a periodic orbit (Sec. 4)."""
+    return f"P({forcing_periods},{upper_contacts},{lower_contacts})"
+
+
 class PeriodicOrbit(NamedTuple):
     """A periodic orbit to which Newton's method has converged, and to which the map returns.
 
@@ -52,7 +57,7 @@ class PeriodicOrbit(NamedTuple):
     @property
     def name(self) -> str:
         """``P(m, n+, n-)``."""
-        return f"P({self.forcing_periods},{self.upper_contacts},{self.lower_contacts})"
+        return orbit_name(self.forcing_periods, self.upper_contacts, self.lower_contacts)
 
     @property
     def multipliers(self) -> np.ndarray:

@@ -54,7 +54,7 @@ def point_summary(point: SpecialPoint) -> dict[str, Any]:
     """Kind, orbit, parameter value and departures of a special point, and the residual of its equations."""
     return {
         "kind": point.kind.value,
-        "orbit": f"P({point.forcing_periods},{point.upper_contacts},{point.lower_contacts})",
+        "orbit": point.orbit_name,
         point.parameter: point.value,
         "points": list(zip(point.t.tolist(), point.v.tolist(), strict=True)),
         "residual": point.residual,

@@ -16,8 +16,7 @@ from anyio import create_task_group
 from rattle_kernels.numerics.compiled_apart import compiled_apart
 from rattle_kernels.numerics.jit import timing_compilation
 from service.errors import LimitExceeded, TooMuch
-from worker.basins.preview import Preview, preview_basin
-from worker.basins.preview_request import PreviewRequest
+from worker.basins.preview import Preview, PreviewRequest, preview_basin
 from worker.errors import JobCancelled
 
 MOST_CELLS = 65_536

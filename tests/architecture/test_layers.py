@@ -26,7 +26,7 @@ def test_planted_imports_are_caught(tmp_path):
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
     planted = {
-        "rattle_kernels/model/flight.py": ["worker.stores.tiles"],
+        "rattle_kernels/model/flight.py": ["worker.stores.layout"],
         "rattle_paper/figures/fig5.py": ["rattle_kernels.lanes.run", "worker.jobs.basin_job", "rattle.here"],
     }
     for name, modules in planted.items():

@@ -7,6 +7,7 @@ import numpy as np
 from numpy import float64, int8, int32, int64
 
 from rattle_kernels import Oscillator, SpecialKind, SpecialPoint
+from rattle_kernels.orbits.periodic_orbit import orbit_name
 from worker.stores.layout import PERIODS, SPEED, Columns
 from worker.stores.table import Column, Table
 
@@ -89,7 +90,7 @@ def summarise_specials(columns: Columns, parameter: str) -> list[dict[str, Any]]
             "value": row.value,
             "error": row.error,
             "residual": row.residual,
-            "orbit": f"P({row.forcing_periods},{row.upper_contacts},{row.lower_contacts})",
+            "orbit": orbit_name(row.forcing_periods, row.upper_contacts, row.lower_contacts),
             "branch": row.branch,
             "multipliers": np.stack([row.multiplier_real, row.multiplier_imaginary], axis=-1).tolist(),
             "departures": [

@@ -13,10 +13,10 @@ from functools import lru_cache
 import numpy as np
 
 from rattle_kernels import CellGroups, find_groups
+from rattle_kernels.basins.tiles import Tile
 from rattle_kernels.cell_mapping.image_set import ImageSet, has_members, place_images
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MAPPED
-from worker.stores.tiles import Tile
 
 _IMAGE_CELL = MAPPED[:1]
 # Chunks are decoded without the GIL, and other workers may wait for this one. Three keep two cores busy.

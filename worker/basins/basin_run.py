@@ -15,7 +15,6 @@ import numpy as np
 
 from rattle_kernels import Attractor
 from rattle_kernels.attractors.seeds import Seeds, gather_seeds
-from worker.basins.landings import CATALOGUE_ROUNDS, with_undecided
 from worker.basins.tasks import (
     CatalogueReceipt,
     LabelReceipt,
@@ -27,7 +26,7 @@ from worker.basins.tasks import (
     survey_tile,
     weigh_tiles,
 )
-from worker.basins.tiles.weights import worth_weighing
+from worker.basins.weights import worth_weighing
 from worker.cluster.task import Task
 from worker.progress import Stage
 from worker.stores.basin_store import BasinStore
@@ -78,7 +77,7 @@ class BasinRun:
         self._words = np.zeros(-(-store.job.grid.cells // 64), np.uint64)
         self._seeds: dict[int, Seeds] = {}
         self._labels: dict[int, LabelReceipt] = {}
-        self._round = 0
+        self._rounds = 0
         self._assembling = False
 
     def begin(self) -> list[Task]:
@@ -126,9 +125,9 @@ class BasinRun:
     def _take_images(self, tile: int, receipt: MapReceipt) -> list[Task]:
         self.seconds["map_kernels"] += receipt.seconds
         self._reach(tile, TileState.COMPUTED)
-        self._words[receipt.image_set.number] |= receipt.image_set.word
-        self._seeds[tile] = receipt.seeds
-        self.reserved += receipt.reserved
+        self._words[receipt.survey.image_set.number] |= receipt.survey.image_set.word
+        self._seeds[tile] = receipt.survey.seeds
+        self.reserved += receipt.survey.reserved
         if len(self._seeds) < len(self._tiles):
             return []
         if self.store.job.sample is None:
@@ -137,12 +136,12 @@ class BasinRun:
         seeds = gather_seeds([self._seeds[tile] for tile in self._tiles])
         self._seeds.clear()
         self._assembling = True
-        return [self._task(assemble_basin, self.number, (seeds,), self._take_catalogue)]
+        return [self._task(assemble_basin, self.number, (seeds, bool(self.reserved[2])), self._take_catalogue)]
 
     def _take_catalogue(self, _: int, receipt: CatalogueReceipt) -> list[Task]:
         self.seconds["assemble_kernels"] += receipt.seconds
-        undecided = self.reserved[2] > 0
-        return self._label(with_undecided(receipt.attractors) if undecided else receipt.attractors)
+        self.solved = len(receipt.attractors) == len(self.attractors)
+        return [] if self.solved else self._label(receipt.attractors)
 
     def _label(self, attractors: tuple[Attractor, ...]) -> list[Task]:
         """Label every tile, again after each extension of the catalogue."""
@@ -160,16 +159,7 @@ class BasinRun:
             return []
         self.counts = np.sum([label.counts for label in self._labels.values()], axis=0)
         unassigned = gather_seeds([self._labels[tile].unassigned for tile in self._tiles])
-        self._round += 1
-        if unassigned.box.size and self._round < CATALOGUE_ROUNDS:
-            return [self._task(extend_catalogue, self.number, (self.attractors, unassigned), self._take_extension)]
-        return self._relabel(with_undecided(self.attractors) if unassigned.box.size else self.attractors)
-
-    def _take_extension(self, _: int, receipt: CatalogueReceipt) -> list[Task]:
-        self.seconds["assemble_kernels"] += receipt.seconds
-        more = len(receipt.attractors) > len(self.attractors)
-        return self._relabel(receipt.attractors if more else with_undecided(self.attractors))
-
-    def _relabel(self, attractors: tuple[Attractor, ...]) -> list[Task]:
-        self.solved = len(attractors) == len(self.attractors)
-        return [] if self.solved else self._label(attractors)
+        self._rounds += 1
+        self.solved = not unassigned.box.size
+        arguments = self.attractors, unassigned, self._rounds
+        return [] if self.solved else [self._task(extend_catalogue, self.number, arguments, self._take_catalogue)]

@@ -1,86 +1,117 @@
-"""A small basin at once, in memory: the solutions of its cells, without Hsu's numbers and without a store."""
+"""A small basin, computed at once and without a job."""
 
-import threading
-from collections import OrderedDict
-from collections.abc import Callable
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-import numpy as np
+from pydantic import BeforeValidator, ConfigDict, Field
 
 from rattle_kernels import (
-    Attractor,
     CellGrid,
-    CellImages,
-    ExpectedLoudness,
-    Loudness,
     Oscillator,
-    expected_loudness,
-    find_attractors,
-    loudness,
-    map_cells,
+    check_domain,
+    check_quiet,
+    expected_applications,
+    settled_iterations,
 )
-from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
-from rattle_kernels.attractors.seed_pass import traps_of_seeds
-from rattle_kernels.attractors.seeds import choose_seeds
-from rattle_kernels.numerics.phase import wrap_all
-from worker.basins.first_names import few_seeds, first_names
-from worker.basins.landings import name_landings, with_undecided
-from worker.basins.preview_request import PreviewRequest
+from rattle_kernels.basins.preview import Preview, preview
+from rattle_kernels.cell_mapping.cell_grid import check_grid
+from rattle_kernels.cell_mapping.iterations import check_iterations, is_prime, nearest_primes
+from rattle_kernels.numerics.pausing import Pause, never_stopped
+from worker.decidable import check_window
+from worker.errors import InvalidJob
+from worker.jobs.grid_request import GridRequest, TimeWindow, VelocityWindow, grid_request
+from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, demand_quiet
+from worker.jobs.request import Count, Request, accepting, told
 
-_CATALOGUES_KEPT = 8
-_ROUNDS = 2
-# A job carries points on long transients through 32 legs of some 4000 impacts; what is left here is undecided.
-_LEGS = 2
+PREVIEW_CELLS = 128
+"""Cells each way, unless a request says otherwise."""
 
-Catalogue = tuple[Attractor, ...]
+# Of a settled picture's k. At a damping of 0.6 the labels are those of k = 1499 in all cells but some of chaos.
+_SHARE_OF_SETTLED = 127 / 1499
 
 
-class Preview(NamedTuple):
-    """Solution of each cell as an index into a catalogue of attractors, each with its loudness.
+class CheckedPreview(NamedTuple):
+    """Oscillator, grid and k, as kernels take them."""
 
-    ``solution`` has the shape (velocity cells, time cells), from the lowest speed.
-    """
-
-    grid: CellGrid
     oscillator: Oscillator
-    solution: np.ndarray
-    attractors: Catalogue
-    loudness: tuple[Loudness, ...]
+    grid: CellGrid
+    iterations: int
 
     @property
-    def expected(self) -> ExpectedLoudness:
-        """Mean loudness over the window."""
-        return expected_loudness(self.shares, self.loudness)
-
-    @property
-    def shares(self) -> np.ndarray:
-        """Share of each attractor among the cells."""
-        return np.bincount(self.solution.ravel(), minlength=len(self.attractors)) / self.solution.size
+    def applications(self) -> int:
+        """Approximate number of applications of P for all cells."""
+        return round(
+            min(self.grid.cells, 10**18) * expected_applications(self.oscillator.damping, min(self.iterations, 10**18))
+        )
 
 
-class _Catalogues:
-    """Catalogues of the oscillators seen last. A window that is zoomed ends in the same motions."""
+class PreviewTimeWindow(TimeWindow):
+    """Cells along time, 128 by default."""
 
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._of: OrderedDict[Oscillator, Catalogue] = OrderedDict()
-
-    def of(self, oscillator: Oscillator) -> Catalogue:
-        with self._lock:
-            return self._of.get(oscillator, ())
-
-    def keep(self, oscillator: Oscillator, catalogue: Catalogue) -> None:
-        with self._lock:
-            self._of[oscillator] = catalogue
-            self._of.move_to_end(oscillator)
-            while len(self._of) > _CATALOGUES_KEPT:
-                self._of.popitem(last=False)
+    cells: Count = PREVIEW_CELLS
 
 
-_known = _Catalogues()
+class PreviewVelocityWindow(VelocityWindow):
+    """Cells along velocity, 128 by default."""
+
+    cells: Count = PREVIEW_CELLS
 
 
-def preview_basin(request: PreviewRequest, pause: Callable[[], None] = lambda: None) -> Preview:
+class PreviewGrid(GridRequest):
+    """Window of the (t, v) plane, cut into equal cells."""
+
+    time: PreviewTimeWindow = Field(default_factory=PreviewTimeWindow)
+    velocity: PreviewVelocityWindow = Field(default_factory=PreviewVelocityWindow)
+
+
+class PreviewRequest(Request):
+    """A small basin: the request of a basin, with fewer cells and a smaller k by default."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={"examples": [{"oscillator": {"model": "impacting", "damping": 0.6}, "iterations": 127}]},
+    )
+
+    oscillator: OscillatorRequest = Field(default_factory=ImpactingOscillator)
+    grid: Annotated[PreviewGrid, BeforeValidator(accepting(CellGrid, grid_request))] = Field(
+        default_factory=PreviewGrid
+    )
+    iterations: Annotated[Count, told(maximum=10**12)] | None = Field(
+        None, description="k: 1 or a prime. By default 127 where damping is 0.5 or more, else about 76/damping"
+    )
+    quick: Annotated[bool, Field(strict=True)] = Field(
+        False,
+        description="Name motions by what a few thousand impacts show: what settles later may be called chaotic, or "
+        "undecided. Otherwise names are those of a job, which can take seconds",
+    )
+
+    def checked(self) -> CheckedPreview:
+        """Oscillator, grid and k of the request, checked.
+
+        Returns
+        -------
+        CheckedPreview
+
+        Raises
+        ------
+        OutsideDomain, InvalidJob
+            Naming the field at fault.
+        """
+        oscillator = check_domain(self.oscillator.to_oscillator())
+        demand_quiet(lambda: check_quiet(oscillator), unless=self.oscillator.allow_no_quiet_solution)
+        try:
+            grid = check_grid(self.grid.to_grid())
+            k = check_iterations(self.iterations or _few(oscillator.damping))
+        except ValueError as error:
+            raise InvalidJob(str(error)) from error
+        return CheckedPreview(check_window(oscillator, grid, k), grid, k)
+
+
+def _few(damping: float) -> int:
+    few = round(settled_iterations(damping) * _SHARE_OF_SETTLED)
+    return few if is_prime(few) else nearest_primes(few)[-1]
+
+
+def preview_basin(request: PreviewRequest, pause: Pause = never_stopped) -> Preview:
     """Compute the basin of a request at once.
 
     The solutions of its cells are those of a job with the same k, unless the request asks for quick names.
@@ -101,48 +132,4 @@ def preview_basin(request: PreviewRequest, pause: Callable[[], None] = lambda: N
     OutsideDomain, InvalidJob
         Naming what is wrong with the request.
     """
-    oscillator, grid, k = request.checked()
-    traps = traps_of_seeds(oscillator, grid, k, grid.cells, pause)
-    rows, columns = (0, grid.velocity_cells), (0, grid.time_cells)
-    images = map_cells(oscillator, grid, k, rows, columns, traps=traps, pause=pause)
-    if request.quick:
-        solution, attractors = first_names(oscillator, images, _known.of(oscillator), pause)
-    else:
-        solution, attractors = _named(oscillator, images, pause)
-        _known.keep(oscillator, attractors)
-    there = np.unique(solution).tolist()
-    there = sorted({*there, *(end for number in there for end, _ in attractors[number].ends)})
-    solution = np.searchsorted(there, solution)
-    shape = grid.velocity_cells, grid.time_cells
-    listed = tuple(
-        each._replace(ends=tuple((there.index(end), share) for end, share in each.ends))
-        for each in (attractors[number] for number in there)
-    )
-    heard = tuple(loudness(oscillator, each) for each in listed)
-    return Preview(grid, oscillator, solution.reshape(shape), listed, heard)
-
-
-def _named(oscillator: Oscillator, images: CellImages, pause: Callable[[], None]) -> tuple[np.ndarray, Catalogue]:
-    """Solution of each cell, and the catalogue: extended by landing points that reach none of its attractors."""
-    unassigned = choose_seeds(oscillator, images.landing_time, images.landing_velocity)
-    attractors = _known.of(oscillator)
-    if attractors:
-        solution, unassigned = name_landings(oscillator, attractors, images, pause, _name_at_once)
-    for _ in range(_ROUNDS):
-        if attractors and not unassigned.box.size:
-            break
-        seeds, known = few_seeds(unassigned), attractors
-        attractors = find_attractors(oscillator, seeds.time, seeds.velocity, known=known, pause=pause)
-        solution, unassigned = name_landings(oscillator, attractors, images, pause, _name_at_once)
-    if (solution < 0).any():
-        attractors = with_undecided(attractors)
-        solution[solution < 0] = len(attractors) - 1
-    return solution, attractors
-
-
-def _name_at_once(
-    oscillator: Oscillator, attractors: Catalogue, t: np.ndarray, v: np.ndarray, pause: Callable[[], None]
-) -> np.ndarray:
-    """Solution of each landing point, as `rattle_kernels.name_solutions` with fewer legs."""
-    around = neighbourhoods(oscillator, attractors, pause)
-    return locate(oscillator, around, wrap_all(t), v, _LEGS, pause).astype(np.int16)
+    return preview(*request.checked(), quick=request.quick, pause=pause)

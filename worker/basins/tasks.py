@@ -10,50 +10,34 @@ from functools import lru_cache
 
 import numpy as np
 
-from rattle_kernels import (
-    PERMANENT_CONTACT,
-    SINK,
-    UNDECIDED,
-    Attractor,
-    CellImages,
-    find_attractors,
-    grazing_velocity,
-    label_cells,
-    map_cells,
-    map_points,
-)
+from rattle_kernels import SINK, CellImages, grazing_velocity, label_cells, map_points
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
-from rattle_kernels.attractors.seeds import Seeds, choose_seeds
-from rattle_kernels.cell_mapping.image_set import MarkedWords, mark_images
+from rattle_kernels.attractors.seeds import Seeds
+from rattle_kernels.basins.basin import Survey, map_bands, survey_images
+from rattle_kernels.basins.naming import Catalogue, first_catalogue, name_landings, next_catalogue
+from rattle_kernels.basins.tiles import Tile, runs_of_points
+from rattle_kernels.cell_mapping.cell_map import join_images
+from worker.basins import image_cache
 from worker.basins.assembly import assemble_groups, groups_of
-from worker.basins.landings import name_landings
-from worker.basins.tiles import just_mapped
-from worker.basins.tiles.weights import weigh
+from worker.basins.weights import weigh
 from worker.cluster.task import stop_if_cancelled
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import demand_same_digest
-from worker.stores.tiles import Tile, bands, runs_of_points
 
 
 @dataclass(frozen=True)
 class MapReceipt:
-    """Images of one tile.
+    """Images of one tile: what they are, and the kernels' time, 0 if the tile was read from the store."""
 
-    ``reserved`` counts the images -1, -2 and -3. ``image_set`` holds the distinct image cells, ``seeds`` the seeds of
-    the catalogue. ``seconds`` is the kernels' time, 0 if the tile was read from the store.
-    """
-
-    reserved: np.ndarray
+    survey: Survey
     seconds: float
-    image_set: MarkedWords
-    seeds: Seeds
 
 
 @dataclass(frozen=True)
 class CatalogueReceipt:
     """A basin's own attractors."""
 
-    attractors: tuple[Attractor, ...]
+    attractors: Catalogue
     seconds: float
 
 
@@ -70,19 +54,13 @@ class LabelReceipt:
 
 
 def _receipt(store: BasinStore, basin: int, images: CellImages, seconds: float) -> MapReceipt:
-    cells = images.image_cell
-    return MapReceipt(
-        reserved=np.array([(cells == code).sum() for code in (SINK, PERMANENT_CONTACT, UNDECIDED)]),
-        seconds=seconds,
-        image_set=mark_images(store.job.grid.cells, cells),
-        seeds=choose_seeds(store.job.oscillator_of(basin), images.landing_time, images.landing_velocity),
-    )
+    return MapReceipt(survey_images(store.job.oscillator_of(basin), store.job.grid, images), seconds)
 
 
-def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
-    job = store.job
-    assert job.sample is not None
-    oscillator = job.oscillator_of(tile.basin)
+def _map(store: BasinStore, tile: Tile) -> CellImages:
+    job, oscillator = store.job, store.job.oscillator_of(tile.basin)
+    if job.sample is None:
+        return map_bands(oscillator, job.grid, job.iterations, tile, stop_if_cancelled)
     t, v = job.sample.departures(job.grid, *tile.columns)
     traps = traps_of_seeds(oscillator, job.grid, job.iterations, job.sample.points, stop_if_cancelled)
     parts = []
@@ -92,31 +70,10 @@ def _map_sample(store: BasinStore, tile: Tile) -> CellImages:
             oscillator, job.grid, job.iterations, t[here], v[here], traps=traps, pause=stop_if_cancelled
         )  # fmt: skip
         parts.append(part)
-    images = _joined(parts)
+    images = join_images(parts)
     # A sample has no cells, so every landing point lies outside.
     cells = np.minimum(images.image_cell, SINK)
     return CellImages(cells[None], images.landing_time[None], images.landing_velocity[None], images.applications)
-
-
-def _map_in_bands(store: BasinStore, tile: Tile) -> CellImages:
-    job, oscillator = store.job, store.job.oscillator_of(tile.basin)
-    traps = traps_of_seeds(oscillator, job.grid, job.iterations, job.grid.cells, stop_if_cancelled)
-    parts = []
-    for rows in bands(tile, job.applications):
-        part = map_cells(
-            oscillator, job.grid, job.iterations, rows, tile.columns, traps=traps, pause=stop_if_cancelled
-        )  # fmt: skip
-        parts.append(part)
-    return _joined(parts)
-
-
-def _joined(parts: Sequence[CellImages]) -> CellImages:
-    return CellImages(
-        np.concatenate([part.image_cell for part in parts]),
-        np.concatenate([part.landing_time for part in parts]),
-        np.concatenate([part.landing_velocity for part in parts]),
-        sum(part.applications for part in parts),
-    )
 
 
 def map_tile(location: str, digest: str, number: int) -> MapReceipt:
@@ -124,10 +81,10 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
     begin = time.perf_counter()
-    images = (_map_in_bands if store.job.sample is None else _map_sample)(store, tile)
+    images = _map(store, tile)
     seconds = time.perf_counter() - begin
     store.write_tile(store.places.mapped, tile, images[:3])
-    just_mapped.keep(location, digest, number, images)
+    image_cache.keep(location, digest, number, images)
     return _receipt(store, tile.basin, images, seconds)
 
 
@@ -144,7 +101,7 @@ def _read_images(store: BasinStore, tile: Tile) -> CellImages:
 
 def _images(location: str, digest: str, number: int) -> CellImages:
     """Images of a tile, from the store unless this process has just mapped it."""
-    images = just_mapped.take(location, digest, number)
+    images = image_cache.take(location, digest, number)
     if images is not None:
         return images
     store = open_store(location, digest)
@@ -166,34 +123,29 @@ def open_store(location: str, digest: str) -> BasinStore:
     return store
 
 
-def assemble_basin(location: str, digest: str, basin: int, seeds: Seeds) -> CatalogueReceipt:
+def assemble_basin(location: str, digest: str, basin: int, seeds: Seeds, lost: bool) -> CatalogueReceipt:
     """Run Hsu's algorithm on a basin's image set, and find the attractors that its seeds end in."""
     store = open_store(location, digest)
     begin = time.perf_counter()
+    oscillator = store.job.oscillator_of(basin)
     if store.job.sample is None:
         assemble_groups(store, basin, stop_if_cancelled)
-        store.write_grazing_velocity(
-            basin, grazing_velocity(store.job.oscillator_of(basin), store.job.grid.time_centres())
-        )
-    oscillator = store.job.oscillator_of(basin)
-    attractors = find_attractors(oscillator, seeds.time, seeds.velocity, pause=stop_if_cancelled)
+        store.write_grazing_velocity(basin, grazing_velocity(oscillator, store.job.grid.time_centres()))
+    attractors = first_catalogue(oscillator, seeds, lost, stop_if_cancelled)
     return CatalogueReceipt(attractors, time.perf_counter() - begin)
 
 
 def extend_catalogue(
-    location: str, digest: str, basin: int, known: tuple[Attractor, ...], unassigned: Seeds
+    location: str, digest: str, basin: int, known: Catalogue, unassigned: Seeds, rounds: int
 ) -> CatalogueReceipt:
-    """Extend a basin's catalogue by the attractors that unassigned landing points end in."""
-    store = open_store(location, digest)
+    """Extend a basin's catalogue by the attractors that unassigned landing points end in, unless it is final."""
     begin = time.perf_counter()
-    oscillator = store.job.oscillator_of(basin)
-    attractors = find_attractors(oscillator, unassigned.time, unassigned.velocity, known=known, pause=stop_if_cancelled)
+    oscillator = open_store(location, digest).job.oscillator_of(basin)
+    attractors = next_catalogue(oscillator, known, unassigned, rounds, stop_if_cancelled)
     return CatalogueReceipt(attractors, time.perf_counter() - begin)
 
 
-def label_tile(
-    location: str, digest: str, number: int, attractors: tuple[Attractor, ...], numbered: bool
-) -> LabelReceipt:
+def label_tile(location: str, digest: str, number: int, attractors: Catalogue, numbered: bool) -> LabelReceipt:
     """Look up group, period and step of one tile's cells, name their solutions, and write them.
 
     Solutions are indices into the basin's own catalogue. They are written beside the basin's image set, unless the
@@ -205,7 +157,8 @@ def label_tile(
     images = _images(location, digest, number)
     groups = groups_of(store, tile.basin) if store.places.labelled else None
     begin = time.perf_counter()
-    labels = label_cells(groups, _own_cells(store, tile), images.image_cell) if groups is not None else ()
+    own_cells = store.job.grid.cell_numbers(tile.rows, tile.columns)
+    labels = label_cells(groups, own_cells, images.image_cell) if groups is not None else ()
     oscillator = store.job.oscillator_of(tile.basin)
     solution, unassigned = name_landings(oscillator, attractors, images, stop_if_cancelled)
     seconds = time.perf_counter() - begin
@@ -222,11 +175,6 @@ def _counts(store: BasinStore, tile: Tile, solution: np.ndarray, attractors: int
     return counts.reshape(sets, attractors)
 
 
-def _own_cells(store: BasinStore, tile: Tile) -> np.ndarray:
-    rows, columns = np.arange(*tile.rows), np.arange(*tile.columns)
-    return rows[:, None] * store.job.grid.time_cells + columns
-
-
 def number_tile(location: str, digest: str, number: int, numbers: tuple[int, ...]) -> None:
     """Write one tile's solutions under the numbers that all basins share."""
     store = open_store(location, digest)
@@ -235,15 +183,13 @@ def number_tile(location: str, digest: str, number: int, numbers: tuple[int, ...
     store.write_tile((store.places.solution,), tile, (np.array(numbers, np.int16)[own],))
 
 
-def write_points(
-    location: str, digest: str, basin: int, numbers: tuple[int, ...], attractors: tuple[Attractor, ...]
-) -> None:
+def write_points(location: str, digest: str, basin: int, numbers: tuple[int, ...], attractors: Catalogue) -> None:
     """Write the points of a basin's attractors under their numbers."""
     open_store(location, digest).write_points(basin, numbers, attractors)
 
 
 def number_basin(
-    location: str, digest: str, basin: int, numbers: tuple[int, ...], attractors: tuple[Attractor, ...], own: int
+    location: str, digest: str, basin: int, numbers: tuple[int, ...], attractors: Catalogue, own: int
 ) -> None:
     """Write everything of a small basin that needs numbers. The first `own` of them are those of its own catalogue."""
     write_points(location, digest, basin, numbers, attractors)

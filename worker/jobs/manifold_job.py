@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from rattle_kernels import CurveResolution, ManifoldLimits
 from rattle_kernels.manifolds.stable_manifold import check_limits
+from rattle_kernels.orbits.periodic_orbit import orbit_name
 from worker.errors import InvalidJob, Place
 from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest, resolution_request
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
@@ -86,7 +87,7 @@ class Itinerary(NamedTuple):
     @property
     def name(self) -> str:
         """Name, in the form of an orbit's."""
-        return f"P({self.forcing_periods},{self.upper_contacts},{self.lower_contacts})"
+        return orbit_name(self.forcing_periods, self.upper_contacts, self.lower_contacts)
 
 
 class SaddleRequest(Request):

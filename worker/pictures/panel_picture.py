@@ -11,6 +11,7 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Rectangle
 
 from rattle_kernels import Attractor
+from rattle_kernels.basins.tiles import Tile
 from worker.pictures import colours
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
 from worker.pictures.unproven import demand_proof, draw_unproven, share_unproven
@@ -19,7 +20,6 @@ from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MISSING, SAMPLE_COORDINATES, TileState
 from worker.stores.pyramid.levels import level_for
 from worker.stores.solution_table import SolutionTable
-from worker.stores.tiles import Tile
 
 # Most points of a sample. The first ones of a Sobol sequence cover the window evenly, every second one only half of it.
 _MOST_POINTS = 20_000

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import CellGroups, OutsideDomain
+from rattle_kernels.basins.tiles import Tile
 from rattle_kernels.cell_mapping.image_set import ImageSet, with_counts
 from worker.errors import (
     DamagedChunk,
@@ -47,7 +48,6 @@ from worker.stores.pyramid.convention import ATTRIBUTE
 from worker.stores.pyramid.levels import Level, levels_of
 from worker.stores.solution_arrays import SolutionArrays
 from worker.stores.storage import place_at
-from worker.stores.tiles import Tile
 
 # Chunks are encoded without the GIL, and other workers may wait for this one. Three keep two cores busy.
 _WRITERS = 3

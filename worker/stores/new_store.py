@@ -15,6 +15,7 @@ from zarr.core.sync import sync
 from zarr.errors import ZarrUserWarning
 from zarr.storage import MemoryStore
 
+from rattle_kernels.basins.tiles import Tiling, cut, cut_row
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
@@ -26,7 +27,6 @@ from worker.stores.provenance import birth_certificate
 from worker.stores.pyramid.convention import multiscales
 from worker.stores.pyramid.levels import Level, levels_of
 from worker.stores.storage import place_at
-from worker.stores.tiles import Tiling, cut, cut_row
 
 # Consolidated metadata are Zarr-Python's own, not yet in the specification. Other readers ignore them. Silenced for the
 # process: `catch_warnings` of one thread undoes that of another, such as that of Numba where it compiles meanwhile.

@@ -7,6 +7,7 @@ import numpy as np
 from rattle_kernels import Attractor, Direction, Oscillator, TimeHistory
 from rattle_kernels.attractors.attractor import PERMANENT_CONTACT_ATTRACTOR
 from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
+from rattle_kernels.orbits.periodic_orbit import orbit_name
 from worker.errors import InvalidJob
 from worker.jobs.trajectory_request import TrajectoryRequest
 
@@ -67,7 +68,7 @@ def _repeated_at_first(departures: np.ndarray, lower: np.ndarray) -> Repeated | 
         if off.size and off[0] >= _SURE * period and away.max() > _FAR:
             t = departures[:, 0]
             contacts = np.count_nonzero((lower > t[0]) & (lower < t[period]))
-            name = f"P({round(t[period] - t[0])},{period},{contacts})"
+            name = orbit_name(round(t[period] - t[0]), period, contacts)
             return Repeated(name, float(t[off[0] - 1] - t[0]))
         if off.size == 0:
             return None

@@ -7,6 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from rattle_kernels import Direction, Oscillator, Outcome, time_history
+from rattle_kernels.orbits.periodic_orbit import orbit_name
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.stores.layout import Columns
 
@@ -28,7 +29,7 @@ def itinerary(oscillator: Oscillator, t: float, v: float, impact_period: int) ->
     contacts = history.contacts
     lower = np.count_nonzero((contacts.wall < 0) & (contacts.direction != Direction.OUT))
     around = contacts.time[history.departures[impact_period - 1]] - t
-    return f"P({round(float(around))},{impact_period},{lower})"
+    return orbit_name(round(float(around)), impact_period, lower)
 
 
 def _name(job: BifurcationJob, value: float, outcome: int, period: int, t: float, v: float) -> str:

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from rattle_kernels import Attractor, ExpectedLoudness, Loudness, Oscillator, grazing_velocity, loudness
+from rattle_kernels.basins.tiles import Tiling
 from worker.errors import InvalidJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 from worker.stores.pyramid.levels import Level
 from worker.stores.solution_table import SolutionTable
 from worker.stores.summary import expected_in, representatives
-from worker.stores.tiles import Tiling
 
 _CURVE_POINTS = 512
 # Most points of an attractor: enough to see its shape on a screen, few enough for a network.

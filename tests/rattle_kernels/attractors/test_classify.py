@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rattle_kernels import AttractorKind, CellGrid, Oscillator, find_attractors, map_cells, name_solutions, next_impacts
-from rattle_kernels.attractors.classify import landing_boxes
+from rattle_kernels.attractors.seeds import landing_boxes
 from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
 from rattle_kernels.numerics.jit import inlined
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit

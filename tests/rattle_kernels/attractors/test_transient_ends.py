@@ -14,7 +14,7 @@ from rattle_kernels import (
 )
 from rattle_kernels.attractors import attractor_search, transient_ends
 from rattle_kernels.attractors.attractor import ENSEMBLE, PERMANENT_CONTACT_ATTRACTOR, Attractor
-from rattle_kernels.attractors.transient_ends import LONGEST
+from rattle_kernels.attractors.chaotic_transient import LONGEST
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 

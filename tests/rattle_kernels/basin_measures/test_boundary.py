@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rattle_kernels import CellGrid, Oscillator, find_attractors, map_cells, name_solutions
-from rattle_kernels.attractors.classify import landing_boxes
+from rattle_kernels.attractors.seeds import landing_boxes
 from rattle_kernels.basin_measures.boundary import boundary_cells, boundary_share, cells_along
 from rattle_kernels.cell_mapping.cell_map import PERMANENT_CONTACT
 from rattle_kernels.lanes.tables import lane_tables

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rattle_kernels import PERMANENT_CONTACT, SINK, UNDECIDED, CellGrid, Oscillator, map_cells
+from rattle_kernels import NOT_CONVERGED, PERMANENT_CONTACT, SINK, CellGrid, Oscillator, map_cells
 from rattle_kernels.cell_mapping.cell_grid import cell_number
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.chatter import descent, is_captured
@@ -113,7 +113,7 @@ def test_what_leaves_the_grid_and_comes_back_is_not_in_the_sink():
 def test_landing_points_are_missing_exactly_where_captured():
     images = whole(Oscillator(), GRID, 101)
     captured = images.image_cell == PERMANENT_CONTACT
-    assert captured.any() and not (images.image_cell == UNDECIDED).any()
+    assert captured.any() and not (images.image_cell == NOT_CONVERGED).any()
     np.testing.assert_array_equal(np.isnan(images.landing_time), captured)
     np.testing.assert_array_equal(np.isnan(images.landing_velocity), captured)
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rattle_kernels import find_groups
-from rattle_kernels.cell_mapping.generations import generations_of, places_within
+from rattle_kernels.cell_mapping.cell_groups import generations_of, places_within
 from rattle_kernels.cell_mapping.image_set import members_of, with_counts
 from tests.rattle_kernels.cell_mapping.test_cell_groups import direct_hsu, groups_of, image_set, places_of
 

@@ -10,7 +10,7 @@ from scipy.integrate import simpson, solve_ivp
 
 from rattle_kernels import Direction, Oscillator, Outcome, OutsideDomain, eccentricity_bound_quiet, time_history
 from rattle_kernels.impact_map.apply import next_impact
-from rattle_kernels.impact_map.motion_pieces import FREEPLAY, contact_along, end_of_piece, flight_along, piece_from
+from rattle_kernels.impact_map.time_history import FREEPLAY, contact_along, end_of_piece, flight_along, piece_from
 from rattle_kernels.numerics.jit import inlined
 from tests.rattle_kernels.reference import entries, oscillator_of, phase_error
 from tests.strategies import oscillators

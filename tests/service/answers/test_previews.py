@@ -7,7 +7,7 @@ import pytest
 from rattle_kernels.numerics import jit
 from service.answers import previews
 from service.answers.previews import Previews
-from worker.basins.preview_request import PreviewRequest
+from worker.basins.preview import PreviewRequest
 from worker.errors import JobCancelled
 
 # So stiff that each motion takes long to find.

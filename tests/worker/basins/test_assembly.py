@@ -6,6 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rattle_kernels import CellGrid, CellGroups, CellImages, find_groups, label_cells
+from rattle_kernels.basins.tiles import Tiling
 from rattle_kernels.cell_mapping.image_set import members_of, unite, with_counts
 from tests.rattle_kernels.cell_mapping.test_cell_groups import direct_hsu
 from worker.basins.assembly import _kept_groups, assemble_groups, groups_of, places_of_images
@@ -13,7 +14,6 @@ from worker.basins.tasks import _images, map_tile, survey_tile
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MAPPED
-from worker.stores.tiles import Tiling
 
 _GRID = CellGrid(time_cells=12, velocity_cells=10)
 _READ_TILE = BasinStore.read_tile
@@ -44,7 +44,7 @@ def test_assembly_is_hsus_whatever_the_tiling(tmp_path_factory, image, tile_rows
     tiling = Tiling(_GRID, tile_rows, tile_columns)
     store = _stored(tmp_path_factory.mktemp("store") / "map.zarr", image, tiling)
     receipts = [_receipt_of(store, number) for number in range(tiling.tiles)]
-    words = unite(_GRID.cells, [receipt.image_set for receipt in receipts]).words
+    words = unite(_GRID.cells, [receipt.survey.image_set for receipt in receipts]).words
     store.write_image_words(0, words)
     for groups in assemble_groups(store, 0), store.read_groups(0):
         labels = [np.empty(_GRID.shape, np.int32) for _ in range(3)]
@@ -72,8 +72,8 @@ def test_a_survey_of_a_stored_tile_counts_what_is_there(tmp_path):
     landing = np.where(image >= -1, 0.5, np.nan)
     store.write_tile(MAPPED, store.tiling.tile(0), (image, landing, landing))
     receipt = survey_tile(store.location, store.job.digest, 0)
-    assert receipt.reserved.tolist() == [1, 115, 1]
-    members = unite(_GRID.cells, [receipt.image_set])
+    assert receipt.survey.reserved.tolist() == [1, 115, 1]
+    members = unite(_GRID.cells, [receipt.survey.image_set])
     assert members_of(members).tolist() == [3, 7]
     assert find_groups(members, np.array([-1, -2], np.int32)).group.tolist() == [0, -1]
 
@@ -81,7 +81,9 @@ def test_a_survey_of_a_stored_tile_counts_what_is_there(tmp_path):
 def test_who_found_the_groups_reads_them_no_more_and_others_read_the_same(tmp_path, monkeypatch):
     image = np.arange(_GRID.cells).reshape(_GRID.shape) // 7 * 5 % _GRID.cells
     store = _stored(tmp_path / "map.zarr", image, Tiling(_GRID, 4, 5))
-    words = unite(_GRID.cells, [_receipt_of(store, number).image_set for number in range(store.tiling.tiles)]).words
+    words = unite(
+        _GRID.cells, [_receipt_of(store, number).survey.image_set for number in range(store.tiling.tiles)]
+    ).words
     store.write_image_words(0, words)
     found = assemble_groups(store, 0)
     with monkeypatch.context() as nothing_to_read:
@@ -114,7 +116,7 @@ def test_groups_are_read_as_written_in_half_of_the_memory_where_they_fit(tmp_pat
 def test_who_stops_while_images_are_read_reads_no_more_tiles(tmp_path, monkeypatch):
     image = np.arange(_GRID.cells).reshape(_GRID.shape)
     store = _stored(tmp_path / "map.zarr", image, Tiling(_GRID, 1, 1))
-    members = unite(_GRID.cells, [_receipt_of(store, number).image_set for number in range(store.tiling.tiles)])
+    members = unite(_GRID.cells, [_receipt_of(store, number).survey.image_set for number in range(store.tiling.tiles)])
     read = []
     monkeypatch.setattr(BasinStore, "read_tile", lambda self, *what: read.append(what) or _READ_TILE(self, *what))
 

@@ -9,10 +9,9 @@ from pydantic import ValidationError
 
 from rattle_kernels import OutsideDomain
 from rattle_kernels.attractors import attractor_search
-from worker.basins import preview
+from rattle_kernels.basins import preview
 from worker.basins.pipeline import run_basin
-from worker.basins.preview import preview_basin
-from worker.basins.preview_request import PreviewRequest
+from worker.basins.preview import PreviewRequest, preview_basin
 from worker.cluster.driver import Driver
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob

@@ -13,8 +13,7 @@ from rattle_kernels import CellGrid, Oscillator
 from service.models.basin_result import ResultView
 from service.models.viewer import OutlineView, PreviewView
 from tests.worker.basins.test_pipeline import run
-from worker.basins.preview import preview_basin
-from worker.basins.preview_request import PreviewRequest
+from worker.basins.preview import PreviewRequest, preview_basin
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.motion_words import ends_in_words

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from rattle_kernels.basins.tiles import Tile
 from rattle_kernels.proof.growth import IMPACTS, NUMBERS
 from worker.errors import StoreFailed, as_store_failure
 from worker.fence import Fence
@@ -27,7 +28,6 @@ from worker.stores.proofs.layout import (
     UNPROVEN_REASON,
     grown,
 )
-from worker.stores.tiles import Tile
 
 _GROWING = "growing"
 _CHUNK = 1024

@@ -7,9 +7,9 @@ frequent one of a block would hide the motions that share it (docs/decisions/003
 from dataclasses import replace
 from typing import NamedTuple
 
+from rattle_kernels.basins.tiles import Tiling
 from worker.jobs.basin_job import BasinJob
 from worker.stores.layout import COORDINATES, LABELLED, SOLUTION, Variable
-from worker.stores.tiles import Tiling
 
 LABELS = (*LABELLED, SOLUTION)
 """What the cells of every level have."""
@@ -108,7 +108,7 @@ def level_for(levels: tuple[Level, ...], every: int) -> Level:
     --------
     >>> from rattle_kernels import CellGrid
     >>> from worker.jobs.basin_job import basin_job
-    >>> from worker.stores.tiles import cut
+    >>> from rattle_kernels.basins.tiles import cut
     >>> grid = {"time": {"cells": 100_000}, "velocity": {"cells": 100_000}}
     >>> oscillator = {"damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6}
     >>> job = basin_job({"oscillator": oscillator, "grid": grid})

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rattle_kernels import CellGrid
-from worker.stores.tiles import bands, cut, cut_row
+from rattle_kernels.basins.tiles import bands, cut, cut_row
 
 grids = st.builds(
     lambda columns, rows: CellGrid(time_cells=columns, velocity_cells=rows), st.integers(1, 400), st.integers(1, 400)

@@ -8,7 +8,8 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from rattle_kernels import CellGrid
+from rattle_kernels.cell_mapping.cell_grid import CellGrid
+from rattle_kernels.lanes.lane_fields import LANES
 
 # One application of P costs some 12 ns, and shortcuts leave about a third of those expected.
 _SECONDS_PER_APPLICATION = 4e-9
@@ -21,8 +22,6 @@ _LEAST_CELLS = 64 * 64
 # band keep the wait to a few per cent. 256 would double the time.
 _LEAST_LONG_CELLS = 128 * 128
 _LONG_APPLICATIONS = 10_000
-# Trajectories that a kernel follows at a time.
-_LANES = 64
 # A tile of 1024 x 1024 is 24 MB in memory while it is computed.
 _MOST_CELLS = 1024 * 1024
 
@@ -146,6 +145,6 @@ def _cells_of_band(applications: int) -> float:
 
 def runs_of_points(points: int, applications: int) -> Iterator[tuple[int, int]]:
     """Runs of a sample's points, each about a tenth of a second of work, of whole lanes."""
-    lanes = max(1, int(_cells_of_band(applications) / _LANES))
-    for start in range(0, points, lanes * _LANES):
-        yield start, min(start + lanes * _LANES, points)
+    run = LANES * max(1, int(_cells_of_band(applications) / LANES))
+    for start in range(0, points, run):
+        yield start, min(start + run, points)

@@ -9,10 +9,10 @@ import numpy as np
 
 from rattle_kernels import map_points
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
+from rattle_kernels.basins.tiles import Tile
 from rattle_kernels.numerics.pausing import Pause
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
-from worker.stores.tiles import Tile
 
 # Cells looked at each way: 64 fill all lanes, and are a six-hundredth of a tile of the panels.
 _EACH_WAY = 8

@@ -1,0 +1,1 @@
+"""Basins of attraction in memory: the whole of one at once, and the parts of which workers make those of a store."""
