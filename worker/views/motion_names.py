@@ -27,7 +27,7 @@ def itinerary(oscillator: Oscillator, t: float, v: float, impact_period: int) ->
         oscillator, t, beta, -v, departures=impact_period, periods=float(most), samples_per_period=1, most_contacts=most
     )
     contacts = history.contacts
-    lower = np.count_nonzero((contacts.wall < 0) & (contacts.direction != Direction.OUT))
+    lower = int(np.count_nonzero((contacts.wall < 0) & (contacts.direction != Direction.OUT)))
     around = contacts.time[history.departures[impact_period - 1]] - t
     return orbit_name(round(float(around)), impact_period, lower)
 
