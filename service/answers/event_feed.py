@@ -10,8 +10,7 @@ from collections.abc import AsyncGenerator
 
 from anyio import to_thread
 
-from service.records.event_record import EventRecord
-from service.records.events import Events
+from service.records.events import EventRecord, Events
 
 _log = logging.getLogger("rattle.events")
 _POLL_SECONDS = 0.25

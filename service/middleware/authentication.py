@@ -13,8 +13,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from service.middleware.of_http import OfHttp
 from service.problems import database_problem, problem
 from service.records.engine import DatabaseError
-from service.records.key_record import KeyScope
-from service.records.keys import LOCAL_CALLER, Caller, KeyRing
+from service.records.keys import LOCAL_CALLER, Caller, KeyRing, KeyScope
 from service.settings import LOOPBACK
 
 OPEN_PATHS = frozenset({"/healthz", "/readyz", "/docs", "/openapi.json"})

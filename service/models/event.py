@@ -3,7 +3,7 @@
 from pydantic import BaseModel, Field
 
 from service.models.progress import ErrorView, Moment, ProgressView
-from service.records.event_record import EventRecord
+from service.records.events import EventRecord
 from service.records.job_record import JobState
 
 

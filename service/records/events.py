@@ -1,4 +1,4 @@
-"""Writes and reads the events of jobs.
+"""Numbered events of each job, which its event stream replays.
 
 An event is written in the transaction that changes the job, after the job's row has been changed. That row is locked
 until the transaction ends, so the events of a job are numbered without gaps or duplicates, and appear in order.
@@ -8,15 +8,35 @@ from collections.abc import Callable, Collection, Mapping
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import delete, func, select
-from sqlalchemy.orm import Session
+from sqlalchemy import JSON, DateTime, Enum, String, delete, func, select
+from sqlalchemy.orm import Mapped, Session, mapped_column
 
 from service.records.engine import to_read
-from service.records.event_record import EventRecord
-from service.records.job_record import JobState
+from service.records.job_record import Base, JobState
 
 PROGRESS_KEPT = 64
 """Progress events that are kept for a running job: a quarter of a minute."""
+
+
+class EventRecord(Base):
+    """One event of a job: a change of state, or progress.
+
+    The events of a job are numbered from 1 without gaps. Changes of state are kept as long as the job. Progress is
+    kept for a short time only, and not after the job has ended. So a job has a few rows, or a few dozen while it runs.
+    """
+
+    __tablename__ = "events"
+
+    job_id: Mapped[str] = mapped_column(String(32), primary_key=True)
+    sequence: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    state: Mapped[JobState] = mapped_column(
+        Enum(JobState, native_enum=False, length=16, values_callable=lambda states: [state.value for state in states])
+    )
+    # Set for progress.
+    progress: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True))
+    # Set for the state failed.
+    error: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True))
+    moment: Mapped[datetime] = mapped_column(DateTime(timezone=True))
 
 
 def note_event(

@@ -11,8 +11,7 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session, aliased
 
 from service.errors import JobNotFound
-from service.records.clock import database_time
-from service.records.engine import DatabaseError, to_read
+from service.records.engine import DatabaseError, database_time, to_read
 from service.records.events import delete_events, note_event
 from service.records.job_record import LIVE, SMALL_PLACES, JobRecord, JobState
 from service.records.quotas import check_quotas
@@ -174,9 +173,9 @@ class Jobs:
                 select(JobRecord.id).where(JobRecord.state == JobState.CANCELLING, _lease_over())
             ).all()
         for job_id in left:
-            self.move(job_id, JobState.CANCELLING, JobState.CANCELLED)
+            self.transition(job_id, JobState.CANCELLING, JobState.CANCELLED)
 
-    def move(
+    def transition(
         self, job_id: str, expected: JobState, state: JobState, *, owner: str | None = None, **values: Any
     ) -> bool:
         """Change a state from the expected one. False if it was another one, or if `owner` is not the job's."""
@@ -209,9 +208,9 @@ class Jobs:
         """Cancel a queued job at once, or mark a running one to be stopped; a job that has ended is not changed."""
         for _ in range(3):  # the state may change meanwhile, twice at most
             record = self.get(job_id)
-            if record.state == JobState.QUEUED and not self.move(job_id, JobState.QUEUED, JobState.CANCELLED):
+            if record.state == JobState.QUEUED and not self.transition(job_id, JobState.QUEUED, JobState.CANCELLED):
                 continue
-            if record.state == JobState.RUNNING and not self.move(job_id, JobState.RUNNING, JobState.CANCELLING):
+            if record.state == JobState.RUNNING and not self.transition(job_id, JobState.RUNNING, JobState.CANCELLING):
                 continue
             break
         return self.get(job_id)

@@ -1,4 +1,7 @@
-"""Keys: adding, listing and revoking them, and finding the caller that a key belongs to."""
+"""Keys: adding, listing and revoking them, and finding the caller that a key belongs to.
+
+The database never holds the key itself, only what is needed to recognise it.
+"""
 
 import hashlib
 import hmac
@@ -8,12 +11,13 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from enum import StrEnum
 
-from sqlalchemy import func, or_, select, update
-from sqlalchemy.orm import Session
+from sqlalchemy import DateTime, String, func, or_, select, update
+from sqlalchemy.orm import Mapped, Session, mapped_column
 
 from service.records.engine import to_read
-from service.records.key_record import KeyRecord, KeyScope
+from service.records.job_record import Base
 
 LOCAL = "local"
 """Name of all callers if no keys are required."""
@@ -23,6 +27,35 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@-]{0,63}")
 # A revoked key is refused after this long, in every replica.
 _REFRESH_SECONDS = 2.0
 _NOTE_USE_SECONDS = 60.0
+
+
+class KeyScope(StrEnum):
+    """Scope of a key."""
+
+    READ = "read"
+    """Read jobs, results, pictures, stores and metrics."""
+    SUBMIT = "submit"
+    """Submit jobs and trajectories; cancel and delete one's own jobs."""
+    ADMIN = "admin"
+    """Everything, including other callers' jobs."""
+
+
+class KeyRecord(Base):
+    """One key. A name may have several, so that a key can be replaced without interruption."""
+
+    __tablename__ = "keys"
+
+    number: Mapped[int] = mapped_column(primary_key=True, autoincrement=True)
+    name: Mapped[str] = mapped_column(String(64), index=True)
+    # First characters of the key, by which it is looked up and named.
+    prefix: Mapped[str] = mapped_column(String(16), unique=True)
+    # SHA-256 of the whole key. A key has 256 random bits, so a slow hash would gain nothing.
+    digest: Mapped[str] = mapped_column(String(64))
+    # Separated by spaces, as in RFC 6749.
+    scopes: Mapped[str] = mapped_column(String(64))
+    created: Mapped[datetime] = mapped_column(DateTime(timezone=True))
+    revoked: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
+    last_used: Mapped[datetime | None] = mapped_column(DateTime(timezone=True))
 
 
 class InvalidKeyName(ValueError):

@@ -56,7 +56,7 @@ class Lease:
         if state == JobState.CANCELLING:
             self.cancel.set()
 
-    def lose(self) -> None:
+    def release(self) -> None:
         """Give up the lease, and stop the driver."""
         self._lost = True
         self.cancel.set()

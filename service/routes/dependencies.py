@@ -21,8 +21,7 @@ from service.errors import JobNotFound, NotYours, WrongKind
 from service.records.events import Events
 from service.records.job_record import JobRecord
 from service.records.jobs import Jobs
-from service.records.key_record import KeyScope
-from service.records.keys import Caller
+from service.records.keys import Caller, KeyScope
 from service.records.threads import DatabaseThreads
 from service.runner.process import RunnerProcess
 from service.settings import Settings

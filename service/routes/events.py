@@ -8,7 +8,7 @@ from fastapi import APIRouter, Depends, Header, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.models.event import EventView
-from service.records.event_record import EventRecord
+from service.records.events import EventRecord
 from service.routes.dependencies import EventsHere, FeedHere, JobId, JobsHere, problems
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["jobs"])

@@ -80,7 +80,7 @@ class Submission:
     async def _record(self, job: Job) -> tuple[str, JsonAnswer]:
         record, new = await self.threads.write(self.jobs.submit, job, self.submitter)
         if new:
-            self.runner.ring()
+            self.runner.wake()
         return record.id, self.views.of_record(record)
 
 

@@ -68,7 +68,7 @@ class RunnerProcess:
         if (process := self._process) is not None:
             process.kill()
 
-    def ring(self) -> None:
+    def wake(self) -> None:
         """Announce that a job has been submitted."""
         self._send(None)
 
@@ -148,7 +148,7 @@ def _run_jobs(settings: Settings, commands: Connection, reports: Connection) -> 
     with contextlib.suppress(EOFError):
         while True:
             job_id = commands.recv()
-            runner.ring() if job_id is None else runner.cancel(job_id)
+            runner.wake() if job_id is None else runner.cancel(job_id)
     runner.stop()
     cluster.drop()
     engine.dispose()

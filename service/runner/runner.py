@@ -93,7 +93,7 @@ class Runner:
         for thread in list(self._threads.values()):
             thread.join(max(0.0, deadline - time.monotonic()))
 
-    def ring(self) -> None:
+    def wake(self) -> None:
         """Announce that a job has been submitted."""
         self._wake.set()
 
@@ -165,7 +165,7 @@ class Runner:
                 if lease.owner in states and not lease.lost:
                     lease.renewed(asked, states[lease.owner])
                 elif not lease.ending:
-                    lease.lose()
+                    lease.release()
 
     def _run(self, lease: Lease, driver: Driver) -> None:
         with about_job(lease.record.id):
@@ -224,10 +224,10 @@ class Runner:
         while not lease.lost:
             try:
                 for expected, state in ends.items():
-                    if self.jobs.move(lease.record.id, expected, state, owner=lease.owner, **values):
+                    if self.jobs.transition(lease.record.id, expected, state, owner=lease.owner, **values):
                         self._note_end(lease, state)
                         return
-                lease.lose()
+                lease.release()
             except DatabaseError:
                 _log.exception("the end of job %s could not be recorded; trying again", lease.record.id)
                 time.sleep(_POLL_SECONDS)

@@ -10,8 +10,7 @@ from typer.testing import CliRunner
 import rattle
 from rattle.cli import app
 from rattle.verb import VERBS
-from service.records.key_record import KeyScope
-from service.records.keys import Keys
+from service.records.keys import Keys, KeyScope
 from tests.service.idle_service import idle_service
 from worker.jobs.basin_job import basin_job
 from worker.pictures.picture import basin_figure

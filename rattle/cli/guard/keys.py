@@ -13,8 +13,7 @@ from rattle.cli.console import err, give_up, out
 from rattle.cli.readable_help import ReadableGroup
 from rattle.cli.strict_command import StrictCommand
 from service.records.engine import DatabaseError, open_database
-from service.records.key_record import KeyRecord, KeyScope
-from service.records.keys import InvalidKeyName, Keys
+from service.records.keys import InvalidKeyName, KeyRecord, Keys, KeyScope
 from service.settings import Settings
 
 Data = Annotated[

@@ -2,9 +2,9 @@
 
 from alembic import context
 
-from service.records.event_record import EventRecord
+from service.records.events import EventRecord
 from service.records.job_record import JobRecord
-from service.records.key_record import KeyRecord
+from service.records.keys import KeyRecord
 
 # Importing a table adds it to the metadata that all tables share.
 TABLES = JobRecord, KeyRecord, EventRecord

@@ -57,7 +57,7 @@ def test_a_change_is_seen_at_once_whichever_replica_has_made_it(service, elsewhe
     assert view_of(service, job)["progress"]["tiles_done"] == 2
     elsewhere.request_cancel(job.id)
     assert view_of(service, job)["state"] == "cancelling"
-    elsewhere.move(job.id, JobState.CANCELLING, JobState.CANCELLED)
+    elsewhere.transition(job.id, JobState.CANCELLING, JobState.CANCELLED)
     assert view_of(service, job)["finished"] is not None
     elsewhere.delete(job.id)
     assert service.request("GET", f"/v1/jobs/{job.id}").status_code == 404
@@ -69,7 +69,7 @@ def test_what_has_not_changed_is_not_read_again(service, readings):
     for _ in range(3):
         view_of(service, jobs[0])
     assert sorted(readings) == sorted(job.id for job in jobs)
-    assert service.jobs.move(jobs[1].id, JobState.QUEUED, JobState.CANCELLED)
+    assert service.jobs.transition(jobs[1].id, JobState.QUEUED, JobState.CANCELLED)
     view_of(service, jobs[0])
     assert readings[3:] == [jobs[1].id]
 
@@ -85,7 +85,7 @@ def test_a_submission_and_the_same_one_again_are_answered_as_the_job_is_view_of(
 
 def test_pages_are_whole_and_lead_to_each_other(service):
     jobs = [service.add_job(cells) for cells in range(4, 9)]
-    service.jobs.move(jobs[2].id, JobState.QUEUED, JobState.CANCELLED)
+    service.jobs.transition(jobs[2].id, JobState.QUEUED, JobState.CANCELLED)
     for only, expected in (("", jobs), ("&state=queued", jobs[:2] + jobs[3:])):
         link, seen = f"/v1/jobs?size=2{only}", []
         while link:

@@ -30,7 +30,7 @@ def running(service, cells=10):
     """A running job with a store."""
     job = service.add_job(cells)
     create_store(f"{service.results}/{job.id}.zarr", basin_job(job.request))
-    assert service.jobs.move(job.id, JobState.QUEUED, JobState.RUNNING)
+    assert service.jobs.transition(job.id, JobState.QUEUED, JobState.RUNNING)
     return job
 
 
@@ -41,7 +41,7 @@ def test_a_summary_is_read_twice_a_second_and_at_once_when_the_job_has_ended(ser
         assert service.request("GET", path).json()["complete"] is False
     assert time.monotonic() - begin > 2 * 0.5
     before = len(readings)
-    assert service.jobs.move(job.id, JobState.RUNNING, JobState.SUCCEEDED)
+    assert service.jobs.transition(job.id, JobState.RUNNING, JobState.SUCCEEDED)
     ended = service.request("GET", path)
     assert len(readings) == before + 1  # whatever was read half a second before its end
     etag = {"if-none-match": ended.headers["etag"]}

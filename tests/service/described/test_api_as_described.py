@@ -36,7 +36,7 @@ def service(tmp_path_factory):
         limits = {"max_samples": 1000, "max_contacts": 1000}
         with idle_service(patch, tmp_path_factory.mktemp("idle"), **limits) as service:
             service.ended = service.add_job()
-            service.jobs.move(service.ended.id, JobState.QUEUED, JobState.SUCCEEDED)
+            service.jobs.transition(service.ended.id, JobState.QUEUED, JobState.SUCCEEDED)
             create_store(f"{service.results}/{service.ended.id}.zarr", basin_job(service.ended.request))
             yield service
 

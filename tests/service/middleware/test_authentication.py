@@ -10,8 +10,7 @@ from typer.testing import CliRunner
 from rattle.cli import app as rattle
 from service.records import keys as keys_module
 from service.records.engine import open_database
-from service.records.key_record import KeyScope
-from service.records.keys import Keys
+from service.records.keys import Keys, KeyScope
 from tests.service.idle_service import idle_service
 from worker.jobs.basin_job import basin_job
 from worker.stores.new_store import create_store

@@ -220,7 +220,7 @@ def counted_steps(service, every):
 def test_a_hundred_thousand_jobs_are_listed_by_pages_with_the_work_of_a_few(monkeypatch, tmp_path):
     with idle_service(monkeypatch, tmp_path) as service:
         template = service.add_job()
-        service.jobs.move(template.id, JobState.QUEUED, JobState.SUCCEEDED)
+        service.jobs.transition(template.id, JobState.QUEUED, JobState.SUCCEEDED)
         add_copies(service.app.state.settings.database, template.id, 100_000)
         service.request("GET", "/v1/jobs?size=200")
         tracemalloc.start()

@@ -7,8 +7,7 @@ from fastapi.routing import iter_route_contexts
 
 from service.records import keys as keys_module
 from service.records.job_record import JobState
-from service.records.key_record import KeyScope
-from service.records.keys import Keys
+from service.records.keys import Keys, KeyScope
 from service.routes import jobs as job_routes
 from tests.service.idle_service import idle_service
 

@@ -38,7 +38,7 @@ def further(jobs, job, tiles):
 
 
 def end(jobs, job, state=JobState.SUCCEEDED, **values):
-    assert jobs.move(job.id, JobState.RUNNING, state, **values)
+    assert jobs.transition(job.id, JobState.RUNNING, state, **values)
 
 
 def parsed(lines):

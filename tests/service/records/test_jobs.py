@@ -62,21 +62,21 @@ def test_a_job_is_claimed_once(jobs):
 
 def test_only_one_of_two_contradictory_changes_wins(jobs):
     record, _ = jobs.submit(a_job(), "local")
-    moves = together(4, lambda: jobs.move(record.id, JobState.QUEUED, JobState.RUNNING))
+    moves = together(4, lambda: jobs.transition(record.id, JobState.QUEUED, JobState.RUNNING))
     assert moves.count(True) == 1
 
 
 @pytest.mark.parametrize("final", [JobState.SUCCEEDED, JobState.FAILED, JobState.CANCELLED])
 def test_a_final_state_never_changes(jobs, final):
     record, _ = jobs.submit(a_job(), "local")
-    jobs.move(record.id, JobState.QUEUED, final)
+    jobs.transition(record.id, JobState.QUEUED, final)
     assert jobs.request_cancel(record.id).state == final
     assert jobs.get(record.id).state == final and jobs.claim("any") is None
 
 
 def test_after_a_failure_the_request_is_a_new_job(jobs):
     first, _ = jobs.submit(a_job(), "local")
-    jobs.move(first.id, JobState.QUEUED, JobState.FAILED, error={"kind": "tile-failed", "detail": "why"})
+    jobs.transition(first.id, JobState.QUEUED, JobState.FAILED, error={"kind": "tile-failed", "detail": "why"})
     second, new = jobs.submit(a_job(), "local")
     assert new and second.id != first.id
 
@@ -97,9 +97,9 @@ def test_a_job_whose_lease_has_run_out_is_taken_over_and_is_lost_to_its_first_ow
     assert jobs.claim("second").id == first.id
     assert jobs.renew(["first"]) == {}
     jobs.record_progress(record.id, {"stage": "done"}, "first")
-    assert not jobs.move(record.id, JobState.RUNNING, JobState.FAILED, owner="first")
+    assert not jobs.transition(record.id, JobState.RUNNING, JobState.FAILED, owner="first")
     assert jobs.get(record.id).progress is None and jobs.get(record.id).lease_owner == "second"
-    assert jobs.move(record.id, JobState.RUNNING, JobState.SUCCEEDED, owner="second")
+    assert jobs.transition(record.id, JobState.RUNNING, JobState.SUCCEEDED, owner="second")
     assert jobs.get(record.id).lease_owner is None
 
 
@@ -147,7 +147,7 @@ def test_who_was_served_longest_ago_is_next_where_jobs_end_at_once(jobs):
     for i in range(5):
         record = jobs.claim(f"claim {i}")
         turns.append(record.submitter)
-        jobs.move(record.id, JobState.RUNNING, JobState.SUCCEEDED)
+        jobs.transition(record.id, JobState.RUNNING, JobState.SUCCEEDED)
     assert turns == ["many", "few", "many", "few", "many"]
 
 
@@ -202,7 +202,7 @@ def test_simultaneous_submissions_do_not_exceed_a_quota(jobs):
 def test_a_new_job_goes_on_from_the_store_of_the_one_that_failed(jobs):
     first, _ = jobs.submit(a_job(), "local")
     jobs.claim("any")
-    jobs.move(first.id, JobState.RUNNING, JobState.FAILED, error={"kind": "store-failed", "detail": "full"})
+    jobs.transition(first.id, JobState.RUNNING, JobState.FAILED, error={"kind": "store-failed", "detail": "full"})
     second, _ = jobs.submit(a_job(), "local")
     assert second.id != first.id and second.store == first.store == first.id
     assert jobs.release_store(first.id) is None

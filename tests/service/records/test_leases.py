@@ -74,7 +74,7 @@ def test_a_renewed_lease_holds_and_a_lost_one_stops_the_driver(claimed, clock):
         lease.renewed(clock.now, JobState.RUNNING)
     lease.renewed(clock.now, JobState.CANCELLING)
     assert lease.cancel.is_set()
-    lease.lose()
+    lease.release()
     assert lease.lost
 
 

@@ -46,10 +46,10 @@ def test_running_cells_count_and_those_of_ended_jobs_do_not(opened):
     assert jobs.claim("one").id == first.id
     with pytest.raises(TooMuch):
         jobs.submit(cells(1), "ann")
-    assert jobs.move(first.id, JobState.RUNNING, JobState.CANCELLING)
+    assert jobs.transition(first.id, JobState.RUNNING, JobState.CANCELLING)
     with pytest.raises(TooMuch):
         jobs.submit(cells(1), "ann")
-    assert jobs.move(first.id, JobState.CANCELLING, JobState.CANCELLED)
+    assert jobs.transition(first.id, JobState.CANCELLING, JobState.CANCELLED)
     assert jobs.submit(cells(99), "ann")[1]
 
 

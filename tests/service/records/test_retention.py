@@ -36,9 +36,9 @@ def ended(jobs, tmp_path):
         folder = tmp_path / f"{job.store}.zarr" / "group"
         folder.mkdir(parents=True)
         (folder / "0").write_bytes(bytes(BYTES))
-        jobs.move(job.id, JobState.QUEUED, JobState.RUNNING)
+        jobs.transition(job.id, JobState.QUEUED, JobState.RUNNING)
         if state is not JobState.RUNNING:
-            jobs.move(job.id, JobState.RUNNING, state)
+            jobs.transition(job.id, JobState.RUNNING, state)
         return job.id
 
     return make

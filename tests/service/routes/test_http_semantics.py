@@ -52,7 +52,7 @@ def test_head_of_events_is_that_of_the_stream(service, job):
     assert "content-length" not in head.headers
     assert service.request("HEAD", f"/v1/jobs/{'0' * 32}/events").status_code == 404
     ended = service.add_job(cells=5)
-    service.jobs.move(ended.id, JobState.QUEUED, JobState.CANCELLED)
+    service.jobs.transition(ended.id, JobState.QUEUED, JobState.CANCELLED)
     seen = {"last-event-id": str(service.app.state.events.newest([ended.id])[ended.id])}
     for method in ("HEAD", "GET"):
         assert service.request(method, f"/v1/jobs/{ended.id}/events", headers=seen).status_code == 204

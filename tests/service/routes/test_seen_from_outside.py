@@ -38,10 +38,10 @@ def progress(stage, tiles, cells):
 
 def test_metrics_count_jobs_by_state_from_the_database(service):
     first, _ = service.add_job(10), service.add_job(11)
-    service.jobs.move(first.id, JobState.QUEUED, JobState.RUNNING)
+    service.jobs.transition(first.id, JobState.QUEUED, JobState.RUNNING)
     assert sample(service, 'rattle_jobs{state="queued"}') == 1
     assert sample(service, 'rattle_jobs{state="running"}') == 1
-    service.jobs.move(first.id, JobState.RUNNING, JobState.FAILED)
+    service.jobs.transition(first.id, JobState.RUNNING, JobState.FAILED)
     assert sample(service, 'rattle_jobs{state="running"}') == 0
     assert sample(service, 'rattle_jobs{state="failed"}') == 1
 

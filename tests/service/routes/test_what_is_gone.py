@@ -27,7 +27,7 @@ def succeeded(service):
     location = result_location(service.results, job["id"])
     create_store(location, BasinJob.from_request(BODY))
     claimed = service.jobs.claim("somebody/1")
-    assert claimed.id == job["id"] and service.jobs.move(job["id"], JobState.RUNNING, JobState.SUCCEEDED)
+    assert claimed.id == job["id"] and service.jobs.transition(job["id"], JobState.RUNNING, JobState.SUCCEEDED)
     return job, location
 
 
