@@ -58,7 +58,7 @@ def run_here(
     kind = KINDS[job.kind]
     with (
         _cluster(scheduler, workers) as client,
-        reporting_compilation(compiling, analyses=kind.analysis is not None),
+        reporting_compilation(compiling, analyses=kind.unit == "pieces"),
     ):
         driver = Driver(client)
         run_interruptibly(lambda cancel: kind.run(job, location, driver, report=report, cancel=cancel, fence=unfenced))

@@ -89,11 +89,10 @@ def compute(
         if callable(progress):
             run_here(job, location, progress, **where)
         else:
-            unit = "tiles" if KINDS[job.kind].analysis is None else "pieces"
             console = _console(progress)
             if not console.quiet:
                 _announce(job, workers, console)
-            with progress_line(console, unit) as line:
+            with progress_line(console, KINDS[job.kind].unit) as line:
                 run_here(job, location, line.report, compiling=line.compiling, **where)
     return open(location)
 

@@ -7,7 +7,7 @@ from typing import Any
 from fastapi import FastAPI
 
 from service.middleware.authentication import OPEN_PATHS, required_scope
-from service.models.event import EventView
+from service.models.jobs import EventView
 from service.models.problems import Problem
 
 _ANYWHERE = {

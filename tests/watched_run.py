@@ -5,7 +5,7 @@ import threading
 import time
 from unittest import mock
 
-from worker.analyses import run as analyses
+from worker.analyses import analysis as analyses
 from worker.basins import tasks, whole_basin
 from worker.errors import JobCancelled
 from worker.kinds import KINDS

@@ -1,35 +1,102 @@
-"""The kinds of jobs: one entry each, from which come its route, its command, its part of the API and how it is run.
+"""The kinds of jobs. Each says all of itself: its route and its command, and how it is run, summarised and drawn.
 
-To add an analysis, write its job (a class in `worker.jobs`) and its `Analysis` (in `worker.analyses`), and enter both
-here. Entries name their modules and load them when they are first used: a command that only calls a service needs
-neither Numba nor Dask.
+A kind takes files of its own and one entry; what is wanted of every kind is asked of its entry, so its route and the
+models of its request and result in the API, its command, its picture and its tables follow. To add one:
+
+1. Write its job, a class of `worker.jobs.job.AnalysisJob`. Its fields are the request; ``kind_`` holds the kind's name.
+2. Write how it is computed, an `Analysis` of `worker.analyses.analysis`: the pieces of its work, what they are
+   assembled to, the columns of its store, a summary with the `AnalysisView` that describes it, and a picture.
+3. Enter it, by `analysis_kind`: in this module, or in a package of its own that is installed beside this one ::
+
+       [project.entry-points."rattle.kinds"]
+       impact_speeds = "impact_speeds.kind:KIND"
+
+   The module that is named there holds nothing but the entry, since every command loads it. Workers need the package
+   as well.
+
+In Python, ``rattle.compute(job)`` computes a job of any kind, and ``rattle.connect(...).submit(job)`` submits it. A
+kind that is not computed in pieces, as basins are not, is a `JobKind` with functions of its own in place of an
+`Analysis`.
+
+Entries name their modules and load them when they are first used: a command that only calls a service needs neither
+Numba nor Dask.
 """
 
 import pkgutil
+import re
 import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, Protocol
+from functools import cached_property
+from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from worker.fence import Fence
 from worker.progress import Report
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pydantic import BaseModel
+
     from worker.jobs.job import Job
 
+GROUP = "rattle.kinds"
+"""Group of the entry points by which packages add kinds."""
 _AGAIN = (
     "The same request again answers with the same job. After a failure or a cancellation it makes a new one, which "
     "continues from what is there."
 )
+# Records of jobs have room for as much; a command and a route are named by these characters.
+_NAME, _PATH = re.compile(r"[a-z][a-z0-9_]{0,15}"), re.compile(r"[a-z][a-z0-9-]*")
 
 
 class Run(Protocol):
     """How a job is run: into a new store at a location, or continuing the one that is there."""
 
     def __call__(
-        self, job: Any, location: str, driver: Any, *, report: Report, cancel: threading.Event, fence: Fence
+        self, job: Any, location: str, driver: Any, *, report: Report, cancel: threading.Event, fence: Fence = ...
     ) -> None:
         """Run a job; see `worker.basins.pipeline.run_basin`."""
+
+
+class Summary(Protocol):
+    """Summary of a store, complete or not."""
+
+    def as_json(self) -> dict[str, Any]:
+        """All of it, as the model of its kind's results describes it but for ``zarr``, the store's address."""
+
+    def found(self) -> dict[str, Any]:
+        """What was found and how long it took, as the shell prints it."""
+
+
+class DrawStore(Protocol):
+    """How a store is drawn, complete or not."""
+
+    def __call__(self, location: str, look: Any = ...) -> "Figure":
+        """Draw a store; `look` is a `worker.pictures.panel_picture.Look`."""
+
+
+def later(name: str) -> Callable[..., Any]:
+    """Function, or method of a value, that is loaded when it is first called.
+
+    Parameters
+    ----------
+    name : str
+        As ``module:name``, or ``module:value.method``.
+
+    Returns
+    -------
+    callable
+    """
+
+    def call(*arguments: Any, **options: Any) -> Any:
+        return pkgutil.resolve_name(name)(*arguments, **options)
+
+    return call
+
+
+def _draw_no_tiles(job: Any, columns: Mapping[str, Any], figure: "Figure") -> None:
+    raise TypeError(f"a result of kind {job.kind} has tiles: it is drawn from its store")
 
 
 @dataclass(frozen=True)
@@ -38,24 +105,54 @@ class JobKind:
 
     Parameters
     ----------
+    name : str
+        As in ``Job.kind`` and in the records of jobs. Its command is named so, with hyphens.
     path : str
         Its route: requests are posted to ``/v1/PATH``.
+    title : str
+        What a job of it is, in a few words.
     summary, description : str
         Of the route.
     command : str
         What ``rattle --help`` says of its command.
     job : str
         Its class, as ``module:name``.
-    analysis : str or None
-        Its `Analysis`, as ``module:name``; None for basins and sweeps.
+    view : str
+        The model of its results, as ``module:name``.
+    table : str
+        The table that is meant where none is named: a dimension or an array of its stores.
+    unit : {"tiles", "pieces"}
+        What its progress counts.
+    run : Run
+    summarise : callable
+        ``summarise(location)``: the `Summary` of a store.
+    fingerprint : callable
+        ``fingerprint(location)``: bytes that change whenever a picture of the store does.
+    figure : DrawStore
+    draw : callable
+        ``draw(job, columns, figure)``: draws the tables of a result on a figure. Tiles are drawn from their store.
     """
 
+    name: str
     path: str
+    title: str
     summary: str
     description: str
     command: str
     job: str
-    analysis: str | None = None
+    view: str
+    table: str
+    unit: Literal["tiles", "pieces"]
+    run: Run
+    summarise: Callable[[str], Summary]
+    fingerprint: Callable[[str], bytes]
+    figure: DrawStore
+    draw: Callable[[Any, Mapping[str, Any], "Figure"], object] = _draw_no_tiles
+
+    def __post_init__(self) -> None:
+        for what, text, pattern in (("name", self.name, _NAME), ("path", self.path, _PATH)):
+            if not pattern.fullmatch(text):
+                raise ValueError(f"the {what} {text!r} of a kind is not of the form {pattern.pattern}")
 
     @cached_property
     def job_class(self) -> "type[Job]":
@@ -64,74 +161,150 @@ class JobKind:
         return found
 
     @cached_property
-    def loaded_analysis(self) -> Any:
-        """Its `Analysis`.
-
-        Raises
-        ------
-        ValueError
-            If it is a basin or a sweep.
-        """
-        if self.analysis is None:
-            raise ValueError(f"{self.path} are no analysis")
-        return pkgutil.resolve_name(self.analysis)
-
-    @property
-    def run(self) -> Run:
-        """How its jobs are run."""
-        if self.analysis is None:
-            basins: Run = pkgutil.resolve_name("worker.basins.pipeline:run_basin")
-            return basins
-        return partial(pkgutil.resolve_name("worker.analyses.run:run_analysis"), self.loaded_analysis)
+    def result_view(self) -> "type[BaseModel]":
+        """Model of its results: what a service answers, and describes in the API."""
+        found: type[BaseModel] = pkgutil.resolve_name(self.view)
+        return found
 
 
-KINDS: dict[str, JobKind] = {
-    "basin": JobKind(
-        path="basins",
+def analysis_kind(analysis: str, **said: Any) -> JobKind:
+    """Kind whose jobs are computed in pieces.
+
+    Parameters
+    ----------
+    analysis : str
+        Its `worker.analyses.analysis.Analysis`, as ``module:name``.
+    **said
+        The name, path, title, summary, description, command, job and table of a `JobKind`.
+
+    Returns
+    -------
+    JobKind
+    """
+    return JobKind(
+        **said, unit="pieces", view=f"{analysis}.view", run=later(f"{analysis}.run"),
+        summarise=later(f"{analysis}.summary"), fingerprint=later(f"{analysis}.fingerprint"),
+        figure=later(f"{analysis}.figure"), draw=later(f"{analysis}.draw"),
+    )  # fmt: skip
+
+
+def kind_of(request: Mapping[str, Any]) -> Any:
+    """What a request says of its kind: the name that it gives, else a sweep if it varies something, else a basin."""
+    return request.get("kind", "sweep" if "vary" in request else "basin")
+
+
+class Kinds(Mapping[str, JobKind]):
+    """Kinds by name: some of this project, and those that packages add, which are loaded on the first look.
+
+    Parameters
+    ----------
+    own : iterable of JobKind
+
+    Raises
+    ------
+    ImportError
+        On the first look, if a package's kind cannot be loaded, or clashes with another one.
+    """
+
+    def __init__(self, own: Iterable[JobKind]) -> None:
+        self._own = {kind.name: kind for kind in own}
+
+    @cached_property
+    def _found(self) -> dict[str, JobKind]:
+        kinds = dict(self._own)
+        for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
+            kind = _loaded(entry)
+            for other in kinds.values():
+                if other.name == kind.name or other.path == kind.path:
+                    raise ImportError(f"{_said_of(entry)} clashes with {other.name}, whose route is {other.path}")
+            kinds[kind.name] = kind
+        return kinds
+
+    def __getitem__(self, name: str) -> JobKind:
+        if name not in self._found:
+            raise KeyError(f"there is no kind {name!r} here: is a package to be installed? There are {', '.join(self)}")
+        return self._found[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._found)
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+
+def _loaded(entry: EntryPoint) -> JobKind:
+    try:
+        kind = entry.load()
+    except Exception as error:
+        raise ImportError(f"{_said_of(entry)} cannot be loaded: {error}") from error
+    if not isinstance(kind, JobKind):
+        raise ImportError(f"{_said_of(entry)} is a {type(kind).__name__}, no JobKind")
+    if kind.name != entry.name:
+        raise ImportError(f"{_said_of(entry)} names itself {kind.name}")
+    return kind
+
+
+def _said_of(entry: EntryPoint) -> str:
+    package = f" of the package {entry.dist.name} {entry.dist.version}" if entry.dist else ""
+    return f"the kind {entry.name} = {entry.value}{package}"
+
+
+def _of_basins(name: str, *, table: str, job: str, **said: Any) -> JobKind:
+    return JobKind(
+        name=name, table=table, job=f"worker.jobs.basin_job:{job}", **said, unit="tiles",
+        view="worker.basins.result:ResultView", run=later("worker.basins.pipeline:run_basin"),
+        summarise=later("worker.stores.summary:summarise"), fingerprint=later("worker.stores.summary:fingerprint"),
+        figure=later("worker.pictures.picture:basin_figure"),
+    )  # fmt: skip
+
+
+KINDS = Kinds((
+    _of_basins(
+        "basin", path="basins", title="Basin",
         summary="Submit a basin",
         description=f"Compute one basin of attraction.\n\n{_AGAIN}",
         command="Compute one basin on this machine, without a service.",
-        job="worker.jobs.basin_job:BasinJob",
+        job="BasinJob", table="attractor",
     ),
-    "sweep": JobKind(
-        path="sweeps",
+    _of_basins(
+        "sweep", path="sweeps", title="Sweep",
         summary="Submit a sweep",
         description=f"Compute basins over one or two parameters, all into one store.\n\n{_AGAIN}",
         command="Compute basins over one or two parameters into one store, on this machine.",
-        job="worker.jobs.basin_job:SweepJob",
+        job="SweepJob", table="share",
     ),
-    "bifurcation": JobKind(
-        path="bifurcations",
+    analysis_kind(
+        "worker.analyses.bifurcation:BIFURCATION",
+        name="bifurcation", path="bifurcations", title="Bifurcation diagram",
         summary="Submit a bifurcation diagram",
         description=f"Compute a bifurcation diagram.\n\n{_AGAIN}",
         command="Compute a bifurcation diagram: last departures at each value, the very last seeding the next value.",
-        job="worker.jobs.bifurcation_job:BifurcationJob",
-        analysis="worker.analyses.bifurcation:BIFURCATION",
+        job="worker.jobs.bifurcation_job:BifurcationJob", table="velocity",
     ),
-    "orbits": JobKind(
-        path="orbits",
+    analysis_kind(
+        "worker.analyses.orbits:ORBITS_ANALYSIS",
+        name="orbits", path="orbits", title="Periodic orbits",
         summary="Submit a search for periodic orbits",
         description=f"Find periodic orbits, and on request follow them in one parameter or two.\n\n{_AGAIN}",
         command="Find periodic orbits, stable or not; follow them in a parameter and locate special points.",
-        job="worker.jobs.orbits_job:OrbitsJob",
-        analysis="worker.analyses.orbits:ORBITS_ANALYSIS",
+        job="worker.jobs.orbits_job:OrbitsJob", table="orbit",
     ),
-    "manifold": JobKind(
-        path="manifolds",
+    analysis_kind(
+        "worker.analyses.manifolds:MANIFOLD",
+        name="manifold", path="manifolds", title="Manifolds of saddles",
         summary="Submit manifolds of saddles",
         description="Grow manifolds of saddles.\n\nWhether a seed leads to a saddle is known only when the job runs. "
         f"If it does not, the job fails and says what is there. {_AGAIN}",
         command="Grow stable and unstable manifolds of saddles of the impacting model.",
-        job="worker.jobs.manifold_job:ManifoldJob",
-        analysis="worker.analyses.manifolds:MANIFOLD",
+        job="worker.jobs.manifold_job:ManifoldJob", table="orbit",
     ),
-    "grazing_curve": JobKind(
-        path="grazing-curves",
+    analysis_kind(
+        "worker.analyses.grazing_curves:GRAZING_CURVE",
+        name="grazing_curve", path="grazing-curves", title="Grazing curve and its pre-images",
         summary="Submit a grazing curve",
         description=f"Compute the grazing curve and its pre-images.\n\n{_AGAIN}",
         command="Draw the grazing curve of the impacting model and its pre-images.",
-        job="worker.jobs.grazing_curve_job:GrazingCurveJob",
-        analysis="worker.analyses.grazing_curves:GRAZING_CURVE",
+        job="worker.jobs.grazing_curve_job:GrazingCurveJob", table="order",
     ),
-}
-"""By name, as in ``Job.kind`` and in the records of jobs."""
+))  # fmt: skip
+"""All kinds, by name."""

@@ -12,13 +12,11 @@ from rattle.cli.options import arguments_from, job_options, with_options
 from rattle.cli.result_tables import print_result, what_is_missing
 from rattle.here import run_here, usable_cores
 from rattle_kernels import OutsideDomain
-from worker.analyses.run import summarise_analysis
 from worker.errors import InvalidJob, JobCancelled, WorkerError
 from worker.estimate import estimate
 from worker.jobs.job import Job
 from worker.kinds import KINDS
 from worker.stores.opening import is_complete
-from worker.stores.summary import summarise
 
 # From these on the estimate is printed; above ten minutes the command asks.
 _LARGE_SECONDS, _LARGE_BYTES = 60.0, 1 << 30
@@ -61,7 +59,7 @@ def compute_command(name: str) -> Callable[..., None]:
             if not is_complete(out_, job.digest):  # else nothing is started for a table that is there
                 _announce(job, workers, ask=not yes)
                 _compute(job, out_, workers, scheduler)
-            result = _result(job, out_)
+            result = KINDS[job.kind].summarise(out_).found()
             print_result(job.kind, result, as_json=as_json)
         except JobCancelled:
             give_up(f"stopped; the same command goes on from what is in {out_}")
@@ -91,14 +89,5 @@ def _announce(job: Job, workers: int, ask: bool) -> None:
 
 def _compute(job: Job, location: str, workers: int, scheduler: str | None) -> None:
     """Compute a job into a store, with its progress."""
-    with progress_line("tiles" if KINDS[job.kind].analysis is None else "pieces") as line:
+    with progress_line(KINDS[job.kind].unit) as line:
         run_here(job, location, line.report, compiling=line.compiling, workers=workers, scheduler=scheduler)
-
-
-def _result(job: Job, location: str) -> dict[str, Any]:
-    """Summary of a store as JSON."""
-    kind = KINDS[job.kind]
-    if kind.analysis is None:
-        return summarise(location).as_json()
-    summary = summarise_analysis(kind.loaded_analysis, location)
-    return summary.result | {"seconds": summary.seconds}

@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 
 from rattle.cli.console import Key, give_up
 from rattle.results import opening
-from worker.analyses.picture import figure_of_store
 from worker.errors import InvalidJob, WorkerError
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
 from worker.pictures.panel_picture import Layer, Look
+from worker.pictures.picture import figure_of_store
 from worker.pictures.share_chart import shares_figure
 from worker.views.reading import is_address
 

@@ -3,7 +3,7 @@
 import xarray as xr
 
 from rattle_kernels import Piece
-from worker.analyses.curve_table import pieces_of
+from worker.analyses.curves import pieces_of
 from worker.pictures.overlay import Lines
 from worker.stores.table import slices
 

@@ -131,7 +131,7 @@ def draw_on_figure(
         draw_history(figure, *history_of(dataset))
     else:
         columns = {str(name): array.values for name, array in dataset.variables.items()}
-        KINDS[kind].loaded_analysis.draw(job, columns, figure)
+        KINDS[kind].draw(job, columns, figure)
     return figure
 
 

@@ -12,9 +12,9 @@ import xarray as xr
 
 from rattle.results.opening import open
 from rattle.stores.crate import METADATA, CrateFile, crate_metadata
-from worker.analyses.picture import figure_of_store
 from worker.errors import InvalidJob
 from worker.pictures.figure_file import PictureFormat, save_figure
+from worker.pictures.picture import figure_of_store
 from worker.pictures.share_chart import shares_figure
 from worker.stores.provenance import LICENSE
 from worker.views.reading import is_address

@@ -19,7 +19,7 @@ from service.settings import Settings
 from worker.errors import InvalidJob
 from worker.estimate import estimate
 from worker.jobs.oscillator_request import PIECEWISE_LINEAR
-from worker.kinds import KINDS
+from worker.kinds import KINDS, kind_of
 
 
 class BoundView(BaseModel):
@@ -58,7 +58,7 @@ def check_request(body: dict[str, Any], settings: Settings) -> CheckView:
     """
     errors: list[FieldError] = []
     expected: dict[str, Any] = dict.fromkeys(("applications", "seconds", "bytes"))
-    kind = body.get("kind", "sweep" if "vary" in body else "basin")
+    kind = kind_of(body)
     try:
         if not isinstance(kind, str) or kind not in KINDS:
             raise InvalidJob(f"there is no kind {kind!r}; there are {', '.join(KINDS)}", ("kind",))

@@ -8,7 +8,7 @@ from cachetools import LRUCache
 
 from service.answers.conditional import JsonAnswer, json_answer
 from service.errors import JobNotFound
-from service.models.job import JobView
+from service.models.jobs import JobView
 from service.records.job_record import JobRecord, JobState
 from service.records.jobs import Jobs
 from service.records.revisions import Revision, Revisions

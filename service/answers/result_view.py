@@ -1,20 +1,15 @@
 """Results of jobs of every kind: summaries and pictures."""
 
-import dataclasses
 import threading
 
 from cachetools import TTLCache, cached
 
 from service.answers.conditional import JsonAnswer, json_answer
 from service.errors import NotReady
-from service.models.basin_result import ResultView
-from service.models.results import ANALYSIS_VIEWS, AnyAnalysisView, AnyResult
 from service.records.job_record import JobRecord, JobState
-from worker.analyses.run import fingerprint_of_analysis, summarise_analysis
 from worker.kinds import KINDS
 from worker.stores.opening import holds_store
 from worker.stores.result_files import holds_root, result_location
-from worker.stores.summary import fingerprint, summarise
 
 # A driver writes its progress this often. Reading a summary costs as much as ten reads of a job's status.
 _SUMMARY_SECONDS, _SUMMARY_BYTES = 0.5, 1 << 25
@@ -57,20 +52,6 @@ def summary_of_result(record: JobRecord, results: str) -> JsonAnswer:
     ------
     NotReady, StoreConflict, StoreFailed
     """
-    view = _result_view(record.kind, location_of_result(record, results), f"/v1/jobs/{record.id}/result.zarr")
-    return json_answer(view.model_dump_json())
-
-
-def _result_view(kind: str, location: str, zarr: str) -> AnyResult:
-    """View of the result that is stored at a location and served at a path."""
-    if KINDS[kind].analysis is None:
-        return ResultView.from_summary(summarise(location), zarr)
-    fields = dataclasses.asdict(summarise_analysis(KINDS[kind].loaded_analysis, location))
-    return ANALYSIS_VIEWS.get(kind, AnyAnalysisView)(**fields | fields.pop("result"), zarr=zarr)
-
-
-def result_fingerprint(kind: str, location: str) -> bytes:
-    """Bytes that change whenever the picture of the result does."""
-    if KINDS[kind].analysis is None:
-        return fingerprint(location)
-    return fingerprint_of_analysis(KINDS[kind].loaded_analysis, location)
+    kind, location = KINDS[record.kind], location_of_result(record, results)
+    fields = kind.summarise(location).as_json() | {"zarr": f"/v1/jobs/{record.id}/result.zarr"}
+    return json_answer(kind.result_view.model_validate(fields).model_dump_json())

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Header, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.models.event import EventView
+from service.models.jobs import EventView
 from service.records.events import EventRecord
 from service.routes.dependencies import EventsHere, FeedHere, JobId, JobsHere, problems
 

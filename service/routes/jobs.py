@@ -7,7 +7,7 @@ from fastapi import APIRouter, Query, Response
 
 from service.answers.conditional import NOT_MODIFIED, IfNoneMatch, json_or_not_modified
 from service.errors import Unstoppable
-from service.models.job import JobPage, JobView
+from service.models.jobs import JobPage, JobView
 from service.records.job_record import JobState
 from service.routes.dependencies import (
     CallerHere,

@@ -6,8 +6,10 @@ All come from this package, so both work without internet.
 from pathlib import Path
 
 from fastapi import APIRouter
-from fastapi.responses import FileResponse
+from fastapi.responses import FileResponse, JSONResponse
 from starlette.staticfiles import StaticFiles
+
+from worker.kinds import KINDS
 
 _EXPLORER = Path(__file__).parents[1] / "explorer"
 _API_PAGE = Path(__file__).parents[1] / "api_page"
@@ -23,6 +25,13 @@ api_page_files = StaticFiles(directory=_API_PAGE)
 def get_explorer() -> FileResponse:
     """Page of the explorer."""
     return FileResponse(_EXPLORER / "index.html", headers=_ASKED_AGAIN)
+
+
+@router.get("/explorer/kinds.json")
+def get_kinds() -> JSONResponse:
+    """Kinds of jobs, as the explorer needs to know them: where their requests are sent, and what they are in words."""
+    kinds = {name: {"path": f"/v1/{kind.path}", "title": kind.title} for name, kind in KINDS.items()}
+    return JSONResponse(kinds, headers=_ASKED_AGAIN)
 
 
 @router.get("/docs")

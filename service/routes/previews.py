@@ -7,8 +7,8 @@ from fastapi import APIRouter, Depends, Request
 from starlette.concurrency import run_in_threadpool
 
 from service.answers.previews import MOST_APPLICATIONS, MOST_CELLS, Previews
-from service.models.described import described_as, parsed
-from service.models.viewer import PreviewView
+from service.models.requests import described_as, parsed
+from service.models.results import PreviewView
 from service.routes.dependencies import ChecksHere, problems
 from service.routes.plain_json import PlainJsonRoute
 from worker.basins.preview import PreviewRequest

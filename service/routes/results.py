@@ -16,12 +16,12 @@ from pydantic import AfterValidator
 
 from service.answers.byte_range import range_of_file
 from service.answers.conditional import NOT_MODIFIED, IfNoneMatch, etag_of, json_or_not_modified, not_modified
-from service.answers.result_view import location_of_result, result_fingerprint, summary_of_result
+from service.answers.result_view import location_of_result, summary_of_result
 from service.errors import JobNotFound, NotReady
 from service.models.results import AnyResult
 from service.routes.dependencies import LARGE, JobId, JobsHere, SettingsHere, problems, require_kind
-from worker.analyses.picture import figure_of_store
 from worker.errors import InvalidJob
+from worker.kinds import KINDS
 from worker.pictures.colours import USUAL, Palette
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
@@ -135,17 +135,17 @@ def get_picture(
     if_none_match: IfNoneMatch = None,
 ) -> Response:
     """Draw a basin, or what an analysis has found. While a basin is computed, missing tiles are hatched."""
-    location, kind = location_of(job_id, jobs, settings), jobs.get(job_id).kind
+    location, kind = location_of(job_id, jobs, settings), KINDS[jobs.get(job_id).kind]
     picture_format = PictureFormat.of_file(request.url.path)
     shown = parse_window(window) if window is not None else None
     look = Look(layer, parse_overlays(overlays), shown, panel, palette)
     # Computed before drawing: a tile that arrives while drawing is in the picture and changes the next ETag.
-    etag = etag_of(result_fingerprint(kind, location), repr(look), picture_format, _VERSION)
+    etag = etag_of(kind.fingerprint(location), repr(look), picture_format, _VERSION)
     known = not_modified(etag, if_none_match)
     if known is not None:
         return known
     with COMPUTING if set(look.overlays) - set(USUAL_OVERLAYS) else contextlib.nullcontext():
-        return _picture_answer(partial(figure_of_store, location, look), picture_format, etag)
+        return _picture_answer(partial(kind.figure, location, look), picture_format, etag)
 
 
 @_get_figure(
@@ -221,9 +221,9 @@ def get_table(
     if_none_match: IfNoneMatch = None,
 ) -> Response:
     """List what a result holds, row by row: by default motions, shares, orbits, orders or departures."""
-    location, kind = location_of(job_id, jobs, settings), jobs.get(job_id).kind
+    location, kind = location_of(job_id, jobs, settings), KINDS[jobs.get(job_id).kind]
     table_format = TableFormat.of_file(request.url.path)
-    etag = etag_of(result_fingerprint(kind, location), "table", table or "", table_format, _VERSION)
+    etag = etag_of(kind.fingerprint(location), "table", table or "", table_format, _VERSION)
     known = not_modified(etag, if_none_match)
     if known is not None:
         return known

@@ -5,8 +5,8 @@ from typing import Any
 
 from fastapi import APIRouter, Response
 
-from service.models.described import described_as
-from service.models.job import JobView
+from service.models.jobs import JobView
+from service.models.requests import described_as
 from service.routes.dependencies import problems
 from service.routes.plain_json import PlainJsonRoute
 from service.routes.submission import SubmissionHere

@@ -7,8 +7,8 @@ from fastapi import APIRouter, Query
 from starlette.concurrency import run_in_threadpool
 
 from service.errors import LimitExceeded
-from service.models.described import described_as, parsed
-from service.models.trajectory import TrajectoryView
+from service.models.requests import described_as, parsed
+from service.models.results import TrajectoryView
 from service.routes.dependencies import LARGE, ChecksHere, SettingsHere, problems
 from service.routes.plain_json import PlainJsonRoute
 from worker.jobs.trajectory_request import TrajectoryRequest

@@ -14,7 +14,7 @@ from service.answers.conditional import (
     not_modified,
 )
 from service.errors import NotReady
-from service.models.viewer import OutlineView, OverlaysView, OverlayView
+from service.models.results import OutlineView, OverlaysView, OverlayView
 from service.routes.dependencies import LARGE, JobId, JobsHere, SettingsHere, problems, require_kind
 from service.routes.results import COMPUTING, location_of
 from worker.pictures.overlay_kind import OverlayKind

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
 
-import { get, pathOf, post, Refusal, Unreachable, whenKeyIsNeeded, whole } from "../../service/explorer/js/net/api.js";
+import { get, kindInWords, knowKinds, pathOf, post, Refusal, Unreachable, whenKeyIsNeeded, whole } from "../../service/explorer/js/net/api.js";
 
 const refusal = (status, problem, headers = {}) => new Response(JSON.stringify(problem), { status, headers });
 
@@ -19,9 +19,11 @@ async function sent(answers, ask) {
   }
 }
 
-test("each kind of request has its route", () => {
-  const kinds = ["basin", "sweep", "bifurcation", "orbits", "manifold", "grazing_curve"];
-  assert.deepEqual(kinds.map((kind) => pathOf({ kind })), ["basins", "sweeps", "bifurcations", "orbits", "manifolds", "grazing-curves"].map((path) => `/v1/${path}`));
+test("each kind of request has the route and the words that the service says", () => {
+  knowKinds({ sweep: { path: "/v1/sweeps", title: "Sweep" }, orbits: { path: "/v1/orbits", title: "Periodic orbits" } });
+  assert.equal(pathOf({ kind: "orbits" }), "/v1/orbits");
+  assert.equal(kindInWords({ kind: "orbits", request: {} }), "Periodic orbits");
+  assert.equal(kindInWords({ kind: "sweep", request: { sample: { points: 9 } } }), "Sample of a sweep");
 });
 
 test("a refusal has the service's words, errors and time", async () => {

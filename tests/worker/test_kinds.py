@@ -1,117 +1,161 @@
-"""A fifth analysis takes a job, an `Analysis` and one entry: its route, its command and its picture follow."""
+"""A kind that another package adds goes through every door: it takes files of its own and one entry."""
 
 import json
-import threading
-from typing import Annotated, Any, Literal
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
 
-import numpy as np
 import pytest
-import xarray as xr
-from pydantic import Field
-from typer.testing import CliRunner
 
-from rattle.cli import command_line
-from rattle_kernels import grazing_velocity
-from service.openapi import document
-from tests.service.idle_service import idle_service
-from worker.analyses.analysis import Analysis, Piece, ready_of
-from worker.cluster.driver import Driver
-from worker.fence import unfenced
-from worker.jobs.job import AnalysisJob
-from worker.kinds import KINDS, JobKind
-from worker.progress import Stage
-from worker.stores.layout import Variable
-from worker.stores.result_files import result_location
+from tests.running_service import running_service
+from worker.kinds import KINDS, JobKind, Kinds, analysis_kind, kind_of
+
+ROOT = Path(__file__).parents[2]
+REQUEST = {"phase": 0.25, "speed": 3.0, "periods": 12}
 
 
-class GrazingSpeedJob(AnalysisJob):
-    """The grazing speed v* at some phases."""
-
-    kind_: Literal["grazing_speed"] = "grazing_speed"
-    phases: Annotated[int, Field(strict=True, ge=1)] = Field(8, description="Number of phases")
-
-    @property
-    def fastest(self):
-        """No speed is asked for."""
-        return 0.0
-
-    def sizes(self):
-        """What is large about the request."""
-        return (("phases", self.phases, "max_order"),)
-
-    @property
-    def impacts(self):
-        """A flight a phase."""
-        return self.phases
-
-    @property
-    def bytes(self):
-        """A speed a phase."""
-        return 8 * self.phases
-
-    def _settled(self) -> dict[str, Any]:
-        return {"kind_": self.kind_, "phases": self.phases}
+def install(folder, entry, package="impact-speeds"):
+    """Make a folder as an installer does, with the entry points of a package."""
+    described = folder / f"{package.replace('-', '_')}-1.0.dist-info"
+    described.mkdir(parents=True)
+    (described / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n")
+    (described / "entry_points.txt").write_text(f"[rattle.kinds]\n{entry}\n")
 
 
-def speeds(oscillator, phases, *, pause):
-    """Compute them."""
-    return {"speed": grazing_velocity(oscillator, np.arange(phases) / phases)}
+@pytest.fixture(scope="module")
+def packages(tmp_path_factory):
+    """Folder of installed packages, with one that adds a kind."""
+    folder = tmp_path_factory.mktemp("packages")
+    shutil.copytree(Path(__file__).parent / "installed_kind" / "impact_speeds", folder / "impact_speeds")
+    install(folder, "impact_speeds = impact_speeds.kind:KIND")
+    return folder
 
 
-def plan(job, parts):
-    """One piece."""
-    return ready_of(Stage.SEARCHING, [Piece("speeds", speeds, (job.oscillator, job.phases))], parts)
+def python(packages, folder, code, *arguments):
+    """What a program prints that finds the packages."""
+    path = os.pathsep.join(map(str, (packages, ROOT)))
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    environment = os.environ | {"PYTHONPATH": path, "RATTLE_CACHE": str(folder / "cache")}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
 
 
-GRAZING_SPEED = Analysis(
-    "Grazing speeds of a rattling gear pair",
-    GrazingSpeedJob.from_request,
-    plan,
-    lambda job, parts: parts["speeds"] if "speeds" in parts else {"speed": np.empty(0)},
-    lambda job: (Variable("speed", ("phase",), np.float64, np.inf, "v*"),),
-    lambda job, columns: {"largest": float(columns["speed"].max(initial=0.0))},
-    lambda job, columns, figure: figure.subplots().plot(columns["speed"]),
-)
+IN_PYTHON = """
+import sys
+import rattle
+from impact_speeds.job import ImpactSpeedsJob
+
+asked, url = ImpactSpeedsJob(phase=0.25, speed=3.0, periods=12), sys.argv[1]
+here = rattle.compute(asked, store="here.zarr", progress=False)
+there = rattle.connect(url).submit(asked).wait(progress=False).open()
+assert here.rattle.kind == there.rattle.kind == "impact_speeds" and here.rattle.complete
+assert here.impact_speed.values.tolist() == there.impact_speed.values.tolist()
+assert here.rattle.job.digest == asked.digest and len(here.rattle.plot().axes[0].lines) == 1
+print(here.sizes["impact"])
+"""
+SHELL = "from rattle.cli import app; app()"
 
 
-@pytest.fixture
-def fifth(monkeypatch):
-    entry = JobKind(
-        path="grazing-speeds", summary="Submit grazing speeds", description="Compute v*.", command="Compute v*.",
-        job=f"{__name__}:GrazingSpeedJob", analysis=f"{__name__}:GRAZING_SPEED",
-    )  # fmt: skip
-    monkeypatch.setitem(KINDS, "grazing_speed", entry)
-    entry.__dict__.update(job_class=GrazingSpeedJob, loaded_analysis=GRAZING_SPEED)
-    return entry
+def test_an_installed_kind_goes_through_every_door(packages, tmp_path):
+    path = os.pathsep.join(map(str, (packages, ROOT)))
+    with running_service(tmp_path, PYTHONPATH=path) as service:
+        document = service.request("GET", "/openapi.json").json()
+        body = document["paths"]["/v1/impact-speeds"]["post"]["requestBody"]["content"]["application/json"]["schema"]
+        schemas = document["components"]["schemas"]
+        assert "phase" in schemas[body["$ref"].rpartition("/")[2]]["properties"]
+        assert "fastest" in schemas["ImpactSpeedsView"]["properties"]
+        assert "impact_speeds" in schemas["JobView"]["properties"]["kind"]["enum"]
+        assert json.dumps(document["paths"]["/v1/jobs/{job_id}/result"]).count("ImpactSpeedsView") >= 1
 
+        told = service.request("GET", "/explorer/kinds.json").json()["impact_speeds"]
+        assert told == {"path": "/v1/impact-speeds", "title": "Impact speeds"}
 
-def test_a_fifth_kind_is_run_over_http(fifth, client, monkeypatch, tmp_path):
-    schema = document()
-    body = schema["paths"]["/v1/grazing-speeds"]["post"]["requestBody"]["content"]["application/json"]["schema"]
-    assert body["$ref"].endswith("GrazingSpeedJob") and "GrazingSpeedJob" in schema["components"]["schemas"]
-    with idle_service(monkeypatch, tmp_path) as service:
-        refused = service.request("POST", "/v1/grazing-speeds", json={"phases": 0})
-        assert refused.status_code == 422 and refused.json()["errors"][0]["location"] == ["body", "phases"]
-        large = service.request("POST", "/v1/grazing-speeds", json={"phases": 17})
-        assert large.status_code == 422 and "RATTLE_MAX_ORDER" in large.json()["detail"]
-        job = service.request("POST", "/v1/grazing-speeds", json={"phases": 4}).json()
-        assert job["kind"] == "grazing_speed" and job["request"]["phases"] == 4
-        record = service.jobs.get(job["id"])
-        location = result_location(service.results, record.store or record.id)
-        run_it = KINDS[record.kind].run
-        asked = KINDS[record.kind].job_class.from_request(record.request)
-        run_it(asked, location, Driver(client), report=lambda _: None, cancel=threading.Event(), fence=unfenced)
+        refused = service.request("POST", "/v1/impact-speeds", json={"periods": 0})
+        assert refused.status_code == 422 and refused.json()["errors"][0]["location"] == ["body", "periods"]
+        assert service.request("POST", "/v1/checks", json={"kind": "impact_speeds"} | REQUEST).json()["accepted"]
+        job = service.wait(service.submit(REQUEST, "impact-speeds")["id"])
+        assert (job["kind"], job["state"]) == ("impact_speeds", "succeeded")
         result = service.request("GET", job["links"]["result"]).json()
-        assert result["complete"] and result["kind"] == "grazing_speed" and result["largest"] > 0.0
+        assert result["complete"] and result["impacts"] > 0 and result["fastest"] > 0.0
         assert service.request("GET", job["links"]["picture"]).content.startswith(b"\x89PNG")
+        rows = service.request("GET", f"/v1/jobs/{job['id']}/result.json").json()
+        assert len(rows) == result["impacts"] and max(row["impact_speed"] for row in rows) == result["fastest"]
+        assert int(python(packages, tmp_path, IN_PYTHON, service.url)) == result["impacts"]
+
+    options = ["--phase", "0.25", "--speed", "3", "--periods", "12"]
+    found = python(packages, tmp_path, SHELL, "impact-speeds", *options, "--out", "shell.zarr", "--json")
+    assert json.loads(found)["impacts"] == result["impacts"]
+    assert "List the impacts" in python(packages, tmp_path, SHELL, "--help")
+    assert "How fast it departs" in python(packages, tmp_path, SHELL, "impact-speeds", "--help")
+    python(packages, tmp_path, SHELL, "plot", "shell.zarr", "--out", "picture.png")
+    assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
+    table = python(packages, tmp_path, SHELL, "table", "shell.zarr")
+    assert len(table.splitlines()) == result["impacts"] + 1
+    python(packages, tmp_path, SHELL, "export", "shell.zarr", "--out", "crate.zip")
+    assert python(packages, tmp_path, SHELL, "check", "shell.zarr")
 
 
-def test_a_fifth_kind_is_run_from_the_command_line(fifth, tmp_path):
-    helped = CliRunner().invoke(command_line(), ["grazing-speed", "--help"])
-    assert "--phases" in helped.output and "Number of phases" in helped.output and "--damping" in helped.output
-    store = tmp_path / "store"
-    done = CliRunner().invoke(command_line(), ["grazing-speed", "--phases", "4", "--out", str(store)])
-    assert done.exit_code == 0, done.output
-    assert '"largest"' in done.output
-    with xr.open_zarr(store) as speed:
-        assert speed.speed.dims == ("phase",) and json.loads(speed.attrs["request"])["phases"] == 4
+def test_the_entry_loads_neither_numba_nor_dask(packages, tmp_path):
+    code = (
+        "import sys; from worker.kinds import KINDS; KINDS['impact_speeds']; print({'numba', 'dask'} & {*sys.modules})"
+    )
+    assert python(packages, tmp_path, code).strip() == "set()"
+
+
+@pytest.mark.parametrize(
+    ("entry", "module", "told"),
+    [
+        ("no_kind = {0}:KIND", "KIND = 3", "no_kind = .*:KIND of the package one 1.0 is a int, no JobKind"),
+        ("lost = {0}:KIND", "", "lost = .* cannot be loaded: .*KIND"),
+        ("broken = {0}:KIND", "1 / 0", "broken = .* cannot be loaded: division by zero"),
+        (
+            "other = {0}:KIND",
+            "from worker.kinds import KINDS; KIND = KINDS['orbits']",
+            "other = .* names itself orbits",
+        ),
+        ("orbits = {0}:KIND", "from worker.kinds import KINDS; KIND = KINDS['orbits']", "orbits = .* clashes with orb"),
+    ],
+    ids=["no kind", "lost", "broken", "another name", "a known name"],
+)
+def test_an_entry_that_is_none_is_refused_with_its_package(tmp_path, monkeypatch, request, entry, module, told):
+    name = "entry_" + request.node.callspec.id.replace(" ", "_")
+    install(tmp_path, entry.format(name), "one")
+    (tmp_path / f"{name}.py").write_text(module)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(ImportError, match=f"the kind {told}"):
+        dict(Kinds(KINDS.values()))
+
+
+def test_a_route_that_is_taken_is_refused(tmp_path, monkeypatch):
+    said = dict.fromkeys(("title", "summary", "description", "command", "job", "table"), "")
+    install(tmp_path, "others = entry_of_a_taken_route:KIND", "one")
+    (tmp_path / "entry_of_a_taken_route.py").write_text(
+        f"from worker.kinds import analysis_kind\nKIND = analysis_kind('', name='others', path='orbits', **{said})"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(ImportError, match="others = .* clashes with orbits, whose route is orbits"):
+        dict(Kinds(KINDS.values()))
+    with pytest.raises(ValueError, match="the name 'Of Capitals' of a kind"):
+        analysis_kind("", name="Of Capitals", path="others", **said)
+
+
+def test_a_kind_that_is_not_there_is_named_with_those_that_are():
+    with pytest.raises(KeyError, match="there is no kind 'impact_speeds' here.*grazing_curve"):
+        KINDS["impact_speeds"]
+    assert KINDS.get("impact_speeds") is None
+
+
+@pytest.mark.parametrize(
+    ("request_", "kind"), [({}, "basin"), ({"vary": []}, "sweep"), ({"kind": "orbits", "vary": {}}, "orbits")]
+)
+def test_a_request_without_a_kind_is_of_a_basin_or_a_sweep(request_, kind):
+    assert kind_of(request_) == kind
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
+def test_the_class_of_a_kind_is_its_jobs(kind: JobKind):
+    assert kind.job_class.model_fields["kind_"].default == kind.name
+    assert "zarr" in kind.result_view.model_fields

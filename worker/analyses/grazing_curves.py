@@ -1,20 +1,23 @@
 """Pre-images of the grazing curve as an analysis: stretches of the curve run in parallel, each through all orders."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy import float64, int8, int64
+from pydantic import BaseModel, Field
 
 from rattle_kernels import CurveResolution, Oscillator, Piece, arclength
 from rattle_kernels.manifolds.grazing_preimages import STRETCHES, join_stretches, preimages_of_stretch
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.numerics.pausing import Pause
 from worker.analyses import analysis
-from worker.analyses.analysis import Analysis, Parts, Plan, ready_of
-from worker.analyses.curve_picture import draw_grazing_curves
-from worker.analyses.curve_table import PIECES, piece_columns, pieces_of
+from worker.analyses.analysis import Analysis, AnalysisView, Parts, Plan, ready_of
+from worker.analyses.curves import PIECES, THIN, finish_plane, piece_columns, pieces_of
 from worker.jobs.grazing_curve_job import GrazingCurveJob
+from worker.pictures.overlay import Lines
+from worker.pictures.symbols import oscillator_text
 from worker.progress import Stage
 from worker.stores.layout import Columns, Variable
 from worker.stores.table import Column, Table, slices
@@ -25,6 +28,23 @@ ORDERS = Table("order", (
     Column("order_arclength", float64, "its length in the plane (t, v/velocity scale)", None),
     Column("order_size", int64, "pieces of an order, which follow those of the one before", None, _SIZE),
 ), prefix="order_")  # fmt: skip
+
+
+class OrderView(BaseModel):
+    """A pre-image of one order."""
+
+    order: int
+    complete: bool = Field(description="False where it is not there yet, or needs more points than were allowed")
+    pieces: int
+    vertices: int
+    arclength: float
+
+
+class GrazingCurveView(AnalysisView):
+    """Summary of a grazing curve; its vertices are in the store."""
+
+    kind: Literal["grazing_curve"]
+    orders: list[OrderView]
 
 
 def map_stretch(
@@ -109,7 +129,18 @@ def summarise(job: GrazingCurveJob, columns: Columns) -> dict[str, Any]:
     return {"orders": orders}
 
 
+def draw_grazing_curves(job: GrazingCurveJob, columns: Columns, figure: Figure) -> None:
+    """Draw the grazing curve and its pre-images, with one colour per order."""
+    axes = figure.subplots()
+    pieces = pieces_of(columns)
+    for order, own in enumerate(slices(columns["order_size"])):
+        label = "grazing curve" if order == 0 else f"pre-image of order {order}"
+        missing = "" if columns["order_complete"][order] else ", incomplete"
+        Lines(label + missing, f"C{order % 10}", tuple(pieces[own]), THIN).draw(axes)
+    finish_plane(axes, oscillator_text(job.oscillator), job.velocity.ends)
+
+
 GRAZING_CURVE = Analysis(
-    "Grazing curve of a rattling gear pair and its pre-images", GrazingCurveJob.from_request, plan, assemble, layout,
-    summarise, draw_grazing_curves,
+    "Grazing curve of a rattling gear pair and its pre-images", GrazingCurveJob, plan, assemble, layout, summarise,
+    GrazingCurveView, draw_grazing_curves,
 )  # fmt: skip

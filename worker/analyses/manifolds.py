@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import astuple
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy import float64, int8, int32, int64
+from pydantic import BaseModel, Field
 
 from rattle_kernels import (
     CurveResolution,
@@ -19,26 +21,30 @@ from rattle_kernels import (
     find_orbit,
     find_orbits,
     find_saddle,
+    grazing_velocity,
     stable_manifold,
     unstable_manifold,
 )
 from rattle_kernels.manifolds.saddle import is_saddle
 from rattle_kernels.numerics.pausing import Pause
 from rattle_kernels.orbits.orbit_search import merge_orbits
-from worker.analyses.analysis import Analysis, Parts, Piece, Plan, in_order, ready_of
-from worker.analyses.curve_picture import draw_manifolds
-from worker.analyses.curve_table import PIECES, PieceEnd, piece_columns, pieces_of
-from worker.analyses.orbit_table import ORBITS, orbits_of, summarise_orbits
+from worker.analyses.analysis import Analysis, AnalysisView, Parts, Piece, Plan, in_order, ready_of
+from worker.analyses.curves import PIECES, THIN, PieceEnd, finish_plane, piece_columns, pieces_of
+from worker.analyses.orbit_tables import ORBITS, OrbitView, orbits_of, summarise_orbits
 from worker.errors import NotFound
 from worker.jobs.manifold_job import Itinerary, ManifoldJob, Side
 from worker.jobs.orbits_job import OrbitSeed
 from worker.jobs.region import Region
+from worker.pictures.overlay import Lines
+from worker.pictures.symbols import oscillator_text
 from worker.progress import Stage
 from worker.stores.layout import Columns, Variable
 from worker.stores.table import Column, Table, slices
 
 _BANDS = 8
 _SIDES = (Side.STABLE, Side.UNSTABLE)
+# Each manifold by the code of a branch's kind, with the style of its lines.
+_MANIFOLDS = {1: ("stable", "-"), 2: ("unstable", ":")}
 _KIND = {"flag_values": [1, 2], "flag_meanings": " ".join(_SIDES)}
 _SIZE = {"sample_dimension": "piece"}
 BRANCHES = Table("branch", (
@@ -53,6 +59,30 @@ BRANCHES = Table("branch", (
         lambda branch: len(branch.pieces), _SIZE,
     ),
 ), prefix="branch_")  # fmt: skip
+
+
+class ManifoldBranchView(BaseModel):
+    """One branch of a manifold."""
+
+    saddle: int = Field(description="Whose: index into `saddles`")
+    manifold: Literal["stable", "unstable"]
+    departure: int = Field(description="Which of the saddle's departures it leaves")
+    side: Literal[1, -1] = Field(description="1 where it leaves it towards later phases")
+    arclength: float
+    end: str = Field(description="Why it was grown no further")
+    vertices: int
+    pieces: int
+    pieces_by_end: dict[str, int] = Field(
+        description="Pieces that end at a corner, leave the window, or end the branch"
+    )
+
+
+class ManifoldView(AnalysisView):
+    """Summary of manifolds; their vertices are in the store."""
+
+    kind: Literal["manifold"]
+    saddles: list[OrbitView]
+    branches: list[ManifoldBranchView]
 
 
 def saddle_of_seed(oscillator: Oscillator, number: int, seed: OrbitSeed, *, pause: Pause) -> Columns:
@@ -202,7 +232,25 @@ def summarise(job: ManifoldJob, columns: Columns) -> dict[str, Any]:
     return {"saddles": summarise_orbits(columns), "branches": branches}
 
 
+def draw_manifolds(job: ManifoldJob, columns: Columns, figure: Figure) -> None:
+    """Draw saddles and their manifolds, stable ones solid and unstable ones dotted, with one colour per saddle."""
+    axes = figure.subplots()
+    t = np.linspace(0.0, 1.0, 512)
+    axes.plot(t, grazing_velocity(job.oscillator, t), color="gray", linewidth=1.0, label="grazing curve")
+    pieces, branches = pieces_of(columns), slices(columns["branch_size"])
+    for number, name in enumerate(columns["name"]):
+        colour = f"C{number % 10}"
+        for kind, (manifold, style) in _MANIFOLDS.items():
+            own = np.flatnonzero((columns["branch_kind"] == kind) & (columns["branch_orbit"] == number))
+            arcs = [piece for branch in own for piece in pieces[branches[branch]]]
+            Lines(f"{manifold} manifold of {name}", colour, tuple(arcs), THIN, style).draw(axes)
+        marks = columns["orbit_time"][number], columns["orbit_velocity"][number]
+        axes.plot(*marks, "+", color="black", markersize=9, label=f"saddle {name}")
+    window = job.limits.lowest_velocity, job.limits.highest_velocity
+    finish_plane(axes, oscillator_text(job.oscillator), window)
+
+
 MANIFOLD = Analysis(
-    "Manifolds of saddles of a rattling gear pair", ManifoldJob.from_request, plan, assemble, layout, summarise,
+    "Manifolds of saddles of a rattling gear pair", ManifoldJob, plan, assemble, layout, summarise, ManifoldView,
     draw_manifolds,
 )  # fmt: skip

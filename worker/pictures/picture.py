@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from rattle_kernels import Attractor
 from worker.errors import InvalidJob
+from worker.kinds import KINDS
 from worker.motion_words import ends_in_words
 from worker.pictures import colours
 from worker.pictures.figure_file import new_figure
@@ -19,6 +20,7 @@ from worker.pictures.panel_picture import USUAL_LOOK, Layer, Look, PanelPicture
 from worker.pictures.symbols import oscillator_text, symbol_of
 from worker.pictures.unproven import label_of, unproven_patch
 from worker.pictures.window import demand_overlap
+from worker.stores.analysis_store import kind_of_store
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 from worker.stores.solution_table import SolutionTable
@@ -139,6 +141,29 @@ def _arrangement(store: BasinStore, panel: int | None) -> list[list[int]]:
     panels = _evenly(store.job.basins, _MOST_PANELS**2)
     across = int(np.ceil(np.sqrt(len(panels))))
     return [panels[start : start + across] for start in range(0, len(panels), across)]
+
+
+def figure_of_store(location: str, look: Look = USUAL_LOOK) -> Figure:
+    """Draw a store of any kind, complete or not.
+
+    Parameters
+    ----------
+    location : str
+    look : Look
+        How basins are drawn.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    InvalidJob
+        If the store has no such layer, overlay, window or panel.
+    StoreConflict, StoreFailed
+        If there is no store, or it cannot be read.
+    """
+    return KINDS[kind_of_store(location)].figure(location, look)
 
 
 def basin_figure(location: str, look: Look = USUAL_LOOK) -> Figure:

@@ -95,6 +95,8 @@ class BasinSummary:
         as_json: dict[str, Any] = without_nan(own)
         return as_json
 
+    found = as_json
+
 
 def _solution(attractor: Attractor, heard: Loudness, share: float) -> dict[str, Any]:
     names = (

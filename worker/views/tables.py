@@ -1,5 +1,6 @@
 """What a result lists, as tables: one for each dimension, and one for each array."""
 
+import json
 from enum import StrEnum
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from worker.errors import InvalidJob
+from worker.kinds import KINDS, kind_of
 from worker.motion_words import ends_in_words
 from worker.stores.layout import ENDS
 from worker.stores.solution_table import ends_in
@@ -15,10 +17,7 @@ from worker.views.loudness import measure_loudness
 from worker.views.motion_names import add_motion_names
 from worker.views.reading import job_of
 
-_FIRST = {
-    "attractor": "attractor", "seed": "velocity", "orbit": "orbit", "order": "order", "time": "time",
-}  # fmt: skip
-"""The table that is meant if none is named, by a dimension that results of the kind have."""
+_OF_A_TRAJECTORY = "time"
 _LEADING = ("name", "share", "kind")
 """Columns that come first; errors come last. A wide table is printed without its middle."""
 
@@ -151,9 +150,11 @@ def demand_small_table(dataset: xr.Dataset, name: str | None, most: int, zarr: s
 
 
 def _usual(dataset: xr.Dataset) -> str:
-    if "share" in dataset and dataset.share.ndim > 1:
-        return "share"
-    return next((name for dimension, name in _FIRST.items() if dimension in dataset.dims), "")
+    """The table that is meant if none is named; of one basin of a sweep that of its motions."""
+    kind = KINDS.get(kind_of(json.loads(dataset.attrs["request"])))
+    if kind is None:
+        return _OF_A_TRAJECTORY
+    return "attractor" if kind.table == "share" and dataset.share.ndim == 1 else kind.table
 
 
 def _columns_along(dataset: xr.Dataset, dimension: str) -> list[str]:

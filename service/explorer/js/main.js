@@ -1,6 +1,6 @@
 /** The page: connects its parts. What is seen is one state: the request, the window, the look, the motions. */
 
-import { get, Refusal, Unreachable, whenKeyIsNeeded } from "./net/api.js";
+import { get, kindInWords, knowKinds, Refusal, Unreachable, whenKeyIsNeeded } from "./net/api.js";
 import { Jobs } from "./jobs/jobs.js";
 import { ended } from "./jobs/life.js";
 import { showCaption } from "./look/caption.js";
@@ -10,7 +10,7 @@ import { enableSteps, enableTools, setUpControls } from "./page/controls.js";
 import { askForKey } from "./page/login.js";
 import { attempt, inWords, say } from "./page/say.js";
 import { showState } from "./page/state.js";
-import { hasCells, kindInWords, Still } from "./page/still.js";
+import { hasCells, Still } from "./page/still.js";
 import { showTakeaway } from "./page/takeaway.js";
 import { Comparison } from "./panels/comparison.js";
 import { Diagrams } from "./panels/diagrams.js";
@@ -323,8 +323,9 @@ async function openAddress() {
   return Boolean(job || request);
 }
 
-/** Open the address, or the first example where it says nothing. */
-async function open(offered) {
+/** Open the address, or the first example where it says nothing, once the kinds of jobs are known. */
+async function open(known, offered) {
+  await known;
   if (await openAddress()) return;
   await offered;
   at.opening = {};
@@ -336,9 +337,10 @@ function start() {
   whenKeyIsNeeded(askForKey);
   setUpControls({ plane, jobs, restyle, whole: () => plane.go(at.whole), takeaway });
   setUpTheme(by("theme"), () => restyle({}));
-  const offered = get("explorer/presets.json").then((presets) => examples.offer(presets));
-  addEventListener("popstate", () => attempt(() => open(offered)));
-  return open(offered);
+  const known = get("explorer/kinds.json").then(knowKinds);
+  const offered = Promise.all([get("explorer/presets.json"), known]).then(([presets]) => examples.offer(presets));
+  addEventListener("popstate", () => attempt(() => open(known, offered)));
+  return open(known, offered);
 }
 
 attempt(start);

@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.models.job import JobPage, JobView
+from service.models.jobs import JobPage, JobView
 from service.records.engine import open_database
 from service.records.job_record import JobState
 from service.records.jobs import Jobs

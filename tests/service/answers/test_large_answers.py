@@ -14,7 +14,7 @@ from service.answers import large_answers
 from service.answers.large_answers import LargeAnswers
 from service.errors import TooMuch
 from service.middleware.pieces import Pieces
-from service.models.job import JobPage
+from service.models.jobs import JobPage
 from service.routes.dependencies import LARGE
 from tests.service.idle_service import idle_service
 from worker.errors import InvalidJob

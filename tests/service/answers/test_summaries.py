@@ -9,6 +9,7 @@ from service.answers import result_view
 from service.records.job_record import JobState
 from tests.service.idle_service import idle_service
 from worker.jobs.basin_job import basin_job
+from worker.stores import summary
 from worker.stores.new_store import create_store
 
 
@@ -21,8 +22,8 @@ def service(monkeypatch, tmp_path):
 @pytest.fixture
 def readings(monkeypatch):
     """One entry for each time that a store is read."""
-    read, counted = result_view._result_view, []
-    monkeypatch.setattr(result_view, "_result_view", lambda *given: (counted.append(given), read(*given))[1])
+    read, counted = summary.summarise, []
+    monkeypatch.setattr(summary, "summarise", lambda *given: (counted.append(given), read(*given))[1])
     return counted
 
 

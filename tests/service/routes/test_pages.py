@@ -5,6 +5,7 @@ import re
 import pytest
 
 from tests.service.idle_service import idle_service
+from worker.kinds import KINDS
 
 
 @pytest.fixture
@@ -28,6 +29,13 @@ def test_its_files_are_swagger_uis_under_its_licence(service):
     assert "SwaggerUIBundle" in bundle[:1000] and ".swagger-ui" in style
     assert "Apache License" in service.request("GET", "/docs/swagger-ui.LICENSE").text
     assert not re.search(r"url\(\s*[\"']?https?:|@import", style)
+
+
+def test_the_explorer_is_told_all_kinds_with_their_routes(service):
+    kinds = service.request("GET", "/explorer/kinds.json").json()
+    assert list(kinds) == list(KINDS) and all(kind["title"] for kind in kinds.values())
+    routes = service.request("GET", "/openapi.json").json()["paths"]
+    assert all("post" in routes[kind["path"]] for kind in kinds.values())
 
 
 def test_the_pages_take_addresses_that_hold_what_is_seen(service):

@@ -19,11 +19,10 @@ from rattle_kernels import (
 )
 from tests.waiting import wait_until
 from tests.worker.basins.test_pipeline import content
+from worker.analyses.bifurcation import BIFURCATION
 from worker.analyses.grazing_curves import orders_of
 from worker.analyses.manifolds import branches_of
-from worker.analyses.orbit_table import orbits_of
-from worker.analyses.picture import figure_of_store
-from worker.analyses.run import run_analysis, summarise_analysis
+from worker.analyses.orbit_tables import orbits_of
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import InvalidJob, JobCancelled, NotFound, StoreConflict
@@ -36,6 +35,7 @@ from worker.jobs.region import Departure, Interval, Region
 from worker.jobs.swept_parameter import Spacing, SweptParameter
 from worker.kinds import KINDS
 from worker.pictures.figure_file import save_figure
+from worker.pictures.picture import figure_of_store
 from worker.progress import Stage
 from worker.stores.analysis_store import AnalysisStore, kind_of_store
 from worker.stores.layout import MISSING
@@ -55,9 +55,8 @@ each_kind = pytest.mark.parametrize("job", JOBS, ids=lambda job: job.kind)
 
 def run(job, location, client, *, report=lambda _: None, cancel=None):
     cancel = cancel or threading.Event()
-    analysis = KINDS[job.kind].loaded_analysis
-    run_analysis(analysis, job, str(location), Driver(client), report=report, cancel=cancel)
-    return summarise_analysis(analysis, str(location))
+    KINDS[job.kind].run(job, str(location), Driver(client), report=report, cancel=cancel)
+    return KINDS[job.kind].summarise(str(location))
 
 
 @pytest.fixture(scope="session")
@@ -86,7 +85,7 @@ def test_a_cancelled_job_says_what_is_missing_and_resumes_to_the_same_bytes(clie
 
     with pytest.raises(JobCancelled):
         run(job, location, client, report=cancel_soon, cancel=cancel)
-    partial = summarise_analysis(KINDS[job.kind].loaded_analysis, str(location))
+    partial = KINDS[job.kind].summarise(str(location))
     assert not partial.complete and partial.pieces_done >= 1
     save_figure(figure_of_store(str(location)), tmp_path / "partial.png")
     with xr.open_zarr(location) as store:
@@ -128,9 +127,9 @@ def test_who_reads_while_the_driver_finishes_is_told_the_end(client, stores, tmp
     with pytest.raises(JobCancelled):
         run(job, location, client, report=lambda progress: progress.tiles_done and cancel.set(), cancel=cancel)
     monkeypatch.setattr(AnalysisStore, "parts", finish_first)
-    told = summarise_analysis(KINDS[job.kind].loaded_analysis, str(location))
+    told = KINDS[job.kind].summarise(str(location))
     assert finished and told.complete
-    assert told.result == summarise_analysis(KINDS[job.kind].loaded_analysis, str(stores / job.kind)).result
+    assert told.result == KINDS[job.kind].summarise(str(stores / job.kind)).result
 
 
 @each_kind
@@ -183,7 +182,7 @@ def test_a_diagram_is_that_of_the_kernels_whatever_the_stretches(stores):
 
 def test_of_a_diagram_without_seeds_the_search_for_them_is_the_first_of_its_stages():
     job = BifurcationJob(vary=DAMPING, transient=4_000)
-    stage, ready, done, total = KINDS[job.kind].loaded_analysis.plan(job, {})
+    stage, ready, done, total = BIFURCATION.plan(job, {})
     assert (stage, [piece.name for piece in ready], done, total) == (Stage.SEARCHING, ["seeds"], 0, 1)
 
 
@@ -196,7 +195,7 @@ def test_stretches_of_a_diagram_follow_each_other_without_gaps():
         "seed_name": np.array(["given"]), "seed_time": np.array([0.25]), "seed_velocity": np.array([4.5]),
     }  # fmt: skip
     job = BifurcationJob(vary=SweptParameter("damping", tuple(values)), seeds=(Departure(0.25, 4.5),), direction="both")
-    told = KINDS[job.kind].loaded_analysis.summarise(job, columns)
+    told = BIFURCATION.summarise(job, columns)
     assert (told["parameter"], told["values_visited"]) == ("damping", 12)
     (motion,) = told["motions"]
     assert (motion["name"], motion["time"], motion["velocity"], motion["stretches_total"]) == ("given", 0.25, 4.5, 6)

@@ -10,11 +10,11 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 import rattle
-from worker.analyses.bifurcation_picture import draw_diagram, names_of
-from worker.analyses.picture import figure_of_store
+from worker.analyses.bifurcation import draw_diagram, names_of
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.jobs.region import Departure
 from worker.jobs.swept_parameter import SweptParameter
+from worker.pictures.picture import figure_of_store
 from worker.stores.analysis_store import AnalysisStore
 from worker.views import motion_names
 
@@ -73,7 +73,7 @@ def test_the_key_names_them(store):
 
 
 def test_where_there_are_too_many_to_name_those_that_repeat_are_not_called_chaos(store, monkeypatch):
-    monkeypatch.setattr("worker.analyses.bifurcation_picture.MOST_NAMED", 2)
+    monkeypatch.setattr("worker.analyses.bifurcation.MOST_NAMED", 2)
     columns = AnalysisStore(store).read_tables()
     job = BifurcationJob(vary=SweptParameter("damping", tuple(NAMES)), seeds=(Departure(0.553, 4.703),), kept=24)
     told = names_of(job, columns).ravel().tolist()

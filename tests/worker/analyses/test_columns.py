@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from rattle_kernels import SpecialKind
-from worker.analyses.branch_table import branch_table
-from worker.analyses.curve_table import PIECES
-from worker.analyses.orbit_table import ORBITS
-from worker.analyses.special_table import CURVES, SPECIALS
+from worker.analyses.curves import PIECES
+from worker.analyses.orbit_tables import CURVES, ORBITS, SPECIALS, branch_table
 
 NAN = np.nan
 

@@ -7,9 +7,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from rattle_kernels import BranchEnd, Oscillator, continue_orbit, find_orbit
-from worker.analyses.branch_table import branch_table
-from worker.analyses.orbit_picture import plot_branches
-from worker.analyses.special_table import SPECIALS
+from worker.analyses.orbit_tables import SPECIALS, branch_table
+from worker.analyses.orbits import plot_branches
 
 LOST = "not followed further"
 

@@ -8,10 +8,11 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from rattle_kernels import BranchEnd, Oscillator, SpecialKind, grazing_velocity, time_history
-from worker.analyses import bifurcation_picture
-from worker.analyses.bifurcation_picture import draw_diagram
-from worker.analyses.curve_picture import draw_grazing_curves, draw_manifolds
-from worker.analyses.orbit_picture import draw_orbits
+from worker.analyses import bifurcation
+from worker.analyses.bifurcation import draw_diagram
+from worker.analyses.grazing_curves import draw_grazing_curves
+from worker.analyses.manifolds import draw_manifolds
+from worker.analyses.orbits import draw_orbits
 from worker.jobs.bifurcation_job import Direction
 from worker.pictures.history_panel import draw_history_panel
 from worker.pictures.history_picture import history_figure
@@ -54,9 +55,7 @@ DIAGRAM = {
 
 
 def test_a_diagram_says_what_is_missing_and_which_ways_were_gone(monkeypatch):
-    monkeypatch.setattr(
-        bifurcation_picture, "names_of", lambda job, columns: np.full(columns["outcome"].shape, "P(1,1,0)")
-    )
+    monkeypatch.setattr(bifurcation, "names_of", lambda job, columns: np.full(columns["outcome"].shape, "P(1,1,0)"))
     axes = diagram(DIAGRAM)
     assert axes.get_xlim() == (0.5, 0.7) and axes.get_xlabel().startswith("damping")
     assert axes.get_title().endswith("; upwards, then downwards") and "incomplete" not in axes.get_title()

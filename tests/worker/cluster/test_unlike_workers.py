@@ -13,12 +13,12 @@ from rattle_kernels import CellGrid
 from tests.processors import NATIVE, ROOT, V2, environment_for, reason_against
 from tests.worker.analyses.test_analyses import GRAZING
 from worker import rounding
+from worker.analyses.grazing_curves import GRAZING_CURVE
 from worker.cluster import connection
 from worker.cluster.driver import Driver
 from worker.cluster.task import Task
 from worker.errors import StoreConflict, UnlikeWorkers
 from worker.jobs.basin_job import BasinJob
-from worker.kinds import KINDS
 from worker.stores.analysis_store import AnalysisStore
 from worker.stores.basin_store import BasinStore
 
@@ -75,7 +75,7 @@ def create_basin(place):
 
 
 def create_analysis(place):
-    return AnalysisStore.create_or_resume(place, KINDS[GRAZING.kind].loaded_analysis.title, GRAZING)
+    return AnalysisStore.create_or_resume(place, GRAZING_CURVE.title, GRAZING)
 
 
 @pytest.mark.parametrize("create", [create_basin, create_analysis])

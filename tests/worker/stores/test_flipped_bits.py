@@ -11,12 +11,12 @@ import zarr
 import rattle
 from rattle_kernels import CellGrid
 from tests.worker.stores.zarr_stores.write import HERE
-from worker.analyses.picture import figure_of_store
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import DamagedChunk, StoreFailed
 from worker.jobs.basin_job import BasinJob
 from worker.pictures.panel_picture import Look
+from worker.pictures.picture import figure_of_store
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import SOLUTION
 from worker.stores.opening import open_group

@@ -10,10 +10,10 @@ import zarr
 import rattle
 from rattle.cli.console import out, print_solutions
 from rattle_kernels import CellGrid, Oscillator
-from service.models.basin_result import ResultView
-from service.models.viewer import OutlineView, PreviewView
+from service.models.results import OutlineView, PreviewView
 from tests.worker.basins.test_pipeline import run
 from worker.basins.preview import PreviewRequest, preview_basin
+from worker.basins.result import ResultView
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.motion_words import ends_in_words
@@ -73,7 +73,7 @@ def test_results_over_http_and_the_shell_name_the_end(alone):
     assert [(names[end["solution"]], end["share"]) for end in transient["ends"]] == [(END, 1.0)]
     # Laplace's rule for 64 of 64: 65/66 and 1/66, over 67.
     assert transient["ends"][0]["standard_error"] == pytest.approx((65 / 66**2 / 67) ** 0.5)
-    assert ResultView.from_summary(summarise(str(alone)), "").solutions[names.index(TRANSIENT)].ends[0].share == 1.0
+    assert ResultView(**summarise(str(alone)).as_json(), zarr="").solutions[names.index(TRANSIENT)].ends[0].share == 1.0
     drawn = OutlineView.from_outline(outline_basin(str(alone), 0)).solutions
     assert [drawn[end.solution].name for each in drawn for end in each.ends] == [END]
     with out.capture() as printed:

@@ -7,7 +7,6 @@ import pytest
 import xarray as xr
 
 from tests.worker.stores.zarr_stores.write import GRAZING, HERE, SWEEP, write_stores
-from worker.analyses.run import summarise_analysis
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.kinds import KINDS
@@ -54,7 +53,7 @@ def test_a_store_of_another_zarr_holds_what_is_computed_here(there, here, name):
 def test_a_store_of_another_zarr_is_summed_up(there, here):
     names = [[each.name for each in summarise(str(folder / "sweep")).attractors] for folder in (there, here)]
     assert names[0] == names[1] != []
-    assert summarise_analysis(KINDS[GRAZING.kind].loaded_analysis, str(there / "grazing")).complete
+    assert KINDS[GRAZING.kind].summarise(str(there / "grazing")).complete
 
 
 def test_a_job_begun_with_another_zarr_goes_on_in_its_store(client, there, here):

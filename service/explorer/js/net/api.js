@@ -89,12 +89,21 @@ export async function post(path, body, options) {
   return whole(() => answer.json());
 }
 
-const PATHS = {
-  basin: "/v1/basins", sweep: "/v1/sweeps", bifurcation: "/v1/bifurcations", orbits: "/v1/orbits",
-  manifold: "/v1/manifolds", grazing_curve: "/v1/grazing-curves",
-};
+/** @type {Object<string, {path: string, title: string}>} */
+let kinds = {};
+
+/** Take the kinds of jobs that the service has, by name: the path of their requests, and what they are in words. */
+export function knowKinds(found) {
+  kinds = found;
+}
 
 /** Path to which the request of a job is sent. */
 export function pathOf({ kind }) {
-  return PATHS[kind];
+  return kinds[kind].path;
+}
+
+/** Kind of a job, in a word or two. */
+export function kindInWords({ kind, request }) {
+  const { title } = kinds[kind];
+  return request.sample ? `Sample of a ${title.toLowerCase()}` : title;
 }

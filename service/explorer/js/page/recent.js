@@ -1,9 +1,9 @@
 /** The most recent jobs, to be opened again. */
 
-import { get } from "../net/api.js";
+import { get, kindInWords } from "../net/api.js";
 import { oscillatorInWords, windowInWords } from "../look/caption.js";
 import { viewOf } from "../state/window.js";
-import { hasCells, kindInWords } from "./still.js";
+import { hasCells } from "./still.js";
 
 function ago(moment) {
   const minutes = Math.round((Date.now() - Date.parse(moment)) / 60000);

@@ -1,20 +1,10 @@
 /** The service's own picture of a sample or an analysis, which have no cells to draw. */
 
-import { send } from "../net/api.js";
-
-const KINDS = {
-  basin: "Sample of a basin", sweep: "Samples of a sweep", bifurcation: "Bifurcation diagram", orbits: "Periodic orbits",
-  manifold: "Manifolds of saddles", grazing_curve: "Grazing curve and its pre-images",
-};
+import { kindInWords, send } from "../net/api.js";
 
 /** Whether a job computes cells, which the page draws itself. */
 export function hasCells({ request }) {
   return request.grid !== undefined && !request.sample;
-}
-
-/** Kind of a job, in a word or two. */
-export function kindInWords({ kind }) {
-  return KINDS[kind];
 }
 
 export class Still {

@@ -8,7 +8,6 @@ from importlib.metadata import version
 from pathlib import Path
 
 from rattle_kernels import CellGrid
-from worker.analyses.run import run_analysis
 from worker.basins.pipeline import run_basin
 from worker.cluster.connection import local_cluster
 from worker.cluster.driver import Driver
@@ -29,8 +28,7 @@ def write_stores(folder, client):
     """A sweep, the same when it was cancelled at once, and an analysis."""
     cancel, driver = threading.Event(), Driver(client)
     run_basin(SWEEP, str(folder / "sweep"), driver, report=lambda _: None, cancel=cancel)
-    analysis = KINDS[GRAZING.kind].loaded_analysis
-    run_analysis(analysis, GRAZING, str(folder / "grazing"), driver, report=lambda _: None, cancel=cancel)
+    KINDS[GRAZING.kind].run(GRAZING, str(folder / "grazing"), driver, report=lambda _: None, cancel=cancel)
     cancel.set()
     with contextlib.suppress(JobCancelled):
         run_basin(SWEEP, str(folder / "begun"), driver, report=lambda _: None, cancel=cancel)

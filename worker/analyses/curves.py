@@ -1,16 +1,19 @@
-"""Curves in the (t, v) plane as a table of smooth pieces: the vertices of all pieces one after another."""
+"""Curves in the (t, v) plane: as a table of smooth pieces, the vertices of all one after another, and on axes."""
 
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from numpy import float64, int8, int64
 
 from rattle_kernels import Piece
 from worker.stores.layout import PERIODS, SPEED, Columns, flags
 from worker.stores.table import Column, Table
 
+THIN = 0.8
+"""Width of the curves in pictures."""
 _VERTEX = "vertex"
 _SIZE = {"sample_dimension": _VERTEX}
 
@@ -45,3 +48,13 @@ def piece_columns(pieces: Sequence[Piece], velocity: tuple[float, float]) -> Col
 def pieces_of(columns: Mapping[str, Any]) -> list[Piece]:
     """Pieces from a store's columns or an xarray dataset."""
     return [Piece(row.time, row.velocity) for row in PIECES.rows(columns)]
+
+
+def finish_plane(axes: Axes, title: str, velocity: tuple[float, float]) -> None:
+    """Give axes of the (t, v) plane their title, window, labels and legend."""
+    axes.set_title(title)
+    axes.set_xlim(0.0, 1.0)
+    axes.set_ylim(velocity)
+    axes.set_xlabel("time t of departure (forcing periods)")
+    axes.set_ylabel("velocity v of departure")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize="small")

@@ -1,11 +1,17 @@
-"""Results of basins and sweeps over HTTP."""
+"""Results of basins and sweeps, as JSON describes them: the model of what `worker.stores.summary` says."""
 
-from typing import Any, Literal
+import math
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, BeforeValidator, Field
 
-from service.models.numbers import FiniteOrNone
-from worker.stores.summary import BasinSummary
+
+def _finite_or_none(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+FiniteOrNone = Annotated[float | None, BeforeValidator(_finite_or_none)]
+"""A number, or None in place of NaN and infinity, which JSON cannot hold."""
 
 
 class Loud(BaseModel):
@@ -108,8 +114,3 @@ class ResultView(BaseModel):
         description="Wall time of each stage, and the kernels' own time summed over tiles"
     )
     zarr: str
-
-    @classmethod
-    def from_summary(cls, summary: BasinSummary, zarr: str) -> "ResultView":
-        """View of a summary."""
-        return cls.model_validate(summary.as_json() | {"zarr": zarr})

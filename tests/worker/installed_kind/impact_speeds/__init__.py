@@ -1,0 +1,1 @@
+"""How hard one motion hits the walls."""
