@@ -13,6 +13,7 @@ from sphinx.application import Sphinx
 _CHAPTERS = (
     "docs/guide/README",
     "docs/theory/README",
+    "docs/explanation/README",
     "docs/paper/README",
     "notebooks/README",
     "docs/api/README",
