@@ -155,11 +155,10 @@ def label_tile(location: str, digest: str, number: int, attractors: Catalogue, n
     tile = store.tiling.tile(number)
     stop_if_cancelled()
     images = _images(location, digest, number)
-    groups = groups_of(store, tile.basin) if store.places.labelled else None
+    job, groups = store.job, groups_of(store, tile.basin) if store.places.labelled else None
     begin = time.perf_counter()
-    own_cells = store.job.grid.cell_numbers(tile.rows, tile.columns)
-    labels = label_cells(groups, own_cells, images.image_cell) if groups is not None else ()
-    oscillator = store.job.oscillator_of(tile.basin)
+    labels = label_cells(groups, job.grid.cell_numbers(tile.rows, tile.columns), images.image_cell) if groups else ()
+    oscillator = job.oscillator_of(tile.basin)
     solution, unassigned = name_landings(oscillator, attractors, images, stop_if_cancelled)
     seconds = time.perf_counter() - begin
     named = store.places.solution if numbered else store.places.own_solution

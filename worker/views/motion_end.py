@@ -67,8 +67,8 @@ def _repeated_at_first(departures: np.ndarray, lower: np.ndarray) -> Repeated | 
         off = np.flatnonzero(away >= 1.0)
         if off.size and off[0] >= _SURE * period and away.max() > _FAR:
             t = departures[:, 0]
-            contacts = int(np.count_nonzero((lower > t[0]) & (lower < t[period])))
-            name = orbit_name(round(t[period] - t[0]), period, contacts)
+            contacts = np.count_nonzero((lower > t[0]) & (lower < t[period]))
+            name = orbit_name(round(t[period] - t[0]), period, int(contacts))
             return Repeated(name, float(t[off[0] - 1] - t[0]))
         if off.size == 0:
             return None
