@@ -9,10 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
+from rattle.cli.command import HELP_OPTIONS, Command, Group
 from rattle.cli.console import give_up, out
-from rattle.cli.readable_help import HELP_OPTIONS, ReadableGroup
-from rattle.cli.strict_command import StrictCommand
-from rattle.processor import use_whole_registers
 from worker.kinds import KINDS
 
 _OTHER_COMMANDS = {
@@ -39,19 +37,19 @@ _OTHER_COMMANDS = {
     "cancel": ("remote", "Stop a job; what it has computed stays readable."),
     "delete": ("remote", "Stop a job, and delete it with its result."),
     "check": (
-        "stores.check",
+        "check",
         "Read every file of a store; compute anew what is damaged or missing, to the same bytes.",
     ),
     "export": (
-        "stores.export",
+        "export",
         "Write a finished result as a zipped RO-Crate: its request, versions, tables and pictures.",
     ),
     "verify": (
-        "stores.verify",
+        "verify",
         "Prove again, by Arb balls, what a basin's store claims to be proven; exit with 1 if anything is not.",
     ),
-    "keys": ("guard.keys", "Make, list and revoke the API keys of a service."),
-    "certs": ("guard.certs", "Make certificates for the parts of a Dask cluster."),
+    "keys": ("keys", "Make, list and revoke the API keys of a service."),
+    "certs": ("certs", "Make certificates for the parts of a Dask cluster."),
     "plot": (
         "plot",
         "Draw a basin in the colours of its motions, a sweep side by side, or what an analysis has found.",
@@ -63,9 +61,6 @@ _OTHER_COMMANDS = {
 }
 """Module of each command, and what ``rattle --help`` says of it. The others compute a kind of `worker.kinds`."""
 
-_WITH_KERNELS = ("serve", "trajectory", "paper", "check")
-"""Those of them that run kernels, or start processes that do."""
-
 
 def _kinds_by_command() -> dict[str, str]:
     """Kind of job that a command computes."""
@@ -75,15 +70,13 @@ def _kinds_by_command() -> dict[str, str]:
 def _loaded(name: str) -> Any:
     """The command itself."""
     kinds = _kinds_by_command()
-    if name in kinds or name in _WITH_KERNELS:
-        use_whole_registers()
     if name in kinds:
         found = import_module("rattle.cli.compute").compute_command(kinds[name])
     else:
         found = getattr(_loaded_module(name), name.replace("-", "_"))
     if not isinstance(found, typer.Typer):
         alone = typer.Typer(add_completion=False)
-        alone.command(name, cls=StrictCommand)(found)
+        alone.command(name, cls=Command)(found)
         found = alone
     return typer.main.get_command(found)
 
@@ -97,7 +90,7 @@ def _loaded_module(name: str) -> Any:
         give_up(f"`rattle {name}` needs {error.name}: pip install 'gear-rattle[service]'", 2)
 
 
-class _OnDemand(ReadableGroup):
+class _OnDemand(Group):
     """Lists commands by stand-ins, and loads a command when it is run."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
