@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from rattle import here
+from rattle import local
 from rattle.paper import assembly, machine, machine_sweep
 from rattle.paper.figures import fig1, fig11, fig17
 from rattle.paper.production import produce, store_name
@@ -31,7 +31,7 @@ def produced(name, folder, report=ignore):
 def produced_again(name, folder):
     """From the basins that are there: none is computed."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(here, "run_here", None)
+        patch.setattr(local, "run_here", None)
         return produced(name, folder)
 
 
