@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from worker.jobs.job import Job
     from worker.progress import Report
 
+    # A value, or several: a list or an array of them, or (start, stop, count[, spacing]).
     Swept = float | Sequence[float] | np.ndarray | tuple[float, float, int, str]
 
 _P = ParamSpec("_P")
@@ -39,6 +40,7 @@ def compute(
     Parameters
     ----------
     job : Job
+        A `rattle.BasinJob`, or one of another kind.
     store : str or path, optional
         Where the result lies: a folder, or ``s3://bucket/prefix``. By default in `rattle.cache`.
     workers : int, optional
@@ -210,7 +212,7 @@ def basin(
     half_backlash : float or (float, float), default 0.6
         beta
     stiffness : float or (float, float), optional
-        kappa; without it, the impacting model
+        kappa, finite and above damping^2/8; without it, the impacting model
     harmonics : sequence of tuples, optional
         (order, amplitude, phase) of each harmonic of the forcing beside the first; phases count periods of the
         harmonic
@@ -319,7 +321,7 @@ def sweep(
     half_backlash : float or several, default 0.6
         beta
     stiffness : float or several, optional
-        kappa; without it, the impacting model
+        kappa, finite and above damping^2/8; without it, the impacting model
     harmonics : sequence of tuples, optional
         (order, amplitude, phase) of each harmonic of the forcing beside the first; phases count periods of the
         harmonic
@@ -420,7 +422,7 @@ def bifurcation(
     half_backlash : float or several, default 0.6
         beta
     stiffness : float or several, optional
-        kappa; without it, the impacting model
+        kappa, finite and above damping^2/8; without it, the impacting model
     harmonics : sequence of tuples, optional
         (order, amplitude, phase) of each harmonic of the forcing beside the first; phases count periods of the
         harmonic
@@ -518,7 +520,7 @@ def orbits(
     half_backlash : float, default 0.6
         beta
     stiffness : float, optional
-        kappa; without it, the impacting model
+        kappa, finite and above damping^2/8; without it, the impacting model
     harmonics : sequence of tuples, optional
         (order, amplitude, phase) of each harmonic of the forcing beside the first; phases count periods of the
         harmonic
@@ -770,7 +772,7 @@ def trajectory(
     half_backlash : float, default 0.6
         beta
     stiffness : float, optional
-        kappa; without it, the impacting model
+        kappa, finite and above damping^2/8; without it, the impacting model
     harmonics : sequence of tuples, optional
         (order, amplitude, phase) of each harmonic of the forcing beside the first; phases count periods of the
         harmonic

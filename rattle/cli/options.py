@@ -22,7 +22,7 @@ Values = dict[str, Any]
 _CHOICES: Any = StrEnum  # called with members, which type checkers take for a look-up
 
 # The verbs leave it to the jobs to refuse what lies below; here the help says so, too.
-_LEAST = {"iterations": 1, "levels": 0, "transient": 0, "kept": 1, "longest": 1, "samples_per_period": 1}
+LEAST = {"iterations": 1, "levels": 0, "transient": 0, "kept": 1, "longest": 1, "samples_per_period": 1}
 # Where a result lies, and how it is computed, has options of its own.
 _LEFT_OUT = {"store", "workers", "scheduler", "progress"}
 
@@ -38,7 +38,7 @@ def options_of(verb: Callable[..., Any]) -> list[inspect.Parameter]:
     -------
     list of inspect.Parameter
     """
-    written, texts = _written_of(verb), _texts_of(verb)
+    written, texts = _written_of(verb), texts_of(verb)
     arguments = [
         each
         for name, each in inspect.signature(verb).parameters.items()
@@ -111,7 +111,7 @@ def with_options(options: Sequence[inspect.Parameter]) -> Callable[[Callable[...
     return decorate
 
 
-def _texts_of(verb: Callable[..., Any]) -> dict[str, str]:
+def texts_of(verb: Callable[..., Any]) -> dict[str, str]:
     """What a verb's docstring says of each argument."""
     _, _, section = (inspect.getdoc(verb) or "").partition("Parameters\n----------\n")
     texts: dict[str, str] = {}
@@ -138,7 +138,7 @@ def _as_option(argument: inspect.Parameter, text: str) -> inspect.Parameter:
         kind = _CHOICES(name, [(each, each) for each in get_args(kind)])
     elif kind == int | tuple[int, int]:
         kind, default = tuple[int, int], (default, default)
-    least = 1 if (name, kind) == ("cells", int) else _LEAST.get(name)
+    least = 1 if (name, kind) == ("cells", int) else LEAST.get(name)
     return option(name, kind, default, help=text, min=least)
 
 

@@ -81,6 +81,8 @@ def _computed(service: "Service", name: str, given: dict[str, Any]) -> "xr.Datas
     from rattle.arguments import job_of
 
     progress = given.pop("progress", True)
+    if callable(progress):
+        raise TypeError(f"{name}() of a service shows its progress or does not: give progress=True or False")
     (kind,) = (kind for kind, verb in verbs.VERBS.items() if verb.__name__ == name)
     job = service.submit(job_of(kind, given))
     job.wait(progress).demand_success()

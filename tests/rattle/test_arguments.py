@@ -155,7 +155,7 @@ def test_a_wrong_argument_is_named_before_anything_is_computed(verb, given, erro
 def test_all_that_is_swept_is_in_the_order_of_the_arguments(monkeypatch):
     monkeypatch.setattr(verbs, "compute", lambda job, **_: [each.parameter for each in job.vary])
     assert rattle.sweep(eccentricity=[0.09, 0.1], damping=[0.5, 0.6], cells=10) == ["eccentricity", "damping"]
-    amplitudes = {"amplitude_2": [0.01, 0.02], "damping": np.array([0.5, 0.6]), "harmonics": [(2, 0.01)]}
+    amplitudes = {"amplitude_2": [0.001, 0.002], "damping": np.array([0.5, 0.6]), "harmonics": [(2, 0.001)]}
     assert rattle.sweep(**amplitudes, cells=10) == ["amplitude_2", "damping"]
 
 

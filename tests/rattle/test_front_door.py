@@ -1,6 +1,5 @@
 """`import rattle`: quick to import, and its verbs compute, keep and resume."""
 
-import inspect
 import subprocess
 import sys
 import threading
@@ -10,12 +9,9 @@ import pytest
 import xarray as xr
 
 import rattle
-from rattle import local
+from rattle import local, names
 from rattle.progress import ProgressLine
-from rattle.verbs import VERBS
 from worker.errors import JobCancelled, StoreConflict
-
-VERB_NAMES = [*(verb.__name__ for verb in VERBS.values()), "trajectory"]
 
 
 def test_importing_it_loads_nothing_heavy():
@@ -31,12 +27,23 @@ def test_what_it_has_is_listed_and_what_it_has_not_is_said():
         _ = rattle.basins
 
 
-@pytest.mark.parametrize("name", VERB_NAMES)
-def test_a_verb_has_a_signature_and_documents_it(name):
-    verb = getattr(rattle, name)
-    assert "damping" in inspect.signature(verb).parameters and verb.__name__ == name
-    documented = {line.partition(" : ")[0] for line in verb.__doc__.splitlines() if " : " in line}
-    assert documented >= set(inspect.signature(verb).parameters)
+def test_names_that_are_loaded_on_first_use_are_public_ones():
+    assert set(names.__all__) < set(rattle.__all__)
+    assert all(getattr(rattle, name) is getattr(names, name) for name in names.__all__)
+
+
+def test_a_small_basin_loads_no_dask_arrays(tmp_path):
+    script = (
+        "import sys, rattle\n"
+        "basin = rattle.basin(cells=10, iterations=101, progress=False, store=sys.argv[1])\n"
+        "basin.rattle.to_table(), basin.solution.values\n"
+        "print('dask.array' in sys.modules)"
+    )
+    told = subprocess.run(
+        [sys.executable, "-c", script, tmp_path / "small.zarr"],
+        capture_output=True, text=True, check=True, timeout=300,
+    )  # fmt: skip
+    assert told.stdout.strip() == "False"
 
 
 def test_a_result_is_kept_under_its_request(basin, kept):
