@@ -69,7 +69,7 @@ class _There(Generic[_P]):
         def call(*args: _P.args, **kwargs: _P.kwargs) -> "xr.Dataset":
             inspect.signature(self.verb).bind(*args, **kwargs)
             for name in _OF_WORK_HERE:
-                if name in kwargs:
+                if kwargs.get(name) is not None:
                     raise TypeError(f"{self.verb.__name__}() of a service takes no {name}, which is of work here")
             return self.ask(service, self.verb.__name__, verbs.given_of(self.verb, kwargs))
 

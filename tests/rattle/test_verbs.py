@@ -12,7 +12,7 @@ from numpydoc.validate import validate
 
 import rattle
 from rattle.arguments import job_of
-from rattle.cli.options import LEAST, texts_of, options_of
+from rattle.cli.options import LEAST, options_of, texts_of
 from rattle.verbs import VERBS
 from worker.jobs.curve_request import ResolutionRequest
 from worker.jobs.oscillator_request import ImpactingOscillator, PiecewiseLinearOscillator
