@@ -90,8 +90,16 @@ def _asked(name: str) -> tuple[list[inspect.Parameter], Callable[[Values], Job]]
     if verb is not None:
         return options_of(verb), lambda values: job_of(name, arguments_from(verb, values))
     # A kind that is no verb of this package, as of an extension, is asked for as in a service.
-    request = option("request", Path, inspect.Parameter.empty, help="JSON file of the request", exists=True)
-    return [request], lambda values: KINDS[name].job_class.from_request(json.loads(values["request"].read_text()))
+    request = option("request", Path, inspect.Parameter.empty, help="JSON file of the request")
+    return [request], lambda values: KINDS[name].job_class.from_request(_request_in(values["request"]))
+
+
+def _request_in(file: Path) -> dict[str, Any]:
+    try:
+        request: dict[str, Any] = json.loads(file.read_text())
+    except (OSError, ValueError) as error:
+        raise InvalidJob(f"--request {file}: {error}") from error
+    return request
 
 
 def _announce(job: Job, workers: int, ask: bool) -> None:

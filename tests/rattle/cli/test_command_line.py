@@ -21,6 +21,7 @@ from rattle.paper import production, registry
 from rattle.paper.figure import PaperFigure, Printed, Sheet
 from tests.ports import free_port
 from tests.waiting import wait_until
+from worker.kinds import KINDS
 
 SMALL = ["--cells", "24", "20", "--iterations", "101"]
 
@@ -343,6 +344,18 @@ def test_orders_of_a_grazing_curve_that_are_incomplete_are_an_error(monkeypatch,
     answer = CliRunner().invoke(app, ["grazing-curve", "--order", "3", "--out", "there.zarr"])
     assert answer.exit_code == code, answer.output
     assert told in " ".join(answer.output.split())
+
+
+def test_a_kind_that_is_no_verb_is_asked_for_by_its_request(monkeypatch, tmp_path):
+    monkeypatch.setitem(KINDS, "of_an_extension", KINDS["grazing_curve"])
+    request, store = tmp_path / "request.json", tmp_path / "curve.zarr"
+    shell, asked = typer.Typer(), ["--request", str(request), "--out", str(store)]
+    shell.command()(compute.compute_command("of_an_extension"))
+    refused = CliRunner().invoke(shell, asked)
+    assert refused.exit_code == 2 and "No such file" in " ".join(refused.output.split())
+    request.write_text(json.dumps({"kind": "grazing_curve", "order": 0}))
+    done = CliRunner().invoke(shell, asked)
+    assert done.exit_code == 0 and "is complete" in " ".join(done.output.split()), done.output
 
 
 def test_a_service_says_when_it_is_ready_and_where_its_data_are(service):
