@@ -14,7 +14,7 @@ import tempfile
 import time
 from unittest import mock
 
-from rattle.here import run_here
+from rattle.local import run_here
 from worker.cluster import computed_alike
 from worker.jobs.basin_job import BasinJob
 

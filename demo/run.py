@@ -24,9 +24,9 @@ import httpx2 as httpx
 from rattle.cli.console import out, progress_line
 from rattle.cli.result_tables import print_result
 from rattle.progress import ProgressLine
-from rattle.remote.client import ServiceClient
 from rattle.remote.failure import ServiceFailed
 from rattle.remote.job import RemoteJob
+from rattle.remote.service import Service
 from rattle_kernels import warm_up
 
 HERE = Path(__file__).parent
@@ -73,7 +73,7 @@ def address_when_ready(process: subprocess.Popen[str], log: Path) -> str:
 def computed(url: str, request: Path, line: ProgressLine) -> RemoteJob:
     """The job of a request, when it has succeeded."""
     try:
-        job = ServiceClient(url).submit_text(request.read_text())
+        job = Service(url).submit_text(request.read_text())
         job.follow(line)
         job.demand_success()
     except ServiceFailed as error:

@@ -6,60 +6,87 @@
 ['permanent contact', 'P(1,1,0)', 'chaotic']
 
 Times count forcing periods; everything else is nondimensional. `rattle.pictures` has the parts of pictures, and
-`rattle_kernels` the mathematics. The names of this module are loaded when they are first used: ``import rattle`` itself
-takes no time.
+`rattle_kernels` the mathematics.
+
+``import rattle`` takes a quarter of a second. What loads Numba, Dask, Zarr or Matplotlib is imported by the functions
+that need it. The classes of `rattle.names` cannot do so, and are loaded when one is first used: type checkers and
+editors see them all the same.
 """
 
+# ruff: noqa: F403, F405 - the names of `rattle.names` are those of its `__all__`
+
 from importlib import import_module
-from typing import Any
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
 
-from rattle.loading import without_collections
-from rattle.processor import use_whole_registers
+from rattle.measured_curve import transmission_error
+from rattle.remote.failure import ServiceFailed
+from rattle.remote.job import RemoteJob
+from rattle.remote.service import Service, connect
+from rattle.results.cache import cache
+from rattle.results.opening import open
+from rattle.stores import check, export, verify
+from rattle.verbs import basin, bifurcation, compute, grazing_curve, manifolds, orbits, sweep, trajectory
+from worker.progress import Progress
 
-_HOMES = {
-    "rattle.verbs": ("basin", "sweep", "bifurcation", "orbits", "manifolds", "grazing_curve", "trajectory", "compute"),
-    "rattle.stores.checking": ("check",),
-    "rattle.stores.exporting": ("export",),
-    "rattle.stores.verifying": ("verify",),
-    "rattle.results.opening": ("open",),
-    "rattle.remote.verbs": ("connect", "Service"),
-    "rattle.remote.job": ("RemoteJob",),
-    "rattle.remote.failure": ("ServiceFailed",),
-    "rattle.results.kept": ("cache",),
-    "rattle.measured_curve": ("transmission_error",),
-    "rattle_kernels": ("Oscillator", "OutsideDomain", "TransmissionError", "eccentric_gears", "torque_ripple"),
-    "worker.estimate": ("estimate",),
-    "worker.errors": ("WorkerError", "InvalidJob", "NotFound", "StoreConflict", "StoreFailed", "JobCancelled"),
-    "worker.progress": ("Progress",),
-    "worker.jobs.basin_job": ("BasinJob", "SweepJob"),
-    "worker.jobs.swept_parameter": ("SweptParameter", "Spacing"),
-    "worker.jobs.sample": ("Sample",),
-    "worker.jobs.bifurcation_job": ("BifurcationJob",),
-    "worker.jobs.orbits_job": ("OrbitsJob",),
-    "worker.jobs.manifold_job": ("ManifoldJob",),
-    "worker.jobs.grazing_curve_job": ("GrazingCurveJob",),
-}
-_MODULES = ("pictures",)
-_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+if TYPE_CHECKING:
+    from rattle import pictures as pictures
+    from rattle.names import *
+else:
 
-__all__ = sorted(_HOME_OF)  # noqa: PLE0605 - the names of the table
+    def __getattr__(name: str) -> Any:
+        if name == "pictures":
+            return import_module("rattle.pictures")
+        if name not in __all__:
+            raise AttributeError(f"module 'rattle' has no attribute {name!r}; it has {', '.join(__all__)}")
+        found = globals()[name] = getattr(import_module("rattle.names"), name)
+        return found
 
 
-def __getattr__(name: str) -> Any:
-    if name == "__version__":
-        from importlib.metadata import version
-
-        return version("gear-rattle")
-    if name in _MODULES:
-        return import_module(f"rattle.{name}")
-    if name not in _HOME_OF:
-        raise AttributeError(f"module 'rattle' has no attribute {name!r}; it has {', '.join(__all__)}")
-    use_whole_registers()
-    with without_collections():
-        found = getattr(import_module(_HOME_OF[name]), name)
-    globals()[name] = found
-    return found
+__version__ = version("gear-rattle")
+__all__ = [
+    "BasinJob",
+    "BifurcationJob",
+    "GrazingCurveJob",
+    "InvalidJob",
+    "JobCancelled",
+    "ManifoldJob",
+    "NotFound",
+    "OrbitsJob",
+    "Oscillator",
+    "OutsideDomain",
+    "Progress",
+    "RemoteJob",
+    "Sample",
+    "Service",
+    "ServiceFailed",
+    "Spacing",
+    "StoreConflict",
+    "StoreFailed",
+    "SweepJob",
+    "SweptParameter",
+    "TransmissionError",
+    "WorkerError",
+    "basin",
+    "bifurcation",
+    "cache",
+    "check",
+    "compute",
+    "connect",
+    "eccentric_gears",
+    "estimate",
+    "export",
+    "grazing_curve",
+    "manifolds",
+    "open",
+    "orbits",
+    "sweep",
+    "torque_ripple",
+    "trajectory",
+    "transmission_error",
+    "verify",
+]
 
 
 def __dir__() -> list[str]:
-    return [*__all__, *_MODULES, "__version__"]
+    return [*__all__, "__version__", "pictures"]

@@ -3,26 +3,26 @@
 import csv
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from numpy.typing import ArrayLike
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
-from rattle_kernels import TransmissionError, UnusableCurve
-from rattle_kernels import transmission_error as of_samples
-from worker.errors import InvalidJob
+    from rattle_kernels import TransmissionError
+    from worker.errors import InvalidJob
 
 COLUMNS = ("angle", "error")
 
 
 def transmission_error(
-    curve: str | Path | ArrayLike,
-    error: ArrayLike | None = None,
+    curve: "str | Path | ArrayLike",
+    error: "ArrayLike | None" = None,
     *,
     unit: str = "turns",
     explained: float = 0.99,
     scale: float = 1.0,
     columns: tuple[str, str] = COLUMNS,
-) -> TransmissionError:
+) -> "TransmissionError":
     """Make a forcing of a measured transmission error.
 
     Parameters
@@ -67,19 +67,22 @@ def transmission_error(
     >>> round(least, 2), round(phase, 3)  # positive, so Eq. (8) holds
     (1.17, 0.102)
     """
+    from rattle_kernels import UnusableCurve  # loads Numba
+    from rattle_kernels import transmission_error as of_samples
+
     options: dict[str, Any] = {"unit": unit, "explained": explained, "scale": scale}
     if not isinstance(curve, str | Path):
         if error is None:
-            raise InvalidJob("give angles and errors, or the path of a CSV file", ("transmission_error",))
+            raise _fault("give angles and errors, or the path of a CSV file")
         return of_samples(curve, error, **options)
     if error is not None:
-        raise InvalidJob(f"{curve} is a file, which has its errors", ("transmission_error",))
+        raise _fault(f"{curve} is a file, which has its errors")
     angles, errors, lines = _read(Path(curve), columns)
     try:
         return of_samples(angles, errors, **options)
     except UnusableCurve as fault:
         line = "" if fault.sample is None else f", line {lines[fault.sample]}"
-        raise InvalidJob(f"{curve}{line}: {fault}", ("transmission_error",)) from fault
+        raise _fault(f"{curve}{line}: {fault}") from fault
 
 
 def _read(path: Path, columns: tuple[str, str]) -> tuple[list[float], list[float], list[int]]:
@@ -133,5 +136,7 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _fault(message: str) -> InvalidJob:
+def _fault(message: str) -> "InvalidJob":
+    from worker.errors import InvalidJob
+
     return InvalidJob(message, ("transmission_error",))

@@ -96,6 +96,12 @@ def shows_bars(console: Console) -> bool:
     return console.is_terminal
 
 
+def console_for(progress: bool) -> Console:
+    """Where progress is shown: nowhere, if it is not wanted or no bar can be."""
+    console = Console(stderr=True)
+    return console if progress and shows_bars(console) else Console(quiet=True)
+
+
 @contextmanager
 def progress_line(console: Console, unit: str = "tiles") -> Iterator[ProgressLine]:
     """Progress bar where a console can show one, a plain line now and then elsewhere; `unit` names what is counted."""

@@ -8,5 +8,6 @@ All of it uses what any user has: `rattle`, `rattle.pictures` and the public nam
 COMMAND = (
     "rattle_paper.command:paper",
     "Recompute a figure of the paper and its numbers; basins that are there already are used, unfinished resumed.",
+    ("rattle paper fig7 --out paper", "rattle paper fig7 --cells 200 200 --out quick"),
 )
 """``rattle paper``: the entry point `paper` of `rattle.commands` names it."""

@@ -77,8 +77,6 @@ def _constant(module: str, name: str, value: Any) -> list[str]:
 
 def _home_of(module: str, name: str) -> str:
     face = import_module(module)
-    if homes := getattr(face, "_HOME_OF", None):  # names that are loaded when they are first used
-        return str(homes[name])
     imports = ast.walk(ast.parse(inspect.getsource(face)))
     return next(
         node.module

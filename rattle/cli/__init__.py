@@ -10,10 +10,8 @@ from typing import Annotated, Any
 
 import typer
 
+from rattle.cli.command import EXAMPLES, HELP_OPTIONS, Command, Group
 from rattle.cli.console import give_up, out
-from rattle.cli.readable_help import HELP_OPTIONS, ReadableGroup
-from rattle.cli.strict_command import StrictCommand
-from rattle.processor import use_whole_registers
 from worker.kinds import KINDS
 
 _OTHER_COMMANDS = {
@@ -36,19 +34,19 @@ _OTHER_COMMANDS = {
     "cancel": ("remote", "Stop a job; what it has computed stays readable."),
     "delete": ("remote", "Stop a job, and delete it with its result."),
     "check": (
-        "stores.check",
+        "check",
         "Read every file of a store; compute anew what is damaged or missing, to the same bytes.",
     ),
     "export": (
-        "stores.export",
+        "export",
         "Write a finished result as a zipped RO-Crate: its request, versions, tables and pictures.",
     ),
     "verify": (
-        "stores.verify",
+        "verify",
         "Prove again, by Arb balls, what a basin's store claims to be proven; exit with 1 if anything is not.",
     ),
-    "keys": ("guard.keys", "Make, list and revoke the API keys of a service."),
-    "certs": ("guard.certs", "Make certificates for the parts of a Dask cluster."),
+    "keys": ("keys", "Make, list and revoke the API keys of a service."),
+    "certs": ("certs", "Make certificates for the parts of a Dask cluster."),
     "plot": (
         "plot",
         "Draw a basin in the colours of its motions, a sweep side by side, or what an analysis has found.",
@@ -60,11 +58,11 @@ _OTHER_COMMANDS = {
 }
 """Module of each command, and what ``rattle --help`` says of it. The others compute a kind of `worker.kinds`."""
 
-_WITH_KERNELS = ("serve", "trajectory", "check")
-"""Those of them that run kernels, or start processes that do."""
-
-_BESIDE: dict[str, tuple[str, str]] = {each.name: each.load() for each in entry_points(group="rattle.commands")}
-"""Commands of packages that stand beside: where the function is, as ``module:name``, and what the help says of it."""
+_BESIDE: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    each.name: each.load() for each in entry_points(group="rattle.commands")
+}
+"""Commands of packages that stand beside: the function, as ``module:name``, what the help says of it, and examples."""
+EXAMPLES.update({name: examples for name, (_, _, examples) in _BESIDE.items()})
 
 
 def _kinds_by_command() -> dict[str, str]:
@@ -75,8 +73,6 @@ def _kinds_by_command() -> dict[str, str]:
 def _loaded(name: str) -> Any:
     """The command itself."""
     kinds = _kinds_by_command()
-    if name in kinds or name in _WITH_KERNELS or name in _BESIDE:
-        use_whole_registers()
     if name in kinds:
         found = import_module("rattle.cli.compute").compute_command(kinds[name])
     elif name in _BESIDE:
@@ -85,7 +81,7 @@ def _loaded(name: str) -> Any:
         found = getattr(_loaded_module(name), name.replace("-", "_"))
     if not isinstance(found, typer.Typer):
         alone = typer.Typer(add_completion=False)
-        alone.command(name, cls=StrictCommand)(found)
+        alone.command(name, cls=Command)(found)
         found = alone
     return typer.main.get_command(found)
 
@@ -99,7 +95,7 @@ def _loaded_module(name: str) -> Any:
         give_up(f"`rattle {name}` needs {error.name}: pip install 'gear-rattle[service]'", 2)
 
 
-class _OnDemand(ReadableGroup):
+class _OnDemand(Group):
     """Lists commands by stand-ins, and loads a command when it is run."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
@@ -147,7 +143,7 @@ def command_line() -> typer.Typer:
     )  # fmt: skip
     app.callback()(_options_of_all)
     commands = {name: KINDS[kind].command for name, kind in _kinds_by_command().items()}
-    listed = {name: text for name, (_, text) in (_OTHER_COMMANDS | _BESIDE).items()}
+    listed = {name: text for name, (_, text, *_) in (_OTHER_COMMANDS | _BESIDE).items()}
     for name, text in ({"serve": listed["serve"]} | commands | listed).items():
         app.command(name, help=text)(lambda: None)
     return app
@@ -158,7 +154,6 @@ _HELP = (
     "Alone: `rattle basin` computes one here, `rattle sweep` many, `rattle plot` draws them; "
     "`rattle bifurcation`, `rattle orbits`, `rattle manifold` and `rattle grazing-curve` explain them; "
     "`rattle trajectory` follows one motion, `rattle transmission-error` makes harmonics of a measured curve, "
-    "`rattle paper` recomputes a figure of the paper; "
     "`rattle check` checks and mends a result, `rattle export` writes it down to hand on. "
     "With a service: `rattle serve` starts one, "
     "`rattle submit` sends it a request, `rattle jobs` and `rattle status` follow what it does, "

@@ -1,16 +1,20 @@
 """The commands that compute a job here, without a service: one for each kind of `worker.kinds`."""
 
+import inspect
+import json
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from rattle.arguments import job_of
 from rattle.cli.console import Scheduler, err, give_up, out, progress_line
-from rattle.cli.options import arguments_from, job_options, with_options
+from rattle.cli.options import Values, arguments_from, option, options_of, with_options
 from rattle.cli.result_tables import print_result, what_is_missing
-from rattle.here import run_here, usable_cores
+from rattle.local import run_here, usable_cores
+from rattle.verbs import VERBS
 from rattle_kernels import OutsideDomain
 from worker.errors import InvalidJob, JobCancelled, WorkerError
 from worker.estimate import estimate
@@ -44,14 +48,15 @@ def compute_command(name: str) -> Callable[..., None]:
         Command for typer.
     """
     kind = KINDS[name]
+    options, job_from = _asked(name)
 
-    @with_options(job_options(kind.job_class))
+    @with_options(options)
     def command(
         out_: Out, workers: Workers = 2, scheduler: Scheduler = None, as_json: AsJson = False, yes: Yes = False,
         **values: Any,
     ) -> None:  # fmt: skip
         try:
-            job = job_of(kind.job_class, arguments_from(kind.job_class, values), name)
+            job = job_from(values)
         except (OutsideDomain, InvalidJob) as error:
             give_up(str(error), 2)
         out.quiet |= as_json
@@ -75,6 +80,24 @@ def compute_command(name: str) -> Callable[..., None]:
 
     command.__doc__ = kind.command
     return command
+
+
+def _asked(name: str) -> tuple[list[inspect.Parameter], Callable[[Values], Job]]:
+    """Options that describe a job of a kind, and the job that their values make."""
+    verb = VERBS.get(name)
+    if verb is not None:
+        return options_of(verb), lambda values: job_of(name, arguments_from(verb, values))
+    # A kind that is no verb of this package, as of an extension, is asked for as in a service.
+    request = option("request", Path, inspect.Parameter.empty, help="JSON file of the request")
+    return [request], lambda values: KINDS[name].job_class.from_request(_request_in(values["request"]))
+
+
+def _request_in(file: Path) -> dict[str, Any]:
+    try:
+        request: dict[str, Any] = json.loads(file.read_text())
+    except (OSError, ValueError) as error:
+        raise InvalidJob(f"--request {file}: {error}") from error
+    return request
 
 
 def _announce(job: Job, workers: int, ask: bool) -> None:

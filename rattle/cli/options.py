@@ -1,71 +1,95 @@
-"""Options of the command line, made from the arguments of the verbs.
+"""Options of the commands that compute, from the signatures and docstrings of the verbs.
 
-Arguments that are a list, a tuple or a dict in Python are text here: `_WRITTEN` has those options.
+What is a list, a tuple of more than two numbers or a dict in Python is text here: `_WRITTEN` has those options.
 """
 
 import inspect
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, NamedTuple
+from enum import StrEnum
+from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
 import typer
 
-from rattle.argument import Argument, is_parameter
-from rattle.arguments import arguments_of
-from rattle.cli.texts import (
-    continuation_of,
-    departure_of,
-    harmonic_of,
-    measured_of,
-    orbit_seed_of,
-    saddle_of,
-    swept_of,
-    tolerances_of,
-)
-from worker.jobs.basin_job import SweepJob
-from worker.jobs.bifurcation_job import BifurcationJob
-from worker.jobs.job import Job
-from worker.jobs.orbits_job import OrbitsJob
+from rattle.arguments import is_parameter
+from rattle.measured_curve import transmission_error
+from rattle.verbs import given_of
+from worker.errors import InvalidJob
+from worker.jobs.swept_parameter import known_parameter
 
 Values = dict[str, Any]
-"""Values of a command's options, by their names in Python."""
+"""Values of options, or of arguments, by name."""
+
+_CHOICES: Any = StrEnum  # called with members, which type checkers take for a look-up
+
+# The verbs leave it to the jobs to refuse what lies below; here the help says so, too.
+LEAST = {"iterations": 1, "levels": 0, "transient": 0, "kept": 1, "longest": 1, "samples_per_period": 1}
+# Where a result lies, and how it is computed, has options of its own.
+_LEFT_OUT = {"store", "workers", "scheduler", "progress"}
 
 
-class Written(NamedTuple):
-    """An option whose value is text, and how it is read: from all values of the command, into arguments of the verb."""
-
-    name: str
-    kind: Any
-    default: Any
-    help: str
-    read: Callable[[Any], Values]
-
-
-def option(name: str, kind: Any, default: Any, *flags: str, **details: Any) -> inspect.Parameter:
-    """Option of a command.
+def options_of(verb: Callable[..., Any]) -> list[inspect.Parameter]:
+    """Options of the command for a verb.
 
     Parameters
     ----------
-    name : str
-        Name of the function's argument.
-    kind : type
-    default : object
-        ``...`` if the option is required.
-    *flags : str
-        Flags of the option, if they differ from its name.
-    **details
-        Arguments of `typer.Option`: help, min.
+    verb : callable
 
     Returns
     -------
-    inspect.Parameter
+    list of inspect.Parameter
     """
-    default = inspect.Parameter.empty if default is ... else default
+    written, texts = _written_of(verb), texts_of(verb)
+    arguments = [
+        each
+        for name, each in inspect.signature(verb).parameters.items()
+        if name not in written and name not in _LEFT_OUT and each.kind is each.KEYWORD_ONLY
+    ]
+    options = [_as_option(each, texts[each.name]) for each in arguments]
+    return options + [option(each.option, each.kind, each.default, help=each.help) for each in written.values()]
+
+
+def arguments_from(verb: Callable[..., Any], values: Values) -> Values:
+    """Arguments of a verb, from the options that were given.
+
+    Parameters
+    ----------
+    verb : callable
+    values : dict
+        Of all options of `options_of`.
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    InvalidJob
+        If an option that is written as text cannot be read.
+    """
+    written = {each.option: each for each in _written_of(verb).values()}
+    usual = {each.name: each.default for each in options_of(verb)}
+    plain = {
+        name: value.value if isinstance(value, StrEnum) else value
+        for name, value in values.items()
+        if name not in written and value != usual[name]
+    }
+    given = given_of(verb, plain)
+    for name, each in written.items():
+        if values[name]:
+            read = each.read(values[name])
+            # Swept values come last, in their order.
+            given = {key: value for key, value in given.items() if key not in read} | read
+    return given
+
+
+def option(name: str, kind: Any, default: Any, *flags: str, **details: Any) -> inspect.Parameter:
+    """Option of a command; a default of `inspect.Parameter.empty` makes it required."""
     annotation = Annotated[kind, typer.Option(*flags, **details)]
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
 
 def with_options(options: Sequence[inspect.Parameter]) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command more options, whose values it takes as keyword arguments.
+    """Give a command more options, for Typer to read; their values come as keyword arguments.
 
     Parameters
     ----------
@@ -87,142 +111,204 @@ def with_options(options: Sequence[inspect.Parameter]) -> Callable[[Callable[...
     return decorate
 
 
-def options_of(arguments: Sequence[Argument]) -> list[inspect.Parameter]:
-    """Options for arguments that need no conversion."""
-    return [_as_option(each) for each in arguments]
+def texts_of(verb: Callable[..., Any]) -> dict[str, str]:
+    """What a verb's docstring says of each argument."""
+    _, _, section = (inspect.getdoc(verb) or "").partition("Parameters\n----------\n")
+    texts: dict[str, str] = {}
+    for line in section.partition("\n\n")[0].splitlines():
+        if not line.startswith(" "):
+            name = line.partition(" : ")[0]
+            texts[name] = ""
+        else:
+            texts[name] = f"{texts[name]} {line.strip()}".lstrip()
+    return texts
 
 
-def _as_option(argument: Argument) -> inspect.Parameter:
-    # A switch has no `--no-` form.
-    flags = [f"--{argument.name.replace('_', '-')}"] if argument.kind is bool else []
-    details = {"help": argument.text or None, "min": argument.least}
-    if is_parameter(argument.name) and argument.default is not None:
-        # None tells what was not given: beside a measured curve an eccentricity is refused, the default one, too.
-        details["help"] = rf"{argument.text} \[default: {argument.default}]"
-        return option(argument.name, argument.kind | None, None, *flags, **details)
-    return option(argument.name, argument.kind, argument.default, *flags, **details)
+def _as_option(argument: inspect.Parameter, text: str) -> inspect.Parameter:
+    """Option of an argument that needs no text of its own."""
+    kind: Any = argument.annotation
+    name, default = argument.name, argument.default
+    if is_parameter(name):
+        # One number here. None tells what was not given: the default is the verb's.
+        note = "" if default is None else rf" \[default: {default}]"
+        return option(name, float | None, None, help=text + note)
+    if kind is bool:  # a switch has no `--no-` form
+        return option(name, bool, default, f"--{name.replace('_', '-')}", help=text)
+    if get_origin(kind) is Literal:
+        kind = _CHOICES(name, [(each, each) for each in get_args(kind)])
+    elif kind == int | tuple[int, int]:
+        kind, default = tuple[int, int], (default, default)
+    least = 1 if (name, kind) == ("cells", int) else LEAST.get(name)
+    return option(name, kind, default, help=text, min=least)
 
 
-def job_options(job_class: type[Job]) -> list[inspect.Parameter]:
-    """Options of the command for a job.
+class _Written(NamedTuple):
+    """An option whose value is text, and how that is read into arguments of the verb."""
 
-    Parameters
-    ----------
-    job_class : type
-
-    Returns
-    -------
-    list of inspect.Parameter
-    """
-    written = _written(job_class)
-    as_they_are = [each for each in arguments_of(job_class) if each.name not in written]
-    texts = [option(each.name, each.kind, each.default, help=each.help) for each in written.values()]
-    return options_of(as_they_are) + texts
+    option: str
+    kind: Any
+    default: Any
+    help: str
+    read: Callable[[Any], Values]
 
 
-def given_of(arguments: Sequence[Argument], values: Values) -> Values:
-    """Values of the options of `options_of` that were given: numbers of the oscillator, and what is no default.
-
-    Parameters
-    ----------
-    arguments : sequence of Argument
-    values : dict
-        Of all options, by name.
-
-    Returns
-    -------
-    dict
-    """
-    without = {each.name: (None, None if is_parameter(each.name) else each.default) for each in arguments}
-    return {name: value for name, value in values.items() if name in without and value not in without[name]}
-
-
-def arguments_from(job_class: type[Job], values: Values) -> Values:
-    """Arguments of the verb, from the options that were given.
-
-    Parameters
-    ----------
-    job_class : type
-    values : dict
-
-    Returns
-    -------
-    dict
-
-    Raises
-    ------
-    InvalidJob
-        If an option that is written as text cannot be read.
-    """
-    written = {each.name: each for each in _written(job_class).values()}
-    given = given_of([each for each in arguments_of(job_class) if each.name not in written], values)
-    for name, each in written.items():
-        if values[name]:
-            read = each.read(values[name])
-            # Swept values come last, in their order.
-            given = {key: value for key, value in given.items() if key not in read} | read
-    return given
-
-
-def _written(job_class: type[Job]) -> dict[str, Written]:
+def _written_of(verb: Callable[..., Any]) -> dict[str, _Written]:
     """Options that are written as text, by the argument that they replace."""
-    written = {}
-    if issubclass(job_class, SweepJob):
-        text = "damping=0.5,0.55,0.6 or damping=0.5:0.7:21[:geometric]; once or twice, the last fastest"
-        written["vary"] = Written("vary", list[str], ..., text, swept_of)
-    if issubclass(job_class, BifurcationJob):
-        text = "damping=0.5:0.6:1000[:geometric] or damping=0.5,0.55,0.6"
-        written["vary"] = Written("vary", str, ..., text, lambda text: swept_of([text]))
-    names = [each.name for each in arguments_of(job_class)]
-    return written | {name: make(job_class) for name, make in _REPLACED.items() if name in names}
+    written = _WRITTEN | _OWN.get(verb.__name__, {})
+    return {name: written[name] for name in inspect.signature(verb).parameters if name in written}
 
 
-def _seeds(job_class: type[Job]) -> Written:
-    read: Callable[[str], tuple[float, ...]]
-    if issubclass(job_class, OrbitsJob):
-        text, read = "t,v[,period] close to an orbit; several; no search then", orbit_seed_of
-    else:
-        text, read = "Departure t,v to begin with; several; without, attractors are found", departure_of
-    return Written("seed", list[str] | None, None, text, lambda texts: {"seeds": [read(each) for each in texts]})
+def _read(option: str, text: str, form: str, read: Callable[[str], Any]) -> Any:
+    try:
+        return read(text)
+    except (ValueError, KeyError) as error:
+        raise InvalidJob(f"--{option} {text}: {form}") from error
 
 
-def _continuation(name: str, argument: str, text: str) -> Callable[[type[Job]], Written]:
-    def read(value: str) -> Values:
-        return {argument: continuation_of(value, name)}
+def _swept(texts: Sequence[str]) -> Values:
+    """Swept parameters, each written ``damping=0.5,0.55,0.6`` or ``damping=0.5:0.7:21[:geometric]``."""
+    forms = "write values, damping=0.5,0.55,0.6, or from where to where and how many, damping=0.5:0.7:21"
+    swept: Values = {}
+    for text in texts:
+        name, read = text.partition("=")[0].replace("-", "_"), _read("vary", text, forms, _values)
+        try:
+            known_parameter(name)
+        except ValueError as error:
+            raise InvalidJob(str(error)) from error
+        if name in swept:
+            raise InvalidJob(f"{name} is swept twice")
+        swept[name] = read
+    return swept
 
-    return lambda _: Written(name, str | None, None, text, read)
+
+def _values(text: str) -> Any:
+    values = text.partition("=")[2]
+    if ":" not in values:
+        return [float(value) for value in values.split(",") if value]
+    start, stop, count, *spacing = values.split(":")
+    return float(start), float(stop), int(count), *spacing[:1]
 
 
-HARMONICS = Written(
-    "harmonic", list[str] | None, None, "order:amplitude[:phase] of a harmonic of the forcing: 2:0.01:0.25; several",
-    lambda texts: {"harmonics": [harmonic_of(each) for each in texts]},
-)  # fmt: skip
-MEASURED = Written(
-    "transmission_error", str | None, None,
-    "te.csv[,unit=degrees][,scale=0.01][,explained=0.99]: a measured curve in place of eccentricity and harmonics",
-    lambda text: {"transmission_error": measured_of(text)},
-)  # fmt: skip
-FORCING = {"harmonics": HARMONICS, "transmission_error": MEASURED}
-"""Options for the forcing of an oscillator, by the argument that they replace."""
+def _tolerance(text: str) -> tuple[str, tuple[float, float]]:
+    name, _, ends = text.partition("=")
+    least, greatest = map(float, ends.split(":"))
+    return name.replace("-", "_"), (least, greatest)
 
-TOLERANCES = Written(
-    "tolerance", list[str] | None, None, "damping=0.59:0.61, of a proof: it holds for every machine within; several",
-    lambda texts: {"tolerances": tolerances_of(texts)},
-)  # fmt: skip
 
-_REPLACED: dict[str, Callable[[type[Job]], Written]] = {
-    "tolerances": lambda _: TOLERANCES,
-    "harmonics": lambda _: HARMONICS,
-    "transmission_error": lambda _: MEASURED,
-    "seeds": _seeds,
-    "saddles": lambda _: Written(
-        "saddle", list[str], ..., "t,v[,period] close to a saddle, or P(1,1,0); several",
-        lambda texts: {"saddles": [saddle_of(each) for each in texts]},
+def _tolerances(texts: Sequence[str]) -> Values:
+    form = "write between which values, damping=0.59:0.61"
+    return {"tolerances": dict(_read("tolerance", text, form, _tolerance) for text in texts)}
+
+
+def _departure(text: str) -> tuple[float, ...]:
+    time, velocity = (float(part) for part in text.split(","))
+    return time, velocity
+
+
+def _orbit(text: str) -> tuple[float, ...]:
+    *departure, period = text.split(",") if text.count(",") == 2 else [*text.split(","), "1"]
+    time, velocity = (float(part) for part in departure)
+    return time, velocity, int(period)
+
+
+def _departures(texts: Sequence[str]) -> Values:
+    form = "write phase and speed of a departure, as in 0.6,3.77"
+    return {"seeds": [_read("seed", text, form, _departure) for text in texts]}
+
+
+_ORBIT = "write phase, speed and impact period, as in 0.786,1.613,2"
+
+
+def _orbits(texts: Sequence[str]) -> Values:
+    return {"seeds": [_read("seed", text, _ORBIT, _orbit) for text in texts]}
+
+
+def _saddles(texts: Sequence[str]) -> Values:
+    return {"saddles": [text if "(" in text else _read("saddle", text, _ORBIT, _orbit) for text in texts]}
+
+
+def _harmonic(text: str) -> tuple[float, ...]:
+    order, amplitude, phase = text.split(":") if text.count(":") > 1 else (*text.split(":"), "0")
+    return int(order), float(amplitude), float(phase)
+
+
+def _harmonics(texts: Sequence[str]) -> Values:
+    form = "write order, amplitude and phase, as in 2:0.01:0.25; an order is a whole number"
+    return {"harmonics": [_read("harmonic", text, form, _harmonic) for text in texts]}
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    name, _, value = text.partition("=")
+    kinds: dict[str, Callable[[str], Any]] = {"unit": str, "scale": float, "explained": float}
+    return name, kinds[name](value)
+
+
+def _measured(text: str) -> Values:
+    """A measured curve. Settings are the last parts that have "=": a file's name may have commas."""
+    form = "write te.csv,unit=degrees,scale=0.01,explained=0.99, or some of these"
+    parts = text.split(",")
+    named = next((place for place in range(len(parts), 1, -1) if "=" not in parts[place - 1]), 1)
+    settings = _read("transmission-error", text, form, lambda _: dict(map(_setting, parts[named:])))
+    return {"transmission_error": transmission_error(",".join(parts[:named]), **settings)}
+
+
+def _followed(option: str, argument: str) -> Callable[[str], Values]:
+    """Reader of a parameter to follow something in, written ``damping=0.45:0.7[:points]``."""
+
+    def read(text: str) -> Values:
+        name, _, interval = text.partition("=")
+        start, stop, *points = interval.split(":")
+        return {argument: {name.replace("-", "_"): (float(start), float(stop), *map(int, points[:1]))}}
+
+    return lambda text: _read(option, text, "write damping=0.45:0.7 or damping=0.45:0.7:5000", read)
+
+
+_SEVERAL, _REQUIRED = list[str] | None, inspect.Parameter.empty
+_WRITTEN = {
+    "tolerances": _Written(
+        "tolerance", _SEVERAL, None, "damping=0.59:0.61, of a proof: it holds for every machine within; several",
+        _tolerances,
     ),
-    "continuation": _continuation(
-        "follow", "continuation", "damping=0.45:0.7[:points]: follow orbits in a parameter"
+    "harmonics": _Written(
+        "harmonic", _SEVERAL, None, "order:amplitude[:phase] of a harmonic of the forcing: 2:0.01:0.25; several",
+        _harmonics,
     ),
-    "curves": _continuation(
-        "curves", "curves", "eccentricity=0.05:0.15[:points]: and special points in a second one"
+    "transmission_error": _Written(
+        "transmission_error", str | None, None,
+        "te.csv[,unit=degrees][,scale=0.01][,explained=0.99]: a measured curve in place of eccentricity and harmonics",
+        _measured,
+    ),
+    "seeds": _Written(
+        "seed", _SEVERAL, None, "Departure t,v to begin with; several; without, attractors are found", _departures
+    ),
+    "saddles": _Written(
+        "saddle", list[str], _REQUIRED, "t,v[,period] close to a saddle, or P(1,1,0); several", _saddles
+    ),
+    "continuation": _Written(
+        "follow", str | None, None, "damping=0.45:0.7[:points]: follow orbits in a parameter",
+        _followed("follow", "continuation"),
+    ),
+    "curves": _Written(
+        "curves", str | None, None, "eccentricity=0.05:0.15[:points]: and special points in a second one",
+        _followed("curves", "curves"),
     ),
 }  # fmt: skip
+"""Options that are written as text, by the argument that they replace."""
+_OWN = {
+    "orbits": {
+        "seeds": _Written("seed", _SEVERAL, None, "t,v[,period] close to an orbit; several; no search then", _orbits)
+    },
+    "sweep": {
+        "of_harmonics": _Written(
+            "vary", list[str], _REQUIRED,
+            "damping=0.5,0.55,0.6 or damping=0.5:0.7:21[:geometric]; once or twice, the last fastest", _swept,
+        )
+    },
+    "bifurcation": {
+        "of_harmonics": _Written(
+            "vary", str, _REQUIRED, "damping=0.5:0.6:1000[:geometric] or damping=0.5,0.55,0.6",
+            lambda text: _swept([text]),
+        )
+    },
+}  # fmt: skip
+"""Those of one verb alone; ``--vary`` stands for all arguments that may have several values."""

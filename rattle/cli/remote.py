@@ -11,9 +11,9 @@ from rich.table import Column, Table
 
 from rattle.cli.console import Key, give_up, out, progress_line
 from rattle.cli.result_tables import print_result
-from rattle.remote.client import ServiceClient
 from rattle.remote.failure import ServiceFailed
 from rattle.remote.job import RemoteJob
+from rattle.remote.service import Service
 
 Url = Annotated[str, typer.Option(envvar="RATTLE_URL", help="Address of the service")]
 _HERE = "http://127.0.0.1:8000"
@@ -39,7 +39,7 @@ def submit(
     except OSError as error:
         give_up(f"{request} cannot be read: {error.strerror}", 2)
     try:
-        job = ServiceClient(url, key).submit_text(body)
+        job = Service(url, key).submit_text(body)
         out.quiet |= as_json
         out.print(f"job {job.id} is {job.described['state']}", highlight=False)
         if wait:
@@ -73,7 +73,7 @@ def jobs(
 ) -> None:
     """List the service's jobs, newest first."""
     try:
-        found = [job.described for job in ServiceClient(url, key).jobs(limit)]
+        found = [job.described for job in Service(url, key).jobs(limit)]
     except ServiceFailed as error:
         _refuse(error)
     if as_json:
@@ -136,7 +136,7 @@ JobId = Annotated[str, typer.Argument(help="Id of the job, or its first digits")
 
 def _job(job_id: str, url: str, key: str | None) -> RemoteJob:
     """Job with an id, or the only one of the newest whose id begins like that."""
-    service = ServiceClient(url, key)
+    service = Service(url, key)
     if len(job_id) == _ID_DIGITS:
         return service.job(job_id)
     found = [job for job in service.jobs(_NEWEST) if job.id.startswith(job_id)]

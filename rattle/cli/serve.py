@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from rattle.cli.console import Scheduler, give_up, out
-from rattle.cli.guard.keys import opened_keys
+from rattle.cli.keys import opened_keys
 from service.app import create_app
 from service.logs import write_logs
 from service.server import Server, address, refusal_to_listen

@@ -6,13 +6,12 @@ from typing import Annotated, Any
 
 import typer
 
+from rattle import verbs
+from rattle.arguments import trajectory_of
 from rattle.cli.console import announced_compiling, give_up, out
-from rattle.cli.options import FORCING, given_of, option, options_of, with_options
-from rattle.oscillator_arguments import oscillator_group
-from rattle.results.trajectories import trajectory_request
+from rattle.cli.options import arguments_from, options_of, with_options
 from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory
 from worker.errors import InvalidFields
-from worker.jobs.trajectory_request import StartRequest, TrajectoryRequest
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.history_picture import history_figure
 
@@ -22,8 +21,6 @@ _OUTCOMES = {
     Outcome.NOT_CONVERGED: "undecided: a root-finder gave up at the end",
 }
 _MOST_SAMPLES = 2_000_000
-_OSCILLATOR = [each for each in oscillator_group().arguments if each.name not in FORCING]
-_START, _FIELDS = StartRequest.model_fields, TrajectoryRequest.model_fields
 
 
 def _write(oscillator: Oscillator, history: TimeHistory, target: Path) -> None:
@@ -45,35 +42,19 @@ def _print_contacts(history: TimeHistory) -> None:
         typer.echo(f"{time:11.6f}  {wall:+4d}  {Direction(direction).name.lower():<6}  {speed:.6g}")
 
 
-@with_options(
-    [
-        *options_of(_OSCILLATOR),
-        *(option(each.name, each.kind, each.default, help=each.help) for each in FORCING.values()),
-    ]
-)
+@with_options(options_of(verbs.trajectory))
 def trajectory(
-    velocity: Annotated[float, typer.Option(help="Speed of a departure from +beta; with --displacement, Phi'")],
     out_: Annotated[Path, typer.Option("--out", help="Picture (.png, .svg, .pdf) or table (.csv) to write")],
-    time: Annotated[float, typer.Option(help="Initial time t, forcing periods")] = _START["time"].default,
-    displacement: Annotated[float | None, typer.Option(help="Initial Phi; without it, +beta is left")] = None,
-    periods: Annotated[float, typer.Option(help="Span, forcing periods")] = _FIELDS["periods"].default,
-    samples_per_period: Annotated[int, typer.Option(min=1, help="Samples beside the contacts")] = _FIELDS[
-        "samples_per_period"
-    ].default,
     **values: Any,
 ) -> None:
     """Follow one motion of either model: draw Phi(t) or write it down, and list its contacts."""
     if out_.suffix not in (".csv", *(f".{each}" for each in PictureFormat)):
         give_up(f"{out_} should end in .png, .svg, .pdf or .csv", 2)
-    if not periods * samples_per_period <= _MOST_SAMPLES:
-        give_up(f"{periods * samples_per_period:.0f} samples are more than the limit of {_MOST_SAMPLES}", 2)
-    start = {"time": time, "velocity": velocity, "displacement": displacement}
+    samples = values["periods"] * values["samples_per_period"]
+    if not samples <= _MOST_SAMPLES:
+        give_up(f"{samples:.0f} samples are more than the limit of {_MOST_SAMPLES}", 2)
     try:
-        given = given_of(_OSCILLATOR, values)
-        for each in FORCING.values():
-            if written := values[each.name]:
-                given |= each.read(written)
-        request = trajectory_request(given | start | {"periods": periods, "samples_per_period": samples_per_period})
+        request = trajectory_of(arguments_from(verbs.trajectory, values))
         with announced_compiling():
             history = request.follow()
     except InvalidFields as error:

@@ -7,15 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import httpx2 as httpx
-from rich.console import Console
 
-from rattle.progress import ProgressLine, progress_line, shows_bars
+from rattle.progress import ProgressLine, console_for, progress_line
 from rattle.remote.failure import ServiceFailed, detail_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rattle.remote.client import ServiceClient
+    from rattle.remote.service import Service
 
 # An idle stream of events sends a comment every 15 s.
 _SILENCE_SECONDS = 40.0
@@ -24,18 +23,12 @@ _PAUSE_SECONDS = 0.5
 _ENDS = ("succeeded", "failed", "cancelled")
 
 
-def _console(progress: bool) -> Console:
-    """Where progress is shown, if it is."""
-    console = Console(stderr=True)
-    return console if progress and shows_bars(console) else Console(quiet=True)
-
-
 class RemoteJob:
     """A job of a service.
 
     Parameters
     ----------
-    service : ServiceClient
+    service : Service
     described : dict
         As the service describes it.
 
@@ -52,7 +45,7 @@ class RemoteJob:
     2
     """
 
-    def __init__(self, service: "ServiceClient", described: dict[str, Any]) -> None:
+    def __init__(self, service: "Service", described: dict[str, Any]) -> None:
         self.service, self.described = service, described
 
     def __repr__(self) -> str:
@@ -107,7 +100,7 @@ class RemoteJob:
         ServiceFailed
             If the service is gone for a minute.
         """
-        with progress_line(_console(progress)) as line:
+        with progress_line(console_for(progress)) as line:
             self.follow(line)
         return self
 
@@ -198,7 +191,7 @@ class RemoteJob:
 
         if self.state not in _ENDS:
             raise ServiceFailed(f"job {self.id} is {self.described['state']}: fetch its result once it has ended")
-        fetch_store(self.url, self.service.headers, Path(store), _console(progress))
+        fetch_store(self.url, self.service.headers, Path(store), console_for(progress))
         return open(store)
 
     def cancel(self) -> "RemoteJob":

@@ -1,15 +1,13 @@
 """Results as xarray datasets, wherever they lie."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import xarray as xr
-
-import rattle.results.accessor  # noqa: F401 - gives datasets their `.rattle`
-from worker.views.at_level import open_level
+if TYPE_CHECKING:
+    import xarray as xr
 
 
-def open(location: str | Path, *, key: str | None = None, level: int = 0) -> xr.Dataset:  # noqa: A001 - as in `rattle.open`
+def open(location: str | Path, *, key: str | None = None, level: int = 0) -> "xr.Dataset":
     """Open a result, complete or not.
 
     Parameters
@@ -45,5 +43,8 @@ def open(location: str | Path, *, key: str | None = None, level: int = 0) -> xr.
     >>> rattle.open("basin.zarr").name.values.tolist()
     ['permanent contact', 'P(1,1,0)', 'chaotic']
     """
+    import rattle.results.accessor  # noqa: F401 - gives datasets their `.rattle`
+    from worker.views.at_level import open_level
+
     options: dict[str, Any] = {"headers": {"authorization": f"Bearer {key}"}} if key else {}
     return open_level(location, level, options)

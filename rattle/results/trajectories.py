@@ -1,74 +1,16 @@
 """One time history as a dataset, and back."""
 
 import json
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from pydantic import ValidationError
 
-from rattle.argument import Argument
-from rattle.arguments import demand_given
-from rattle.oscillator_arguments import oscillator_group
 from rattle_kernels import Contacts, Oscillator, Outcome, TimeHistory
-from worker.jobs.request import refusal
-from worker.jobs.trajectory_request import StartRequest, TrajectoryRequest
+from worker.jobs.trajectory_request import TrajectoryRequest
 
 TRAJECTORY = "trajectory"
 """Kind of such a dataset."""
-
-TRAJECTORY_EXAMPLE = (
-    "Follow one motion of either model.",
-    "``displacement`` and ``velocity`` over ``time``; contacts along ``contact``.",
-    ">>> motion = rattle.trajectory(damping=0.6, stiffness=1000.0, velocity=4.0, periods=5.0)\n"
-    ">>> float(motion.time[-1])\n5.0",
-)
-"""What the verb does, what comes back, and an example."""
-
-
-def trajectory_arguments() -> tuple[Argument, ...]:
-    """Arguments of the verb: an oscillator, where it starts, and for how long it is followed."""
-    start, whole = StartRequest.model_fields, TrajectoryRequest.model_fields
-    named: list[tuple[str, Any, Any]] = [
-        ("time", float, start),
-        ("velocity", float, start),
-        ("displacement", float | None, start),
-    ]
-    named += [("periods", float, whole), ("samples_per_period", int, whole)]
-    own = []
-    for name, kind, fields in named:
-        default = ... if fields[name].is_required() else fields[name].default
-        own.append(Argument(name, kind, default, fields[name].description or ""))
-    return (*oscillator_group().arguments, *own)
-
-
-def trajectory_request(given: Mapping[str, Any]) -> TrajectoryRequest:
-    """Request that arguments make.
-
-    Parameters
-    ----------
-    given : dict
-        Only the arguments that were given.
-
-    Returns
-    -------
-    TrajectoryRequest
-
-    Raises
-    ------
-    TypeError
-        If an argument is unknown or missing.
-    InvalidJob
-        If a value has a wrong type or lies out of range.
-    """
-    demand_given("trajectory", given, trajectory_arguments())
-    start = {name: given[name] for name in ("time", "velocity", "displacement") if given.get(name) is not None}
-    rest = {name: given[name] for name in ("periods", "samples_per_period") if name in given}
-    try:
-        return TrajectoryRequest(oscillator=oscillator_group().read(given), start=start, **rest)
-    except ValidationError as error:
-        raise refusal(error) from error
 
 
 def dataset_of(request: TrajectoryRequest, history: TimeHistory) -> xr.Dataset:

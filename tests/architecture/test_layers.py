@@ -27,7 +27,7 @@ def test_planted_imports_are_caught(tmp_path):
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
     planted = {
         "rattle_kernels/model/flight.py": ["worker.stores.layout"],
-        "rattle_paper/figures/fig5.py": ["rattle_kernels.lanes.run", "worker.jobs.basin_job", "rattle.here"],
+        "rattle_paper/figures/fig5.py": ["rattle_kernels.lanes.run", "worker.jobs.basin_job", "rattle.local"],
     }
     for name, modules in planted.items():
         path = tmp_path / name

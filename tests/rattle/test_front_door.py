@@ -1,6 +1,5 @@
 """`import rattle`: quick to import, and its verbs compute, keep and resume."""
 
-import inspect
 import subprocess
 import sys
 import threading
@@ -10,16 +9,13 @@ import pytest
 import xarray as xr
 
 import rattle
-from rattle import here
+from rattle import local, names
 from rattle.progress import ProgressLine
-from rattle.verb import VERBS
 from worker.errors import JobCancelled, StoreConflict
-
-VERB_NAMES = [*(verb.name for verb in VERBS), "trajectory"]
 
 
 def test_importing_it_loads_nothing_heavy():
-    look = "import sys, rattle; print({'numba', 'dask', 'matplotlib', 'xarray', 'fastapi', 'numpy'} & set(sys.modules))"
+    look = "import sys, rattle; print({'numba', 'dask', 'zarr', 'matplotlib', 'xarray', 'fastapi'} & set(sys.modules))"
     told = subprocess.run([sys.executable, "-c", look], capture_output=True, text=True, check=True, timeout=60)
     assert told.stdout.strip() == "set()"
 
@@ -31,12 +27,23 @@ def test_what_it_has_is_listed_and_what_it_has_not_is_said():
         _ = rattle.basins
 
 
-@pytest.mark.parametrize("name", VERB_NAMES)
-def test_a_verb_has_a_signature_and_documents_it(name):
-    verb = getattr(rattle, name)
-    assert "damping" in inspect.signature(verb).parameters and verb.__name__ == name
-    documented = {line.partition(" : ")[0] for line in verb.__doc__.splitlines() if " : " in line}
-    assert documented >= set(inspect.signature(verb).parameters)
+def test_names_that_are_loaded_on_first_use_are_public_ones():
+    assert set(names.__all__) < set(rattle.__all__)
+    assert all(getattr(rattle, name) is getattr(names, name) for name in names.__all__)
+
+
+def test_a_small_basin_loads_no_dask_arrays(tmp_path):
+    script = (
+        "import sys, rattle\n"
+        "basin = rattle.basin(cells=10, iterations=101, progress=False, store=sys.argv[1])\n"
+        "basin.rattle.to_table(), basin.solution.values\n"
+        "print('dask.array' in sys.modules)"
+    )
+    told = subprocess.run(
+        [sys.executable, "-c", script, tmp_path / "small.zarr"],
+        capture_output=True, text=True, check=True, timeout=300,
+    )  # fmt: skip
+    assert told.stdout.strip() == "False"
 
 
 def test_a_result_is_kept_under_its_request(basin, kept):
@@ -75,7 +82,7 @@ def test_an_interrupted_computation_goes_on_where_it_was(tmp_path, monkeypatch):
         return work(cancel)
 
     with monkeypatch.context() as patch:
-        patch.setattr(here, "run_interruptibly", interrupted)
+        patch.setattr(local, "run_interruptibly", interrupted)
         with pytest.raises(JobCancelled):
             rattle.basin(**given)
     assert not rattle.open(given["store"]).rattle.complete
@@ -127,15 +134,15 @@ def test_a_trajectory_is_that_of_the_kernels():
     history = time_history(Oscillator(), 0.0, 0.6, -4.0, periods=3.0)
     np.testing.assert_array_equal(motion.displacement, history.displacement)
     np.testing.assert_array_equal(motion.contact_time, history.contacts.time)
-    with pytest.raises(TypeError, match="needs velocity"):
+    with pytest.raises(TypeError, match="missing 1 required keyword-only argument: 'velocity'"):
         rattle.trajectory(damping=0.6)
     with pytest.raises(ValueError, match="velocity must be positive"):
         rattle.trajectory(velocity=-4.0)
 
 
 @pytest.mark.parametrize("verb", [rattle.basin, rattle.sweep, rattle.trajectory])
-def test_arguments_without_names_are_written_with_them(verb):
-    with pytest.raises(TypeError, match=rf"{verb.__name__}\(damping=0.6, eccentricity=0.1, half_backlash=0.7\)"):
+def test_arguments_without_names_are_refused(verb):
+    with pytest.raises(TypeError, match=rf"{verb.__name__}\(\) takes 0 positional arguments but 3 were given"):
         verb(0.6, 0.1, 0.7)
 
 

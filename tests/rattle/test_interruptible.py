@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from rattle.interruptible import run_interruptibly
+from rattle.local import run_interruptibly
 
 
 @pytest.fixture

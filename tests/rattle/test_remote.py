@@ -1,5 +1,7 @@
 """`rattle.connect`: the same verbs computed by a service give the same datasets."""
 
+import inspect
+
 import httpx2 as httpx
 import numpy as np
 import pandas as pd
@@ -9,7 +11,7 @@ from typer.testing import CliRunner
 
 import rattle
 from rattle.cli import app
-from rattle.verb import VERBS
+from rattle.verbs import VERBS
 from service.records.keys import Keys, KeyScope
 from tests.service.idle_service import idle_service
 from worker.jobs.basin_job import basin_job
@@ -36,12 +38,13 @@ def test_the_same_question_has_the_same_answer_there(there, basin):
 
 
 def test_it_has_the_verbs_of_the_package_with_the_same_arguments(there):
-    import inspect
-
-    own = {"store", "workers", "scheduler"}
-    for verb in VERBS:
-        here, remote = (set(inspect.signature(getattr(place, verb.name)).parameters) for place in (rattle, there))
-        assert here - own == remote
+    for name in (*(verb.__name__ for verb in VERBS.values()), "trajectory"):
+        assert inspect.signature(getattr(there, name)) == inspect.signature(getattr(rattle, name))
+        with pytest.raises(TypeError, match="unexpected keyword argument 'dampign'"):
+            getattr(there, name)(dampign=0.6)
+    for given in ({"store": "here.zarr"}, {"workers": 2}, {"scheduler": "tcp://127.0.0.1:8786"}):
+        with pytest.raises(TypeError, match="of a service takes no .*, which is of work here"):
+            there.basin(**given)
 
 
 def test_a_trajectory_is_that_of_here(there):

@@ -5,7 +5,6 @@ import pytest
 
 import rattle
 from rattle.arguments import job_of
-from worker.jobs.basin_job import BasinJob, SweepJob
 
 TURNS = np.arange(48) / 48
 MICROMETRES = 5.0 + 10.0 * np.cos(2 * np.pi * (TURNS - 0.1)) + 2.0 * np.cos(4 * np.pi * TURNS)
@@ -40,12 +39,12 @@ def test_a_file_may_be_numbers_alone_or_name_other_columns(tmp_path):
 
 def test_it_goes_into_any_verb_as_forcing_as_a_value_or_as_a_file(file, tmp_path):
     error = rattle.transmission_error(file, unit="degrees", scale=0.01)
-    expected = job_of(BasinJob, FORCING | {"damping": 0.8}, "basin").digest
-    assert job_of(BasinJob, {**error.forcing, "damping": 0.8}, "basin").digest == expected
-    assert job_of(BasinJob, {"transmission_error": error, "damping": 0.8}, "basin").digest == expected
+    expected = job_of("basin", FORCING | {"damping": 0.8}).digest
+    assert job_of("basin", {**error.forcing, "damping": 0.8}).digest == expected
+    assert job_of("basin", {"transmission_error": error, "damping": 0.8}).digest == expected
     (tmp_path / "turns.csv").write_text("\n".join(f"{turn!r},{0.01 * size!r}" for turn, size in SAMPLES))
     given = {"transmission_error": tmp_path / "turns.csv", "damping": 0.8}
-    assert job_of(BasinJob, given, "basin").digest == expected
+    assert job_of("basin", given).digest == expected
     motions = [
         rattle.trajectory(velocity=4.0, periods=2.0, damping=0.8, **given)
         for given in ({"transmission_error": error}, FORCING)
@@ -56,9 +55,9 @@ def test_it_goes_into_any_verb_as_forcing_as_a_value_or_as_a_file(file, tmp_path
 def test_its_numbers_can_be_swept(file):
     error = rattle.transmission_error(file, unit="degrees", scale=0.01)
     swept = {"transmission_error": error, "damping": 0.8, "phase_2": (0, 1, 5), "cells": 10}
-    assert job_of(SweepJob, swept, "sweep").oscillator.parameters[-2:] == ("amplitude_2", "phase_2")
+    assert job_of("sweep", swept).oscillator.parameters[-2:] == ("amplitude_2", "phase_2")
     over = {"transmission_error": error, "damping": 0.8, "eccentricity": [0.05, 0.06], "cells": 10}
-    assert [each.parameter for each in job_of(SweepJob, over, "sweep").vary] == ["eccentricity"]
+    assert [each.parameter for each in job_of("sweep", over).vary] == ["eccentricity"]
 
 
 @pytest.mark.parametrize("other", [{"eccentricity": 0.1}, {"harmonics": [(2, 0.01)]}, {"harmonics": []}])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from rattle import here
+from rattle import local
 from rattle_kernels import CellGrid, Oscillator, next_impacts
 from rattle_paper.figures import assembly, fig1, fig11, fig17, machine, machine_sweep
 from rattle_paper.production import produce, store_name
@@ -30,7 +30,7 @@ def produced(name, folder, report=ignore):
 def produced_again(name, folder):
     """From the basins that are there: none is computed."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(here, "run_here", None)
+        patch.setattr(local, "run_here", None)
         return produced(name, folder)
 
 

@@ -29,7 +29,7 @@ def itinerary(oscillator: Oscillator, t: float, v: float, impact_period: int) ->
     contacts = history.contacts
     lower = int(np.count_nonzero((contacts.wall < 0) & (contacts.direction != Direction.OUT)))
     around = contacts.time[history.departures[impact_period - 1]] - t
-    return orbit_name(round(float(around)), impact_period, int(lower))
+    return orbit_name(round(float(around)), impact_period, lower)
 
 
 def _name(job: BifurcationJob, value: float, outcome: int, period: int, t: float, v: float) -> str:

@@ -15,12 +15,13 @@ from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from rattle.cli import _loaded, app, compute, remote
+from rattle.cli.command import EXAMPLES
 from rattle.cli.console import out
-from rattle.cli.examples import examples_of
 from rattle_paper import production, registry
 from rattle_paper.figure import PaperFigure, Printed, Sheet
 from tests.ports import free_port
 from tests.waiting import wait_until
+from worker.kinds import KINDS
 
 SMALL = ["--cells", "24", "20", "--iterations", "101"]
 
@@ -64,7 +65,7 @@ def test_help_is_not_cut_at_80_columns_and_ends_with_examples(words, asked, monk
 @pytest.mark.parametrize("name", EVERY_COMMAND)
 def test_examples_are_what_their_command_takes(name):
     words, command = EVERY_COMMAND[name]
-    for example in examples_of(words[-1]):
+    for example in EXAMPLES.get(words[-1], ()):
         called = shlex.split(example.partition("<")[0])
         if len(words) < len(called) and getattr(command, "commands", None) is None:
             assert called[: 1 + len(words)] == ["rattle", *words]
@@ -343,6 +344,18 @@ def test_orders_of_a_grazing_curve_that_are_incomplete_are_an_error(monkeypatch,
     answer = CliRunner().invoke(app, ["grazing-curve", "--order", "3", "--out", "there.zarr"])
     assert answer.exit_code == code, answer.output
     assert told in " ".join(answer.output.split())
+
+
+def test_a_kind_that_is_no_verb_is_asked_for_by_its_request(monkeypatch, tmp_path):
+    monkeypatch.setitem(KINDS, "of_an_extension", KINDS["grazing_curve"])
+    request, store = tmp_path / "request.json", tmp_path / "curve.zarr"
+    shell, asked = typer.Typer(), ["--request", str(request), "--out", str(store)]
+    shell.command()(compute.compute_command("of_an_extension"))
+    refused = CliRunner().invoke(shell, asked)
+    assert refused.exit_code == 2 and "No such file" in " ".join(refused.output.split())
+    request.write_text(json.dumps({"kind": "grazing_curve", "order": 0}))
+    done = CliRunner().invoke(shell, asked)
+    assert done.exit_code == 0 and "is complete" in " ".join(done.output.split()), done.output
 
 
 def test_a_service_says_when_it_is_ready_and_where_its_data_are(service):

@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 
 from rattle.arguments import job_of
 from rattle.cli import app
-from rattle.cli.options import arguments_from, job_options
-from worker.jobs.basin_job import BasinJob
+from rattle.cli.options import arguments_from, options_of
+from rattle.verbs import basin
 
 TWO_PI = 2.0 * math.pi
 
@@ -63,11 +63,11 @@ def test_fewer_orders_are_kept_if_that_is_asked_for_and_json_has_all_numbers(fil
 
 
 def test_every_command_that_names_an_oscillator_takes_a_curve(file):
-    values = {each.name: each.default for each in job_options(BasinJob)}
+    values = {each.name: each.default for each in options_of(basin)}
     with_commas = file.rename(file.with_name("1,000 rpm=slow,te.csv"))
     values["transmission_error"] = f"{with_commas},unit=degrees,scale=0.01,explained=0.9"
-    job = job_of(BasinJob, arguments_from(BasinJob, values), "basin")
-    assert job.digest == job_of(BasinJob, {"eccentricity": 0.1}, "basin").digest
+    job = job_of("basin", arguments_from(basin, values))
+    assert job.digest == job_of("basin", {"eccentricity": 0.1}).digest
     for command in ("basin", "sweep", "bifurcation", "orbits", "manifold", "grazing-curve", "trajectory"):
         _, text, _ = told(command, "--help")
         assert re.search(r"--transmission-err", text), command

@@ -4,8 +4,8 @@ import pytest
 from typer.testing import CliRunner
 
 import rattle
+from rattle import stores
 from rattle.cli import app
-from rattle.stores import verifying
 
 
 def verify(*arguments):
@@ -35,6 +35,6 @@ def test_a_number_of_boxes_that_is_none_is_told_so(plain):
 
 
 def test_without_python_flint_the_extra_is_named(plain, monkeypatch):
-    monkeypatch.setattr(verifying.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(stores.importlib.util, "find_spec", lambda name: None)
     answer = verify(plain)
     assert answer.exit_code == 2 and "gear-rattle[proof]" in answer.output

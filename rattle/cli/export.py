@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from rattle.cli.console import give_up, out
-from rattle.stores.exporting import export as export_crate
+from rattle.stores import export as export_crate
 from worker.errors import InvalidJob, WorkerError
 
 

@@ -2,12 +2,12 @@
 
 import contextlib
 import os
-from collections.abc import Iterator
-from typing import Any
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
 
 from distributed import Client
 
-from rattle.interruptible import run_interruptibly
 from rattle_kernels.warm_up import Report as Compiling
 from rattle_kernels.warm_up import reporting_compilation
 from worker.cluster.connection import remote_cluster, thread_cluster
@@ -17,6 +17,8 @@ from worker.fence import unfenced
 from worker.jobs.job import Job
 from worker.kinds import KINDS
 from worker.progress import Report
+
+_T = TypeVar("_T")
 
 
 def usable_cores() -> int:
@@ -73,3 +75,32 @@ def _cluster(scheduler: str | None, workers: int | None) -> Iterator[Client]:
     else:
         with thread_cluster(workers or usable_cores()) as client:
             yield client
+
+
+def run_interruptibly(work: Callable[[threading.Event], _T]) -> _T:
+    """Run work in another thread. Ctrl-C reaches this one, which then sets the event that cancels the work.
+
+    Returns what the work returns, and raises what it raises.
+    """
+    cancel, ended = threading.Event(), threading.Event()
+    results: list[_T] = []
+    errors: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            results.append(work(cancel))
+        except BaseException as error:  # handed to the thread that waits
+            errors.append(error)
+        finally:
+            ended.set()
+
+    threading.Thread(target=run).start()
+    # Not by joining: Python 3.11 takes a thread for ended once its join has been interrupted.
+    try:
+        ended.wait()
+    except KeyboardInterrupt:
+        cancel.set()
+        ended.wait()
+    if errors:
+        raise errors[0]
+    return results[0]

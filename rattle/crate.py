@@ -1,22 +1,23 @@
-"""A finished result as one file to hand on: an RO-Crate with its request, versions, tables and pictures."""
+"""A finished result as one file to hand on: an RO-Crate 1.1 with its request, versions, tables and pictures."""
 
 import io
 import json
 import re
 import uuid
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import xarray as xr
 
 from rattle.results.opening import open
-from rattle.stores.crate import METADATA, CrateFile, crate_metadata
 from worker.errors import InvalidJob
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.picture import figure_of_store
 from worker.pictures.share_chart import shares_figure
-from worker.stores.provenance import LICENSE
+from worker.stores.provenance import LICENSE, REFERENCES
 from worker.views.reading import is_address
 from worker.views.tables import TableFormat, table_of, tables_in, write_table
 
@@ -26,60 +27,35 @@ _OF_CELLS = {"velocity", "time", "sample", "tile", "tile_velocity", "tile_time"}
 _SPDX_NAME = re.compile(r"[A-Za-z0-9.+-]+")
 # A zip's times begin here. The same store gives the same bytes.
 _NO_TIME = (1980, 1, 1, 0, 0, 0)
+# Name of the file that makes a folder an RO-Crate.
+_METADATA = "ro-crate-metadata.json"
+_SPECIFICATION = "https://w3id.org/ro/crate/1.1"
+_SPDX = "https://spdx.org/licenses/"
+_PROGRAM = "#gear-rattle"
 
 
-def export(
-    store: str | Path, path: str | Path, *, creator: str | None = None, license: str | None = None  # noqa: A002
-) -> Path:  # fmt: skip
-    """Write a finished result as a zipped RO-Crate 1.1: its request, versions, tables and pictures.
+class CrateFile(NamedTuple):
+    """A file of a crate: its bytes, its media type, and what it is."""
 
-    The certificate of a proof is part of it.
+    content: bytes
+    media_type: str
+    name: str
 
-    Parameters
-    ----------
-    store : str or path
-        A folder, or ``s3://bucket/prefix``.
-    path : str or path
-        File to write; its name ends in .zip.
-    creator : str, optional
-        Who made the result. A store says nobody's name.
-    license : str, optional
-        SPDX name of the result's licence, by default CC0-1.0.
 
-    Returns
-    -------
-    Path
-        The file, in place of one that was there. The same store gives the same bytes.
-
-    Raises
-    ------
-    InvalidJob
-        If the file's name or the licence cannot be one, or the result is not finished.
-    StoreConflict, StoreFailed
-        If there is no store, or it cannot be read.
-    OSError
-        If the file cannot be written.
-
-    Examples
-    --------
-    >>> import rattle
-    >>> basin = rattle.basin(cells=20, store="exported.zarr", progress=False)
-    >>> rattle.export("exported.zarr", "basin.zip", creator="A. Author").name
-    'basin.zip'
-    """
-    location, target = str(store), Path(path)
+def write_crate(location: str, target: Path, creator: str | None, license_name: str | None) -> Path:
+    """Write a store as a crate; see `rattle.export`."""
     if target.suffix != ".zip":
-        raise InvalidJob(f"the name of an export ends in .zip, not as {str(path)!r} does")
-    if license is not None and not _SPDX_NAME.fullmatch(license):
-        raise InvalidJob(f"the licence {license!r} is no SPDX name, such as CC-BY-4.0")
+        raise InvalidJob(f"the name of an export ends in .zip, not as {str(target)!r} does")
+    if license_name is not None and not _SPDX_NAME.fullmatch(license_name):
+        raise InvalidJob(f"the licence {license_name!r} is no SPDX name, such as CC-BY-4.0")
     if is_address(location):
         raise InvalidJob(f"{location} is an address: copy the result into a folder first, with `rattle fetch`")
     with open(location) as dataset:
         if not dataset.attrs["complete"]:
             raise InvalidJob(f"{location} is not finished: the call that began it goes on from what is there")
         files = dict(_files(location, dataset))
-        metadata = crate_metadata(dataset.attrs, files, creator, license or dataset.attrs.get("license", LICENSE))
-    _write_whole(target, _zipped({METADATA: metadata} | {name: file.content for name, file in files.items()}))
+        metadata = _metadata_of(dataset.attrs, files, creator, license_name or dataset.attrs.get("license", LICENSE))
+    _write_whole(target, _zipped({_METADATA: metadata} | {name: file.content for name, file in files.items()}))
     return target
 
 
@@ -143,3 +119,59 @@ def _zipped(files: dict[str, bytes]) -> bytes:
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, content)
     return zipped.getvalue()
+
+
+def _metadata_of(
+    attributes: Mapping[str, Any], files: Mapping[str, CrateFile], creator: str | None, license_name: str
+) -> bytes:
+    """The crate's own file: JSON-LD that describes all others. Dates are those of the store."""
+    license_id = _SPDX + license_name
+    parts = [{"@id": path} for path in files]
+    graph: list[dict[str, Any]] = [
+        {
+            "@id": _METADATA, "@type": "CreativeWork", "about": {"@id": "./"},
+            "conformsTo": {"@id": _SPECIFICATION},
+        },
+        {
+            "@id": "./", "@type": "Dataset", "name": attributes["title"],
+            "description": f"{attributes['title']}: request {attributes['request_sha256']}",
+            "identifier": attributes["request_sha256"], "datePublished": attributes["finished"],
+            "license": {"@id": license_id}, "hasPart": parts, "mentions": {"@id": "#run"},
+            "citation": {"@id": _doi()},
+        },
+        {"@id": license_id, "@type": "CreativeWork", "name": license_name, "description": f"Licence {license_name}"},
+        {"@id": _doi(), "@type": "ScholarlyArticle", "name": REFERENCES},
+        {
+            "@id": _PROGRAM, "@type": "SoftwareApplication", "name": "gear-rattle",
+            "softwareVersion": _version_of(attributes), "description": "Basins of attraction of a rattling gear pair",
+        },
+        {
+            "@id": "#run", "@type": "CreateAction", "name": attributes.get("history", "computation"),
+            "instrument": {"@id": _PROGRAM}, "object": {"@id": "request.json"},
+            "result": [part for part in parts if part["@id"] not in ("request.json", "versions.json")],
+            "startTime": attributes["started"], "endTime": attributes["finished"],
+        },
+    ]  # fmt: skip
+    graph += [
+        {
+            "@id": path, "@type": "File", "name": file.name, "encodingFormat": file.media_type,
+            "contentSize": str(len(file.content)),
+        }
+        for path, file in files.items()
+    ]  # fmt: skip
+    if creator is not None:
+        graph[1]["author"] = {"@id": "#creator"}
+        graph.append({"@id": "#creator", "@type": "Person", "name": creator})
+    document = {"@context": f"{_SPECIFICATION}/context", "@graph": graph}
+    return json.dumps(document, indent=1, ensure_ascii=False).encode()
+
+
+def _doi() -> str:
+    return "https://doi.org/" + REFERENCES.rpartition("doi:")[2]
+
+
+def _version_of(attributes: Mapping[str, Any]) -> str:
+    """Version that computed the result; older stores say it only among all versions."""
+    versions = attributes.get("versions", {})
+    versions = json.loads(versions) if isinstance(versions, str) else versions
+    return str(versions.get("gear-rattle", version("gear-rattle")))

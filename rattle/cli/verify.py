@@ -8,7 +8,7 @@ import typer
 from rich.table import Table
 
 from rattle.cli.console import give_up, out, progress_line
-from rattle.stores.verifying import verify as prove_again
+from rattle.stores import verify as prove_again
 from rattle.verification.verdict import Verification
 from worker.errors import WorkerError
 

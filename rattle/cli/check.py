@@ -7,8 +7,8 @@ from typing import Annotated
 import typer
 
 from rattle.cli.console import Scheduler, give_up, out, progress_line
-from rattle.stores.checking import Check
-from rattle.stores.checking import check as check_and_mend
+from rattle.stores import Check
+from rattle.stores import check as check_and_mend
 from worker.errors import JobCancelled, WorkerError
 
 _MOST_LISTED = 40

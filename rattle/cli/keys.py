@@ -9,9 +9,8 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from rattle.cli.command import Command, Group
 from rattle.cli.console import err, give_up, out
-from rattle.cli.readable_help import ReadableGroup
-from rattle.cli.strict_command import StrictCommand
 from service.records.engine import DatabaseError, open_database
 from service.records.keys import InvalidKeyName, KeyRecord, Keys, KeyScope
 from service.settings import Settings
@@ -21,7 +20,7 @@ Data = Annotated[
 ]
 
 keys = typer.Typer(
-    name="keys", cls=ReadableGroup, no_args_is_help=True, help="Make, list and revoke the API keys of a service."
+    name="keys", cls=Group, no_args_is_help=True, help="Make, list and revoke the API keys of a service."
 )
 
 
@@ -54,7 +53,7 @@ def _settings(data: Path | None) -> Settings:
     return Settings() if data is None else Settings(data=data)
 
 
-@keys.command(cls=StrictCommand)
+@keys.command(cls=Command)
 def add(
     name: Annotated[str, typer.Argument(help="Name of its owner, shown in jobs and log lines")],
     scope: Annotated[list[KeyScope] | None, typer.Option(help="What it allows; read and submit by default")] = None,
@@ -71,7 +70,7 @@ def add(
     typer.echo(key)
 
 
-@keys.command("list", cls=StrictCommand)
+@keys.command("list", cls=Command)
 def list_keys(data: Data = None, as_json: Annotated[bool, typer.Option("--json", help="As JSON")] = False) -> None:
     """List all keys by their first characters, including revoked ones."""
     if as_json:
@@ -91,7 +90,7 @@ def _as_json(record: KeyRecord) -> dict[str, str | None]:
     return {"name": record.name, "prefix": record.prefix, "scopes": record.scopes} | dates
 
 
-@keys.command(cls=StrictCommand)
+@keys.command(cls=Command)
 def revoke(
     which: Annotated[str, typer.Argument(help="The beginning of a key, or the name of all that are to be revoked")],
     data: Data = None,

@@ -3,11 +3,13 @@
 import os
 import shutil
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import platformdirs
 from rich.filesize import decimal
 
-from worker.jobs.job import Job
+if TYPE_CHECKING:
+    from worker.jobs.job import Job
 
 
 class ResultCache:
@@ -27,7 +29,7 @@ class ResultCache:
         named = os.environ.get("RATTLE_CACHE")
         return Path(named) if named else platformdirs.user_cache_path("gear-rattle") / "results"
 
-    def location_of(self, job: Job) -> str:
+    def location_of(self, job: "Job") -> str:
         """Store of a job, whether it is there or not."""
         return str(self.folder / f"{job.kind}-{job.digest[:32]}.zarr")
 

@@ -1,0 +1,209 @@
+"""Whole stores: checked and mended, exported, and what they claim to be proven proven again."""
+
+import importlib.util
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from rattle.verification.verdict import Verification
+    from worker.progress import Report
+    from worker.stores.checking.damage import Damage, Findings
+
+
+@dataclass(frozen=True)
+class Check:
+    """What a check of a store has found.
+
+    Parameters
+    ----------
+    store : str
+    files : int
+        Files that were read.
+    damages : tuple of Damage
+        What was damaged or missing: each has an ``array``, a ``chunk`` (one tile is one chunk) and ``what``.
+    mended : bool
+        Whether nothing is damaged any more.
+    complete : bool
+        Whether the job has finished. An unfinished one goes on with the call that began it.
+    """
+
+    store: str
+    files: int
+    damages: "tuple[Damage, ...]"
+    mended: bool
+    complete: bool
+
+
+def check(
+    store: str | Path,
+    *,
+    dry_run: bool = False,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    reading: Callable[[int, int], None] = lambda done, total: None,
+    computing: "Report" = lambda progress: None,
+) -> Check:
+    """Read every file of a store, and compute anew what is damaged or missing, to the bytes that were there.
+
+    A chunk is damaged if its checksum is wrong, metadata if they are not those that the root says once more. The store
+    becomes unfinished first: if the work is interrupted, the next check goes on with it. Nobody else may write to it
+    meanwhile. A store that was not finished before is not finished here, but what is damaged is taken out.
+
+    Parameters
+    ----------
+    store : str or path
+        A folder, or ``s3://bucket/prefix``.
+    dry_run : bool
+        Whether everything stays as it is.
+    workers : int, optional
+        Threads that compute; by default one for each core.
+    scheduler : str, optional
+        Address of a Dask scheduler, in place of threads.
+    reading : callable
+        Called with the number of chunks that have been read, and of all.
+    computing : callable
+        Called with each `Progress`, in another thread.
+
+    Returns
+    -------
+    Check
+
+    Raises
+    ------
+    StoreConflict
+        If there is no store, or its request is lost, so that nothing tells what it held.
+    StoreFailed
+        If it cannot be read or written.
+    JobCancelled
+        If it was interrupted.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> basin = rattle.basin(cells=20, store="checked.zarr", progress=False)
+    >>> rattle.check("checked.zarr").damages
+    ()
+    """
+    from worker.stores.checking.damage import check_store  # loads Numba and Zarr
+
+    found = check_store(str(store), reading)
+    mended = not found.damages
+    if found.damages and not dry_run:
+        _mend(found, workers, scheduler, computing)
+        mended = True
+    return Check(found.location, found.files, found.damages, mended, found.complete)
+
+
+def _mend(found: "Findings", workers: int | None, scheduler: str | None, computing: "Report") -> None:
+    from worker.stores.checking.taking_back import take_back
+
+    take_back(found)
+    if not found.complete:
+        return
+    from rattle.local import run_here  # loads Dask, which a store without damage does without
+
+    run_here(found.job, found.location, computing, workers=workers, scheduler=scheduler)
+
+
+def export(
+    store: str | Path, path: str | Path, *, creator: str | None = None, license: str | None = None  # noqa: A002
+) -> Path:  # fmt: skip
+    """Write a finished result as a zipped RO-Crate 1.1: its request, versions, tables and pictures.
+
+    The certificate of a proof is part of it.
+
+    Parameters
+    ----------
+    store : str or path
+        A folder, or ``s3://bucket/prefix``.
+    path : str or path
+        File to write; its name ends in .zip.
+    creator : str, optional
+        Who made the result. A store says nobody's name.
+    license : str, optional
+        SPDX name of the result's licence, by default CC0-1.0.
+
+    Returns
+    -------
+    Path
+        The file, in place of one that was there. The same store gives the same bytes.
+
+    Raises
+    ------
+    InvalidJob
+        If the file's name or the licence cannot be one, or the result is not finished.
+    StoreConflict, StoreFailed
+        If there is no store, or it cannot be read.
+    OSError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> basin = rattle.basin(cells=20, store="exported.zarr", progress=False)
+    >>> rattle.export("exported.zarr", "basin.zip", creator="A. Author").name
+    'basin.zip'
+    """
+    from rattle.crate import write_crate  # loads Numba, Zarr and Matplotlib
+
+    return write_crate(str(store), Path(path), creator, license)
+
+
+def verify(
+    store: str | Path,
+    *,
+    cells: int = 10_000,
+    boxes: int | Literal["all"] = 10_000,
+    seed: int = 0,
+    processes: int = 1,
+    progress: Callable[[str, int, int], None] = lambda what, done, total: None,
+) -> "Verification":
+    """Prove again what a basin's store claims to be proven, by other means: Arb balls of python-flint.
+
+    All targets are proven: a(t) > 0, the quiet core, each disc around an orbit, the set that rattles for ever. Of the
+    cells, and of the boxes of the lattice by which they were proven, a random sample is tried. A sample is a sample:
+    the others are not looked at. If all boxes are right, so is the lattice, by induction over its rounds.
+
+    Parameters
+    ----------
+    store : str or path
+        A folder, or ``s3://bucket/prefix``, of a finished basin that was computed with a proof.
+    cells : int
+        How many cells are tried, of those with a proven part.
+    boxes : int or "all"
+        How many boxes of the lattice are tried, as many of each round as there are.
+    seed : int
+        Of the sample.
+    processes : int
+        How many processes work; with more than one, a script needs ``if __name__ == "__main__"``.
+    progress : callable
+        Called with what is being proven, how much of it has been, and of how much.
+
+    Returns
+    -------
+    Verification
+
+    Raises
+    ------
+    StoreConflict
+        If there is no finished basin with a proof.
+    StoreFailed
+        If it cannot be read.
+    ImportError
+        If python-flint is not there, which the extra ``proof`` brings.
+
+    Examples
+    --------
+    >>> import rattle
+    >>> basin = rattle.basin(damping=1.5, cells=20, prove=True, store="damped.zarr", progress=False)
+    >>> found = rattle.verify("damped.zarr", cells=10, boxes=100)
+    >>> found.holds, [(part.name, part.tried) for part in found.parts[-2:]]
+    (True, [('boxes of the lattice', 100), ('cells', 10)])
+    """
+    if importlib.util.find_spec("flint") is None:
+        raise ImportError("verifying needs python-flint: pip install 'gear-rattle[proof]'")
+    from rattle.verification.checking import prove_again
+
+    return prove_again(str(store), cells, boxes, seed, processes, progress)

@@ -1,1 +1,0 @@
-"""What is done with whole stores: they are checked, verified, exported and taken away."""
