@@ -26,16 +26,16 @@ def _written_down(function, path):
 
 
 def _poisoned(function):
-    def map_cells(oscillator, *arguments, **options):
+    def map_bands(oscillator, *arguments, **options):
         if oscillator.damping == POISON:
             os.kill(os.getpid(), signal.SIGKILL)
         return function(oscillator, *arguments, **options)
 
-    return map_cells
+    return map_bands
 
 
 async def dask_setup(worker):
     """Install both."""
-    tasks.map_cells = _poisoned(tasks.map_cells)
+    tasks.map_bands = _poisoned(tasks.map_bands)
     if path := os.environ.get("RATTLE_STARTS"):
         tasks.map_tile = _written_down(tasks.map_tile, path)

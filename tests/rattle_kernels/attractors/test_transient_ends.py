@@ -12,7 +12,7 @@ from rattle_kernels import (
     name_solutions,
     next_impacts,
 )
-from rattle_kernels.attractors import attractor_search, transient_ends
+from rattle_kernels.attractors import attractor_search, chaotic_transient
 from rattle_kernels.attractors.attractor import ENSEMBLE, PERMANENT_CONTACT_ATTRACTOR, Attractor
 from rattle_kernels.attractors.chaotic_transient import LONGEST
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
@@ -99,13 +99,18 @@ def test_members_that_begin_beside_chaos_do_not_make_it_a_transient():
 
 @pytest.mark.parametrize(("oscillator", "start"), [FIRST, SECOND])
 def test_the_ensemble_is_followed_for_a_bounded_number_of_applications(monkeypatch, oscillator, start):
-    applied, run_lanes = [], transient_ends.run_lanes
+    applied, run_lanes, follow_to_ends = [], chaotic_transient.run_lanes, attractor_search.follow_to_ends
 
     def counted(oscillator, t, v, applications, **others):
         applied.append(t.size * applications)
         return run_lanes(oscillator, t, v, applications, **others)
 
-    monkeypatch.setattr(transient_ends, "run_lanes", counted)
+    def followed(*of):
+        with monkeypatch.context() as meanwhile:
+            meanwhile.setattr(chaotic_transient, "run_lanes", counted)
+            return follow_to_ends(*of)
+
+    monkeypatch.setattr(attractor_search, "follow_to_ends", followed)
     transient = transient_in(catalogue_of(oscillator, start))
     assert 0 < sum(applied) <= ENSEMBLE * LONGEST
     # A member that has ended is not followed further. Its life is known by a third, and a leg is 16,384 impacts.
