@@ -38,10 +38,11 @@ def test_the_same_question_has_the_same_answer_there(there, basin):
 
 
 def test_it_has_the_verbs_of_the_package_with_the_same_arguments(there):
+    required = {"manifolds": {"saddles": "P(1,1,0)"}, "trajectory": {"velocity": 3.0}}
     for name in (*(verb.__name__ for verb in VERBS.values()), "trajectory"):
         assert inspect.signature(getattr(there, name)) == inspect.signature(getattr(rattle, name))
         with pytest.raises(TypeError, match="unexpected keyword argument 'dampign'"):
-            getattr(there, name)(dampign=0.6)
+            getattr(there, name)(dampign=0.6, **required.get(name, {}))
     for given in ({"store": "here.zarr"}, {"workers": 2}, {"scheduler": "tcp://127.0.0.1:8786"}):
         with pytest.raises(TypeError, match="of a service takes no .*, which is of work here"):
             there.basin(**given)

@@ -1,5 +1,6 @@
 """The commands as a user types them."""
 
+import dataclasses
 import json
 import shlex
 import socket
@@ -340,14 +341,16 @@ def test_orders_of_a_grazing_curve_that_are_incomplete_are_an_error(monkeypatch,
         for order in range(4)
     ]
     monkeypatch.setattr(compute, "is_complete", lambda location, digest: True)
-    monkeypatch.setattr(compute, "_result", lambda job, location: {"orders": orders, "seconds": {"tracing": 1.0}})
+    found = SimpleNamespace(found=lambda: {"orders": orders, "seconds": {"tracing": 1.0}})
+    kind = dataclasses.replace(KINDS["grazing_curve"], summarise=lambda location: found)
+    monkeypatch.setattr(compute, "KINDS", {"grazing_curve": kind})
     answer = CliRunner().invoke(app, ["grazing-curve", "--order", "3", "--out", "there.zarr"])
     assert answer.exit_code == code, answer.output
     assert told in " ".join(answer.output.split())
 
 
 def test_a_kind_that_is_no_verb_is_asked_for_by_its_request(monkeypatch, tmp_path):
-    monkeypatch.setitem(KINDS, "of_an_extension", KINDS["grazing_curve"])
+    monkeypatch.setattr(compute, "KINDS", {**KINDS, "of_an_extension": KINDS["grazing_curve"]})
     request, store = tmp_path / "request.json", tmp_path / "curve.zarr"
     shell, asked = typer.Typer(), ["--request", str(request), "--out", str(store)]
     shell.command()(compute.compute_command("of_an_extension"))
