@@ -359,7 +359,7 @@ def sweep(
     progress : bool or callable, default True
         Whether progress is shown on a terminal and in a notebook; or a function, called with each `Progress`
     **of_harmonics : several values
-        Of ``amplitude_2`` or ``phase_2``: sweep the harmonic of order 2 of `harmonics`; so for other orders
+        Of ``amplitude_2`` or ``phase_2``: sweep the harmonic of order 2 of ``harmonics``; so for other orders
 
     Returns
     -------
@@ -457,7 +457,7 @@ def bifurcation(
     progress : bool or callable, default True
         Whether progress is shown on a terminal and in a notebook; or a function, called with each `Progress`
     **of_harmonics : several values
-        Of ``amplitude_2`` or ``phase_2``: sweep the harmonic of order 2 of `harmonics`; so for other orders
+        Of ``amplitude_2`` or ``phase_2``: sweep the harmonic of order 2 of ``harmonics``; so for other orders
 
     Returns
     -------

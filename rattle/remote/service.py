@@ -125,7 +125,7 @@ def _history_of(answer: dict[str, Any]) -> "TimeHistory":
 class Service:
     """A service: its verbs are those of this package, and compute there.
 
-    Arguments that are about work here, `store`, `workers` and `scheduler`, are refused.
+    Arguments that are about work here, ``store``, ``workers`` and ``scheduler``, are refused.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ class Service:
         ----------
         method, path : str
         **options
-            Of `httpx.request`.
+            Of ``httpx.request``.
 
         Returns
         -------
