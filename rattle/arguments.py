@@ -24,7 +24,7 @@ from worker.jobs.oscillator_request import (
     PiecewiseLinearOscillator,
 )
 from worker.jobs.request import refusal
-from worker.jobs.swept_parameter import is_of_harmonic
+from worker.jobs.swept_parameter import is_of_harmonic, is_parameter
 from worker.jobs.trajectory_request import TrajectoryRequest
 from worker.kinds import KINDS
 
@@ -94,11 +94,6 @@ def trajectory_of(given: Mapping[str, Any]) -> TrajectoryRequest:
         return TrajectoryRequest(**request | values)
     except ValidationError as error:
         raise refusal(error) from error
-
-
-def is_parameter(name: str) -> bool:
-    """Whether an argument is a number of the oscillator that a study may vary."""
-    return name in PARAMETERS or is_of_harmonic(name)
 
 
 def _plain(value: Any) -> Any:

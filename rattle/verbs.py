@@ -104,7 +104,7 @@ def _announce(job: "Job", workers: int | None, console: "Console") -> None:
         console.print(f"this takes {expected}", highlight=False)
 
 
-class _Written(NamedTuple):
+class _Numbered(NamedTuple):
     """A value of an argument, and its number among those of the call."""
 
     number: int
@@ -116,7 +116,7 @@ def _in_order(verb: "Callable[_P, xr.Dataset]") -> "Callable[_P, xr.Dataset]":
 
     @functools.wraps(verb)
     def call(*args: _P.args, **kwargs: _P.kwargs) -> "xr.Dataset":
-        numbered: Any = {name: _Written(number, value) for number, (name, value) in enumerate(kwargs.items())}
+        numbered: Any = {name: _Numbered(number, value) for number, (name, value) in enumerate(kwargs.items())}
         return verb(*args, **numbered)
 
     return call
@@ -163,7 +163,7 @@ def _computed(kind: str, arguments: dict[str, Any]) -> "xr.Dataset":
     from rattle.arguments import job_of
 
     arguments |= arguments.pop("of_harmonics", {})
-    written = {name: each for name, each in arguments.items() if isinstance(each, _Written)}
+    written = {name: each for name, each in arguments.items() if isinstance(each, _Numbered)}
     for name in sorted(written, key=lambda name: written[name].number):
         del arguments[name]
         arguments[name] = written[name].value

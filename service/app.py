@@ -8,6 +8,7 @@ from importlib.metadata import version
 
 from anyio import to_thread
 from fastapi import Depends, FastAPI
+from fastapi.routing import APIRoute
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
 from rattle_kernels import warm_up_curves
@@ -134,9 +135,12 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)
     install_error_handlers(app)
-    app.include_router(submission_router())
-    for each in (checks, previews, trajectories, jobs, events, results, viewer, health, metrics, pages):
-        app.include_router(each.router)
+    others = [
+        each.router for each in (checks, previews, trajectories, jobs, events, results, viewer, health, metrics, pages)
+    ]
+    taken = {route.path for router in others for route in router.routes if isinstance(route, APIRoute)}
+    for router in (submission_router(taken), *others):
+        app.include_router(router)
     app.mount("/explorer", pages.explorer_files)
     app.mount("/docs", pages.api_page_files)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]

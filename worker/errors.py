@@ -124,6 +124,22 @@ class StoreConflict(WorkerError):
     """
 
 
+class UnknownKind(StoreConflict, KeyError):
+    """A job or a store is of a kind that no package which is installed here adds.
+
+    Examples
+    --------
+    >>> from worker.kinds import KINDS
+    >>> try:
+    ...     KINDS["impact_speeds"]
+    ... except UnknownKind as error:
+    ...     print(str(error).partition(":")[0])
+    there is no kind 'impact_speeds' here
+    """
+
+    __str__ = Exception.__str__  # a KeyError would quote it
+
+
 class StoreFailed(WorkerError):
     """The store could not be read or written.
 

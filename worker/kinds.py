@@ -222,8 +222,14 @@ class Kinds(Mapping[str, JobKind]):
 
     def __getitem__(self, name: str) -> JobKind:
         if name not in self._found:
-            raise KeyError(f"there is no kind {name!r} here: is a package to be installed? There are {', '.join(self)}")
+            from worker.errors import UnknownKind  # loads Numba
+
+            known = ", ".join(self)
+            raise UnknownKind(f"there is no kind {name!r} here: install the package that adds it; there are {known}")
         return self._found[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._found
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._found)

@@ -143,6 +143,8 @@ def command_line() -> typer.Typer:
     )  # fmt: skip
     app.callback()(_options_of_all)
     commands = {name: KINDS[kind].command for name, kind in _kinds_by_command().items()}
+    for name in _BESIDE.keys() & (commands.keys() | _OTHER_COMMANDS) | commands.keys() & _OTHER_COMMANDS.keys():
+        raise ImportError(f"a package that is installed asks for the command {name}, which there is already")
     listed = {name: text for name, (_, text, *_) in (_OTHER_COMMANDS | _BESIDE).items()}
     for name, text in ({"serve": listed["serve"]} | commands | listed).items():
         app.command(name, help=text)(lambda: None)

@@ -10,11 +10,10 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
 import typer
 
-from rattle.arguments import is_parameter
 from rattle.measured_curve import transmission_error
 from rattle.verbs import given_of
 from worker.errors import InvalidJob
-from worker.jobs.swept_parameter import known_parameter
+from worker.jobs.swept_parameter import is_parameter, known_parameter
 
 Values = dict[str, Any]
 """Values of options, or of arguments, by name."""

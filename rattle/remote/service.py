@@ -11,7 +11,7 @@ import httpx2 as httpx
 from rattle import verbs
 from rattle.remote.failure import ServiceFailed, detail_of
 from rattle.remote.job import RemoteJob
-from worker.kinds import KINDS
+from worker.kinds import KINDS, kind_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -251,5 +251,6 @@ def path_of(body: str) -> str:
     except ValueError:
         request = {}
     request = request if isinstance(request, dict) else {}
-    unnamed = KINDS["sweep" if "vary" in request else "basin"]
-    return KINDS.get(str(request.get("kind")), unnamed).path
+    if str(request.get("kind")) not in KINDS:  # the route says what is wrong with it
+        request.pop("kind", None)
+    return KINDS[str(kind_of(request))].path

@@ -16,7 +16,7 @@ from rattle.results.trajectories import TRAJECTORY, history_of
 from rattle_kernels import NOT_CONVERGED, PERMANENT_CONTACT, SINK, Attractor, Oscillator
 from worker.errors import InvalidJob
 from worker.jobs.job import Job
-from worker.kinds import KINDS
+from worker.kinds import KINDS, kind_of
 from worker.views import reading
 from worker.views.at_level import demand_all_cells
 from worker.views.tables import table_of
@@ -82,8 +82,7 @@ class Result:
         >>> rattle.grazing_curve(order=0, progress=False).rattle.kind
         'grazing_curve'
         """
-        request = self.request
-        return str(request.get("kind") or ("sweep" if "vary" in request else "basin"))
+        return str(kind_of(self.request))
 
     @property
     def complete(self) -> bool:

@@ -1,6 +1,6 @@
 """Submission of jobs: a route for each kind of `worker.kinds`."""
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Container
 from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Any
@@ -105,15 +105,27 @@ async def _submission(
 SubmissionHere = Annotated[Submission, Depends(_submission)]
 
 
-def submission_router() -> APIRouter:
+def submission_router(taken: Container[str]) -> APIRouter:
     """Routes of all kinds.
+
+    Parameters
+    ----------
+    taken : container of str
+        Paths of the other routes.
 
     Returns
     -------
     APIRouter
+
+    Raises
+    ------
+    ImportError
+        If a kind asks for one of them.
     """
     router = APIRouter(prefix="/v1", tags=["submit"], route_class=PlainJsonRoute)
     for name, kind in KINDS.items():
+        if f"/v1/{kind.path}" in taken:
+            raise ImportError(f"the kind {name} asks for the route /v1/{kind.path}, which this service has already")
         router.post(
             f"/{kind.path}",
             name=f"submit_{name}",

@@ -8,9 +8,20 @@ import sys
 from pathlib import Path
 
 import pytest
+from sqlalchemy import update
+from typer.testing import CliRunner
 
+from rattle import cli
+from rattle.cli import app
+from service.records.job_record import JobRecord
+from service.routes.submissions import submission_router
 from tests.running_service import running_service
+from tests.service.idle_service import idle_service
+from worker.errors import UnknownKind
+from worker.jobs.basin_job import basin_job
 from worker.kinds import KINDS, JobKind, Kinds, analysis_kind, kind_of
+from worker.stores.new_store import create_store
+from worker.stores.result_files import result_location
 
 ROOT = Path(__file__).parents[2]
 REQUEST = {"phase": 0.25, "speed": 3.0, "periods": 12}
@@ -31,6 +42,13 @@ def packages(tmp_path_factory):
     shutil.copytree(Path(__file__).parent / "installed_kind" / "impact_speeds", folder / "impact_speeds")
     install(folder, "impact_speeds = impact_speeds.kind:KIND")
     return folder
+
+
+@pytest.fixture
+def service(tmp_path, monkeypatch):
+    """A service that takes requests and runs none."""
+    with idle_service(monkeypatch, tmp_path) as service:
+        yield service
 
 
 def python(packages, folder, code, *arguments):
@@ -147,9 +165,38 @@ def test_a_route_that_is_taken_is_refused(tmp_path, monkeypatch):
 
 
 def test_a_kind_that_is_not_there_is_named_with_those_that_are():
-    with pytest.raises(KeyError, match="there is no kind 'impact_speeds' here.*grazing_curve"):
+    with pytest.raises(UnknownKind, match="^there is no kind 'impact_speeds' here.*grazing_curve"):
         KINDS["impact_speeds"]
-    assert KINDS.get("impact_speeds") is None
+    assert KINDS.get("impact_speeds") is None and "impact_speeds" not in KINDS
+
+
+def test_a_store_whose_package_is_gone_is_named_by_every_command(packages, tmp_path):
+    (tmp_path / "request.json").write_text(json.dumps(REQUEST))
+    python(packages, tmp_path, SHELL, "impact-speeds", "--request", "request.json", "--out", "shell.zarr")
+    for words in (["plot", "--out", "picture.png"], ["check"]):
+        done = CliRunner().invoke(app, [words[0], str(tmp_path / "shell.zarr"), *words[1:]])
+        assert done.exit_code == 1 and "install the package that adds it" in " ".join(done.output.split()), done.output
+
+
+def test_a_job_whose_package_is_gone_is_listed_and_its_result_is_a_conflict(service):
+    job = service.add_job()
+    create_store(result_location(service.results, job.id), basin_job(job.request))
+    with service.jobs._sessions() as session:
+        session.execute(update(JobRecord).where(JobRecord.id == job.id).values(kind="impact_speeds"))
+        session.commit()
+    assert service.request("GET", "/v1/jobs").json()["jobs"][0]["kind"] == "impact_speeds"
+    assert service.request("GET", f"/v1/jobs/{job.id}").status_code == 200
+    for address in ("result", "picture.png", "result.csv", "outline"):
+        answer = service.request("GET", f"/v1/jobs/{job.id}/{address}")
+        assert answer.status_code == 409, answer.text
+
+
+def test_a_command_or_a_route_of_another_door_is_refused(monkeypatch):
+    monkeypatch.setitem(cli._BESIDE, "plot", ("a:b", "", ()))
+    with pytest.raises(ImportError, match="asks for the command plot, which there is already"):
+        cli.command_line()
+    with pytest.raises(ImportError, match="the kind orbits asks for the route /v1/orbits"):
+        submission_router({"/v1/orbits"})
 
 
 @pytest.mark.parametrize(

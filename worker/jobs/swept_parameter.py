@@ -40,6 +40,11 @@ def is_phase(name: str) -> bool:
     return is_of_harmonic(name) and name.startswith("phase_")
 
 
+def is_parameter(name: str) -> bool:
+    """Whether a name is that of a number of the oscillator that a study may vary."""
+    return name in PARAMETERS or is_of_harmonic(name)
+
+
 def known_parameter(name: str) -> str:
     """The name of a parameter that some oscillator has.
 
@@ -48,7 +53,7 @@ def known_parameter(name: str) -> str:
     ValueError
         If none has it.
     """
-    if name not in PARAMETERS and not is_of_harmonic(name):
+    if not is_parameter(name):
         raise ValueError(f"{name} is no parameter; these are: {', '.join(PARAMETERS)}, and {_ORDERS}")
     return name
 

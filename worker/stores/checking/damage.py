@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from worker.errors import DamagedChunk, StoreConflict, as_store_failure
+from worker.errors import DamagedChunk, StoreConflict, UnknownKind, as_store_failure
 from worker.jobs.job import Job
 from worker.kinds import KINDS
 from worker.stores.analysis_store import PARTS, AnalysisStore
@@ -164,6 +164,8 @@ def _job_of(location: str, kind: str, attributes: Any) -> Job:
         request = json.loads(str(attributes["request"]))
         kind = "sweep" if kind == "basin" and request.get("vary") else kind
         job: Job = KINDS[kind].job_class.from_request(request)
+    except UnknownKind as error:
+        raise StoreConflict(f"{location}: {error}") from error
     except (AttributeError, KeyError, TypeError, ValueError, RecursionError) as error:
         raise StoreConflict(
             f"{location} has lost its request, so nothing can be computed anew: {error}; {NEXT_STEP}"
