@@ -68,6 +68,7 @@ def test_a_sample_is_drawn_as_points_in_the_colours_of_their_motions(kept):
     names, numbers = sample.name.values.tolist(), sample.solution.values
     axes = sample.rattle.plot(overlays=[], colors={"P(1,1,0)": "#ff8000"})
     (points,) = axes.collections
+    assert axes.get_legend().get_title().get_text() == "", "nothing is speckled"
     np.testing.assert_array_equal(points.get_offsets(), np.transpose([sample.time, sample.velocity]))
     assert axes.get_xlim() == (0.0, 1.0) and axes.get_ylim() == (0.0, 7.0)
     wanted = np.array(colours_of(sample.rattle.catalogue()))

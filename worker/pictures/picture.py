@@ -76,15 +76,16 @@ def _patch(solution: Attractor, paint: colours.Paint, label: str) -> Patch:
 def draw_legend(
     axes: Axes, solutions: tuple[Attractor, ...], shares: np.ndarray, palette: colours.Palette = colours.USUAL
 ) -> None:
-    """List solutions with colours and shares beside the axes; NaN is a share not known yet."""
+    """List solutions with colours and shares beside axes on which they are drawn; NaN is a share not known yet."""
     told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
     names = [solution.name for solution in solutions]
     ends = [f"\n{ends_in_words(solution.ends, names)}" if solution.ends else "" for solution in solutions]
     labels = [f"{solution.label}   {share}{end}" for solution, share, end in zip(solutions, told, ends, strict=True)]
     handles = [*legend_patches(solutions, shares, labels, palette), *_unproven_of(axes), *_lines_of(axes)]
+    speckled = axes.images and any(each.is_chaotic for each in solutions)  # points of a sample have no groups
     axes.legend(
         handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0,
-        title=_SPECKLED if any(each.is_chaotic for each in solutions) else None, title_fontsize="x-small",
+        title=_SPECKLED if speckled else None, title_fontsize="x-small",
     )  # fmt: skip
 
 
