@@ -17,8 +17,8 @@ from worker.cluster.connection import local_cluster
 from worker.cluster.driver import Driver
 from worker.cluster.task import Task
 from worker.jobs.basin_job import BasinJob
+from worker.storage.folder import synced_together
 from worker.stores.basin_store import BasinStore
-from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import LABELLED, MAPPED
 
 SIDE = 10_000

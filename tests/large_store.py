@@ -8,10 +8,10 @@ from zarr.storage import LocalStore
 from rattle_kernels import CellGrid
 from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE
 from worker.jobs.basin_job import BasinJob
-from worker.stores import storage
+from worker.storage.folder import _Folder
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
-from worker.stores.pyramid.levels import LABELS
+from worker.stores.pyramid import LABELS
 from worker.stores.solution_table import SolutionTable, motion_of
 
 LARGE = BasinJob(grid=CellGrid(time_cells=100_000, velocity_cells=100_000))
@@ -68,7 +68,7 @@ class ChunksRead:
 
     def __init__(self, monkeypatch):
         self.arrays = []
-        get, read = LocalStore.get, storage._Folder.read
+        get, read = LocalStore.get, _Folder.read
 
         async def counted_get(store, key, *arguments, **options):
             self._count(key)
@@ -79,7 +79,7 @@ class ChunksRead:
             return read(folder, path, part)
 
         monkeypatch.setattr(LocalStore, "get", counted_get)
-        monkeypatch.setattr(storage._Folder, "read", counted_read)
+        monkeypatch.setattr(_Folder, "read", counted_read)
 
     def _count(self, path):
         array, is_chunk, _ = path.rpartition("/c/")

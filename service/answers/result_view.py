@@ -12,8 +12,8 @@ from service.models.results import ANALYSIS_VIEWS, AnyAnalysisView, AnyResult
 from service.records.job_record import JobRecord, JobState
 from worker.analyses.run import fingerprint_of_analysis, summarise_analysis
 from worker.kinds import KINDS
+from worker.storage.location import holds_root, result_location
 from worker.stores.opening import holds_store
-from worker.stores.result_files import holds_root, result_location
 from worker.stores.summary import fingerprint, summarise
 
 # A driver writes its progress this often. Reading a summary costs as much as ten reads of a job's status.

@@ -13,7 +13,7 @@ from service.models.numbers import FiniteOrNone
 from worker.basins.preview import Preview
 from worker.pictures.colours import MISSING, SPECKLE, Colour, Paint, Palette, paints_of
 from worker.pictures.overlay import Lines, Overlay
-from worker.stores.pyramid.levels import Level
+from worker.stores.pyramid import Level
 from worker.stores.summary import ends_as_json
 from worker.views.outline import PanelOutline
 

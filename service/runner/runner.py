@@ -22,7 +22,7 @@ from worker.cluster.reconnecting_cluster import ReconnectingCluster
 from worker.errors import ClusterFailed, JobCancelled, LeaseLost, WorkerError
 from worker.kinds import KINDS
 from worker.progress import Progress, Stage
-from worker.stores.result_files import remove_rootless, result_location
+from worker.storage.location import remove_rootless, result_location
 
 _log = logging.getLogger("rattle.runner")
 # Jobs submitted to other replicas are found by polling.

@@ -20,8 +20,8 @@ from worker.fence import unfenced
 from worker.jobs.job import AnalysisJob
 from worker.kinds import KINDS, JobKind
 from worker.progress import Stage
+from worker.storage.location import result_location
 from worker.stores.layout import Variable
-from worker.stores.result_files import result_location
 
 
 class GrazingSpeedJob(AnalysisJob):

@@ -6,7 +6,7 @@ from functools import partial
 from worker.basins.tasks import open_store
 from worker.cluster.task import Task, stop_if_cancelled
 from worker.stores.basin_store import BasinStore
-from worker.stores.pyramid.levels import LABELS
+from worker.stores.pyramid import LABELS
 
 
 def coarsen_tile(location: str, digest: str, number: int, level: int) -> None:

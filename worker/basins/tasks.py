@@ -25,10 +25,10 @@ from rattle_kernels import (
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
 from rattle_kernels.attractors.seeds import Seeds, choose_seeds
 from rattle_kernels.cell_mapping.image_set import MarkedWords, mark_images
+from worker.basins import image_cache
 from worker.basins.assembly import assemble_groups, groups_of
 from worker.basins.landings import name_landings
-from worker.basins.tiles import just_mapped
-from worker.basins.tiles.weights import weigh
+from worker.basins.weights import weigh
 from worker.cluster.task import stop_if_cancelled
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import demand_same_digest
@@ -127,7 +127,7 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     images = (_map_in_bands if store.job.sample is None else _map_sample)(store, tile)
     seconds = time.perf_counter() - begin
     store.write_tile(store.places.mapped, tile, images[:3])
-    just_mapped.keep(location, digest, number, images)
+    image_cache.keep(location, digest, number, images)
     return _receipt(store, tile.basin, images, seconds)
 
 
@@ -144,7 +144,7 @@ def _read_images(store: BasinStore, tile: Tile) -> CellImages:
 
 def _images(location: str, digest: str, number: int) -> CellImages:
     """Images of a tile, from the store unless this process has just mapped it."""
-    images = just_mapped.take(location, digest, number)
+    images = image_cache.take(location, digest, number)
     if images is not None:
         return images
     store = open_store(location, digest)

@@ -17,7 +17,7 @@ from worker.pictures.unproven import demand_proof, draw_unproven, share_unproven
 from worker.pictures.window import Window, whole_window
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MISSING, SAMPLE_COORDINATES, TileState
-from worker.stores.pyramid.levels import level_for
+from worker.stores.pyramid import level_for
 from worker.stores.solution_table import SolutionTable
 from worker.stores.tiles import Tile
 

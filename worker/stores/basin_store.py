@@ -29,9 +29,9 @@ from worker.errors import (
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
+from worker.storage.chunks import read_chunk, write_chunk, write_over
+from worker.storage.location import storage_at
 from worker.stores import layout
-from worker.stores.files.whole_chunks import read_chunk, write_chunk
-from worker.stores.files.write_over import write_over
 from worker.stores.layout import Variable
 from worker.stores.new_store import consolidate, create_store, places_of, tiling_of, write_coordinates
 from worker.stores.opening import (
@@ -41,12 +41,10 @@ from worker.stores.opening import (
     open_group,
     open_store_at,
 )
-from worker.stores.proofs.arrays import ProofArrays
+from worker.stores.proof_arrays import ProofArrays
 from worker.stores.provenance import now
-from worker.stores.pyramid.convention import ATTRIBUTE
-from worker.stores.pyramid.levels import Level, levels_of
+from worker.stores.pyramid import ATTRIBUTE, Level, levels_of
 from worker.stores.solution_arrays import SolutionArrays
-from worker.stores.storage import place_at
 from worker.stores.tiles import Tile
 
 # Chunks are encoded without the GIL, and other workers may wait for this one. Three keep two cores busy.
@@ -68,7 +66,7 @@ class BasinStore(SolutionArrays, ProofArrays):
     Parameters
     ----------
     location : str
-        Location as in `worker.stores.storage`.
+        Location as in `worker.storage.location`.
     fence : Fence
         The driver's fence.
     as_found : bool
@@ -97,7 +95,7 @@ class BasinStore(SolutionArrays, ProofArrays):
         levels = levels_of(self.job, self.tiling)
         # Stores from before there were levels have none.
         self.levels = levels if ATTRIBUTE in self._group.attrs else levels[:1]
-        self._place = place_at(location)
+        self._place = storage_at(location)
         super().__init__()
         if not as_found:
             self._demand_own_arrays()
@@ -327,4 +325,4 @@ class BasinStore(SolutionArrays, ProofArrays):
         """Remove temporary files that killed writers left behind (driver only)."""
         self._fence()
         with as_store_failure(self.location):
-            place_at(self.location).sweep()
+            storage_at(self.location).sweep()

@@ -13,10 +13,10 @@ from rattle_kernels import Attractor, AttractorKind
 from worker.errors import DamagedMetadata, as_store_failure
 from worker.fence import Fence
 from worker.jobs.basin_job import BasinJob
+from worker.storage.chunks import CONFIG, write_over
 from worker.stores import layout
-from worker.stores.files.write_over import write_over
 from worker.stores.layout import Places, Variable
-from worker.stores.new_store import CONFIG, consolidate, create_array
+from worker.stores.new_store import consolidate, create_array
 from worker.stores.solution_table import Motion, SolutionTable, ends_in
 
 

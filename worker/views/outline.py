@@ -8,7 +8,7 @@ from rattle_kernels import Attractor, ExpectedLoudness, Loudness, Oscillator, gr
 from worker.errors import InvalidJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
-from worker.stores.pyramid.levels import Level
+from worker.stores.pyramid import Level
 from worker.stores.solution_table import SolutionTable
 from worker.stores.summary import expected_in, representatives
 from worker.stores.tiles import Tiling

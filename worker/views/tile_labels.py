@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from worker.errors import InvalidJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
-from worker.stores.pyramid.levels import LABELS, Level
+from worker.stores.pyramid import LABELS, Level
 from worker.views.outline import open_cells
 
 _BY_NAME = {variable.name: variable for variable in LABELS}

@@ -16,7 +16,7 @@ from worker.jobs.basin_job import BasinJob
 from worker.jobs.proofs.lattice import LEVELS, first_columns
 from worker.progress import Stage
 from worker.stores.basin_store import BasinStore
-from worker.stores.proofs.layout import PROVEN, UNPROVEN_REASON, Unproven
+from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON, Unproven
 
 pytestmark = pytest.mark.timeout(400)
 # Losing energy, most departures fall quiet soon.

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from worker.stores import proof_layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import NOT_THERE
 from worker.stores.new_store import consolidate, create_array
-from worker.stores.proofs import layout as proof_layout
 
 CERTIFICATE = {
     "levels": 1, "quiet": 0.09, "rattling": None,

@@ -28,8 +28,8 @@ from worker.cluster.task import Task
 from worker.jobs.proofs.lattice import LEVELS
 from worker.progress import Progress, Stage
 from worker.stores.basin_store import BasinStore
-from worker.stores.proofs.arrays import BOXES_A_PART
-from worker.stores.proofs.layout import Unproven
+from worker.stores.proof_arrays import BOXES_A_PART
+from worker.stores.proof_layout import Unproven
 from worker.stores.provenance import versions
 
 # Sixty-fourths of a cell.

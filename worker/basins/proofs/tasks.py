@@ -23,8 +23,8 @@ from worker.basins.tasks import open_store
 from worker.cluster.task import stop_if_cancelled
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.proofs.lattice import LEVELS, first_columns
-from worker.stores.proofs.arrays import BOXES_A_PART
-from worker.stores.proofs.layout import PROVEN, UNPROVEN_REASON, Unproven
+from worker.stores.proof_arrays import BOXES_A_PART
+from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON, Unproven
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import open_group
-from worker.stores.proofs.layout import PROOF, PROVEN
+from worker.stores.proof_layout import PROOF, PROVEN
 
 _ARRAYS = ("ends", "rounds", "rattling")
 

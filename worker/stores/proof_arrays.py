@@ -13,10 +13,10 @@ from rattle_kernels.proof.growth import IMPACTS, NUMBERS
 from worker.errors import StoreFailed, as_store_failure
 from worker.fence import Fence
 from worker.jobs.basin_job import BasinJob
-from worker.stores.files.synced_files import synced_together
+from worker.storage.folder import synced_together
 from worker.stores.layout import Variable
 from worker.stores.new_store import create_array
-from worker.stores.proofs.layout import (
+from worker.stores.proof_layout import (
     FOLLOWED,
     LATTICE_ENDS,
     LATTICE_ROUNDS,

@@ -6,7 +6,7 @@ import pytest
 from rattle_kernels import CellGrid, map_cells
 from worker.basins.basin_run import BasinRun
 from worker.basins.tasks import map_tile, survey_tile, weigh_tiles
-from worker.basins.tiles.weights import worth_weighing
+from worker.basins.weights import worth_weighing
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter

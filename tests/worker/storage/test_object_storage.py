@@ -15,10 +15,10 @@ from tests.worker.basins.test_pipeline import JOB, run
 from worker.errors import JobCancelled, LeaseLost, StoreConflict, StoreFailed, as_store_failure
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
+from worker.storage.location import read_file_of_store, remove_result
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import holds_store
-from worker.stores.result_files import read_file_of_store, remove_result
 from worker.stores.summary import summarise
 from worker.views.reading import open_basin
 
@@ -213,7 +213,7 @@ def test_a_server_that_is_gone_is_told(monkeypatch):
 
 def test_a_driver_that_waits_for_a_server_sends_nothing_more_once_its_job_is_anothers(object_store, monkeypatch):
     """The server hangs: requests are given up, and sent again only while the fence lets them through."""
-    monkeypatch.setattr("worker.stores.files.object_storage._HURRY", {"connect_timeout": "2s", "timeout": "300ms"})
+    monkeypatch.setattr("worker.storage.object_storage._HURRY", {"connect_timeout": "2s", "timeout": "300ms"})
     asked = []
 
     def fence():

@@ -1,1 +1,0 @@
-"""Tiles at work: what a process keeps of them, and how long they take."""
