@@ -31,7 +31,7 @@ def fill(store, level, tiles):
         tile = level.tiling.tile(number)
         rows, columns = (np.arange(*side) * level.every for side in (tile.rows, tile.columns))
         values = [label(each.name, rows, columns).astype(each.dtype) for each in LABELS]
-        store.write_tile(level.labels, tile, values)
+        store.tiles.write(level.labels, tile, values)
 
 
 def tiles_of(level, rows, columns):
@@ -47,9 +47,9 @@ def finish(store):
     table = SolutionTable.empty(store.job)
     numbers = [table.append(motion_of(attractor)) for attractor in (QUIET, RATTLE, CHAOS)]
     table.enter(0, numbers, (QUIET, RATTLE, CHAOS), np.full(3, 1 / 3))
-    store.make_room(table, 1)
-    store.write_solutions(table)
-    store.write_points(0, numbers, (QUIET, RATTLE, CHAOS))
+    store.solutions.make_room(table, 1)
+    store.solutions.write(table)
+    store.solutions.write_points(0, numbers, (QUIET, RATTLE, CHAOS))
     store.write_ledger(np.full(store.tiling.tiles, TileState.ASSEMBLED))
     store.finish({})
 

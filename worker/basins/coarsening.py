@@ -18,8 +18,8 @@ def coarsen_tile(location: str, digest: str, number: int, level: int) -> None:
     rows, columns = ((2 * start, min(2 * stop, most)) for (start, stop), most in cells)
     for variable in LABELS:  # one at a time, to take less memory
         stop_if_cancelled()
-        values = store.read_cells(finer.own(variable), tile.basin, rows, columns, every=2)
-        store.write_tile((coarser.own(variable),), tile, (values,))
+        values = store.tiles.read_cells(finer.own(variable), tile.basin, rows, columns, every=2)
+        store.tiles.write((coarser.own(variable),), tile, (values,))
 
 
 class Coarsening:

@@ -78,7 +78,7 @@ def run_basin(
         ledger.save()
         store.sweep_orphans()
     if job.vary:
-        store.write_changes(list_changes(job, ledger.table))
+        store.solutions.write_changes(list_changes(job, ledger.table))
     seconds = pace.finish()
     if job.prove is not None:
         seconds |= _prove(store, ledger, driver, report, cancel)

@@ -104,7 +104,7 @@ READERS = {
     "measures": lambda place: rattle.open(place).rattle.measures(),
     "picture": lambda place: figure_of_store(place, Look()),
     "tile": lambda place: read_tile_labels(place, 2),
-    "store": lambda place: (opened := BasinStore(place)).read_tile((opened.places.solution,), opened.tiling.tile(2)),
+    "store": lambda place: (opened := BasinStore(place)).tiles.read((opened.places.solution,), opened.tiling.tile(2)),
 }
 
 

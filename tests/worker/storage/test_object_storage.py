@@ -106,7 +106,7 @@ def test_aligned_writers_do_not_meet(object_store):
         store, tile = BasinStore(location), tiling.tile(number)
         values = np.full((tile.rows[1] - tile.rows[0], tile.columns[1] - tile.columns[0]), number, np.int64)
         barrier.wait()
-        store.write_tile(layout.MAPPED[:1], tile, [values])
+        store.tiles.write(layout.MAPPED[:1], tile, [values])
 
     writers = [threading.Thread(target=write, args=(number,)) for number in range(tiling.tiles)]
     for writer in writers:
@@ -115,7 +115,7 @@ def test_aligned_writers_do_not_meet(object_store):
         writer.join()
     store = BasinStore(location)
     for number in range(tiling.tiles):
-        (read,) = store.read_tile(layout.MAPPED[:1], tiling.tile(number))
+        (read,) = store.tiles.read(layout.MAPPED[:1], tiling.tile(number))
         assert (read == number).all()
 
 
@@ -156,7 +156,7 @@ def test_no_path_leads_out_of_a_store(root, path):
 def test_a_part_that_is_lost_is_a_failure_and_no_data(tmp_path):
     store = BasinStore.create_or_resume(str(tmp_path / "b.zarr"), SMALL)
     with pytest.raises(StoreFailed, match="has lost a part of image_cell"):
-        store.read_tile(layout.MAPPED[:1], store.tiling.tile(0))
+        store.tiles.read(layout.MAPPED[:1], store.tiling.tile(0))
 
 
 @pytest.mark.parametrize("location", ["s3://", "s3://bucket", "gs://bucket/prefix", "http://127.0.0.1/x.zarr"])

@@ -101,9 +101,9 @@ def claimed_tiles_are_there(location):
     for number, state in enumerate(states.tolist()):
         tile = store.tiling.tile(number)
         if state >= TileState.COMPUTED:
-            store.read_tile(store.places.mapped, tile)
+            store.tiles.read(store.places.mapped, tile)
         if state >= TileState.ASSEMBLED:
-            store.read_tile((*store.places.labelled, store.places.solution), tile)
+            store.tiles.read((*store.places.labelled, store.places.solution), tile)
     return int((states >= TileState.COMPUTED).sum())
 
 
@@ -136,7 +136,7 @@ def test_after_a_cut_before_any_sync_what_the_next_driver_reads_is_whole(disk, t
     assert len(left) > 100
     for location in left:
         store = BasinStore(str(location))
-        store.read_solutions()
+        store.solutions.read()
         store.read_image_counts()
         claimed_tiles_are_there(location)
 

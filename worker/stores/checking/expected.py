@@ -100,7 +100,7 @@ def _of_tile(store: BasinStore, number: int, state: int) -> list[Variable]:
 def _readable_table(store: BasinStore) -> SolutionTable:
     """The table of solutions; an empty one if it cannot be read, as all is written anew then."""
     try:
-        return store.read_solutions()
+        return store.solutions.read()
     except Damaged:
         return SolutionTable.empty(store.job)
 

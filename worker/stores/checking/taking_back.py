@@ -56,7 +56,7 @@ def take_back(found: Findings) -> None:
     states[lost] = TileState.PENDING
     _discard(found)
     if any(_is_of_lattice(damage) for damage in found.damages):
-        store.forget_lattice()
+        store.proof.forget_lattice()
     store.take_back(states, tables=any(_is_table(store, damage) for damage in found.damages))
 
 
