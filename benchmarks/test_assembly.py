@@ -13,9 +13,9 @@ from rattle_kernels import CellGrid, CellGroups, Oscillator, find_groups, label_
 from rattle_kernels.cell_mapping.image_set import mark_images, members_of, place_images, unite
 from worker.basins.assembly import assemble_groups, groups_of
 from worker.basins.tasks import map_tile, open_store
+from worker.cluster.calls import Task
 from worker.cluster.connection import local_cluster
 from worker.cluster.driver import Driver
-from worker.cluster.task import Task
 from worker.jobs.basin_job import BasinJob
 from worker.storage.folder import synced_together
 from worker.stores.basin_store import BasinStore

@@ -21,7 +21,7 @@ from worker.jobs.grid_request import GridRequest
 from worker.jobs.job import Job
 from worker.jobs.manifold_job import ManifoldJob
 from worker.jobs.orbits_job import OrbitsJob
-from worker.jobs.proofs.request import ProofRequest
+from worker.jobs.proof_request import ProofRequest
 from worker.jobs.region import papers_phases, papers_speeds
 from worker.jobs.sample import Sample
 

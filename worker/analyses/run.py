@@ -13,8 +13,8 @@ from typing import Any
 
 from rattle_kernels import OutsideDomain
 from worker.analyses.analysis import Analysis, Plan
+from worker.cluster.calls import Task, stop_if_cancelled
 from worker.cluster.driver import Driver
-from worker.cluster.task import Task, stop_if_cancelled
 from worker.errors import InvalidJob, StoreFailed
 from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from functools import partial
 
 from worker.basins.tasks import open_store
-from worker.cluster.task import Task, stop_if_cancelled
+from worker.cluster.calls import Task, stop_if_cancelled
 from worker.stores.basin_store import BasinStore
 from worker.stores.pyramid import LABELS
 

@@ -29,7 +29,7 @@ from worker.basins import image_cache
 from worker.basins.assembly import assemble_groups, groups_of
 from worker.basins.landings import name_landings
 from worker.basins.weights import weigh
-from worker.cluster.task import stop_if_cancelled
+from worker.cluster.calls import stop_if_cancelled
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import demand_same_digest
 from worker.stores.tiles import Tile, bands, runs_of_points

@@ -13,7 +13,7 @@ from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import JobCancelled
 from worker.jobs.basin_job import BasinJob
-from worker.jobs.proofs.lattice import LEVELS, first_columns
+from worker.jobs.proof_request import LEVELS, first_columns
 from worker.progress import Stage
 from worker.stores.basin_store import BasinStore
 from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON, Unproven

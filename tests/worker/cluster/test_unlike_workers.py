@@ -14,8 +14,8 @@ from tests.processors import NATIVE, ROOT, V2, environment_for, reason_against
 from tests.worker.analyses.test_analyses import GRAZING
 from worker import rounding
 from worker.cluster import connection
+from worker.cluster.calls import Task
 from worker.cluster.driver import Driver
-from worker.cluster.task import Task
 from worker.errors import StoreConflict, UnlikeWorkers
 from worker.jobs.basin_job import BasinJob
 from worker.kinds import KINDS

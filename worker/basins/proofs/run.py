@@ -24,8 +24,8 @@ from worker.basins.proofs.tasks import (
     grow_lattice,
     prove_tile,
 )
-from worker.cluster.task import Task
-from worker.jobs.proofs.lattice import LEVELS
+from worker.cluster.calls import Task
+from worker.jobs.proof_request import LEVELS
 from worker.progress import Progress, Stage
 from worker.stores.basin_store import BasinStore
 from worker.stores.proof_arrays import BOXES_A_PART

@@ -20,9 +20,9 @@ from rattle_kernels.proof.machine import Machine, centre_of, machine_of, parts_o
 from rattle_kernels.proof.targets import Certificate, Targets, prove_targets
 from worker.basins.proofs.certificate import targets_of
 from worker.basins.tasks import open_store
-from worker.cluster.task import stop_if_cancelled
+from worker.cluster.calls import stop_if_cancelled
 from worker.jobs.basin_job import BasinJob
-from worker.jobs.proofs.lattice import LEVELS, first_columns
+from worker.jobs.proof_request import LEVELS, first_columns
 from worker.stores.proof_arrays import BOXES_A_PART
 from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON, Unproven
 
