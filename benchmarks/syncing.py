@@ -15,11 +15,11 @@ import time
 from unittest import mock
 
 from rattle.local import run_here
-from worker.cluster import computed_alike
+from worker.cluster import calls
 from worker.jobs.basin_job import BasinJob
 
 WORKERS = 2
-RECEIPTS, FSYNC = computed_alike.Receipts, os.fsync
+RECEIPTS, FSYNC = calls.Receipts, os.fsync
 
 
 def panel(place, sync):
@@ -34,7 +34,7 @@ def panel(place, sync):
         sync(opened)
         syncs.append(opened)
 
-    with mock.patch.object(computed_alike, "Receipts", receipts), mock.patch.object(os, "fsync", counted):
+    with mock.patch.object(calls, "Receipts", receipts), mock.patch.object(os, "fsync", counted):
         begin = time.perf_counter()
         run_here(BasinJob(), place, lambda progress: None, workers=WORKERS)
         wall = time.perf_counter() - begin

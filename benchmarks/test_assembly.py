@@ -13,12 +13,12 @@ from rattle_kernels import CellGrid, CellGroups, Oscillator, find_groups, label_
 from rattle_kernels.cell_mapping.image_set import mark_images, members_of, place_images, unite
 from worker.basins.assembly import assemble_groups, groups_of
 from worker.basins.tasks import map_tile, open_store
+from worker.cluster.calls import Task
 from worker.cluster.connection import local_cluster
 from worker.cluster.driver import Driver
-from worker.cluster.task import Task
 from worker.jobs.basin_job import BasinJob
+from worker.storage.folder import synced_together
 from worker.stores.basin_store import BasinStore
-from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import LABELLED, MAPPED
 
 SIDE = 10_000
@@ -121,9 +121,9 @@ def label_groups(location: str, digest: str, number: int) -> None:
     store = open_store(location, digest)
     groups = groups_of(store, 0)
     tile = store.tiling.tile(number)
-    (image,) = store.read_tile(MAPPED[:1], tile)
+    (image,) = store.tiles.read(MAPPED[:1], tile)
     own = np.arange(*tile.rows)[:, None] * store.job.grid.time_cells + np.arange(*tile.columns)
-    store.write_tile(LABELLED[:3], tile, label_cells(groups, own, image))
+    store.tiles.write(LABELLED[:3], tile, label_cells(groups, own, image))
 
 
 def test_a_hundred_million_cells_through_the_store(benchmark, tmp_path):
@@ -157,7 +157,7 @@ def test_a_hundred_million_cells_through_the_store(benchmark, tmp_path):
     with local_cluster(2) as client:
         benchmark.pedantic(whole, (client,), rounds=1)
         for number in (0, store.tiling.tiles - 1):
-            store.read_tile(LABELLED[:3], store.tiling.tile(number))  # raises where a cell is without its labels
+            store.tiles.read(LABELLED[:3], store.tiling.tile(number))  # raises where a cell is without its labels
         benchmark.extra_info["gibibytes_of_workers"] = sorted(client.run(_peak).values())
     benchmark.extra_info |= {"seconds_of_stages": seconds, "gibibytes_of_driver": _peak()}
     benchmark.extra_info["million_cells_per_second"] = SIDE * SIDE / (seconds["groups"] + seconds["label"]) / 1e6

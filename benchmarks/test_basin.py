@@ -7,9 +7,9 @@ import pytest
 from rattle_kernels import NOT_CONVERGED, CellGrid, Oscillator, map_cells
 from worker.basins.pipeline import run_basin
 from worker.basins.tasks import map_tile
+from worker.cluster.calls import Task
 from worker.cluster.connection import local_cluster
 from worker.cluster.driver import Driver
-from worker.cluster.task import Task
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import Spacing, SweptParameter

@@ -12,9 +12,9 @@ from contextlib import contextmanager
 import dask
 from distributed import Client, LocalCluster
 
+from worker.cluster.calls import Task
 from worker.cluster.connection import _EMBEDDED, _MESSAGES_KEPT
 from worker.cluster.driver import Driver
-from worker.cluster.task import Task
 
 THREADS = (10, 100, 512, 1_000)
 TASK_SECONDS = (0.25, 1.0)

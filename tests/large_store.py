@@ -8,10 +8,10 @@ from zarr.storage import LocalStore
 from rattle_kernels import CellGrid
 from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE
 from worker.jobs.basin_job import BasinJob
-from worker.stores import storage
+from worker.storage.folder import _Folder
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
-from worker.stores.pyramid.levels import LABELS
+from worker.stores.pyramid import LABELS
 from worker.stores.solution_table import SolutionTable, motion_of
 
 LARGE = BasinJob(grid=CellGrid(time_cells=100_000, velocity_cells=100_000))
@@ -31,7 +31,7 @@ def fill(store, level, tiles):
         tile = level.tiling.tile(number)
         rows, columns = (np.arange(*side) * level.every for side in (tile.rows, tile.columns))
         values = [label(each.name, rows, columns).astype(each.dtype) for each in LABELS]
-        store.write_tile(level.labels, tile, values)
+        store.tiles.write(level.labels, tile, values)
 
 
 def tiles_of(level, rows, columns):
@@ -47,9 +47,9 @@ def finish(store):
     table = SolutionTable.empty(store.job)
     numbers = [table.append(motion_of(attractor)) for attractor in (QUIET, RATTLE, CHAOS)]
     table.enter(0, numbers, (QUIET, RATTLE, CHAOS), np.full(3, 1 / 3))
-    store.make_room(table, 1)
-    store.write_solutions(table)
-    store.write_points(0, numbers, (QUIET, RATTLE, CHAOS))
+    store.solutions.make_room(table, 1)
+    store.solutions.write(table)
+    store.solutions.write_points(0, numbers, (QUIET, RATTLE, CHAOS))
     store.write_ledger(np.full(store.tiling.tiles, TileState.ASSEMBLED))
     store.finish({})
 
@@ -68,7 +68,7 @@ class ChunksRead:
 
     def __init__(self, monkeypatch):
         self.arrays = []
-        get, read = LocalStore.get, storage._Folder.read
+        get, read = LocalStore.get, _Folder.read
 
         async def counted_get(store, key, *arguments, **options):
             self._count(key)
@@ -79,7 +79,7 @@ class ChunksRead:
             return read(folder, path, part)
 
         monkeypatch.setattr(LocalStore, "get", counted_get)
-        monkeypatch.setattr(storage._Folder, "read", counted_read)
+        monkeypatch.setattr(_Folder, "read", counted_read)
 
     def _count(self, path):
         array, is_chunk, _ = path.rpartition("/c/")

@@ -15,7 +15,7 @@ import psutil
 from tests.object_store import BUCKET
 from tests.ports import free_port
 from tests.waiting import ended, wait_until
-from worker.stores.result_files import result_location
+from worker.storage.location import result_location
 
 
 @dataclass

@@ -16,7 +16,7 @@ from rattle_kernels import Oscillator, next_impacts
 from rattle_kernels.proof.machine import machine_of, parts_of
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.job import Job
-from worker.jobs.proofs.lattice import most_boxes
+from worker.jobs.proof_request import most_boxes
 
 _STIFF = 1e4
 # Departures, and how often P is applied to each: cells fly together, 64 at a time; analyses follow one at a time.

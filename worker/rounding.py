@@ -1,7 +1,7 @@
 """What is computed for one store is rounded in one way: with fused multiply-add (FMA) throughout, or without.
 
 A processor without it gives other bytes, so a tile that is computed again would differ from what others were made of.
-A store notes how it was begun, and workers compute as their driver does (`worker.cluster.computed_alike`).
+A store notes how it was begun, and workers compute as their driver does (`worker.cluster.calls`).
 """
 
 import logging

@@ -25,7 +25,7 @@ from worker.pictures.overlay import Lines
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
 from worker.pictures.picture import legend_patches
 from worker.pictures.share_chart import SHARES_SIZE, draw_lines, draw_shares
-from worker.stores.proofs.layout import PROVEN
+from worker.stores.proof_layout import PROVEN
 from worker.views import reading
 from worker.views.basin_plot import lay_unproven, plot_basin
 from worker.views.loudness import expected_of

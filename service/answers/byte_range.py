@@ -6,7 +6,7 @@ from fastapi import Response
 from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 
-from worker.stores.result_files import read_file_of_store
+from worker.storage.location import read_file_of_store
 
 _BYTES = "application/octet-stream"
 _MOST_DIGITS = 18

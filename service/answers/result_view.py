@@ -8,8 +8,8 @@ from service.answers.conditional import JsonAnswer, json_answer
 from service.errors import NotReady
 from service.records.job_record import JobRecord, JobState
 from worker.kinds import KINDS
+from worker.storage.location import holds_root, result_location
 from worker.stores.opening import holds_store
-from worker.stores.result_files import holds_root, result_location
 
 # A driver writes its progress this often. Reading a summary costs as much as ten reads of a job's status.
 _SUMMARY_SECONDS, _SUMMARY_BYTES = 0.5, 1 << 25

@@ -15,7 +15,7 @@ from worker.basins.result import EndView, ExpectedView, FiniteOrNone, Loud
 from worker.kinds import KINDS
 from worker.pictures.colours import MISSING, SPECKLE, Colour, Paint, Palette, paints_of
 from worker.pictures.overlay import Lines, Overlay
-from worker.stores.pyramid.levels import Level
+from worker.stores.pyramid import Level
 from worker.stores.summary import ends_as_json
 from worker.views.motion_end import MotionEnd
 from worker.views.outline import PanelOutline

@@ -21,7 +21,7 @@ from service.routes.dependencies import (
     problems,
     require_ownership,
 )
-from worker.stores.result_files import remove_result, result_location
+from worker.storage.location import remove_result, result_location
 
 router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
 

@@ -22,7 +22,7 @@ from service.runner import metrics as run_metrics
 from service.runner.retention import Retention
 from service.runner.runner import Runner
 from service.settings import Settings
-from worker.cluster.reconnecting_cluster import ReconnectingCluster
+from worker.cluster.connection import ReconnectingCluster
 
 _log = logging.getLogger("rattle.runner")
 # Responses come first. A small job's store takes half a second of processor time; at niceness 2 the server process got

@@ -9,7 +9,7 @@ from service.records.jobs import Jobs
 from service.records.reads import Ended, Reads
 from service.runner import metrics as run_metrics
 from worker.errors import WorkerError
-from worker.stores.result_files import bytes_of_result, remove_result, result_location
+from worker.storage.location import bytes_of_result, remove_result, result_location
 
 _log = logging.getLogger("rattle.retention")
 _EVERY_SECONDS = 600.0

@@ -17,12 +17,12 @@ from service.records.jobs import Jobs, LargeJobsOf
 from service.records.lease import Lease
 from service.records.replica import replica_name
 from service.runner import metrics as run_metrics
+from worker.cluster.connection import ReconnectingCluster
 from worker.cluster.driver import Driver
-from worker.cluster.reconnecting_cluster import ReconnectingCluster
 from worker.errors import ClusterFailed, JobCancelled, LeaseLost, WorkerError
 from worker.kinds import KINDS
 from worker.progress import Progress, Stage
-from worker.stores.result_files import remove_rootless, result_location
+from worker.storage.location import remove_rootless, result_location
 
 _log = logging.getLogger("rattle.runner")
 # Jobs submitted to other replicas are found by polling.

@@ -11,7 +11,7 @@ from worker.pictures.colours import Palette
 from worker.pictures.overlay_kind import OverlayKind
 from worker.pictures.panel_picture import Layer
 from worker.progress import Stage
-from worker.stores.proofs.layout import Unproven
+from worker.stores.proof_layout import Unproven
 
 JS = Path(__file__).parents[2] / "service" / "explorer" / "js"
 HTML = (JS.parent / "index.html").read_text()

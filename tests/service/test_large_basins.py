@@ -14,8 +14,8 @@ from tests.large_store import LARGE, ChunksRead, label, large_store
 from tests.service.idle_service import idle_service
 from tests.service.routes.problems import assert_problem
 from worker.pictures.panel_picture import Layer
-from worker.stores.pyramid.levels import LABELS
-from worker.stores.result_files import result_location
+from worker.storage.location import result_location
+from worker.stores.pyramid import LABELS
 
 # Labels, ledger, and one chunk of each array in the table of motions, with their points.
 MOST_CHUNKS = 20

@@ -23,12 +23,12 @@ def store(tmp_path):
         tile = store.tiling.tile(number)
         inside = slice(*tile.rows), slice(*tile.columns)
         labels = group[inside], group[inside], group[inside], solution[inside]
-        store.write_tile((*LABELLED, SOLUTION), tile, labels)
+        store.tiles.write((*LABELLED, SOLUTION), tile, labels)
     table = SolutionTable.empty(store.job)
     numbers = [table.append(motion_of(attractor)) for attractor in (QUIET, RATTLE, CHAOS)]
     table.enter(0, numbers, (QUIET, RATTLE, CHAOS), np.array([0.5, 0.25, 0.25]))
-    store.make_room(table, 1)
-    store.write_solutions(table)
-    store.write_points(0, numbers, (QUIET, RATTLE, CHAOS))
+    store.solutions.make_room(table, 1)
+    store.solutions.write(table)
+    store.solutions.write_points(0, numbers, (QUIET, RATTLE, CHAOS))
     store.write_ledger(np.full(store.tiling.tiles, TileState.ASSEMBLED))
     return store

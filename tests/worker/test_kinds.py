@@ -20,8 +20,8 @@ from tests.service.idle_service import idle_service
 from worker.errors import UnknownKind
 from worker.jobs.basin_job import basin_job
 from worker.kinds import KINDS, JobKind, Kinds, analysis_kind, kind_of
+from worker.storage.location import result_location
 from worker.stores.new_store import create_store
-from worker.stores.result_files import result_location
 
 ROOT = Path(__file__).parents[2]
 REQUEST = {"phase": 0.25, "speed": 3.0, "periods": 12}

@@ -12,10 +12,9 @@ from worker.errors import LeaseLost
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.kinds import KINDS
 from worker.progress import Stage
+from worker.storage.location import read_file_of_store, storage_at
 from worker.stores.analysis_store import AnalysisStore
 from worker.stores.basin_store import BasinStore
-from worker.stores.result_files import read_file_of_store
-from worker.stores.storage import place_at
 
 CELLS = {"grid": {"time": {"cells": 24}, "velocity": {"cells": 20}}, "iterations": 7}
 REQUESTS = {
@@ -53,7 +52,7 @@ def root(request, tmp_path):
 def written_by_drivers(location):
     """Every file of a store but those that tasks write: parts, tiles, and temporary files."""
     paths = [
-        path for path in place_at(location).paths() if path.endswith("zarr.json") and not path.startswith("parts/")
+        path for path in storage_at(location).paths() if path.endswith("zarr.json") and not path.startswith("parts/")
     ]
     return {path: read_file_of_store(location, path).content for path in paths}
 
@@ -86,7 +85,7 @@ def test_a_driver_of_an_analysis_that_has_lost_its_lease_writes_nothing(root):
     AnalysisStore.create_or_resume(location, "a diagram", job)
     store = AnalysisStore(location, fence)
     store.write_part("seeds", {"time": [0.5]})
-    before = place_at(location).paths(), written_by_drivers(location)
+    before = storage_at(location).paths(), written_by_drivers(location)
     fence.lost = True
     for write in (
         lambda: store.publish((), {}),
@@ -97,5 +96,5 @@ def test_a_driver_of_an_analysis_that_has_lost_its_lease_writes_nothing(root):
     ):
         with pytest.raises(LeaseLost):
             write()
-    assert (place_at(location).paths(), written_by_drivers(location)) == before
-    assert place_at(f"{root}/new.zarr").paths() == [] and not store.complete
+    assert (storage_at(location).paths(), written_by_drivers(location)) == before
+    assert storage_at(f"{root}/new.zarr").paths() == [] and not store.complete

@@ -20,8 +20,8 @@ from matplotlib.figure import Figure
 from pydantic import BaseModel, Field
 
 from rattle_kernels import OutsideDomain
+from worker.cluster.calls import Task, stop_if_cancelled
 from worker.cluster.driver import Driver
-from worker.cluster.task import Task, stop_if_cancelled
 from worker.errors import InvalidJob, StoreFailed
 from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob

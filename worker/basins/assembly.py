@@ -35,7 +35,7 @@ def places_of_images(
     place = np.empty(members.size, np.int32)
 
     def place_tile(tile: Tile) -> None:
-        (images,) = store.read_tile(_IMAGE_CELL, tile)
+        (images,) = store.tiles.read(_IMAGE_CELL, tile)
         place_images(members, (tile.rows[0], tile.columns[0]), store.job.grid.time_cells, images, place)
 
     readers = ThreadPoolExecutor(_READERS)

@@ -27,7 +27,7 @@ from worker.basins.tasks import (
     weigh_tiles,
 )
 from worker.basins.weights import worth_weighing
-from worker.cluster.task import Task
+from worker.cluster.calls import Task
 from worker.progress import Stage
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState

@@ -4,9 +4,9 @@ from collections.abc import Iterable
 from functools import partial
 
 from worker.basins.tasks import open_store
-from worker.cluster.task import Task, stop_if_cancelled
+from worker.cluster.calls import Task, stop_if_cancelled
 from worker.stores.basin_store import BasinStore
-from worker.stores.pyramid.levels import LABELS
+from worker.stores.pyramid import LABELS
 
 
 def coarsen_tile(location: str, digest: str, number: int, level: int) -> None:
@@ -18,8 +18,8 @@ def coarsen_tile(location: str, digest: str, number: int, level: int) -> None:
     rows, columns = ((2 * start, min(2 * stop, most)) for (start, stop), most in cells)
     for variable in LABELS:  # one at a time, to take less memory
         stop_if_cancelled()
-        values = store.read_cells(finer.own(variable), tile.basin, rows, columns, every=2)
-        store.write_tile((coarser.own(variable),), tile, (values,))
+        values = store.tiles.read_cells(finer.own(variable), tile.basin, rows, columns, every=2)
+        store.tiles.write((coarser.own(variable),), tile, (values,))
 
 
 class Coarsening:

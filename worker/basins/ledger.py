@@ -34,7 +34,7 @@ class Ledger:
     def __init__(self, store: BasinStore) -> None:
         self._store = store
         self.states = store.read_ledger().copy()
-        self.table = store.read_solutions()
+        self.table = store.solutions.read()
         self._image_counts = store.read_image_counts().copy()
         # The ledger is written after the table, so a basin is complete if both say so.
         assembled = (self.states.reshape(-1, store.tiling.tiles_of_basin) == TileState.ASSEMBLED).all(axis=1)
@@ -55,14 +55,14 @@ class Ledger:
     def catalogue(self, basin: int) -> Numbered:
         """Attractors of a complete basin, with their numbers."""
         numbers = self.table.numbers_in(basin)
-        return Numbered(self._store.read_catalogue(basin, self.table, numbers), numbers)
+        return Numbered(self._store.solutions.read_catalogue(basin, self.table, numbers), numbers)
 
     def announce(self, basin: BasinRun, numbered: Numbered) -> None:
         """Record the attractors of a basin before their shares are known, and make room for them in the store."""
         self._image_counts[basin.number] = basin.reserved
         unknown = np.full(len(numbered.numbers), np.nan)
         self._enter(basin.number, numbered, unknown, unknown)
-        self._store.make_room(self.table, max(attractor.time.size for attractor in numbered.attractors))
+        self._store.solutions.make_room(self.table, max(attractor.time.size for attractor in numbered.attractors))
 
     def complete(self, basin: BasinRun, numbered: Numbered) -> None:
         """Record that a basin is complete. Basins are completed in order."""
@@ -93,7 +93,7 @@ class Ledger:
     def save(self) -> None:
         """Write everything. Each file is synced by itself: the next driver reads the tables, whatever is claimed."""
         self._store.write_image_counts(self._image_counts)
-        self._store.write_solutions(self.table)
+        self._store.solutions.write(self.table)
         self._store.write_ledger(self.states)
         self._ledger_saved = self._table_saved = time.monotonic()
         self._table_changed = False

@@ -17,9 +17,9 @@ from worker.cluster.driver import Driver
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob
 from worker.progress import Report, Stage
+from worker.storage.folder import synced_together
 from worker.stores.basin_store import BasinStore
 from worker.stores.changes import list_changes
-from worker.stores.files.synced_files import synced_together
 
 # Basins in progress for each task in flight. A slow basin delays the numbering of the next ones, whose results wait in
 # memory.
@@ -78,7 +78,7 @@ def run_basin(
         ledger.save()
         store.sweep_orphans()
     if job.vary:
-        store.write_changes(list_changes(job, ledger.table))
+        store.solutions.write_changes(list_changes(job, ledger.table))
     seconds = pace.finish()
     if job.prove is not None:
         seconds |= _prove(store, ledger, driver, report, cancel)

@@ -16,7 +16,7 @@ from worker.basins.ledger import Ledger
 from worker.basins.numbering import Numbered, Numbering
 from worker.basins.tasks import number_basin, number_tile, write_points
 from worker.basins.whole_basin import BasinReceipt, solve_basin
-from worker.cluster.task import Task
+from worker.cluster.calls import Task
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 

@@ -20,7 +20,7 @@ from rattle_kernels.cell_mapping.cell_map import join_images
 from worker.basins import image_cache
 from worker.basins.assembly import assemble_groups, groups_of
 from worker.basins.weights import weigh
-from worker.cluster.task import stop_if_cancelled
+from worker.cluster.calls import stop_if_cancelled
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import demand_same_digest
 
@@ -83,7 +83,7 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     begin = time.perf_counter()
     images = _map(store, tile)
     seconds = time.perf_counter() - begin
-    store.write_tile(store.places.mapped, tile, images[:3])
+    store.tiles.write(store.places.mapped, tile, images[:3])
     image_cache.keep(location, digest, number, images)
     return _receipt(store, tile.basin, images, seconds)
 
@@ -95,7 +95,7 @@ def weigh_tiles(location: str, digest: str, basin: int, numbers: Sequence[int]) 
 
 
 def _read_images(store: BasinStore, tile: Tile) -> CellImages:
-    image, t, v = store.read_tile(store.places.mapped, tile)
+    image, t, v = store.tiles.read(store.places.mapped, tile)
     return CellImages(image, t, v, 0)
 
 
@@ -162,7 +162,7 @@ def label_tile(location: str, digest: str, number: int, attractors: Catalogue, n
     solution, unassigned = name_landings(oscillator, attractors, images, stop_if_cancelled)
     seconds = time.perf_counter() - begin
     named = store.places.solution if numbered else store.places.own_solution
-    store.write_tile((*store.places.labelled, named), tile, (*labels, solution))
+    store.tiles.write((*store.places.labelled, named), tile, (*labels, solution))
     return LabelReceipt(_counts(store, tile, solution, len(attractors)), seconds, unassigned)
 
 
@@ -178,13 +178,13 @@ def number_tile(location: str, digest: str, number: int, numbers: tuple[int, ...
     """Write one tile's solutions under the numbers that all basins share."""
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
-    (own,) = store.read_tile((store.places.own_solution,), tile)
-    store.write_tile((store.places.solution,), tile, (np.array(numbers, np.int16)[own],))
+    (own,) = store.tiles.read((store.places.own_solution,), tile)
+    store.tiles.write((store.places.solution,), tile, (np.array(numbers, np.int16)[own],))
 
 
 def write_points(location: str, digest: str, basin: int, numbers: tuple[int, ...], attractors: Catalogue) -> None:
     """Write the points of a basin's attractors under their numbers."""
-    open_store(location, digest).write_points(basin, numbers, attractors)
+    open_store(location, digest).solutions.write_points(basin, numbers, attractors)
 
 
 def number_basin(

@@ -11,7 +11,7 @@ import numpy as np
 from rattle_kernels import Attractor
 from worker.basins.basin_run import BasinRun
 from worker.basins.tasks import open_store
-from worker.cluster.task import stop_if_cancelled
+from worker.cluster.calls import stop_if_cancelled
 
 
 @dataclass(frozen=True)

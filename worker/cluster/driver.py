@@ -27,9 +27,7 @@ from typing import Any, NamedTuple, cast
 from distributed import Client, Future
 
 from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
-from worker.cluster.compiling import Compiling
-from worker.cluster.computed_alike import Call, Receipts, compute_alike
-from worker.cluster.task import Task
+from worker.cluster.calls import Call, Compiling, Receipts, Task, compute_alike
 from worker.errors import ClusterFailed, JobCancelled, StoreFailed, TileFailed, WorkerError
 
 _log = logging.getLogger("rattle.driver")

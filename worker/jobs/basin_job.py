@@ -17,7 +17,7 @@ from worker.jobs.first_refused import first_refused
 from worker.jobs.grid_request import Grid, GridRequest, grid_request
 from worker.jobs.job import Job, Sizes
 from worker.jobs.pressed_for_sure import pressed_for_sure
-from worker.jobs.proofs.request import Prove, check_proof
+from worker.jobs.proof_request import Prove, check_proof
 from worker.jobs.request import Count, told
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, Vary, axes_of, check_swept

@@ -18,7 +18,7 @@ from worker.pictures.unproven import demand_proof, draw_unproven, share_unproven
 from worker.pictures.window import Window, whole_window
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MISSING, SAMPLE_COORDINATES, TileState
-from worker.stores.pyramid.levels import level_for
+from worker.stores.pyramid import level_for
 from worker.stores.solution_table import SolutionTable
 
 # Most points of a sample. The first ones of a Sobol sequence cover the window evenly, every second one only half of it.
@@ -160,11 +160,11 @@ class PanelPicture:
         places = self.store.places
         named = (each for each in (*places.labelled, places.solution) if each.name == layer)
         variable = tuple(self.level.own(each) for each in named)
-        return lambda tile: self.store.read_tile(variable, tile)[0]
+        return lambda tile: self.store.tiles.read(variable, tile)[0]
 
     def _proven(self, tile: Tile) -> np.ndarray | None:
         """64ths that are proven; basins with levels have no proof, so the tile is one of the cells themselves."""
-        proof = self.store.read_proof(tile)
+        proof = self.store.proof.read_tile(tile)
         return None if proof is None else proof[0]
 
     def _tiles_there(self) -> list[int]:
@@ -221,7 +221,7 @@ class PanelPicture:
         numbers = self.table.numbers_in(self.panel)
         if not numbers and self.panel == 0:  # not complete, but its catalogue is known
             numbers = list(range(len(self.solutions)))
-        return self.store.read_catalogue(self.panel, self.table, numbers)
+        return self.store.solutions.read_catalogue(self.panel, self.table, numbers)
 
     def draw_numbers(self, axes: Axes, layer: Layer) -> list[AxesImage]:
         """Draw one of Hsu's numbers."""
@@ -244,7 +244,7 @@ class PanelPicture:
         """
         if OverlayKind.PROVEN not in self.look.overlays:
             return
-        demand_proof(self.store.holds_proof)
+        demand_proof(self.store.proof.wanted)
         share = share_unproven(self._proven(self.store.tiling.tile(number)) for number in self.tiles)
         for rows, columns, place in self._parts():
             draw_unproven(axes, self._read(self._proven, rows, columns), place, share)

@@ -211,7 +211,7 @@ def basin_figure(location: str, look: Look = USUAL_LOOK) -> Figure:
 
 
 def _draw_panels(figure: Figure, axes: np.ndarray, store: BasinStore, rows: list[list[int]], look: Look) -> None:
-    table = store.read_solutions()
+    table = store.solutions.read()
     solutions = representatives(store, table)
     most_cells = max(_MOST_CELLS // axes.shape[1], 1)
     images: list[AxesImage] = []

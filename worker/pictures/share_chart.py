@@ -114,7 +114,7 @@ def shares_figure(location: str) -> Figure:
         If there is no basin's store, or it cannot be read.
     """
     store = BasinStore(location)
-    table = store.read_solutions()
+    table = store.solutions.read()
     if not store.job.vary:
         raise InvalidJob(f"{location} holds a single basin: there is no parameter to draw shares over")
     if not table.complete.any():

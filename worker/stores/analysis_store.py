@@ -16,9 +16,11 @@ from worker.errors import StoreConflict, StoreFailed, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob
 from worker.rounding import demand_same_rounding
-from worker.stores.files.synced_files import synced_together
+from worker.storage.chunks import CODECS, CONFIG
+from worker.storage.folder import synced_together
+from worker.storage.location import storage_at
 from worker.stores.layout import Columns, Variable
-from worker.stores.new_store import CODECS, CONFIG, consolidate
+from worker.stores.new_store import consolidate
 from worker.stores.opening import (
     create_unless_there,
     demand_same_request,
@@ -27,7 +29,6 @@ from worker.stores.opening import (
     open_store_at,
 )
 from worker.stores.provenance import birth_certificate, now
-from worker.stores.storage import place_at
 
 ANALYSIS_LAYOUT_VERSION = 2
 # Chunks of layout 1 have no checksums.
@@ -44,7 +45,7 @@ class AnalysisStore:
     Parameters
     ----------
     location : str
-        Location as in `worker.stores.storage`.
+        Location as in `worker.storage.location`.
     fence : Fence
         The driver's fence.
 
@@ -138,7 +139,7 @@ class AnalysisStore:
         """Completed parts."""
         # Zarr's own list of groups would warn of temporary files that writers of other parts have open.
         with as_store_failure(self.location):
-            names = place_at(self.location).folders(PARTS)
+            names = storage_at(self.location).folders(PARTS)
         found = {name: self._part(name) for name in names}
         return StoredParts(self, [name for name, part in found.items() if part is not None and part.attrs.get(_WHOLE)])
 
@@ -179,7 +180,7 @@ class AnalysisStore:
         with as_store_failure(self.location):
             if PARTS in self._group:
                 del self._group[PARTS]
-            place_at(self.location).sweep()
+            storage_at(self.location).sweep()
             consolidate(self.location, self._fence)
 
 
@@ -226,7 +227,7 @@ def kind_of_store(location: str) -> str:
 
 def _create(location: str, title: str, job: AnalysisJob, fence: Fence) -> None:
     """Create a new store with attributes only. The length of its tables is not known yet."""
-    group = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
+    group = zarr.create_group(storage_at(location, fence).zarr, zarr_format=3, overwrite=True)
     born = birth_certificate(title, job.request(), job.digest)
     group.update_attributes(born | {"kind": job.kind, "layout_version": ANALYSIS_LAYOUT_VERSION})
     consolidate(location, fence)

@@ -16,10 +16,8 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import CellGroups, OutsideDomain
-from rattle_kernels.basins.tiles import Tile
 from rattle_kernels.cell_mapping.image_set import ImageSet, with_counts
 from worker.errors import (
-    DamagedChunk,
     DamagedMetadata,
     InvalidJob,
     OtherArrays,
@@ -30,11 +28,12 @@ from worker.errors import (
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
+from worker.storage.chunks import write_chunk
+from worker.storage.location import storage_at
 from worker.stores import layout
-from worker.stores.files.whole_chunks import read_chunk, write_chunk
-from worker.stores.files.write_over import write_over
 from worker.stores.layout import Variable
 from worker.stores.new_store import consolidate, create_store, places_of, tiling_of, write_coordinates
+from worker.stores.open_arrays import OpenArrays
 from worker.stores.opening import (
     create_unless_there,
     demand_own_request,
@@ -42,12 +41,11 @@ from worker.stores.opening import (
     open_group,
     open_store_at,
 )
-from worker.stores.proofs.arrays import ProofArrays
+from worker.stores.proof_arrays import ProofArrays
 from worker.stores.provenance import now
-from worker.stores.pyramid.convention import ATTRIBUTE
-from worker.stores.pyramid.levels import Level, levels_of
+from worker.stores.pyramid import ATTRIBUTE, Level, levels_of
 from worker.stores.solution_arrays import SolutionArrays
-from worker.stores.storage import place_at
+from worker.stores.tile_arrays import TileArrays
 
 # Chunks are encoded without the GIL, and other workers may wait for this one. Three keep two cores busy.
 _WRITERS = 3
@@ -62,13 +60,13 @@ def _job_of(location: str, request: dict[str, Any]) -> BasinJob:
         raise StoreFailed(f"{told}; `rattle check` tells whether it is what was stored") from error
 
 
-class BasinStore(SolutionArrays, ProofArrays):
+class BasinStore:
     """A job's store, open for reading and writing.
 
     Parameters
     ----------
     location : str
-        Location as in `worker.stores.storage`.
+        Location as in `worker.storage.location`.
     fence : Fence
         The driver's fence.
     as_found : bool
@@ -80,6 +78,15 @@ class BasinStore(SolutionArrays, ProofArrays):
         If the location holds something other than a basin's store.
     StoreFailed
         If it cannot be read.
+
+    Attributes
+    ----------
+    tiles : TileArrays
+        Cells, or points of a sample, tile by tile.
+    solutions : SolutionArrays
+        What is known of each solution.
+    proof : ProofArrays
+        What is proven of cells, where a proof was asked for.
     """
 
     def __init__(self, location: str, fence: Fence = unfenced, *, as_found: bool = False) -> None:
@@ -97,8 +104,11 @@ class BasinStore(SolutionArrays, ProofArrays):
         levels = levels_of(self.job, self.tiling)
         # Stores from before there were levels have none.
         self.levels = levels if ATTRIBUTE in self._group.attrs else levels[:1]
-        self._place = place_at(location)
-        super().__init__()
+        self._storage = storage_at(location)
+        self._arrays = OpenArrays(location, self.job, self._group, fence)
+        self.tiles = TileArrays(self._arrays, self._storage)
+        self.solutions = SolutionArrays(self._arrays, self.places.solution)
+        self.proof = ProofArrays(self._arrays, self.tiles)
         if not as_found:
             self._demand_own_arrays()
 
@@ -132,7 +142,7 @@ class BasinStore(SolutionArrays, ProofArrays):
         with as_store_failure(self.location):
             for variable, own in self.own_shapes():
                 try:
-                    there = self._kept(variable).shape
+                    there = self._arrays.array(variable).shape
                 except DamagedMetadata:
                     continue
                 if there != own:
@@ -148,101 +158,39 @@ class BasinStore(SolutionArrays, ProofArrays):
         """Levels that can be read: of an unfinished store only the basins themselves."""
         return self.levels if self.complete else self.levels[:1]
 
-    def _chunk(self, tile: Tile) -> str:
-        """Numbers of a tile's chunk in any array of cells. The one row of a sample has no dimension of its own."""
-        within = (tile.row, tile.column) if self.job.sample is None else (tile.column,)
-        return "/".join(map(str, (*self.job.place_of(tile.basin), *within)))
-
-    def write_tile(self, variables: Sequence[Variable], tile: Tile, values: Sequence[np.ndarray]) -> None:
-        """Write one tile, of shape (rows, columns), of some variables."""
-        chunk = self._chunk(tile)
-        with as_store_failure(self.location):
-            for variable, value in zip(variables, values, strict=True):
-                own = value if self.job.sample is None else value[0]
-                write_chunk(self._place, self._kept(variable), chunk, own)
-
-    def read_tile(self, variables: Sequence[Variable], tile: Tile) -> tuple[np.ndarray, ...]:
-        """Read one tile, of shape (rows, columns), of some variables. All of them must have been written.
-
-        Raises
-        ------
-        StoreFailed
-            If it cannot be read or is missing.
-        """
-        return tuple(self._demand_tile_of(variable, tile) for variable in variables)
-
-    def _demand_tile_of(self, variable: Variable, tile: Tile) -> np.ndarray:
-        values = self._read_tile_of(variable, tile)
-        if values is not None:
-            return values
-        if self.complete:
-            raise DamagedChunk(self.location, variable.path, self._chunk(tile), "is missing")
-        raise StoreFailed(f"the store {self.location} has lost a part of {variable.path}: {tile}")
-
-    def _read_tile_of(self, variable: Variable, tile: Tile) -> np.ndarray | None:
-        """One tile of one variable; None if it is not there."""
-        with as_store_failure(self.location):
-            chunk = read_chunk(self._place, self._kept(variable), self._chunk(tile), self.location)
-        if chunk is None:
-            return None
-        rows, columns = (stop - start for start, stop in (tile.rows, tile.columns))
-        # Tiles at the upper edges are smaller than their chunk.
-        return np.ascontiguousarray(chunk.reshape(-1, chunk.shape[-1])[:rows, :columns])
-
-    def read_cells(
-        self, variable: Variable, basin: int, rows: tuple[int, int], columns: tuple[int, int], every: int
-    ) -> np.ndarray:
-        """Read every n-th cell, each way, of a rectangle of a basin. All of it must have been written.
-
-        Raises
-        ------
-        StoreFailed
-            If it cannot be read or a part is missing. Zarr returns fill values there, which are not data.
-        """
-        values = self._read(variable, *self.job.place_of(basin), slice(*rows, every), slice(*columns, every))
-        if (values == variable.fill).any():
-            raise StoreFailed(f"the store {self.location} has lost a part of {variable.path}")
-        return values
-
     def read_whole(self, variables: Sequence[Variable]) -> tuple[np.ndarray, ...]:
         """Read some variables whole."""
         with as_store_failure(self.location):
-            return tuple(np.asarray(self._array(variable)[...]) for variable in variables)
-
-    def _read(self, variable: Variable, *index: Any) -> np.ndarray:
-        with as_store_failure(self.location):
-            return np.asarray(self._kept(variable)[index])
-
-    def _write(self, variable: Variable, values: np.ndarray, *index: Any) -> None:
-        with as_store_failure(self.location):
-            write_over(self._kept(variable), index, values)
+            return tuple(np.asarray(self._arrays.fresh(variable)[...]) for variable in variables)
 
     def read_ledger(self) -> np.ndarray:
         """State of each tile, flat, basin by basin, as `TileState` codes."""
-        return self._read(self.places.ledger, ...).ravel()
+        return self._arrays.read(self.places.ledger, ...).ravel()
 
     def write_ledger(self, states: np.ndarray) -> None:
         """Replace the ledger (driver only)."""
         self._fence()
         with as_store_failure(self.location):
-            array = self._kept(self.places.ledger)
+            array = self._arrays.array(self.places.ledger)
             array[...] = states.reshape(array.shape)
 
     def write_image_words(self, basin: int, words: np.ndarray) -> None:
         """Write the distinct images of a basin (driver only)."""
         self._fence()
-        self._write(layout.IMAGE_WORDS, words, *self.job.place_of(basin), ...)
+        self._arrays.write(layout.IMAGE_WORDS, words, *self.job.place_of(basin), ...)
 
     def read_image_words(self, basin: int) -> ImageSet:
         """Read the distinct images of a basin."""
-        return with_counts(self._read(layout.IMAGE_WORDS, *self.job.place_of(basin), ...))
+        return with_counts(self._arrays.read(layout.IMAGE_WORDS, *self.job.place_of(basin), ...))
 
     def write_groups(self, basin: int, groups: CellGroups) -> None:
         """Write Hsu's numbers on a basin's image set, for tiles to look up."""
         with as_store_failure(self.location), ThreadPoolExecutor(_WRITERS) as writers:
             # In the caller's context, as in Zarr's own threads.
             written = [
-                writers.submit(copy_context().run, write_chunk, self._place, self._kept(variable), chunk, values[part])
+                writers.submit(
+                    copy_context().run, write_chunk, self._storage, self._arrays.array(variable), chunk, values[part]
+                )
                 for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True)
                 for chunk, part in self._chunks(variable, basin, values.size)
             ]
@@ -251,7 +199,7 @@ class BasinStore(SolutionArrays, ProofArrays):
 
     def read_solution(self, basin: int) -> np.ndarray:
         """Read the solution of every cell or point of a basin."""
-        return self._read(self.places.solution, *self.job.place_of(basin), ...)
+        return self._arrays.read(self.places.solution, *self.job.place_of(basin), ...)
 
     def read_groups(self, basin: int) -> CellGroups:
         """Read Hsu's numbers on a basin's image set: as int16 if all groups and steps fit, which halves the memory."""
@@ -260,17 +208,17 @@ class BasinStore(SolutionArrays, ProofArrays):
         numbers = np.empty((members.size, 2), np.int16)
         for column, variable in enumerate(layout.IMAGE_SET[:2]):
             for _, part in self._chunks(variable, basin, members.size):
-                some = self._read(variable, *place, part)
+                some = self._arrays.read(variable, *place, part)
                 fits = np.result_type(numbers, np.min_scalar_type(-1 - int(some.max())))
                 numbers = numbers.astype(fits, copy=False)
                 numbers[part, column] = some
         group, step = numbers.T
-        period = self._read(layout.IMAGE_SET[2], *place, slice(int(group.max(initial=0)) + 1))
+        period = self._arrays.read(layout.IMAGE_SET[2], *place, slice(int(group.max(initial=0)) + 1))
         return CellGroups(members, group, step, period)
 
     def _chunks(self, variable: Variable, basin: int, size: int) -> list[tuple[str, slice]]:
         """Chunks of a basin's first numbers in an array. Zarr copies what it reads of several at once."""
-        place, length = self.job.place_of(basin), self._kept(variable).chunks[-1]
+        place, length = self.job.place_of(basin), self._arrays.array(variable).chunks[-1]
         return [
             ("/".join(map(str, (*place, number))), slice(number * length, min((number + 1) * length, size)))
             for number in range(-(-size // length))
@@ -278,16 +226,16 @@ class BasinStore(SolutionArrays, ProofArrays):
 
     def write_grazing_velocity(self, basin: int, velocity: np.ndarray) -> None:
         """Write the grazing curve of a basin."""
-        self._write(layout.GRAZING, velocity, *self.job.place_of(basin), ...)
+        self._arrays.write(layout.GRAZING, velocity, *self.job.place_of(basin), ...)
 
     def write_image_counts(self, counts: np.ndarray) -> None:
         """Write how many cells of each basin have each reserved image, shape (basins, 3) (driver only)."""
         self._fence()
-        self._write(layout.IMAGE_COUNTS, counts.reshape(*self.job.sweep_shape, 3), ...)
+        self._arrays.write(layout.IMAGE_COUNTS, counts.reshape(*self.job.sweep_shape, 3), ...)
 
     def read_image_counts(self) -> np.ndarray:
         """Read these counts, shape (basins, 3). They are negative if a basin is not mapped yet."""
-        return self._read(layout.IMAGE_COUNTS, ...).reshape(-1, 3)
+        return self._arrays.read(layout.IMAGE_COUNTS, ...).reshape(-1, 3)
 
     def finish(self, seconds: dict[str, float]) -> None:
         """Consolidate the store's metadata and mark it complete (driver only)."""
@@ -314,8 +262,8 @@ class BasinStore(SolutionArrays, ProofArrays):
             self.write_ledger(states)
             write_coordinates(self._group, self.job, self.levels)
             if tables:
-                self.empty_solutions()
-                self._write(layout.IMAGE_COUNTS, np.array(layout.IMAGE_COUNTS.fill), ...)
+                self.solutions.empty()
+                self._arrays.write(layout.IMAGE_COUNTS, np.array(layout.IMAGE_COUNTS.fill), ...)
             consolidate(self.location, self._fence)
 
     @property
@@ -327,4 +275,4 @@ class BasinStore(SolutionArrays, ProofArrays):
         """Remove temporary files that killed writers left behind (driver only)."""
         self._fence()
         with as_store_failure(self.location):
-            place_at(self.location).sweep()
+            storage_at(self.location).sweep()

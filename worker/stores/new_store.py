@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import zarr
 from zarr.abc.store import Store
-from zarr.codecs import Crc32cCodec, ZstdCodec
 from zarr.core.buffer import default_buffer_prototype
 from zarr.core.sync import sync
 from zarr.errors import ZarrUserWarning
@@ -18,15 +17,15 @@ from zarr.storage import MemoryStore
 from rattle_kernels.basins.tiles import Tiling, cut, cut_row
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob
+from worker.storage.checked_chunks import METADATA
+from worker.storage.chunks import CODECS, CONFIG
+from worker.storage.folder import synced_together
+from worker.storage.location import storage_at
 from worker.stores import layout
-from worker.stores.files.checked_chunks import METADATA
-from worker.stores.files.synced_files import synced_together
 from worker.stores.layout import Places, TileState, Variable
-from worker.stores.proofs.layout import PROVEN, UNPROVEN_REASON
+from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON
 from worker.stores.provenance import birth_certificate
-from worker.stores.pyramid.convention import multiscales
-from worker.stores.pyramid.levels import Level, levels_of
-from worker.stores.storage import place_at
+from worker.stores.pyramid import Level, levels_of, multiscales
 
 # Consolidated metadata are Zarr-Python's own, not yet in the specification. Other readers ignore them. Silenced for the
 # process: `catch_warnings` of one thread undoes that of another, such as that of Numba where it compiles meanwhile.
@@ -34,10 +33,6 @@ warnings.filterwarnings("ignore", "Consolidated metadata is currently not", Zarr
 # Files and folders on the way: of a cancelled job some tasks still write while its metadata are collected.
 warnings.filterwarnings("ignore", "Object at .* is not recognized as a component", ZarrUserWarning)
 
-# Zarr does not store this: a handle opened without it would delete chunks that equal the fill value.
-CONFIG = {"write_empty_chunks": True}
-# The checksum is of the compressed bytes, as they lie on the disk.
-CODECS = (ZstdCodec(level=0), Crc32cCodec())
 # Arrays that are written whole are small, except the image set of a map of 1e8 cells.
 _LONGEST_CHUNK = 1 << 22
 # Chunks of a basin's attractors.
@@ -56,7 +51,7 @@ def tiling_of(job: BasinJob) -> Tiling:
 
 def consolidate(location: str, fence: Fence = unfenced) -> None:
     """Collect all metadata at the root, so that readers get them in one read. Called after every change of metadata."""
-    zarr.consolidate_metadata(place_at(location, fence).zarr, zarr_format=3)
+    zarr.consolidate_metadata(storage_at(location, fence).zarr, zarr_format=3)
 
 
 def create_array(
@@ -98,7 +93,7 @@ def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     # In one write: `attrs.update` writes once per attribute.
     group.update_attributes(born | {"tile_cells": list(tile)} | multiscales(levels, len(job.vary)))
     zarr.consolidate_metadata(planned, zarr_format=3)
-    begun = zarr.create_group(place_at(location, fence).zarr, zarr_format=3, overwrite=True)
+    begun = zarr.create_group(storage_at(location, fence).zarr, zarr_format=3, overwrite=True)
     with synced_together(location):
         sync(_copy_all_but(METADATA, planned, begun.store))
         write_coordinates(begun, job, levels)

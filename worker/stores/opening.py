@@ -8,14 +8,14 @@ import zarr
 
 from worker.errors import StoreConflict, StoreFailed, as_store_failure
 from worker.fence import Fence, unfenced
-from worker.stores.storage import place_at
+from worker.storage.location import storage_at
 
 _NOTHING_THERE = (FileNotFoundError, NotADirectoryError, ValueError)
 
 
 def open_group(location: str, mode: str, *, consolidated: bool = False, fence: Fence = unfenced) -> Any:
     """Root group at a location. Raises Zarr's errors."""
-    return zarr.open_group(place_at(location, fence).zarr, mode=mode, zarr_format=3, use_consolidated=consolidated)
+    return zarr.open_group(storage_at(location, fence).zarr, mode=mode, zarr_format=3, use_consolidated=consolidated)
 
 
 def open_store_at(location: str, what: str, fence: Fence) -> Any:
@@ -41,7 +41,7 @@ def holds_store(location: str) -> bool:
         try:
             group = open_group(location, "r")
         except _NOTHING_THERE:
-            place_at(location).check()
+            storage_at(location).check()
             return False
         return "layout_version" in group.attrs
 
@@ -69,7 +69,7 @@ def create_unless_there(location: str, what: str, create: Callable[[], None], fe
         return
     fence()
     with as_store_failure(location):
-        if place_at(location).taken():
+        if storage_at(location).taken():
             raise StoreConflict(f"{location} exists and is no {what}: choose another location, or remove it")
         create()
 

@@ -5,50 +5,32 @@ read them at any moment.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind
-from worker.errors import DamagedMetadata, as_store_failure
-from worker.fence import Fence
-from worker.jobs.basin_job import BasinJob
+from worker.errors import as_store_failure
+from worker.storage.chunks import write_over
 from worker.stores import layout
-from worker.stores.files.write_over import write_over
-from worker.stores.layout import Places, Variable
-from worker.stores.new_store import CONFIG, consolidate, create_array
+from worker.stores.layout import Variable
+from worker.stores.new_store import consolidate, create_array
+from worker.stores.open_arrays import OpenArrays
 from worker.stores.solution_table import Motion, SolutionTable, ends_in
 
 
 class SolutionArrays:
-    """The arrays of solutions in an open store of basins. The store is a subclass."""
+    """Solutions of a store.
 
-    location: str
-    job: BasinJob
-    places: Places
-    _group: Any
-    _fence: Fence
+    Parameters
+    ----------
+    arrays : OpenArrays
+    numbers : Variable
+        The array with the solution of each cell or point: its metadata name the numbers.
+    """
 
-    def __init__(self) -> None:
-        # Opening an array costs half as much as a tile, and arrays of cells never change their shape.
-        self._handles: dict[str, Any] = {}
-
-    def _array(self, variable: Variable) -> Any:
-        try:
-            return self._group[variable.path].with_config(CONFIG)
-        except (KeyError, TypeError, ValueError) as error:  # they are missing, or JSON that Zarr does not take
-            raise DamagedMetadata(self.location, variable.path) from error
-
-    def _kept(self, variable: Variable) -> Any:
-        if variable.path not in self._handles:
-            self._handles[variable.path] = self._array(variable)
-        return self._handles[variable.path]
-
-    def _kept_with_room(self, variable: Variable, shape: tuple[int, ...]) -> Any:
-        """An array that the driver extends along its last dimensions, reopened if the known one is too short."""
-        if any(there < needed for there, needed in zip(self._kept(variable).shape[-len(shape) :], shape, strict=True)):
-            del self._handles[variable.path]
-        return self._kept(variable)
+    def __init__(self, arrays: OpenArrays, numbers: Variable) -> None:
+        self._arrays, self._numbers = arrays, numbers
+        self._location, self._job, self._group, self._fence = arrays.location, arrays.job, arrays.group, arrays.fence
 
     def make_room(self, table: SolutionTable, points: int) -> None:
         """Extend the arrays of solutions if they are too short, and name the new solutions (driver only).
@@ -60,38 +42,38 @@ class SolutionArrays:
             Most points of an attractor.
         """
         self._fence()
-        with as_store_failure(self.location):
-            there = self._kept_with_room(layout.POINTS[0], (len(table.motions), points)).shape[-2:]
+        with as_store_failure(self._location):
+            there = self._arrays.array_with_room(layout.POINTS[0], (len(table.motions), points)).shape[-2:]
             room = max(there[0], len(table.motions)), max(there[1], points)
             if room == there:
                 return
             names = [motion.name for motion in table.motions]
             columns = [np.array(column) for column in zip(*table.motions, strict=True)]
             for variable in self._measured():
-                self._kept(variable).resize((*self.job.sweep_shape, room[0]))
+                self._arrays.array(variable).resize((*self._job.sweep_shape, room[0]))
             columns.append(np.array(names, np.dtypes.StringDType()))
             for variable, values in zip(layout.MOTIONS, columns, strict=True):
-                array = self._kept(variable)
+                array = self._arrays.array(variable)
                 array.resize(room[:1])
                 array[: len(names)] = values
             flags = {"flag_values": list(range(len(names))), "flag_meanings": " ".join(_words(names))}
-            self._group[self.places.solution.path].update_attributes(flags)
+            self._group[self._numbers.path].update_attributes(flags)
             if self._lists_ends:
-                self._kept(layout.ENDS).resize((*self.job.sweep_shape, room[0], room[0]))
+                self._arrays.array(layout.ENDS).resize((*self._job.sweep_shape, room[0], room[0]))
             # Points come last, because their shape says how much room there is. A driver killed earlier starts over.
             for variable in reversed(layout.POINTS):
-                self._kept(variable).resize((*self.job.sweep_shape, *room))
-            consolidate(self.location, self._fence)
+                self._arrays.array(variable).resize((*self._job.sweep_shape, *room))
+            consolidate(self._location, self._fence)
 
-    def empty_solutions(self) -> None:
+    def empty(self) -> None:
         """Forget all solutions, as in a new store (driver only)."""
         for variable in (*layout.POINTS, *((layout.ENDS,) if self._lists_ends else ())):
-            self._array(variable).resize((*self.job.sweep_shape, 0, 0))
+            self._arrays.fresh(variable).resize((*self._job.sweep_shape, 0, 0))
         for variable in self._measured():
-            self._array(variable).resize((*self.job.sweep_shape, 0))
+            self._arrays.fresh(variable).resize((*self._job.sweep_shape, 0))
         for variable in layout.MOTIONS:
-            self._array(variable).resize((0,))
-        self._handles.clear()
+            self._arrays.fresh(variable).resize((0,))
+        self._arrays.forget_handles()
 
     @property
     def _lists_ends(self) -> bool:
@@ -99,45 +81,47 @@ class SolutionArrays:
         return layout.ENDS.path in self._group
 
     def _measured(self) -> tuple[Variable, ...]:
-        return layout.measured(self.job.sample.scramblings if self.job.sample else None)
+        return layout.measured(self._job.sample.scramblings if self._job.sample else None)
 
     def write_points(self, basin: int, numbers: Sequence[int], attractors: Sequence[Attractor]) -> None:
         """Write the points of a basin's attractors, and what its transients end in, under their numbers.
 
         Only the basin's own numbers are written, so its chunks do not depend on the room that other basins need.
         """
-        place = self.job.place_of(basin)
+        place = self._job.place_of(basin)
         shape = max(numbers) + 1, max(attractor.time.size for attractor in attractors)
-        with as_store_failure(self.location):
+        with as_store_failure(self._location):
             for variable, field in zip(layout.POINTS, ("time", "velocity"), strict=True):
                 padded = np.full(shape, np.nan)
                 for number, attractor in zip(numbers, attractors, strict=True):
                     values = getattr(attractor, field)
                     padded[number, : values.size] = values
-                write_over(self._kept_with_room(variable, shape), (*place, *map(slice, shape)), padded)
+                write_over(self._arrays.array_with_room(variable, shape), (*place, *map(slice, shape)), padded)
             if any(attractor.ends for attractor in attractors) and self._lists_ends:
                 shares = np.full((max(numbers) + 1, max(numbers) + 1), np.nan)
                 for number, attractor in zip(numbers, attractors, strict=True):
                     for end, share in attractor.ends:
                         shares[number, numbers[end]] = share
-                write_over(self._kept_with_room(layout.ENDS, shares.shape), (*place, *map(slice, shares.shape)), shares)
+                write_over(
+                    self._arrays.array_with_room(layout.ENDS, shares.shape), (*place, *map(slice, shares.shape)), shares
+                )
 
-    def write_solutions(self, table: SolutionTable) -> None:
+    def write(self, table: SolutionTable) -> None:
         """Write the properties of solutions in each basin, as far as there is room (driver only)."""
         self._fence()
-        with as_store_failure(self.location):
+        with as_store_failure(self._location):
             # Shares come last, because they say which basins are complete.
             for variable, values in reversed(list(zip(self._measured(), table.columns, strict=False))):
-                array = self._kept(variable)
+                array = self._arrays.array(variable)
                 room = min(array.shape[-1], len(table.motions))
-                array[..., :room] = values[:, :room].reshape(*self.job.sweep_shape, room)
+                array[..., :room] = values[:, :room].reshape(*self._job.sweep_shape, room)
 
-    def read_solutions(self) -> SolutionTable:
+    def read(self) -> SolutionTable:
         """Solutions and their properties in each basin, as far as known."""
-        with as_store_failure(self.location):
-            motions = [np.asarray(self._array(variable)[...]) for variable in layout.MOTIONS[:4]]
-            columns = [np.asarray(self._array(variable)[...]) for variable in self._measured()]
-        if self.job.sample is None:
+        with as_store_failure(self._location):
+            motions = [np.asarray(self._arrays.fresh(variable)[...]) for variable in layout.MOTIONS[:4]]
+            columns = [np.asarray(self._arrays.fresh(variable)[...]) for variable in self._measured()]
+        if self._job.sample is None:
             columns.append(np.full_like(columns[0], np.nan))
         # A driver killed while it made room leaves some arrays longer than others, or empty at their ends.
         room = min(column.shape[-1] for column in motions + columns)
@@ -148,7 +132,7 @@ class SolutionArrays:
             for kind, *contacts in zip(*(column[:known].tolist() for column in motions), strict=True)
         ]
         return SolutionTable(
-            listed, *(column.reshape(self.job.basins, column.shape[-1])[:, :known] for column in columns)
+            listed, *(column.reshape(self._job.basins, column.shape[-1])[:, :known] for column in columns)
         )
 
     def read_catalogue(self, basin: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
@@ -156,12 +140,12 @@ class SolutionArrays:
 
         Transients say by number what they end in.
         """
-        with as_store_failure(self.location):
-            place = self.job.place_of(basin)
-            points = [np.asarray(self._array(variable)[*place, :, :]) for variable in layout.POINTS]
+        with as_store_failure(self._location):
+            place = self._job.place_of(basin)
+            points = [np.asarray(self._arrays.fresh(variable)[*place, :, :]) for variable in layout.POINTS]
             transient = any(table.motions[number].kind == AttractorKind.CHAOTIC_TRANSIENT for number in numbers)
             read_ends = transient and self._lists_ends
-            ends = np.asarray(self._array(layout.ENDS)[*place, :, :]) if read_ends else np.empty((0, 0))
+            ends = np.asarray(self._arrays.fresh(layout.ENDS)[*place, :, :]) if read_ends else np.empty((0, 0))
         # The two arrays are extended and written one after the other. This read may fall in between.
         rows, columns = np.min([each.shape for each in points], axis=0)
         nothing = np.full((1, columns), np.nan)
@@ -179,11 +163,11 @@ class SolutionArrays:
     def write_changes(self, columns: Sequence[np.ndarray]) -> None:
         """Write the births and deaths of solutions (driver only)."""
         self._fence()
-        with as_store_failure(self.location):
+        with as_store_failure(self._location):
             for variable, values in zip(layout.CHANGES, columns, strict=True):
                 if variable.name in self._group:
                     del self._group[variable.name]
-                create_array(self._group, self.job, variable, values.shape)[...] = values
+                create_array(self._group, self._job, variable, values.shape)[...] = values
 
 
 def _words(names: list[str]) -> list[str]:

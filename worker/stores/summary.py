@@ -143,7 +143,7 @@ def summarise(location: str) -> BasinSummary:
     """
     store = BasinStore(location)
     states = store.read_ledger()
-    table = store.read_solutions()
+    table = store.solutions.read()
     whole = bool(table.complete.all())
     overall = np.nansum(table.share, axis=0) / store.job.basins if whole else np.full(len(table.motions), np.nan)
     attractors = representatives(store, table)
@@ -161,7 +161,7 @@ def summarise(location: str) -> BasinSummary:
         seconds=store.attributes.get("seconds", {}),
         basins=_basins(store, table),
         changes=_changes(store, table),
-        shares_proven=tuple((store.certificate or {}).get("shares", ())),
+        shares_proven=tuple((store.proof.certificate or {}).get("shares", ())),
     )
 
 
@@ -174,7 +174,7 @@ def fingerprint(location: str) -> bytes:
         If there is no basin's store, or it cannot be read.
     """
     store = BasinStore(location)
-    table = store.read_solutions()
+    table = store.solutions.read()
     return b"".join(
         (bytes([store.complete]), store.read_ledger().tobytes(), repr(table.motions).encode(), table.share.tobytes())
     )
@@ -192,7 +192,7 @@ def representatives(store: BasinStore, table: SolutionTable) -> tuple[Attractor,
     found: dict[int, Attractor] = {}
     for basin in np.unique(first).tolist():
         numbers = np.flatnonzero(first == basin).tolist()
-        found |= dict(zip(numbers, store.read_catalogue(basin, table, numbers), strict=True))
+        found |= dict(zip(numbers, store.solutions.read_catalogue(basin, table, numbers), strict=True))
     return tuple(found[number] for number in range(len(table.motions)))
 
 
@@ -204,7 +204,7 @@ def expected_in(store: BasinStore, table: SolutionTable, basin: int) -> Expected
     key = store.location, basin, table.share[basin].tobytes()
     expected = _expectations.get(key)
     if expected is None:
-        oscillator, catalogue = store.job.oscillator_of(basin), store.read_catalogue(basin, table, numbers)
+        oscillator, catalogue = store.job.oscillator_of(basin), store.solutions.read_catalogue(basin, table, numbers)
         if not all(each.time.size or each.kind in WITHOUT_POINTS for each in catalogue):
             return None  # points are still being written
         heard = [loudness(oscillator, each) for each in catalogue]

@@ -8,8 +8,7 @@ import xarray as xr
 from worker.errors import InvalidJob
 from worker.stores.layout import MAPPED
 from worker.stores.new_store import tiling_of
-from worker.stores.pyramid.convention import ATTRIBUTE
-from worker.stores.pyramid.levels import LABELS, Level, levels_of
+from worker.stores.pyramid import ATTRIBUTE, LABELS, Level, levels_of
 from worker.views.reading import job_of, open_group_of, open_store
 
 LEVEL = "level"

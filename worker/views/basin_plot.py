@@ -13,7 +13,7 @@ from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_f
 from worker.pictures.panel_picture import draw_points, frame
 from worker.pictures.picture import draw_legend
 from worker.pictures.unproven import demand_proof, draw_unproven, share_unproven
-from worker.stores.proofs.layout import PROVEN
+from worker.stores.proof_layout import PROVEN
 from worker.views.reading import attractors_of, job_of, thinned
 
 

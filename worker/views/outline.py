@@ -9,7 +9,7 @@ from rattle_kernels.basins.tiles import Tiling
 from worker.errors import InvalidJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
-from worker.stores.pyramid.levels import Level
+from worker.stores.pyramid import Level
 from worker.stores.solution_table import SolutionTable
 from worker.stores.summary import expected_in, representatives
 
@@ -67,7 +67,7 @@ def open_cells(location: str, basin: int = 0) -> BasinStore:
 def catalogue_of(store: BasinStore, table: SolutionTable, basin: int) -> dict[int, Attractor]:
     """Solutions of a basin by number, with its own points; for the first basin as soon as they are known."""
     numbers = table.numbers_in(basin) or (list(range(len(table.motions))) if basin == 0 else [])
-    return dict(zip(numbers, store.read_catalogue(basin, table, numbers), strict=True)) if numbers else {}
+    return dict(zip(numbers, store.solutions.read_catalogue(basin, table, numbers), strict=True)) if numbers else {}
 
 
 def outline_basin(location: str, basin: int) -> PanelOutline:
@@ -81,7 +81,7 @@ def outline_basin(location: str, basin: int) -> PanelOutline:
         If there is no basin's store, or it cannot be read.
     """
     store = open_cells(location, basin)
-    table = store.read_solutions()
+    table = store.solutions.read()
     tiles = store.tiling.numbers_of(basin)
     states = store.read_ledger()[tiles]
     everywhere = representatives(store, table)
@@ -98,7 +98,7 @@ def outline_basin(location: str, basin: int) -> PanelOutline:
         states=tuple(states.tolist()),
         levels=store.whole_levels[1:],
         complete=bool((states == TileState.ASSEMBLED).all()),
-        proof=store.holds_proof,
+        proof=store.proof.wanted,
         solutions=tuple(_thinned(each) for each in solutions),
         shares=tuple(table.share[basin].tolist()),
         loudness=tuple(loudness(oscillator, each) for each in solutions),

@@ -30,6 +30,6 @@ def overlay_basin(location: str, basin: int, kind: OverlayKind) -> tuple[Overlay
     if kind == OverlayKind.PROVEN:
         raise InvalidJob("what is proven comes with the cells, tile by tile: see tiles")
     store = open_cells(location, basin)
-    catalogue = catalogue_of(store, store.read_solutions(), basin)
+    catalogue = catalogue_of(store, store.solutions.read(), basin)
     attractors = tuple(catalogue[number] for number in sorted(catalogue))
     return overlays_for((kind,), store.job.oscillator_of(basin), attractors, (0.0, store.job.grid.velocity_stop))

@@ -24,11 +24,10 @@ from worker.errors import InvalidJob, StoreConflict, as_store_failure
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures.symbols import in_words
-from worker.stores.files.served_files import files_at
+from worker.storage.location import files_at, storage_at
 from worker.stores.layout import ENDS, LAYOUT_VERSION, MEASURED, MOTIONS, READABLE_LAYOUTS
-from worker.stores.proofs.layout import PROOF, PROVEN
+from worker.stores.proof_layout import PROOF, PROVEN
 from worker.stores.solution_table import ends_in
-from worker.stores.storage import place_at
 
 # Largest result, in bytes, whose arrays are read in one piece. A larger one has Dask arrays, whose library takes a
 # fifth of a second to load.
@@ -154,7 +153,7 @@ def _as_refusal(address: str) -> Iterator[None]:
 
 
 def _open(location: str, storage_options: dict[str, Any] | None, group: str | None) -> xr.Dataset:
-    store = files_at(location, storage_options) if is_address(location) else place_at(location).zarr
+    store = files_at(location, storage_options) if is_address(location) else storage_at(location).zarr
     dataset = _opened(store, group, None)
     dataset = dataset if dataset.nbytes <= _ONE_PIECE else _opened(store, group, {})
     return _with_proof(dataset, store) if PROVEN.name in dataset.data_vars else dataset

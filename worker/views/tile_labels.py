@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from worker.errors import InvalidJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
-from worker.stores.pyramid.levels import LABELS, Level
+from worker.stores.pyramid import LABELS, Level
 from worker.views.outline import open_cells
 
 _BY_NAME = {variable.name: variable for variable in LABELS}
@@ -57,8 +57,8 @@ def read_tile_labels(location: str, number: int, every: int = 1, level: int = 0)
         return None
     tile = shown.tiling.tile(number)
     kept = tuple(slice(-start % every, None, every) for start in (tile.rows[0], tile.columns[0]))
-    proof = store.read_proof(tile) if store.holds_proof else None
-    labels = [values[kept] for values in (*store.read_tile(tuple(map(shown.own, _ORDER)), tile), *(proof or ()))]
+    proof = store.proof.read_tile(tile) if store.proof.wanted else None
+    labels = [values[kept] for values in (*store.tiles.read(tuple(map(shown.own, _ORDER)), tile), *(proof or ()))]
     content = b"".join(values.astype(values.dtype.newbyteorder("<")).tobytes() for values in labels)
     rows, columns = labels[0].shape
     return TileLabels(content, rows, columns, final)

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 import rattle
 from rattle.cli import app
-from tests.worker.stores.test_flipped_bits import flip
+from tests.worker.storage.test_flipped_bits import flip
 
 
 @pytest.fixture

@@ -20,8 +20,8 @@ def prove_store(location, columns=1024, lattices=1, levels=0, tolerances=None):
     store = BasinStore(location)
     oscillator, grid = store.job.oscillator, store.job.grid
     (solution,) = store.read_whole((layout.SOLUTION,))
-    table = store.read_solutions()
-    attractors = store.read_catalogue(0, table, range(len(table.motions)))
+    table = store.solutions.read()
+    attractors = store.solutions.read_catalogue(0, table, range(len(table.motions)))
     machine = machine_of(oscillator, tolerances)
     certificate = prove_targets(machine, oscillator, attractors, fastest=grid.velocity_stop, columns=columns)
     targets, rounds = grown(machine, oscillator, certificate.targets, lattices)

@@ -87,14 +87,14 @@ def test_a_driver_that_has_lost_its_lease_writes_nothing(tmp_path):
         raise LeaseLost("another's")
 
     store = BasinStore(place, fence)
-    table, before = store.read_solutions(), content(place)
+    table, before = store.solutions.read(), content(place)
     (tmp_path / "basin.zarr" / "other.partial").write_text("of the driver that has the job now")
     for write in (
         lambda: store.write_ledger(store.read_ledger()),
         lambda: store.write_image_counts(store.read_image_counts()),
-        lambda: store.make_room(table, 1),
-        lambda: store.write_solutions(table),
-        lambda: store.write_changes(()),
+        lambda: store.solutions.make_room(table, 1),
+        lambda: store.solutions.write(table),
+        lambda: store.solutions.write_changes(()),
         lambda: store.sweep_orphans(),
         lambda: store.finish({}),
         lambda: BasinStore.create_or_resume(str(tmp_path / "new.zarr"), job, fence),

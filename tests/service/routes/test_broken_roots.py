@@ -9,10 +9,10 @@ from tests.service.idle_service import idle_service
 from worker.errors import StoreConflict
 from worker.jobs.basin_job import BasinJob, SweepJob, basin_job
 from worker.jobs.grazing_curve_job import GrazingCurveJob
+from worker.storage.location import result_location
 from worker.stores.analysis_store import AnalysisStore
 from worker.stores.checking.damage import check_store
 from worker.stores.new_store import create_store
-from worker.stores.result_files import result_location
 
 GRID = {"time": {"cells": 4}, "velocity": {"cells": 4}}
 BODIES = {

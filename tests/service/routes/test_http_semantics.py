@@ -11,8 +11,8 @@ from service.records.job_record import JobState
 from tests.raw_http import connection, received
 from tests.service.idle_service import idle_service
 from worker.jobs.basin_job import BasinJob, SweepJob
+from worker.storage.location import result_location
 from worker.stores.new_store import create_store
-from worker.stores.result_files import result_location
 
 
 @pytest.fixture(scope="module")

@@ -16,8 +16,8 @@ from service.records.job_record import JobState
 from service.runner import metrics as run_metrics
 from tests.service.idle_service import idle_service
 from tests.waiting import wait_until
+from worker.cluster.connection import ReconnectingCluster
 from worker.cluster.driver import Driver
-from worker.cluster.reconnecting_cluster import ReconnectingCluster
 from worker.progress import Progress, Stage
 
 

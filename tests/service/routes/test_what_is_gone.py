@@ -9,8 +9,8 @@ from service.records.job_record import JobState
 from tests.service.idle_service import idle_service
 from tests.service.routes.problems import assert_problem
 from worker.jobs.basin_job import BasinJob
+from worker.storage.location import remove_rootless, result_location
 from worker.stores.new_store import create_store
-from worker.stores.result_files import remove_rootless, result_location
 
 BODY = {"grid": {"time": {"cells": 4}, "velocity": {"cells": 4}}, "iterations": 1}
 

@@ -9,8 +9,8 @@ from tests.service.routes.problems import assert_problem
 from worker.errors import StoreFailed
 from worker.jobs.basin_job import basin_job
 from worker.jobs.orbits_job import OrbitsJob
+from worker.storage.location import result_location
 from worker.stores.new_store import create_store
-from worker.stores.result_files import result_location
 
 
 @pytest.fixture

@@ -14,9 +14,10 @@ from worker.basins.tasks import _images, map_tile, survey_tile
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MAPPED
+from worker.stores.tile_arrays import TileArrays
 
 _GRID = CellGrid(time_cells=12, velocity_cells=10)
-_READ_TILE = BasinStore.read_tile
+_READ_TILE = TileArrays.read
 
 
 @st.composite
@@ -34,7 +35,7 @@ def _stored(folder, image, tiling):
     for number in range(tiling.tiles):
         tile = tiling.tile(number)
         inside = slice(*tile.rows), slice(*tile.columns)
-        store.write_tile(MAPPED, tile, (image[inside], landing[inside], landing[inside]))
+        store.tiles.write(MAPPED, tile, (image[inside], landing[inside], landing[inside]))
     return store
 
 
@@ -61,7 +62,7 @@ def test_assembly_is_hsus_whatever_the_tiling(tmp_path_factory, image, tile_rows
 def _receipt_of(store, number):
     from worker.basins.tasks import _receipt
 
-    arrays = store.read_tile(MAPPED, store.tiling.tile(number))
+    arrays = store.tiles.read(MAPPED, store.tiling.tile(number))
     return _receipt(store, 0, CellImages(*arrays, 0), 0.0)
 
 
@@ -70,7 +71,7 @@ def test_a_survey_of_a_stored_tile_counts_what_is_there(tmp_path):
     image[0, :5] = [3, 3, 7, -1, -3]
     store = BasinStore.create_or_resume(str(tmp_path / "b.zarr"), BasinJob(grid=_GRID, iterations=1))
     landing = np.where(image >= -1, 0.5, np.nan)
-    store.write_tile(MAPPED, store.tiling.tile(0), (image, landing, landing))
+    store.tiles.write(MAPPED, store.tiling.tile(0), (image, landing, landing))
     receipt = survey_tile(store.location, store.job.digest, 0)
     assert receipt.survey.reserved.tolist() == [1, 115, 1]
     members = unite(_GRID.cells, [receipt.survey.image_set])
@@ -118,7 +119,7 @@ def test_who_stops_while_images_are_read_reads_no_more_tiles(tmp_path, monkeypat
     store = _stored(tmp_path / "map.zarr", image, Tiling(_GRID, 1, 1))
     members = unite(_GRID.cells, [_receipt_of(store, number).survey.image_set for number in range(store.tiling.tiles)])
     read = []
-    monkeypatch.setattr(BasinStore, "read_tile", lambda self, *what: read.append(what) or _READ_TILE(self, *what))
+    monkeypatch.setattr(TileArrays, "read", lambda self, *what: read.append(what) or _READ_TILE(self, *what))
 
     def stop():
         raise KeyboardInterrupt
@@ -134,7 +135,7 @@ def test_a_basin_of_one_tile_is_labelled_without_reading_it_once(tmp_path, monke
     address = store.location, store.digest
     map_tile(*address, 0)
     read = []
-    monkeypatch.setattr(BasinStore, "read_tile", lambda self, *what: read.append(what) or _READ_TILE(self, *what))
+    monkeypatch.setattr(TileArrays, "read", lambda self, *what: read.append(what) or _READ_TILE(self, *what))
     mapped = _images(*address, 0)
     assert not read
     again = _images(*address, 0)

@@ -15,7 +15,7 @@ from worker.cluster.driver import Driver
 from worker.errors import StoreFailed
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
-from worker.stores.files import synced_files
+from worker.storage import folder
 
 
 def sweep(cells):
@@ -38,8 +38,8 @@ class LastWrite:
     """Lets a number of files be written, and refuses every one after them: to the store, the process is dead."""
 
     def __init__(self, monkeypatch):
-        self.left, self.write = 0, synced_files.write_file
-        monkeypatch.setattr(synced_files, "write_file", self)
+        self.left, self.write = 0, folder.write_file
+        monkeypatch.setattr(folder, "write_file", self)
 
     def __call__(self, *arguments, **options):
         if self.left == 0:

@@ -8,7 +8,7 @@ from tests.worker.basins.made_up import QUIET, RATTLE
 from worker.basins.ledger import Ledger
 from worker.basins.schedule import Schedule
 from worker.basins.tasks import assemble_basin, label_tile, map_tile, write_points
-from worker.cluster.task import Task
+from worker.cluster.calls import Task
 from worker.jobs.basin_job import BasinJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState

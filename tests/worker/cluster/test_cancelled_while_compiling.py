@@ -10,9 +10,9 @@ import pytest
 from numba.extending import overload
 
 from rattle_kernels.numerics.jit import kernel
+from worker.cluster.calls import Task
 from worker.cluster.connection import local_cluster
 from worker.cluster.driver import Driver
-from worker.cluster.task import Task
 from worker.errors import JobCancelled
 
 # Longer than any test: nothing here waits for it.

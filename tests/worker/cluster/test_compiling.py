@@ -6,10 +6,9 @@ import numba
 import pytest
 
 from rattle_kernels.numerics import jit
-from worker.cluster.compiling import Compiling
+from worker.cluster.calls import Compiling, Task
 from worker.cluster.connection import thread_cluster
 from worker.cluster.driver import Driver
-from worker.cluster.task import Task
 from worker.progress import Progress, Stage
 
 _WAIT_SECONDS = 60.0

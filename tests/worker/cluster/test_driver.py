@@ -10,9 +10,9 @@ import pytest
 from distributed import CancelledError, Client, Future
 from distributed.scheduler import KilledWorker
 
+from worker.cluster.calls import Task, stop_if_cancelled
 from worker.cluster.connection import _warn_of_settings, thread_cluster
 from worker.cluster.driver import Driver, _Window
-from worker.cluster.task import Task, stop_if_cancelled
 from worker.errors import JobCancelled, StoreConflict, StoreFailed, TileFailed
 
 

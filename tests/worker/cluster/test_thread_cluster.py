@@ -5,8 +5,8 @@ import time
 
 import pytest
 
+from worker.cluster.calls import stop_if_cancelled
 from worker.cluster.connection import thread_cluster
-from worker.cluster.task import stop_if_cancelled
 from worker.errors import JobCancelled
 
 _begun, _compiled, _left = threading.Event(), threading.Event(), threading.Event()

@@ -15,8 +15,8 @@ from tests.worker.analyses.test_analyses import GRAZING
 from worker import rounding
 from worker.analyses.grazing_curves import GRAZING_CURVE
 from worker.cluster import connection
+from worker.cluster.calls import Task
 from worker.cluster.driver import Driver
-from worker.cluster.task import Task
 from worker.errors import StoreConflict, UnlikeWorkers
 from worker.jobs.basin_job import BasinJob
 from worker.stores.analysis_store import AnalysisStore

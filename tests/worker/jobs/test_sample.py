@@ -71,7 +71,7 @@ def test_points_of_a_large_sample_are_drawn_all_over_the_window(client, tmp_path
     location = str(tmp_path / "sample.zarr")
     run(BasinJob(iterations=1, sample=Sample(4000, 1)), location, client)
     store = BasinStore(location)
-    table = store.read_solutions()
+    table = store.solutions.read()
     axes = Figure().subplots()
     PanelPicture(store, table, representatives(store, table), 0, 1000).draw_solutions(axes)
     t, v = axes.collections[0].get_offsets().T

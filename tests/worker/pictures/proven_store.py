@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from worker.stores import proof_layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import NOT_THERE
 from worker.stores.new_store import consolidate, create_array
-from worker.stores.proofs import layout as proof_layout
 
 CERTIFICATE = {
     "levels": 1, "quiet": 0.09, "rattling": None,
@@ -22,7 +22,7 @@ def lay_proof(location, proven, reason, certificate=CERTIFICATE):
         for tile in map(store.tiling.tile, store.tiling.numbers_of(0)):
             cells = np.asarray(values, np.uint8)[slice(*tile.rows), slice(*tile.columns)]
             if (cells != NOT_THERE).all():
-                store.write_tile((variable,), tile, (cells,))
+                store.tiles.write((variable,), tile, (cells,))
     store._group.create_group("proof", attributes=certificate)
     consolidate(location)
     return BasinStore(location)

@@ -120,13 +120,13 @@ def sweep(tmp_path):
     store = BasinStore.create_or_resume(str(tmp_path / "sweep.zarr"), job)
     table = SolutionTable.empty(job)
     numbers = [table.append(motion_of(attractor)) for attractor in (QUIET, RATTLE)]
-    store.make_room(table, 1)
+    store.solutions.make_room(table, 1)
     for basin in range(3):
         solution = np.full(job.grid.shape, basin % 2, np.int16)
-        store.write_tile((*LABELLED, SOLUTION), store.tiling.tile(basin), (solution, solution, solution, solution))
+        store.tiles.write((*LABELLED, SOLUTION), store.tiling.tile(basin), (solution, solution, solution, solution))
         table.enter(basin, numbers, (QUIET, RATTLE), np.array([1.0 - basin % 2, basin % 2]))
-        store.write_points(basin, numbers, (QUIET, RATTLE))
-    store.write_solutions(table)
+        store.solutions.write_points(basin, numbers, (QUIET, RATTLE))
+    store.solutions.write(table)
     states = np.full(store.tiling.tiles, TileState.ASSEMBLED)
     states[3] = TileState.PENDING
     store.write_ledger(states)

@@ -16,7 +16,7 @@ from worker.stores.summary import representatives
 
 
 def panel(store, look, most_cells=1000):
-    table = store.read_solutions()
+    table = store.solutions.read()
     return PanelPicture(store, table, representatives(store, table), 0, most_cells, look)
 
 

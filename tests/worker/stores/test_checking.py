@@ -11,14 +11,15 @@ import rattle
 from rattle_kernels import CellGrid
 from tests.object_store import BUCKET
 from tests.store_content import content
-from tests.worker.stores.test_flipped_bits import flip
+from tests.worker.storage.test_flipped_bits import flip
 from worker.errors import JobCancelled, StoreConflict, StoreFailed
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
 from worker.kinds import KINDS
+from worker.storage.location import storage_at
+from worker.storage.protocol import whole
 from worker.stores.basin_store import BasinStore
-from worker.stores.storage import place_at, whole
 
 GRID = CellGrid(time_cells=100, velocity_cells=100)
 SMALL = CellGrid(time_cells=24, velocity_cells=24)
@@ -210,7 +211,7 @@ def test_a_store_in_s3_is_checked_and_mended(object_store, finished):
     location = f"s3://{BUCKET}/worker/checked.zarr"
     rattle.compute(JOBS["sweep"], store=location, progress=False)
     assert rattle.check(location).damages == ()
-    place = place_at(location)
+    place = storage_at(location)
     content_of_chunk = place.read("solution/c/1/0/0", whole).content
     place.write("solution/c/1/0/0", content_of_chunk[:9] + bytes([content_of_chunk[9] ^ 1]) + content_of_chunk[10:])
     place.discard(["group/c/2/0/0", "period/zarr.json"])

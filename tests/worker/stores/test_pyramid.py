@@ -13,7 +13,7 @@ import rattle
 from rattle_kernels import CellGrid
 from tests.large_store import LARGE, ChunksRead, fill, finish, label, large_store, tiles_of
 from tests.store_content import content
-from tests.worker.stores.test_flipped_bits import flip
+from tests.worker.storage.test_flipped_bits import flip
 from worker.basins.coarsening import coarsen_tile
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
@@ -24,7 +24,7 @@ from worker.pictures.panel_picture import Look
 from worker.pictures.picture import basin_figure
 from worker.pictures.window import Window
 from worker.stores.basin_store import BasinStore
-from worker.stores.pyramid.levels import LABELS
+from worker.stores.pyramid import LABELS
 from worker.views.outline import outline_basin
 from worker.views.tile_labels import read_tile_labels
 

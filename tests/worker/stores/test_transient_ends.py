@@ -109,7 +109,7 @@ def test_a_store_of_before_has_no_ends_and_is_read_as_ever(alone, tmp_path):
     assert rattle.check(store, dry_run=True).damages == ()
     basin = rattle.open(store)
     assert ends_by_name(basin.rattle.catalogue()) == {} and "ends_in" not in basin.rattle.to_table()
-    BasinStore(str(store)).empty_solutions()
+    BasinStore(str(store)).solutions.empty()
 
 
 def test_a_lost_chunk_of_ends_is_damage(alone, tmp_path):

@@ -129,10 +129,10 @@ def test_undecided_cells_are_named_and_count_as_silent(tmp_path):
     table = SolutionTable.empty(store.job)
     numbers = [table.append(motion_of(attractor)) for attractor in listed]
     table.enter(0, numbers, listed, np.array([0.5, 0.25, 0.125, 0.125]))
-    store.make_room(table, 1)
-    store.write_solutions(table)
+    store.solutions.make_room(table, 1)
+    store.solutions.write(table)
     assert outline_basin(store.location, 0).expected is None  # points are not there yet
-    store.write_points(0, numbers, listed)
+    store.solutions.write_points(0, numbers, listed)
     expected = outline_basin(store.location, 0).expected
     known = [loudness(Oscillator(), each).impact_power for each in (RATTLE, chaos)]
     assert expected.undecided_share == 0.125

@@ -43,7 +43,9 @@ def test_a_store_is_opened_with_its_job_and_its_attractors(store, tmp_path, plai
         assert job_of(basin) == store.job
         found = attractors_of(basin)
         assert [attractor.name for attractor in found] == [attractor.name for attractor in (QUIET, RATTLE, CHAOS)]
-        for read, written in zip(found, store.read_catalogue(0, store.read_solutions(), [0, 1, 2]), strict=True):
+        for read, written in zip(
+            found, store.solutions.read_catalogue(0, store.solutions.read(), [0, 1, 2]), strict=True
+        ):
             np.testing.assert_array_equal(np.array(read[:6]), np.array(written[:6]))
             np.testing.assert_array_equal(read.time, written.time)
             np.testing.assert_array_equal(read.velocity, written.velocity)

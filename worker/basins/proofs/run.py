@@ -24,12 +24,12 @@ from worker.basins.proofs.tasks import (
     grow_lattice,
     prove_tile,
 )
-from worker.cluster.task import Task
-from worker.jobs.proofs.lattice import LEVELS
+from worker.cluster.calls import Task
+from worker.jobs.proof_request import LEVELS
 from worker.progress import Progress, Stage
 from worker.stores.basin_store import BasinStore
-from worker.stores.proofs.arrays import BOXES_A_PART
-from worker.stores.proofs.layout import Unproven
+from worker.stores.proof_arrays import BOXES_A_PART
+from worker.stores.proof_layout import Unproven
 from worker.stores.provenance import versions
 
 # Sixty-fourths of a cell.
@@ -60,7 +60,7 @@ class ProofRun:
         self._boxes = self._proven_boxes = self._rounds = 0
         self._reasons = np.zeros(len(Unproven), np.int64)
         self._sixty_fourths = np.zeros(len(attractors), np.int64)
-        level = store.levels_grown
+        level = store.proof.levels_grown
         self._ready.extend(self._from(level) if level >= 0 else [Task(find_targets, 0, (attractors,), self._found)])
 
     def next_task(self) -> Task | None:
@@ -78,13 +78,13 @@ class ProofRun:
         machine = machine_of(job.oscillator, job.prove.tolerances)
         certificate = certificate_of(machine, self._attractors, proven, job.prove.levels, LEVELS - 1)
         core = np.tile(proven.targets.lattice.ends, (len(parts_of(machine)), 1))
-        self._store.begin_proof(certificate, proven.targets.rattling.ends, core)
+        self._store.proof.begin(certificate, proven.targets.rattling.ends, core)
         return self._from(0)
 
     def _from(self, level: int) -> list[Task]:
         """Tasks once the lattice has grown at so many levels."""
         last = level + 1 == LEVELS
-        ends, rounds = self._store.read_lattice(level, level == LEVELS)
+        ends, rounds = self._store.proof.read_lattice(level, level == LEVELS)
         self._boxes, self._proven_boxes, self._rounds = ends.size, int(np.count_nonzero(ends)), int(rounds.max())
         if level == LEVELS:
             tiles = self._store.tiling.numbers_of(0)
@@ -92,11 +92,11 @@ class ProofRun:
             return [Task(prove_tile, tile, (), self._proven) for tile in tiles]
         cut = 2 if level else 1
         boxes = cut * cut * (self._boxes - self._proven_boxes)
-        self._store.create_lattice(level + 1, last, (cut * ends.shape[0], cut * ends.shape[1]))
+        self._store.proof.create_lattice(level + 1, last, (cut * ends.shape[0], cut * ends.shape[1]))
         parts = -(-boxes // BOXES_A_PART)
         self._enter(Stage.ENCLOSING, parts + 1)
         # Also where none is left: what was found at the level before would be taken for what is found at this one.
-        self._store.create_trails(boxes)
+        self._store.proof.create_trails(boxes)
         if not parts:
             return [Task(grow_lattice, level, (), self._grown)]
         return [Task(follow_part, part, (level,), self._part_followed) for part in range(parts)]
@@ -108,11 +108,11 @@ class ProofRun:
         self.seconds["follow_kernels"] += seconds
         if self._done < self._total - 1:
             return ()
-        return [Task(grow_lattice, self._store.levels_grown, (), self._grown)]
+        return [Task(grow_lattice, self._store.proof.levels_grown, (), self._grown)]
 
     def _grown(self, level: int, receipt: GrowthReceipt) -> Iterable[Task]:
         self.seconds["grow_kernels"] += receipt.seconds
-        self._store.level_has_grown(level + 1)
+        self._store.proof.level_has_grown(level + 1)
         return self._from(level + 1)
 
     def _proven(self, _: int, receipt: ProofReceipt) -> Iterable[Task]:
@@ -124,7 +124,7 @@ class ProofRun:
     def finish(self) -> None:
         """Write the whole certificate."""
         cells = self._store.job.grid.cells
-        certificate = self._store.certificate
+        certificate = self._store.proof.certificate
         assert certificate is not None
         certificate["counts"] = {
             "cells": cells,
@@ -136,7 +136,7 @@ class ProofRun:
         }
         certificate["shares"] = (self._sixty_fourths / (_WHOLE * cells)).tolist()
         certificate["versions"] = versions()
-        self._store.end_proof(certificate)
+        self._store.proof.end(certificate)
 
     def progress(self) -> Progress:
         """Progress of the level, or of the tiles."""

@@ -20,11 +20,11 @@ from rattle_kernels.proof.machine import Machine, centre_of, machine_of, parts_o
 from rattle_kernels.proof.targets import Certificate, Targets, prove_targets
 from worker.basins.proofs.certificate import targets_of
 from worker.basins.tasks import open_store
-from worker.cluster.task import stop_if_cancelled
+from worker.cluster.calls import stop_if_cancelled
 from worker.jobs.basin_job import BasinJob
-from worker.jobs.proofs.lattice import LEVELS, first_columns
-from worker.stores.proofs.arrays import BOXES_A_PART
-from worker.stores.proofs.layout import PROVEN, UNPROVEN_REASON, Unproven
+from worker.jobs.proof_request import LEVELS, first_columns
+from worker.stores.proof_arrays import BOXES_A_PART
+from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON, Unproven
 
 
 @dataclass(frozen=True)
@@ -79,15 +79,15 @@ def _known(location: str, digest: str, level: int) -> _Known:
     Kept once a process: the last lattice has 235 MB, and serves all tiles.
     """
     store = open_store(location, digest)
-    ends, rounds = store.read_lattice(level, level == LEVELS)
+    ends, rounds = store.proof.read_lattice(level, level == LEVELS)
     stop_if_cancelled()
-    certificate = store.certificate
+    certificate = store.proof.certificate
     assert certificate is not None
     machine = _machine(store.job)
     parts = parts_of(machine)
     if level == LEVELS:
         ends = common_ends(ends, len(parts))
-    targets = targets_of(certificate, ends, store.read_rattling())
+    targets = targets_of(certificate, ends, store.proof.read_rattling())
     if 0 < level < LEVELS:
         targets = targets._replace(lattice=refined(targets.lattice))
         rounds = rounds.repeat(2, 0).repeat(2, 1)
@@ -111,14 +111,14 @@ def follow_part(location: str, digest: str, part: int, level: int) -> float:
         local = boxes[here] - np.array([below, 0], np.int32)
         follow_all(machine, centre_of(machine), targets, local, ends[here], trails[here], stop_if_cancelled)
     seconds = time.perf_counter() - begin
-    store.write_followed(part, ends, trails)
+    store.proof.write_followed(part, ends, trails)
     return seconds
 
 
 def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
     """Let the lattice grow from what is found of its boxes, and write it as it is after one more level."""
     store, known = open_store(location, digest), _known(location, digest, level)
-    followed, trails = store.read_followed()
+    followed, trails = store.proof.read_followed()
     begin = time.perf_counter()
     ends, rounds = known.targets.lattice.ends.copy(), known.rounds.copy()
     # What comes to a target at once, or to what the lattice knew before, is proven in a round of its own.
@@ -127,7 +127,7 @@ def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
     rounds[rows, columns] = rounds.max() + 1
     grow_all(ends, rounds, known.boxes, trails, stop_if_cancelled, len(known.parts))
     seconds = time.perf_counter() - begin
-    store.write_lattice(level + 1, level + 1 == LEVELS, ends, rounds)
+    store.proof.write_lattice(level + 1, level + 1 == LEVELS, ends, rounds)
     return GrowthReceipt(ends.size, int(np.count_nonzero(ends)), int(rounds.max()), seconds)
 
 
@@ -135,9 +135,9 @@ def prove_tile(location: str, digest: str, number: int) -> ProofReceipt:
     """Prove the cells of one tile, unless that has been done, and count what is proven."""
     store = open_store(location, digest)
     tile = store.tiling.tile(number)
-    (colours,) = store.read_tile((store.places.solution,), tile)
+    (colours,) = store.tiles.read((store.places.solution,), tile)
     seconds = 0.0
-    cells = store.read_proof(tile)
+    cells = store.proof.read_tile(tile)
     if cells is None:
         begin = time.perf_counter()
         job, known = store.job, _known(location, digest, LEVELS)
@@ -147,7 +147,7 @@ def prove_tile(location: str, digest: str, number: int) -> ProofReceipt:
             job.prove.levels, stop_if_cancelled,
         )  # fmt: skip
         seconds = time.perf_counter() - begin
-        store.write_tile((PROVEN, UNPROVEN_REASON), tile, cells)
+        store.tiles.write((PROVEN, UNPROVEN_REASON), tile, cells)
     proven, reason = cells
     by_solution = np.bincount(colours.ravel(), proven.ravel(), minlength=int(colours.max()) + 1)
     return ProofReceipt(by_solution.astype(np.int64), np.bincount(reason.ravel(), minlength=len(Unproven)), seconds)

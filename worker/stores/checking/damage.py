@@ -9,6 +9,8 @@ from typing import Any
 from worker.errors import DamagedChunk, StoreConflict, UnknownKind, as_store_failure
 from worker.jobs.job import Job
 from worker.kinds import KINDS
+from worker.storage.checked_chunks import CHUNKS, METADATA
+from worker.storage.location import storage_at
 from worker.stores.analysis_store import PARTS, AnalysisStore
 from worker.stores.checking.expected import NEXT_STEP, expected_chunks
 from worker.stores.checking.metadata import (
@@ -20,9 +22,7 @@ from worker.stores.checking.metadata import (
     read_root,
     right_metadata,
 )
-from worker.stores.files.checked_chunks import CHUNKS, METADATA
 from worker.stores.opening import open_group
-from worker.stores.storage import place_at
 
 Report = Callable[[int, int], None]
 """Called with the number of files that have been read, and of all."""
@@ -98,7 +98,7 @@ def check_store(location: str, report: Report = lambda done, total: None) -> Fin
     Parameters
     ----------
     location : str
-        As in `worker.stores.storage`.
+        As in `worker.storage.location`.
     report : callable
 
     Returns
@@ -114,7 +114,7 @@ def check_store(location: str, report: Report = lambda done, total: None) -> Fin
     """
     root = read_root(location)
     with as_store_failure(location):
-        paths = place_at(location).paths()
+        paths = storage_at(location).paths()
     kind = str(root.attributes.get("kind", "basin"))
     job, complete = _job_of(location, kind, root.attributes), bool(root.attributes["complete"])
     metadata = right_metadata(location, job, root, paths)

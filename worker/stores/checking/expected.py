@@ -8,12 +8,12 @@ import numpy as np
 
 from rattle_kernels import AttractorKind
 from worker.errors import Damaged, StoreConflict
+from worker.storage.checked_chunks import METADATA
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
-from worker.stores.files.checked_chunks import METADATA
 from worker.stores.layout import TileState, Variable
 from worker.stores.new_store import ATTRACTORS_A_CHUNK
-from worker.stores.proofs.layout import LATTICE_ENDS, LATTICE_ROUNDS, PROVEN, RATTLING, UNPROVEN_REASON
+from worker.stores.proof_layout import LATTICE_ENDS, LATTICE_ROUNDS, PROVEN, RATTLING, UNPROVEN_REASON
 from worker.stores.solution_table import SolutionTable
 from worker.stores.summary import WITHOUT_POINTS
 
@@ -100,7 +100,7 @@ def _of_tile(store: BasinStore, number: int, state: int) -> list[Variable]:
 def _readable_table(store: BasinStore) -> SolutionTable:
     """The table of solutions; an empty one if it cannot be read, as all is written anew then."""
     try:
-        return store.read_solutions()
+        return store.solutions.read()
     except Damaged:
         return SolutionTable.empty(store.job)
 

@@ -15,11 +15,12 @@ from zarr.storage import StorePath
 from worker.errors import DamagedMetadata, StoreConflict, as_store_failure
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.job import Job
+from worker.storage.checked_chunks import METADATA
+from worker.storage.location import storage_at
+from worker.storage.protocol import whole
 from worker.stores.analysis_store import PARTS
-from worker.stores.files.checked_chunks import METADATA
 from worker.stores.new_store import consolidate, create_store
-from worker.stores.proofs.layout import PROOF
-from worker.stores.storage import place_at, whole
+from worker.stores.proof_layout import PROOF
 
 MISSING = "they are missing"
 OTHERS = "they are not those that the root has"
@@ -69,8 +70,8 @@ def read_root(location: str) -> Root:
         If it cannot be read, or its attributes are lost: nothing else says what it holds.
     """
     with as_store_failure(location):
-        place_at(location).check()
-        file = place_at(location).read(METADATA, whole)
+        storage_at(location).check()
+        file = storage_at(location).read(METADATA, whole)
     if file is None:
         raise StoreConflict(f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open")
     document = _object(file.content)
@@ -150,7 +151,7 @@ def restore_metadata(location: str, root: Root, metadata: Metadata, lost: list[s
         Paths of the arrays and groups whose own metadata are damaged.
     """
     with as_store_failure(location):
-        place = place_at(location)
+        place = storage_at(location)
         for path in lost:
             place.write(f"{path}/{METADATA}", _written(metadata.nodes[path]))
         if root.damaged:
@@ -161,7 +162,7 @@ def restore_metadata(location: str, root: Root, metadata: Metadata, lost: list[s
 def array_of(location: str, path: str, node: Mapping[str, Any]) -> Any:
     """An array by its right metadata, whatever those in the store are."""
     metadata = ArrayV3Metadata.from_dict(copy.deepcopy(dict(node)))
-    return Array(AsyncArray(metadata=metadata, store_path=StorePath(place_at(location).zarr, path)))
+    return Array(AsyncArray(metadata=metadata, store_path=StorePath(storage_at(location).zarr, path)))
 
 
 def _written(node: Mapping[str, Any]) -> bytes:
@@ -193,7 +194,7 @@ def _rescued(content: bytes) -> dict[str, Any]:
 
 def _read(location: str, path: str) -> dict[str, Any] | None:
     with as_store_failure(location):
-        file = place_at(location).read(f"{path}/{METADATA}", whole)
+        file = storage_at(location).read(f"{path}/{METADATA}", whole)
     node = _object(file.content) if file else None
     return None if node is None else _own(node)
 

@@ -10,7 +10,7 @@ from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import open_group
-from worker.stores.proofs.layout import PROOF, PROVEN
+from worker.stores.proof_layout import PROOF, PROVEN
 
 _ARRAYS = ("ends", "rounds", "rattling")
 
@@ -43,12 +43,12 @@ def read_proof(location: str) -> StoredProof:
         raise StoreConflict(f"{location} is not finished: the command that began it goes on from what is there")
     with as_store_failure(location):
         root = open_group(location, "r")
-        if not store.holds_proof or PROOF not in root or "certificate" not in root[PROOF].attrs:
+        if not store.proof.wanted or PROOF not in root or "certificate" not in root[PROOF].attrs:
             raise StoreConflict(f"{location} carries no proof: it was computed without --prove")
         group = root[PROOF]
         arrays = {name: np.asarray(group[name][...]) for name in _ARRAYS if name in group}
         certificate = dict(group.attrs["certificate"])
     solution, proven = store.read_whole((layout.SOLUTION, PROVEN))
-    table = store.read_solutions()
-    attractors = store.read_catalogue(0, table, range(len(table.motions)))
+    table = store.solutions.read()
+    attractors = store.solutions.read_catalogue(0, table, range(len(table.motions)))
     return StoredProof(store.job, attractors, certificate, arrays, solution, proven)

@@ -3,16 +3,16 @@
 import numpy as np
 
 from worker.errors import as_store_failure
+from worker.storage.checked_chunks import METADATA
+from worker.storage.location import storage_at
 from worker.stores import layout
 from worker.stores.analysis_store import PARTS, AnalysisStore, kind_of_store
 from worker.stores.basin_store import BasinStore
 from worker.stores.checking.damage import Damage, Findings, check_store
 from worker.stores.checking.expected import readable_ledger
 from worker.stores.checking.metadata import restore_metadata
-from worker.stores.files.checked_chunks import METADATA
 from worker.stores.layout import TileState
-from worker.stores.proofs.layout import PROOF, PROVEN, UNPROVEN_REASON
-from worker.stores.storage import place_at
+from worker.stores.proof_layout import PROOF, PROVEN, UNPROVEN_REASON
 
 # A tile whose proof is not there is proven again.
 _OF_CELLS_PROVEN = {PROVEN.path, UNPROVEN_REASON.path}
@@ -56,7 +56,7 @@ def take_back(found: Findings) -> None:
     states[lost] = TileState.PENDING
     _discard(found)
     if any(_is_of_lattice(damage) for damage in found.damages):
-        store.forget_lattice()
+        store.proof.forget_lattice()
     store.take_back(states, tables=any(_is_table(store, damage) for damage in found.damages))
 
 
@@ -66,7 +66,7 @@ def _discard(found: Findings) -> None:
     parts = {damage.array.split("/")[1] for damage in chunks if damage.array.startswith(f"{PARTS}/")}
     marks = [f"{PARTS}/{name}/{METADATA}" for name in sorted(parts)]
     with as_store_failure(found.location):
-        place_at(found.location).discard([*marks, *(damage.path for damage in chunks)])
+        storage_at(found.location).discard([*marks, *(damage.path for damage in chunks)])
 
 
 def _tile_of(store: BasinStore, damage: Damage) -> int | None:

@@ -23,9 +23,9 @@ from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
 from worker.kinds import KINDS
+from worker.storage import folder
+from worker.storage.folder import SyncedFiles, synced_together, write_file
 from worker.stores.basin_store import BasinStore
-from worker.stores.files import synced_files
-from worker.stores.files.synced_files import SyncedFiles, synced_together, write_file
 from worker.stores.layout import TileState
 from worker.stores.opening import holds_store
 
@@ -101,9 +101,9 @@ def claimed_tiles_are_there(location):
     for number, state in enumerate(states.tolist()):
         tile = store.tiling.tile(number)
         if state >= TileState.COMPUTED:
-            store.read_tile(store.places.mapped, tile)
+            store.tiles.read(store.places.mapped, tile)
         if state >= TileState.ASSEMBLED:
-            store.read_tile((*store.places.labelled, store.places.solution), tile)
+            store.tiles.read((*store.places.labelled, store.places.solution), tile)
     return int((states >= TileState.COMPUTED).sum())
 
 
@@ -136,7 +136,7 @@ def test_after_a_cut_before_any_sync_what_the_next_driver_reads_is_whole(disk, t
     assert len(left) > 100
     for location in left:
         store = BasinStore(str(location))
-        store.read_solutions()
+        store.solutions.read()
         store.read_image_counts()
         claimed_tiles_are_there(location)
 
@@ -195,9 +195,9 @@ def test_the_disk_forgets_what_is_not_synced(disk, tmp_path):
 @contextlib.contextmanager
 def never_synced(location):
     """In place of `synced_together`: new files wait for a sync that never comes."""
-    token = synced_files._together.set(synced_files.Unsynced())
+    token = folder._together.set(folder.Unsynced())
     yield
-    synced_files._together.reset(token)
+    folder._together.reset(token)
 
 
 def test_a_store_whose_tiles_are_not_synced_loses_some_that_its_ledger_claims(disk, threads, tmp_path, monkeypatch):
@@ -255,7 +255,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from worker.stores.files.synced_files import write_file
+from worker.storage.folder import write_file
 root = Path({str(tmp_path)!r})
 write_file(root, "a/zarr.json", b"1")
 child = os.fork()

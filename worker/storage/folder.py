@@ -13,8 +13,9 @@ So a power cut may leave an empty or partial chunk that nothing claims. `write_o
 
 import asyncio
 import os
+import shutil
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -25,7 +26,8 @@ from typing import Any
 from zarr.storage import LocalStore
 
 from worker.errors import as_store_failure
-from worker.stores.files.checked_chunks import CHUNKS, METADATA, ChecksChunks
+from worker.storage.checked_chunks import CHUNKS, METADATA, checked
+from worker.storage.protocol import Part, Storage, StoredFile
 
 # A journal takes what is synced at the same time in one go.
 _AT_A_TIME = 32
@@ -82,7 +84,7 @@ def synced_together(location: str) -> Iterator[None]:
         unsynced.sync()
 
 
-class SyncedFiles(ChecksChunks, LocalStore):
+class SyncedFiles(LocalStore):
     """Zarr's store in a folder, whose files survive a power cut."""
 
     def __init__(self, root: Path | str, *, read_only: bool = False) -> None:
@@ -92,6 +94,10 @@ class SyncedFiles(ChecksChunks, LocalStore):
     async def _open(self, *, mode: Any = None) -> None:
         """Make no folder: only a file that is written does."""
         self._is_open = True
+
+    async def get(self, key: str, prototype: Any = None, byte_range: Any = None) -> Any:
+        """Read a file, checked."""
+        return await checked(super().get, self.name, key, prototype, byte_range)
 
     async def set(self, key: str, value: Any) -> None:
         """Write a file."""
@@ -161,3 +167,68 @@ def _sync(path: Path) -> None:
         os.fsync(opened)
     finally:
         os.close(opened)
+
+
+def folder_at(path: Path) -> Storage:
+    """Storage of a store whose files lie in a folder."""
+    return _Folder(path)
+
+
+class _Folder:
+    """A store's files in a folder of the file system."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.zarr = SyncedFiles(path)
+
+    def check(self) -> None:
+        pass  # a folder is made with its store
+
+    def taken(self) -> bool:
+        if not self.path.is_dir():
+            return self.path.exists()
+        begun = (self.path / "zarr.json").exists()
+        return not begun and any(each.suffix != ".partial" for each in self.path.iterdir())
+
+    def read(self, path: str, part: Part) -> StoredFile | None:
+        root = self.path.resolve()
+        try:
+            file = (root / path).resolve()
+            if not file.is_relative_to(root) or not file.is_file():
+                return None
+            with file.open("rb") as opened:  # the same file, even if it is replaced meanwhile
+                status = os.fstat(opened.fileno())
+                tag = f"{status.st_mtime_ns:x}-{status.st_size:x}"
+                start, stop = part(status.st_size, tag)
+                opened.seek(start)
+                return StoredFile(opened.read(stop - start), start, status.st_size, tag)
+        except (FileNotFoundError, ValueError):  # removed meanwhile, or not a valid file name
+            return None
+
+    def folders(self, path: str) -> list[str]:
+        try:
+            with os.scandir(self.path / path) as found:
+                return sorted(each.name for each in found if each.is_dir())
+        except FileNotFoundError:
+            return []
+
+    def write(self, path: str, content: bytes) -> None:
+        write_file(self.path, path, content)
+
+    def paths(self) -> list[str]:
+        return sorted(path.relative_to(self.path).as_posix() for path in self.path.rglob("*") if path.is_file())
+
+    def size(self) -> int:
+        return sum(path.stat().st_size for path in self.path.rglob("*") if path.is_file())
+
+    def discard(self, paths: Sequence[str]) -> None:
+        for path in paths:
+            (self.path / path).unlink(missing_ok=True)
+
+    def sweep(self) -> None:
+        for orphan in self.path.rglob("*.partial"):
+            orphan.unlink(missing_ok=True)
+
+    def remove(self) -> None:
+        if self.path.exists():
+            shutil.rmtree(self.path)

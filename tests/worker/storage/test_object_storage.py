@@ -15,10 +15,10 @@ from tests.worker.basins.test_pipeline import JOB, run
 from worker.errors import JobCancelled, LeaseLost, StoreConflict, StoreFailed, as_store_failure
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
+from worker.storage.location import read_file_of_store, remove_result
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import holds_store
-from worker.stores.result_files import read_file_of_store, remove_result
 from worker.stores.summary import summarise
 from worker.views.reading import open_basin
 
@@ -106,7 +106,7 @@ def test_aligned_writers_do_not_meet(object_store):
         store, tile = BasinStore(location), tiling.tile(number)
         values = np.full((tile.rows[1] - tile.rows[0], tile.columns[1] - tile.columns[0]), number, np.int64)
         barrier.wait()
-        store.write_tile(layout.MAPPED[:1], tile, [values])
+        store.tiles.write(layout.MAPPED[:1], tile, [values])
 
     writers = [threading.Thread(target=write, args=(number,)) for number in range(tiling.tiles)]
     for writer in writers:
@@ -115,7 +115,7 @@ def test_aligned_writers_do_not_meet(object_store):
         writer.join()
     store = BasinStore(location)
     for number in range(tiling.tiles):
-        (read,) = store.read_tile(layout.MAPPED[:1], tiling.tile(number))
+        (read,) = store.tiles.read(layout.MAPPED[:1], tiling.tile(number))
         assert (read == number).all()
 
 
@@ -156,7 +156,7 @@ def test_no_path_leads_out_of_a_store(root, path):
 def test_a_part_that_is_lost_is_a_failure_and_no_data(tmp_path):
     store = BasinStore.create_or_resume(str(tmp_path / "b.zarr"), SMALL)
     with pytest.raises(StoreFailed, match="has lost a part of image_cell"):
-        store.read_tile(layout.MAPPED[:1], store.tiling.tile(0))
+        store.tiles.read(layout.MAPPED[:1], store.tiling.tile(0))
 
 
 @pytest.mark.parametrize("location", ["s3://", "s3://bucket", "gs://bucket/prefix", "http://127.0.0.1/x.zarr"])
@@ -213,7 +213,7 @@ def test_a_server_that_is_gone_is_told(monkeypatch):
 
 def test_a_driver_that_waits_for_a_server_sends_nothing_more_once_its_job_is_anothers(object_store, monkeypatch):
     """The server hangs: requests are given up, and sent again only while the fence lets them through."""
-    monkeypatch.setattr("worker.stores.files.object_storage._HURRY", {"connect_timeout": "2s", "timeout": "300ms"})
+    monkeypatch.setattr("worker.storage.object_storage._HURRY", {"connect_timeout": "2s", "timeout": "300ms"})
     asked = []
 
     def fence():

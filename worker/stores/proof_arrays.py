@@ -12,12 +12,11 @@ import numpy as np
 from rattle_kernels.basins.tiles import Tile
 from rattle_kernels.proof.growth import IMPACTS, NUMBERS
 from worker.errors import StoreFailed, as_store_failure
-from worker.fence import Fence
-from worker.jobs.basin_job import BasinJob
-from worker.stores.files.synced_files import synced_together
+from worker.storage.folder import synced_together
 from worker.stores.layout import Variable
 from worker.stores.new_store import create_array
-from worker.stores.proofs.layout import (
+from worker.stores.open_arrays import OpenArrays
+from worker.stores.proof_layout import (
     FOLLOWED,
     LATTICE_ENDS,
     LATTICE_ROUNDS,
@@ -28,6 +27,7 @@ from worker.stores.proofs.layout import (
     UNPROVEN_REASON,
     grown,
 )
+from worker.stores.tile_arrays import TileArrays
 
 _GROWING = "growing"
 _CHUNK = 1024
@@ -36,35 +36,34 @@ BOXES_A_PART = 65536
 
 
 class ProofArrays:
-    """The arrays of a proof in an open store of one basin. The store is a subclass."""
+    """The proof of a store of one basin.
 
-    location: str
-    job: BasinJob
-    _group: Any
-    _fence: Fence
-    _handles: dict[str, Any]
+    Parameters
+    ----------
+    arrays : OpenArrays
+    tiles : TileArrays
+        Of the same store.
+    """
 
-    def _kept(self, variable: Variable) -> Any:
-        raise NotImplementedError
-
-    def _read_tile_of(self, variable: Variable, tile: Tile) -> np.ndarray | None:
-        raise NotImplementedError
+    def __init__(self, arrays: OpenArrays, tiles: TileArrays) -> None:
+        self._arrays, self._tiles = arrays, tiles
+        self._location, self._job, self._group, self._fence = arrays.location, arrays.job, arrays.group, arrays.fence
 
     @property
-    def holds_proof(self) -> bool:
+    def wanted(self) -> bool:
         """Whether a proof was asked for: what is proven of cells is there, or comes."""
         # By the request, too: the arrays' metadata may be damaged.
-        return self.job.prove is not None or PROVEN.path in self._group
+        return self._job.prove is not None or PROVEN.path in self._group
 
-    def read_proof(self, tile: Tile) -> tuple[np.ndarray, np.ndarray] | None:
+    def read_tile(self, tile: Tile) -> tuple[np.ndarray, np.ndarray] | None:
         """Read what is proven of a tile's cells, and why not all is; None until both are written."""
-        proven, reason = (self._read_tile_of(each, tile) for each in (PROVEN, UNPROVEN_REASON))
+        proven, reason = (self._tiles.read_one(each, tile) for each in (PROVEN, UNPROVEN_REASON))
         return None if proven is None or reason is None else (proven, reason)
 
     @property
     def certificate(self) -> dict[str, Any] | None:
         """Certificate of the proof as far as it has come; None until its targets are there."""
-        with as_store_failure(self.location):
+        with as_store_failure(self._location):
             if PROOF not in self._group:
                 return None
             certificate = self._group[PROOF].attrs.get("certificate")
@@ -73,13 +72,13 @@ class ProofArrays:
     @property
     def levels_grown(self) -> int:
         """Levels of the lattice that have grown; -1 until the targets are there."""
-        with as_store_failure(self.location):
+        with as_store_failure(self._location):
             return int(self._group[PROOF].attrs.get("levels_grown", -1)) if PROOF in self._group else -1
 
-    def begin_proof(self, certificate: dict[str, Any], rattling: np.ndarray, core: np.ndarray) -> None:
+    def begin(self, certificate: dict[str, Any], rattling: np.ndarray, core: np.ndarray) -> None:
         """Write the targets: boxes that rattle for ever, the core on the lattice, the certificate (driver only)."""
         self._fence()
-        with as_store_failure(self.location), synced_together(self.location):
+        with as_store_failure(self._location), synced_together(self._location):
             self._group.create_group(PROOF, overwrite=True)
             self._create(RATTLING, rattling.shape, (_CHUNK, _CHUNK))[...] = rattling != 0
             self.create_lattice(0, False, core.shape)
@@ -87,28 +86,27 @@ class ProofArrays:
         self._count(0, certificate)
 
     def _create(self, variable: Variable, shape: tuple[int, ...], chunks: tuple[int, ...]) -> Any:
-        self._handles.pop(variable.path, None)
         if variable.path in self._group:
             del self._group[variable.path]
         within = tuple(min(max(1, length), chunk) for length, chunk in zip(shape, chunks, strict=True))
-        return create_array(self._group, self.job, variable, shape, within)
+        return create_array(self._group, self._job, variable, shape, within)
 
     def _count(self, levels: int, certificate: dict[str, Any] | None = None) -> None:
         more = {} if certificate is None else {"certificate": certificate}
-        with as_store_failure(self.location):
+        with as_store_failure(self._location):
             self._group[PROOF].update_attributes({"levels_grown": levels} | more)
 
     def create_lattice(self, level: int, last: bool, shape: tuple[int, ...]) -> None:
         """Make room for the lattice that has grown at a level (driver only)."""
         self._fence()
-        with as_store_failure(self.location):
+        with as_store_failure(self._location):
             for variable in _lattice(level, last):
                 self._create(variable, shape, (_CHUNK, _CHUNK))
 
     def create_trails(self, boxes: int) -> None:
         """Make room for what is found of boxes that are followed (driver only)."""
         self._fence()
-        with as_store_failure(self.location):
+        with as_store_failure(self._location):
             self._create(FOLLOWED, (boxes,), (BOXES_A_PART,))
             self._create(TRAILS, (boxes, IMPACTS, NUMBERS), (BOXES_A_PART, IMPACTS, NUMBERS))
 
@@ -122,10 +120,10 @@ class ProofArrays:
         self._fence()
         self._count(level)
 
-    def end_proof(self, certificate: dict[str, Any]) -> None:
+    def end(self, certificate: dict[str, Any]) -> None:
         """Write the whole certificate, and remove what the lattice has grown from (driver only)."""
         self._fence()
-        with as_store_failure(self.location):
+        with as_store_failure(self._location):
             proof = self._group[PROOF]
             if _GROWING in proof:
                 del proof[_GROWING]
@@ -133,12 +131,12 @@ class ProofArrays:
 
     def write_lattice(self, level: int, last: bool, ends: np.ndarray, rounds: np.ndarray) -> None:
         """Write the lattice that has grown at a level."""
-        with as_store_failure(self.location):
+        with as_store_failure(self._location):
             self._write_pair(level, last, ends, rounds)
 
     def _write_pair(self, level: int, last: bool, *values: np.ndarray) -> None:
         for variable, value in zip(_lattice(level, last), values, strict=True):
-            self._fresh(variable)[...] = value
+            self._arrays.fresh(variable)[...] = value
 
     def read_lattice(self, level: int, last: bool) -> tuple[np.ndarray, np.ndarray]:
         """Read ends and rounds of the lattice that has grown at a level."""
@@ -152,28 +150,23 @@ class ProofArrays:
     def write_followed(self, part: int, ends: np.ndarray, trails: np.ndarray) -> None:
         """Write what is found of one part of the boxes."""
         here = slice(part * BOXES_A_PART, part * BOXES_A_PART + len(ends))
-        with as_store_failure(self.location):
-            self._fresh(FOLLOWED)[here] = ends
-            self._fresh(TRAILS)[here] = trails
+        with as_store_failure(self._location):
+            self._arrays.fresh(FOLLOWED)[here] = ends
+            self._arrays.fresh(TRAILS)[here] = trails
 
     def read_followed(self) -> tuple[np.ndarray, np.ndarray]:
         """Read what is found of all boxes."""
         ends = self._whole(FOLLOWED)
-        with as_store_failure(self.location):
+        with as_store_failure(self._location):
             # What is lost of a trail is not a number, which proves nothing.
-            return ends, np.asarray(self._fresh(TRAILS)[...])
+            return ends, np.asarray(self._arrays.fresh(TRAILS)[...])
 
     def _whole(self, variable: Variable) -> np.ndarray:
-        with as_store_failure(self.location):
-            values = np.asarray(self._fresh(variable)[...])
+        with as_store_failure(self._location):
+            values = np.asarray(self._arrays.fresh(variable)[...])
         if (values == variable.fill).any():
-            raise StoreFailed(f"the store {self.location} has lost a part of {variable.path}")
+            raise StoreFailed(f"the store {self._location} has lost a part of {variable.path}")
         return values
-
-    def _fresh(self, variable: Variable) -> Any:
-        """An array as it is now: each level makes those of the same name anew."""
-        self._handles.pop(variable.path, None)
-        return self._kept(variable)
 
 
 def _lattice(level: int, last: bool) -> tuple[Variable, Variable]:

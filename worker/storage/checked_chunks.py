@@ -6,11 +6,11 @@ Metadata have none either. Those that cannot be read any more are named. So is a
 """
 
 import json
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 import google_crc32c
 import numpy as np
-from zarr.abc.store import Store
 from zarr.core.buffer import default_buffer_prototype
 
 from worker.errors import DamagedChunk, DamagedMetadata
@@ -24,45 +24,54 @@ CHUNKS = "c"
 _SOME_CHUNKS = ("assembly/", "attractor_", "transient_ends")
 
 
-class ChecksChunks(Store):
-    """A Zarr store that names a chunk whose checksum is wrong, or broken metadata. Mixed into a store that reads.
+async def checked(read: Callable[..., Awaitable[Any]], name: str, key: str, prototype: Any, byte_range: Any) -> Any:
+    """Read a file, and check it if it is a chunk with a checksum, or metadata.
 
-    Attributes
+    Parameters
     ----------
+    read : callable
+        Reads a file of the store, as `zarr.abc.store.Store.get` does.
     name : str
         Name of the store in messages.
+    key : str
+        Path of the file.
+    prototype, byte_range
+        As of `zarr.abc.store.Store.get`.
+
+    Raises
+    ------
+    DamagedChunk
+        If its checksum is wrong, or a finished store has lost it.
+    DamagedMetadata
+        If they cannot be read.
     """
+    prototype = prototype or default_buffer_prototype()
+    found = await read(key, prototype, byte_range)
+    node, _, file = key.rpartition("/")
+    if found is not None and file == METADATA and not _are_metadata(found.to_bytes()):
+        raise DamagedMetadata(name, node)
+    array, is_chunk, chunk = key.rpartition(f"/{CHUNKS}/")
+    if found is None and is_chunk and await _has_all_chunks(read, array):
+        raise DamagedChunk(name, array, chunk, "is missing")
+    if found is None or byte_range is not None or not is_chunk or has_checksum(found.as_numpy_array()):
+        return found
+    metadata = await read(f"{array}/{METADATA}", prototype)
+    if metadata is None or not is_checked(json.loads(metadata.to_bytes())):
+        return found
+    raise DamagedChunk(name, array, chunk)
 
-    name: str
 
-    async def get(self, key: str, prototype: Any = None, byte_range: Any = None) -> Any:
-        """Read a file, and check it if it is a chunk with a checksum or metadata."""
-        prototype = prototype or default_buffer_prototype()
-        found = await super().get(key, prototype, byte_range)
-        node, _, name = key.rpartition("/")
-        if found is not None and name == METADATA and not _are_metadata(found.to_bytes()):
-            raise DamagedMetadata(self.name, node)
-        array, is_chunk, chunk = key.rpartition(f"/{CHUNKS}/")
-        if found is None and is_chunk and await self._has_all_chunks_of(array):
-            raise DamagedChunk(self.name, array, chunk, "is missing")
-        if found is None or byte_range is not None or not is_chunk or has_checksum(found.as_numpy_array()):
-            return found
-        metadata = await super().get(f"{array}/{METADATA}", prototype)
-        if metadata is None or not is_checked(json.loads(metadata.to_bytes())):
-            return found
-        raise DamagedChunk(self.name, array, chunk)
-
-    async def _has_all_chunks_of(self, array: str) -> bool:
-        """Whether this is a finished store, which has every chunk of an array: Zarr takes a missing one for empty."""
-        if array.startswith(_SOME_CHUNKS):
-            return False
-        prototype = default_buffer_prototype()
-        files = [await super(ChecksChunks, self).get(path, prototype) for path in (METADATA, f"{array}/{METADATA}")]
-        try:
-            root, own = (json.loads(file.to_bytes()) for file in files if file is not None)
-        except ValueError:  # one of them is not there, or no JSON
-            return False
-        return bool(root["attributes"].get("complete")) and is_checked(own)
+async def _has_all_chunks(read: Callable[..., Awaitable[Any]], array: str) -> bool:
+    """Whether this is a finished store, which has every chunk of an array: Zarr takes a missing one for empty."""
+    if array.startswith(_SOME_CHUNKS):
+        return False
+    prototype = default_buffer_prototype()
+    files = [await read(path, prototype) for path in (METADATA, f"{array}/{METADATA}")]
+    try:
+        root, own = (json.loads(file.to_bytes()) for file in files if file is not None)
+    except ValueError:  # one of them is not there, or no JSON
+        return False
+    return bool(root["attributes"].get("complete")) and is_checked(own)
 
 
 def _are_metadata(content: bytes) -> bool:

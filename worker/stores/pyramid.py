@@ -1,11 +1,15 @@
-"""The levels of a large basin: each has every second cell of the one before, each way. Pure arithmetic.
+"""The levels of a large basin: each has every second cell of the one before, each way; and how a store says so.
 
 Cell (i, j) of level n is cell (2**n i, 2**n j) of the basin, with all of its labels. Labels have no mean, and the most
 frequent one of a block would hide the motions that share it (docs/decisions/0037-pyramids.md).
+
+A store says that it has levels by the convention `multiscales` of zarr-conventions
+(https://github.com/zarr-conventions/multiscales, version 0.1).
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rattle_kernels.basins.tiles import Tiling
 from worker.jobs.basin_job import BasinJob
@@ -17,6 +21,19 @@ LABELS = (*LABELLED, SOLUTION)
 _LONGEST_LAST = 1000
 # Longest side of a level's chunk, if tiles are not larger. A screen then shows four chunks or fewer.
 _LONGEST_CHUNK = 2048
+ATTRIBUTE = "multiscales"
+"""Attribute of a store that has levels."""
+_CONVENTION = {
+    "uuid": "d35379db-88df-4056-af3a-620245f8e347",
+    "name": ATTRIBUTE,
+    "schema_url": "https://raw.githubusercontent.com/zarr-conventions/multiscales/refs/tags/v0.1/schema.json",
+    "spec_url": "https://github.com/zarr-conventions/multiscales/blob/v0.1/README.md",
+    "description": "Multiscale layout of zarr datasets",
+}
+_SAMPLED = (
+    "a cell of a level is the first of its block, with all of its labels, and stands for the others: it is sampled, "
+    "neither a mean nor the most frequent one. The coordinates are those of this cell."
+)
 
 
 class Level(NamedTuple):
@@ -119,3 +136,37 @@ def level_for(levels: tuple[Level, ...], every: int) -> Level:
     (16, 2, 128)
     """
     return [level for level in levels if every % level.every == 0][-1]
+
+
+def multiscales(levels: Sequence[Level], swept: int) -> dict[str, Any]:
+    """Attributes of a store with levels; none if there is only the basin itself.
+
+    Parameters
+    ----------
+    levels : sequence of Level
+    swept : int
+        Number of swept parameters, whose dimensions come first.
+
+    Returns
+    -------
+    dict
+        Each asset is an array of solutions. ``group``, ``period`` and ``step`` lie beside it.
+    """
+    if len(levels) == 1:
+        return {}
+    layout: list[dict[str, Any]] = [
+        {"asset": SOLUTION.path, "transform": _transform(swept, 1.0)},
+    ]
+    for finer, level in zip(levels, levels[1:], strict=False):
+        source, own = finer.own(SOLUTION).path, level.own(SOLUTION).path
+        layout.append({"asset": own, "derived_from": source, "transform": _transform(swept, 2.0)})
+    return {
+        "zarr_conventions": [_CONVENTION],
+        ATTRIBUTE: {"layout": layout, "resampling_method": "nearest", "comment": _SAMPLED},
+    }
+
+
+def _transform(swept: int, scale: float) -> dict[str, list[float]]:
+    """From the cells of the finer level to this one's. Both begin at the same cell, so nothing is moved."""
+    axes = [1.0] * swept
+    return {"scale": [*axes, scale, scale], "translation": [0.0] * (swept + 2)}

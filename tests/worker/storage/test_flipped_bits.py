@@ -17,10 +17,11 @@ from worker.errors import DamagedChunk, StoreFailed
 from worker.jobs.basin_job import BasinJob
 from worker.pictures.panel_picture import Look
 from worker.pictures.picture import figure_of_store
+from worker.storage.location import storage_at
+from worker.storage.protocol import whole
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import SOLUTION
 from worker.stores.opening import open_group
-from worker.stores.storage import place_at, whole
 from worker.stores.summary import summarise
 from worker.views.tile_labels import read_tile_labels
 
@@ -103,7 +104,7 @@ READERS = {
     "measures": lambda place: rattle.open(place).rattle.measures(),
     "picture": lambda place: figure_of_store(place, Look()),
     "tile": lambda place: read_tile_labels(place, 2),
-    "store": lambda place: (opened := BasinStore(place)).read_tile((opened.places.solution,), opened.tiling.tile(2)),
+    "store": lambda place: (opened := BasinStore(place)).tiles.read((opened.places.solution,), opened.tiling.tile(2)),
 }
 
 
@@ -151,7 +152,7 @@ def test_a_store_without_checksums_opens_as_before(tmp_path):
 def test_over_http_tiles_results_and_pictures_name_it(service):
     body = {"grid": {"time": {"cells": 100}, "velocity": {"cells": 100}}, "iterations": 103}
     job = service.wait(service.submit(body)["id"])
-    place = place_at(service.store_of(job))
+    place = storage_at(service.store_of(job))
     content = place.read("solution/c/1/0", whole).content
     place.write("solution/c/1/0", content[:9] + bytes([content[9] ^ 1]) + content[10:])
     path = f"/v1/jobs/{job['id']}"

@@ -9,22 +9,27 @@ from typing import Any
 
 import numpy as np
 from numcodecs.zstd import Zstd
+from zarr.codecs import Crc32cCodec, ZstdCodec
 
 from worker.errors import DamagedChunk
-from worker.stores.files.checked_chunks import CHECKSUM_BYTES, CHUNKS, checksum_of, has_checksum
-from worker.stores.new_store import CODECS
-from worker.stores.storage import Place, whole
+from worker.storage.checked_chunks import CHECKSUM_BYTES, CHUNKS, checksum_of, has_checksum
+from worker.storage.location import storage_at
+from worker.storage.protocol import Storage, whole
 
+# Zarr does not store this: a handle opened without it would delete chunks that equal the fill value.
+CONFIG = {"write_empty_chunks": True}
+# The checksum is of the compressed bytes, as they lie on the disk.
+CODECS = (ZstdCodec(level=0), Crc32cCodec())
 _COMPRESSION, _CHECKSUM = CODECS
 _ZSTD = Zstd(level=_COMPRESSION.level)
 
 
-def write_chunk(place: Place, array: Any, numbers: str, values: np.ndarray) -> None:
+def write_chunk(storage: Storage, array: Any, numbers: str, values: np.ndarray) -> None:
     """Write a chunk. Where it ends beyond the array, its rest has the fill value.
 
     Parameters
     ----------
-    place : Place
+    storage : Storage
         Of the store.
     array : zarr.Array
     numbers : str
@@ -41,15 +46,15 @@ def write_chunk(place: Place, array: Any, numbers: str, values: np.ndarray) -> N
         values, part = np.full(chunk, array.fill_value, stored), values
         values[inside] = part
     content: bytes = _ZSTD.encode(values)
-    place.write(_file(array, numbers), content + checksum_of(content) if _is_checked(array) else content)
+    storage.write(_file(array, numbers), content + checksum_of(content) if _is_checked(array) else content)
 
 
-def read_chunk(place: Place, array: Any, numbers: str, name: str) -> np.ndarray | None:
+def read_chunk(storage: Storage, array: Any, numbers: str, name: str) -> np.ndarray | None:
     """Read a chunk with all dimensions of its array; None if it is not there.
 
     Parameters
     ----------
-    place : Place
+    storage : Storage
         Of the store.
     array : zarr.Array
     numbers : str
@@ -62,7 +67,7 @@ def read_chunk(place: Place, array: Any, numbers: str, name: str) -> np.ndarray 
     DamagedChunk
         If it does not hold what was written.
     """
-    file = place.read(_file(array, numbers), whole)
+    file = storage.read(_file(array, numbers), whole)
     if file is None:
         return None
     content = np.frombuffer(file.content, np.uint8)
@@ -76,6 +81,31 @@ def read_chunk(place: Place, array: Any, numbers: str, name: str) -> np.ndarray 
     except (RuntimeError, ValueError) as error:  # only where there is no checksum
         raise DamagedChunk(name, array.path, numbers, "cannot be decompressed") from error
     return values.astype(array.dtype, copy=False)
+
+
+def write_over(array: Any, index: tuple[int | slice, ...], values: np.ndarray) -> None:
+    """Write a part of an array. A damaged chunk there counts as none.
+
+    Zarr reads a chunk of which it writes a part. If a power cut has left it empty, it would be refused. The values must
+    be all that its writer has to say, since what else was in a damaged chunk is gone.
+
+    Parameters
+    ----------
+    array : zarr.Array
+        Of an open store.
+    index : tuple of int or slice
+    values : ndarray
+
+    Raises
+    ------
+    StoreFailed
+        If it cannot be written.
+    """
+    try:
+        array[index] = values
+    except DamagedChunk as damaged:
+        storage_at(damaged.store).discard([f"{damaged.array}/{CHUNKS}/{damaged.chunk}"])
+        write_over(array, index, values)
 
 
 def _file(array: Any, numbers: str) -> str:

@@ -6,16 +6,15 @@ import zarr
 from numcodecs.zstd import Zstd
 
 from worker.errors import DamagedChunk
-from worker.stores.files.whole_chunks import read_chunk, write_chunk
-from worker.stores.new_store import CODECS, CONFIG
-from worker.stores.storage import place_at
+from worker.storage.chunks import CODECS, CONFIG, read_chunk, write_chunk
+from worker.storage.location import storage_at
 
 TYPES = [(np.int8, -9), (np.uint8, 255), (np.int16, -9), (np.int32, -9), (np.int64, -9), (np.float64, np.inf)]
 SHAPE, CHUNKS = (2, 70, 50), (1, 40, 20)
 
 
 def array_at(location, dtype, fill, codecs=CODECS):
-    group = zarr.open_group(place_at(str(location)).zarr, mode="a", zarr_format=3)
+    group = zarr.open_group(storage_at(str(location)).zarr, mode="a", zarr_format=3)
     return group.create_array(
         "group/values", shape=SHAPE, chunks=CHUNKS, dtype=dtype, fill_value=fill, compressors=codecs, config=CONFIG
     )
@@ -38,7 +37,7 @@ def test_bytes_are_those_of_zarr(tmp_path, dtype, fill, codecs):
     by_zarr, whole = (array_at(tmp_path / name, dtype, fill, codecs) for name in ("zarr", "whole"))
     by_zarr[...] = values
     for numbers, part in rectangles():
-        write_chunk(place_at(str(tmp_path / "whole")), whole, numbers, values[part])
+        write_chunk(storage_at(str(tmp_path / "whole")), whole, numbers, values[part])
     files = sorted(path.relative_to(tmp_path / "zarr") for path in (tmp_path / "zarr").rglob("c/*/*/*"))
     assert len(files) == 12
     for file in files:
@@ -51,7 +50,7 @@ def test_what_zarr_wrote_is_read(tmp_path, dtype, fill, codecs):
     array, values = array_at(tmp_path / "zarr", dtype, fill, codecs), some(dtype)
     array[...] = values
     for numbers, part in rectangles():
-        chunk = read_chunk(place_at(str(tmp_path / "zarr")), array, numbers, "zarr")
+        chunk = read_chunk(storage_at(str(tmp_path / "zarr")), array, numbers, "zarr")
         inside = tuple(map(slice, values[part].shape))
         assert chunk.dtype == dtype and chunk.flags.writeable
         np.testing.assert_array_equal(chunk[0][inside], values[part])
@@ -62,7 +61,7 @@ def test_what_zarr_wrote_is_read(tmp_path, dtype, fill, codecs):
 
 def test_what_is_not_there_is_none_and_what_cannot_be_decompressed_is_damaged(tmp_path):
     array = array_at(tmp_path / "zarr", np.int16, -9, CODECS[:1])
-    place = place_at(str(tmp_path / "zarr"))
+    place = storage_at(str(tmp_path / "zarr"))
     assert read_chunk(place, array, "0/0/0", "name") is None
     whole = Zstd().encode(np.zeros(CHUNKS, np.int16))
     for content in (b"", whole[:-3], Zstd().encode(np.zeros(9999, np.int16))):
@@ -74,7 +73,7 @@ def test_what_is_not_there_is_none_and_what_cannot_be_decompressed_is_damaged(tm
 @pytest.mark.parametrize("bit", [0, 100, -1])
 def test_a_flipped_bit_is_told(tmp_path, bit):
     array = array_at(tmp_path / "zarr", np.int32, -9)
-    place, file = place_at(str(tmp_path / "zarr")), tmp_path / "zarr" / "group" / "values" / "c" / "0" / "0" / "0"
+    place, file = storage_at(str(tmp_path / "zarr")), tmp_path / "zarr" / "group" / "values" / "c" / "0" / "0" / "0"
     write_chunk(place, array, "0/0/0", some(np.int32)[0, :40, :20])
     content = np.frombuffer(file.read_bytes(), np.uint8).copy()
     content[bit // 8] ^= 1 << bit % 8

@@ -15,8 +15,8 @@ from obstore.store import S3Store
 from zarr.storage import ObjectStore
 
 from worker.fence import Fence, unfenced
-from worker.stores.files.checked_chunks import ChecksChunks
-from worker.stores.storage import Part, Place, StoredFile
+from worker.storage.checked_chunks import checked
+from worker.storage.protocol import Part, Storage, StoredFile
 
 if TYPE_CHECKING:  # not available at run time
     from obstore.store import ClientConfig, RetryConfig
@@ -41,12 +41,12 @@ _REGIONS = ("AWS_REGION", "AWS_DEFAULT_REGION")
 _ENDPOINTS = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT")
 
 
-def objects_at(location: str, bucket: str, prefix: str, fence: Fence) -> Place:
-    """Place of a store whose objects share a prefix; `fence` is the driver's."""
+def objects_at(location: str, bucket: str, prefix: str, fence: Fence) -> Storage:
+    """Storage of a store whose objects share a prefix; `fence` is the driver's."""
     return _Objects(location, bucket, prefix, fence)
 
 
-class _WholeObjects(ChecksChunks, ObjectStore):
+class _WholeObjects(ObjectStore):
     """Objects written in one request each, so a killed writer leaves the old object or the new one, never a part.
 
     Nothing has to be synced: S3 answers a PUT when the object is stored.
@@ -58,6 +58,10 @@ class _WholeObjects(ChecksChunks, ObjectStore):
 
     def with_read_only(self, read_only: bool = False) -> "_WholeObjects":
         return type(self)(self.store, self.name, read_only=read_only)
+
+    async def get(self, key: str, prototype: Any = None, byte_range: Any = None) -> Any:
+        """Read a file, checked."""
+        return await checked(super().get, self.name, key, prototype, byte_range)
 
     async def set(self, key: str, value: Any) -> None:
         self._check_writable()
