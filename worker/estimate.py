@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels import Oscillator, next_impacts
-from rattle_kernels.proof.machine import machine_of, parts_of
+from rattle_proof.enclosures.machine import machine_of, parts_of
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.job import Job
 from worker.jobs.proof_request import most_boxes

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 import rattle
+import rattle_proof
 from rattle import pictures
 from rattle.results.accessor import Result
 
@@ -19,6 +20,7 @@ DOCUMENTED = (
     | {"rattle": rattle, "rattle.pictures": pictures, ".rattle": Result}
     | {f".rattle.{name}": member for name, member in MEMBERS.items()}
     | {f"rattle.pictures.{name}": part for name, part in PARTS.items()}
+    | {f"rattle_proof.{name}": getattr(rattle_proof, name) for name in rattle_proof.__all__}
 )
 
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, ConfigDict, Field
 
 from rattle_kernels import CellGrid, Oscillator
-from rattle_kernels.proof.cells import MOST_LEVELS
-from rattle_kernels.proof.machine import ABOVE_ZERO, machine_of, parameters_within
+from rattle_proof.enclosures.cells import MOST_LEVELS
+from rattle_proof.enclosures.machine import ABOVE_ZERO, machine_of, parameters_within
 from worker.errors import InvalidJob
 from worker.jobs.request import INTEGRAL, Real, Request
 

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
-from rattle_kernels.proof.cells import WHOLE
+from rattle_proof.enclosures.cells import WHOLE
 from worker.errors import InvalidJob
 
 _VEIL, _VEIL_ALPHA = 1.0, 0.65

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels.basins.tiles import Tile
-from rattle_kernels.proof.growth import IMPACTS, NUMBERS
+from rattle_proof.enclosures.growth import IMPACTS, NUMBERS
 from worker.errors import StoreFailed, as_store_failure
 from worker.storage.folder import synced_together
 from worker.stores.layout import Variable

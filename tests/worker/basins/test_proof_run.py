@@ -7,7 +7,7 @@ import pytest
 from distributed import Client
 
 from rattle_kernels import CellGrid, Oscillator
-from rattle_kernels.proof.cells import WHOLE
+from rattle_proof.enclosures.cells import WHOLE
 from tests.store_content import content
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver

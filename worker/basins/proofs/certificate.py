@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind
-from rattle_kernels.proof.cells import IMPACTS as OF_A_CELL
-from rattle_kernels.proof.growth import IMPACTS as OF_A_TRAIL
-from rattle_kernels.proof.lattice import Lattice
-from rattle_kernels.proof.machine import Machine, parts_of
-from rattle_kernels.proof.orbit_disc import OrbitDisc, disc_rows
-from rattle_kernels.proof.rattling_set import NOTHING_RATTLES
-from rattle_kernels.proof.targets import Certificate, Targets
+from rattle_proof.enclosures.cells import IMPACTS as OF_A_CELL
+from rattle_proof.enclosures.growth import IMPACTS as OF_A_TRAIL
+from rattle_proof.enclosures.lattice import Lattice
+from rattle_proof.enclosures.machine import Machine, parts_of
+from rattle_proof.enclosures.orbit_disc import OrbitDisc, disc_rows
+from rattle_proof.enclosures.rattling_set import NOTHING_RATTLES
+from rattle_proof.enclosures.targets import Certificate, Targets
 
 
 def certificate_of(

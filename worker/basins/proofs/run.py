@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import Attractor
-from rattle_kernels.proof.machine import machine_of, parts_of
-from rattle_kernels.proof.targets import Certificate
+from rattle_proof.enclosures.machine import machine_of, parts_of
+from rattle_proof.enclosures.targets import Certificate
 from worker.basins.proofs.certificate import certificate_of
 from worker.basins.proofs.tasks import (
     GrowthReceipt,

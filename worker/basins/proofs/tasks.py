@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels import Attractor
-from rattle_kernels.proof.cells import prove_cells
-from rattle_kernels.proof.growth import empty_trails, follow_all, grow_all
-from rattle_kernels.proof.lattice import UNPROVEN, common_ends, refined
-from rattle_kernels.proof.machine import Machine, centre_of, machine_of, parts_of
-from rattle_kernels.proof.targets import Certificate, Targets, prove_targets
+from rattle_proof.enclosures.cells import prove_cells
+from rattle_proof.enclosures.growth import empty_trails, follow_all, grow_all
+from rattle_proof.enclosures.lattice import UNPROVEN, common_ends, refined
+from rattle_proof.enclosures.machine import Machine, centre_of, machine_of, parts_of
+from rattle_proof.enclosures.targets import Certificate, Targets, prove_targets
 from worker.basins.proofs.certificate import targets_of
 from worker.basins.tasks import open_store
 from worker.cluster.calls import stop_if_cancelled
