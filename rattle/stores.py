@@ -110,7 +110,7 @@ def export(
 ) -> Path:  # fmt: skip
     """Write a finished result as a zipped RO-Crate 1.1: its request, versions, tables and pictures.
 
-    The certificate of a proof is part of it.
+    What packages add to a basin is part of it.
 
     Parameters
     ----------

@@ -215,7 +215,7 @@ def inlined_in_lanes(function: Callable[..., Any]) -> Any:
 
 
 def inlined_as_written(function: Callable[..., Any]) -> Any:
-    """Compile a scalar piece in which each operation is rounded once, as written: bounds are proven for that."""
+    """Compile a scalar piece in which each operation is rounded once, as written: bounds are derived for that."""
     return numba.njit(**_AS_WRITTEN)(function)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from flint import arb
 
 from rattle_kernels import Attractor, AttractorKind
+from rattle_proof.request import asked_of
 from rattle_proof.verification.claims import Lattice
 from rattle_proof.verification.ends import in_disc
 from rattle_proof.verification.machine import cover, holds
@@ -41,7 +42,8 @@ def _machine(subject: Subject) -> Failure | None:
     job, machine = subject.proof.job, subject.claims.machine
     if not holds(machine, job.oscillator):
         return contradicted("machine", "the oscillator of the store is none of the certificate's")
-    tolerances = job.prove.tolerances if job.prove is not None else {}
+    asked = asked_of(job)
+    tolerances = asked.tolerances if asked is not None else {}
     # Parameters are intervals: those that hold both ends of each tolerance hold all that lies between.
     for name, ends in tolerances.items():
         if not all(holds(machine, job.oscillator.at(**{name: end})) for end in ends):

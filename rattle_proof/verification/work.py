@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from flint import ctx
 
+from rattle_proof.stored_proof import StoredProof, read_proof
 from rattle_proof.verification.claims import Claims, claims_of
 from rattle_proof.verification.ends import Ends
 from rattle_proof.verification.samples import Plane, try_box, try_cell, try_rattling_box
 from rattle_proof.verification.targets.quiet import acceleration_at_rest, try_column
 from rattle_proof.verification.verdict import Failure
 from worker.errors import StoreConflict
-from worker.stores.checking.stored_proof import StoredProof, read_proof
 
 BITS = 64
 """Bits of a ball's middle."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect
 
-from tests.worker.pictures.proven_store import lay_proof
+from tests.rattle_proof.proven_store import lay_proof
 
 pytestmark = pytest.mark.browser
 

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from rattle_kernels import AttractorKind
+from rattle_proof.layout import Unproven
 from service.records.job_record import JobState
 from worker.pictures.colours import Palette
 from worker.pictures.overlay_kind import OverlayKind
 from worker.pictures.panel_picture import Layer
 from worker.progress import Stage
-from worker.stores.proof_layout import Unproven
 
 JS = Path(__file__).parents[2] / "service" / "explorer" / "js"
 HTML = (JS.parent / "index.html").read_text()

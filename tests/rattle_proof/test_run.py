@@ -7,17 +7,19 @@ import pytest
 from distributed import Client
 
 from rattle_kernels import CellGrid, Oscillator
+from rattle_proof.arrays import proof_of
 from rattle_proof.enclosures.cells import WHOLE
+from rattle_proof.layout import PROVEN, UNPROVEN_REASON, Unproven
+from rattle_proof.request import LEVELS, first_columns
 from tests.store_content import content
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import JobCancelled
 from worker.jobs.basin_job import BasinJob
-from worker.jobs.proof_request import LEVELS, first_columns
 from worker.progress import Stage
 from worker.stores.basin_store import BasinStore
-from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON, Unproven
 
+ENCLOSING, PROVING = Stage("enclosing"), Stage("proving")
 pytestmark = pytest.mark.timeout(400)
 # Losing energy, most departures fall quiet soon.
 LOSSY = Oscillator(0.6, 0.1, 0.6, restitution=0.9)
@@ -39,7 +41,7 @@ def test_two_threads_give_the_same_bytes(store, tmp_path):
     assert content(run(JOB, tmp_path / "again.zarr", threads=2).location) == content(store.location)
 
 
-@pytest.mark.parametrize("stage", [Stage.ENCLOSING, Stage.PROVING])
+@pytest.mark.parametrize("stage", [ENCLOSING, PROVING])
 def test_a_proof_that_was_stopped_goes_on_to_the_same_bytes(store, tmp_path, stage):
     cancel, seen = threading.Event(), []
 
@@ -60,22 +62,22 @@ def test_a_level_that_has_grown_is_not_done_again(tmp_path):
 
     def stop(progress):
         stages.append(progress.stage)
-        if progress.stage is Stage.PROVING:
+        if progress.stage is PROVING:
             cancel.set()
 
     with pytest.raises(JobCancelled):
         run(JOB, tmp_path / "grown.zarr", report=stop, cancel=cancel)
-    assert BasinStore(str(tmp_path / "grown.zarr")).proof.levels_grown == LEVELS
+    assert proof_of(BasinStore(str(tmp_path / "grown.zarr"))).levels_grown == LEVELS
     again = []
     run(JOB, tmp_path / "grown.zarr", report=lambda progress: again.append(progress.stage))
-    assert Stage.ENCLOSING not in again and Stage.PROVING in again
+    assert ENCLOSING not in again and PROVING in again
 
 
 def test_the_certificate_says_what_the_arrays_say(store):
-    certificate = store.proof.certificate
+    certificate = proof_of(store).certificate
     proven, reason = store.read_whole((PROVEN, UNPROVEN_REASON))
     solution = store.read_solution(0)
-    ends, rounds = store.proof.read_lattice(LEVELS, True)
+    ends, rounds = proof_of(store).read_lattice(LEVELS, True)
     counts, shares = certificate["counts"], np.array(certificate["shares"])
     assert counts["whole"] == (proven == WHOLE).sum() == (reason == Unproven.PROVEN).sum() > 0
     assert counts["reasons"] == np.bincount(reason.ravel(), minlength=len(Unproven)).tolist()
@@ -104,7 +106,7 @@ def test_tolerances_prove_for_every_machine_within(tmp_path, least, greatest, pa
     within = run(BasinJob(oscillator=LOSSY, grid=JOB.grid, prove=prove), tmp_path / "within.zarr")
     some = run(BasinJob(oscillator=LOSSY, grid=JOB.grid, prove={"levels": 0}), tmp_path / "one.zarr")
     (proven,), (alone,) = within.read_whole((PROVEN,)), some.read_whole((PROVEN,))
-    certificate, (ends, _) = within.proof.certificate, within.proof.read_lattice(LEVELS, True)
+    certificate, (ends, _) = proof_of(within).certificate, proof_of(within).read_lattice(LEVELS, True)
     assert certificate["machine"]["damping"] == [least, greatest]
     assert len(certificate["parts"]) == parts
     assert ends.shape[0] == max(parts, 1) * certificate["lattice"]["rows"]
@@ -118,7 +120,7 @@ def test_a_proof_in_parts_that_was_stopped_goes_on_to_the_same_bytes(tmp_path):
     cancel = threading.Event()
 
     def stop(progress):
-        if progress.stage is Stage.PROVING:
+        if progress.stage is PROVING:
             cancel.set()
 
     with pytest.raises(JobCancelled):
@@ -131,10 +133,10 @@ def test_a_lattice_that_is_proven_whole_is_not_followed_any_more(tmp_path):
     """Here every motion falls quiet."""
     quiet = BasinJob(oscillator=Oscillator(0.6, 0.05, 0.6), grid=CellGrid(time_cells=70, velocity_cells=8), prove=True)
     store = run(quiet, tmp_path / "quiet.zarr")
-    ends, _ = store.proof.read_lattice(LEVELS, True)
+    ends, _ = proof_of(store).read_lattice(LEVELS, True)
     assert ends.all() and store.complete
 
 
 def test_a_request_without_a_proof_has_no_trace_of_it(tmp_path):
     plain = run(BasinJob(oscillator=LOSSY, grid=CellGrid(time_cells=8, velocity_cells=8)), tmp_path / "plain.zarr")
-    assert not plain.proof.wanted and plain.proof.certificate is None and "prove" not in plain.job.request()
+    assert not proof_of(plain).wanted and proof_of(plain).certificate is None and "prove" not in plain.job.request()

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from worker.stores import proof_layout
+from rattle_proof import layout as proof_layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import NOT_THERE
 from worker.stores.new_store import consolidate, create_array

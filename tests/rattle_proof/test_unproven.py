@@ -7,14 +7,14 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from tests.worker.pictures.proven_store import lay_proof
+from rattle_proof.unproven import draw_unproven
+from tests.rattle_proof.proven_store import lay_proof
 from worker.errors import InvalidJob
 from worker.pictures import colours
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import OverlayKind
 from worker.pictures.panel_picture import Layer, Look
 from worker.pictures.picture import basin_figure
-from worker.pictures.unproven import draw_unproven
 from worker.pictures.window import Window
 from worker.views.basin_plot import plot_basin
 from worker.views.reading import open_basin
@@ -58,7 +58,7 @@ def lines_in(pixels):
 
 
 def seen(store, **look):
-    figure = basin_figure(store.location, Look(**{"overlays": (OverlayKind.PROVEN,)} | look))
+    figure = basin_figure(store.location, Look(**{"overlays": (OverlayKind("proven"),)} | look))
     return figure, figure.axes[0]
 
 

@@ -5,12 +5,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rattle_kernels import Attractor
+from rattle_proof.arrays import proof_of
+from rattle_proof.layout import PROOF, PROVEN
 from worker.errors import StoreConflict, as_store_failure
 from worker.jobs.basin_job import BasinJob
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import open_group
-from worker.stores.proof_layout import PROOF, PROVEN
 
 _ARRAYS = ("ends", "rounds", "rattling")
 
@@ -43,7 +44,7 @@ def read_proof(location: str) -> StoredProof:
         raise StoreConflict(f"{location} is not finished: the command that began it goes on from what is there")
     with as_store_failure(location):
         root = open_group(location, "r")
-        if not store.proof.wanted or PROOF not in root or "certificate" not in root[PROOF].attrs:
+        if not proof_of(store).wanted or PROOF not in root or "certificate" not in root[PROOF].attrs:
             raise StoreConflict(f"{location} carries no proof: it was computed without --prove")
         group = root[PROOF]
         arrays = {name: np.asarray(group[name][...]) for name in _ARRAYS if name in group}

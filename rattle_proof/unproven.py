@@ -15,7 +15,10 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
 from rattle_proof.enclosures.cells import WHOLE
+from rattle_proof.layout import PROVEN
+from worker.additions import Mask
 from worker.errors import InvalidJob
+from worker.stores.layout import Variable
 
 _VEIL, _VEIL_ALPHA = 1.0, 0.65
 _HATCH: dict[str, Any] = {"hatch": "\\\\\\", "hatchcolor": "0.2", "hatch_linewidth": 0.5}
@@ -82,15 +85,27 @@ def share_unproven(proven: Iterable[np.ndarray | None]) -> float | None:
     return 1.0 - parts / (WHOLE * cells)
 
 
-def demand_proof(there: bool) -> None:
-    """Refuse to show what is proven of a basin where no proof was asked for.
+class _Unproven(Mask):
+    @property
+    def variable(self) -> Variable:
+        return PROVEN
 
-    Raises
-    ------
-    InvalidJob
-    """
-    if not there:
-        raise InvalidJob("nothing is proven of this basin: the overlay proven needs a job with prove")
+    def demand(self, there: bool) -> None:
+        if not there:
+            raise InvalidJob("nothing is proven of this basin: the overlay proven needs a job with prove")
+
+    def share(self, values: Iterable[np.ndarray | None]) -> float | None:
+        return share_unproven(values)
+
+    def draw(self, axes: Axes, values: np.ndarray, extent: Extent, share: float | None) -> None:
+        draw_unproven(axes, values, extent, share)
+
+    def legend(self, axes: Axes) -> list[Patch]:
+        names = {str(patch.get_label()) for patch in axes.patches if isinstance(patch, PathPatch)}
+        return [unproven_patch(name) for name in names]
+
+
+UNPROVEN = _Unproven()
 
 
 def _outline(part: np.ndarray, extent: Extent) -> Path:

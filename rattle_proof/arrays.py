@@ -5,18 +5,15 @@ arrays of its own, and the group's attribute ``levels_grown`` counts those that 
 them lies in the group ``proof/growing``, which is removed once the lattice has grown.
 """
 
+from collections.abc import Iterator, Mapping
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from rattle_kernels.basins.tiles import Tile
 from rattle_proof.enclosures.growth import IMPACTS, NUMBERS
-from worker.errors import StoreFailed, as_store_failure
-from worker.storage.folder import synced_together
-from worker.stores.layout import Variable
-from worker.stores.new_store import create_array
-from worker.stores.open_arrays import OpenArrays
-from worker.stores.proof_layout import (
+from rattle_proof.layout import (
     FOLLOWED,
     LATTICE_ENDS,
     LATTICE_ROUNDS,
@@ -27,6 +24,13 @@ from worker.stores.proof_layout import (
     UNPROVEN_REASON,
     grown,
 )
+from rattle_proof.request import asked_of
+from worker.errors import StoreFailed, as_store_failure
+from worker.storage.folder import synced_together
+from worker.stores.basin_store import BasinStore
+from worker.stores.layout import Variable
+from worker.stores.new_store import create_array
+from worker.stores.open_arrays import OpenArrays
 from worker.stores.tile_arrays import TileArrays
 
 _GROWING = "growing"
@@ -53,7 +57,7 @@ class ProofArrays:
     def wanted(self) -> bool:
         """Whether a proof was asked for: what is proven of cells is there, or comes."""
         # By the request, too: the arrays' metadata may be damaged.
-        return self._job.prove is not None or PROVEN.path in self._group
+        return asked_of(self._job) is not None or PROVEN.path in self._group
 
     def read_tile(self, tile: Tile) -> tuple[np.ndarray, np.ndarray] | None:
         """Read what is proven of a tile's cells, and why not all is; None until both are written."""
@@ -167,6 +171,19 @@ class ProofArrays:
         if (values == variable.fill).any():
             raise StoreFailed(f"the store {self._location} has lost a part of {variable.path}")
         return values
+
+
+def proof_of(store: BasinStore) -> ProofArrays:
+    """The proof in a store."""
+    return ProofArrays(store.arrays, store.tiles)
+
+
+def expected_chunks(store: BasinStore, arrays: Mapping[str, Any]) -> Iterator[tuple[str, tuple[int, ...]]]:
+    """Chunks of a proof that is complete; of one under way every task demands what it reads."""
+    if store.complete and asked_of(store.job) is not None:
+        paths = [each.path for each in (PROVEN, UNPROVEN_REASON, LATTICE_ENDS, LATTICE_ROUNDS, RATTLING)]
+        there = [path for path in paths if path in arrays]
+        yield from ((path, chunk) for path in there for chunk in product(*map(range, arrays[path].cdata_shape)))
 
 
 def _lattice(level: int, last: bool) -> tuple[Variable, Variable]:

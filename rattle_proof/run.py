@@ -13,10 +13,13 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import Attractor
-from rattle_proof.enclosures.machine import machine_of, parts_of
+from rattle_proof.arrays import BOXES_A_PART, proof_of
+from rattle_proof.certificate import certificate_of
+from rattle_proof.enclosures.machine import parts_of
 from rattle_proof.enclosures.targets import Certificate
-from worker.basins.proofs.certificate import certificate_of
-from worker.basins.proofs.tasks import (
+from rattle_proof.layout import Unproven
+from rattle_proof.request import LEVELS, asked_of, machine_asked_of
+from rattle_proof.tasks import (
     GrowthReceipt,
     ProofReceipt,
     find_targets,
@@ -25,13 +28,11 @@ from worker.basins.proofs.tasks import (
     prove_tile,
 )
 from worker.cluster.calls import Task
-from worker.jobs.proof_request import LEVELS
 from worker.progress import Progress, Stage
 from worker.stores.basin_store import BasinStore
-from worker.stores.proof_arrays import BOXES_A_PART
-from worker.stores.proof_layout import Unproven
 from worker.stores.provenance import versions
 
+_ENCLOSING, _PROVING = Stage("enclosing"), Stage("proving")
 # Sixty-fourths of a cell.
 _WHOLE = 64
 
@@ -53,14 +54,14 @@ class ProofRun:
     """
 
     def __init__(self, store: BasinStore, attractors: tuple[Attractor, ...]) -> None:
-        self._store, self._attractors = store, attractors
+        self._store, self._proof, self._attractors = store, proof_of(store), attractors
         self.seconds: dict[str, float] = defaultdict(float)
         self._ready: deque[Task] = deque()
-        self._stage, self._done, self._total, self._begun = Stage.ENCLOSING, 0, 1, time.monotonic()
+        self._stage, self._done, self._total, self._begun = _ENCLOSING, 0, 1, time.monotonic()
         self._boxes = self._proven_boxes = self._rounds = 0
         self._reasons = np.zeros(len(Unproven), np.int64)
         self._sixty_fourths = np.zeros(len(attractors), np.int64)
-        level = store.proof.levels_grown
+        level = self._proof.levels_grown
         self._ready.extend(self._from(level) if level >= 0 else [Task(find_targets, 0, (attractors,), self._found)])
 
     def next_task(self) -> Task | None:
@@ -74,29 +75,29 @@ class ProofRun:
 
     def _found(self, _: int, proven: Certificate) -> Iterable[Task]:
         job = self._store.job
-        assert job.prove is not None
-        machine = machine_of(job.oscillator, job.prove.tolerances)
-        certificate = certificate_of(machine, self._attractors, proven, job.prove.levels, LEVELS - 1)
+        machine, asked = machine_asked_of(job), asked_of(job)
+        assert asked is not None
+        certificate = certificate_of(machine, self._attractors, proven, asked.levels, LEVELS - 1)
         core = np.tile(proven.targets.lattice.ends, (len(parts_of(machine)), 1))
-        self._store.proof.begin(certificate, proven.targets.rattling.ends, core)
+        self._proof.begin(certificate, proven.targets.rattling.ends, core)
         return self._from(0)
 
     def _from(self, level: int) -> list[Task]:
         """Tasks once the lattice has grown at so many levels."""
         last = level + 1 == LEVELS
-        ends, rounds = self._store.proof.read_lattice(level, level == LEVELS)
+        ends, rounds = self._proof.read_lattice(level, level == LEVELS)
         self._boxes, self._proven_boxes, self._rounds = ends.size, int(np.count_nonzero(ends)), int(rounds.max())
         if level == LEVELS:
             tiles = self._store.tiling.numbers_of(0)
-            self._enter(Stage.PROVING, len(tiles))
+            self._enter(_PROVING, len(tiles))
             return [Task(prove_tile, tile, (), self._proven) for tile in tiles]
         cut = 2 if level else 1
         boxes = cut * cut * (self._boxes - self._proven_boxes)
-        self._store.proof.create_lattice(level + 1, last, (cut * ends.shape[0], cut * ends.shape[1]))
+        self._proof.create_lattice(level + 1, last, (cut * ends.shape[0], cut * ends.shape[1]))
         parts = -(-boxes // BOXES_A_PART)
-        self._enter(Stage.ENCLOSING, parts + 1)
+        self._enter(_ENCLOSING, parts + 1)
         # Also where none is left: what was found at the level before would be taken for what is found at this one.
-        self._store.proof.create_trails(boxes)
+        self._proof.create_trails(boxes)
         if not parts:
             return [Task(grow_lattice, level, (), self._grown)]
         return [Task(follow_part, part, (level,), self._part_followed) for part in range(parts)]
@@ -108,11 +109,11 @@ class ProofRun:
         self.seconds["follow_kernels"] += seconds
         if self._done < self._total - 1:
             return ()
-        return [Task(grow_lattice, self._store.proof.levels_grown, (), self._grown)]
+        return [Task(grow_lattice, self._proof.levels_grown, (), self._grown)]
 
     def _grown(self, level: int, receipt: GrowthReceipt) -> Iterable[Task]:
         self.seconds["grow_kernels"] += receipt.seconds
-        self._store.proof.level_has_grown(level + 1)
+        self._proof.level_has_grown(level + 1)
         return self._from(level + 1)
 
     def _proven(self, _: int, receipt: ProofReceipt) -> Iterable[Task]:
@@ -124,7 +125,7 @@ class ProofRun:
     def finish(self) -> None:
         """Write the whole certificate."""
         cells = self._store.job.grid.cells
-        certificate = self._store.proof.certificate
+        certificate = self._proof.certificate
         assert certificate is not None
         certificate["counts"] = {
             "cells": cells,
@@ -136,13 +137,13 @@ class ProofRun:
         }
         certificate["shares"] = (self._sixty_fourths / (_WHOLE * cells)).tolist()
         certificate["versions"] = versions()
-        self._store.proof.end(certificate)
+        self._proof.end(certificate)
 
     def progress(self) -> Progress:
         """Progress of the level, or of the tiles."""
         elapsed = time.monotonic() - self._begun
         left = elapsed / self._done * (self._total - self._done) if self._done else None
-        cells = self._store.job.grid.cells if self._stage is Stage.PROVING else 0
+        cells = self._store.job.grid.cells if self._stage is _PROVING else 0
         done = round(cells * self._done / self._total)
         pace = done / elapsed if elapsed > 0.0 else 0.0
         return Progress(self._stage, self._done, self._total, done, cells, pace, left, 0, 1)

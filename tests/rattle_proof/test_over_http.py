@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from tests.rattle_proof.proven_store import lay_proof
 from tests.service.routes.problems import assert_problem
-from tests.worker.pictures.proven_store import lay_proof
 
 CELLS = 130
 SMALL = {"grid": {"time": {"cells": CELLS}, "velocity": {"cells": CELLS}}, "iterations": 181}

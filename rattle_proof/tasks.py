@@ -13,18 +13,17 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels import Attractor
+from rattle_proof.arrays import BOXES_A_PART, proof_of
+from rattle_proof.certificate import targets_of
 from rattle_proof.enclosures.cells import prove_cells
 from rattle_proof.enclosures.growth import empty_trails, follow_all, grow_all
 from rattle_proof.enclosures.lattice import UNPROVEN, common_ends, refined
-from rattle_proof.enclosures.machine import Machine, centre_of, machine_of, parts_of
+from rattle_proof.enclosures.machine import Machine, centre_of, parts_of
 from rattle_proof.enclosures.targets import Certificate, Targets, prove_targets
-from worker.basins.proofs.certificate import targets_of
+from rattle_proof.layout import PROVEN, UNPROVEN_REASON, Unproven
+from rattle_proof.request import LEVELS, asked_of, first_columns, machine_asked_of
 from worker.basins.tasks import open_store
 from worker.cluster.calls import stop_if_cancelled
-from worker.jobs.basin_job import BasinJob
-from worker.jobs.proof_request import LEVELS, first_columns
-from worker.stores.proof_arrays import BOXES_A_PART
-from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON, Unproven
 
 
 @dataclass(frozen=True)
@@ -59,15 +58,10 @@ class _Known(NamedTuple):
     boxes: np.ndarray
 
 
-def _machine(job: BasinJob) -> Machine:
-    assert job.prove is not None
-    return machine_of(job.oscillator, job.prove.tolerances)
-
-
 def find_targets(location: str, digest: str, number: int, attractors: tuple[Attractor, ...]) -> Certificate:
     """Prove targets: the quiet core, discs around orbits, a set that rattles for ever."""
     job = open_store(location, digest).job
-    machine = _machine(job)
+    machine = machine_asked_of(job)
     fastest, columns = job.grid.velocity_stop, first_columns(job.grid, len(parts_of(machine)))
     return prove_targets(machine, job.oscillator, attractors, stop_if_cancelled, fastest, columns)
 
@@ -79,15 +73,15 @@ def _known(location: str, digest: str, level: int) -> _Known:
     Kept once a process: the last lattice has 235 MB, and serves all tiles.
     """
     store = open_store(location, digest)
-    ends, rounds = store.proof.read_lattice(level, level == LEVELS)
+    ends, rounds = proof_of(store).read_lattice(level, level == LEVELS)
     stop_if_cancelled()
-    certificate = store.proof.certificate
+    certificate = proof_of(store).certificate
     assert certificate is not None
-    machine = _machine(store.job)
+    machine = machine_asked_of(store.job)
     parts = parts_of(machine)
     if level == LEVELS:
         ends = common_ends(ends, len(parts))
-    targets = targets_of(certificate, ends, store.proof.read_rattling())
+    targets = targets_of(certificate, ends, proof_of(store).read_rattling())
     if 0 < level < LEVELS:
         targets = targets._replace(lattice=refined(targets.lattice))
         rounds = rounds.repeat(2, 0).repeat(2, 1)
@@ -111,14 +105,14 @@ def follow_part(location: str, digest: str, part: int, level: int) -> float:
         local = boxes[here] - np.array([below, 0], np.int32)
         follow_all(machine, centre_of(machine), targets, local, ends[here], trails[here], stop_if_cancelled)
     seconds = time.perf_counter() - begin
-    store.proof.write_followed(part, ends, trails)
+    proof_of(store).write_followed(part, ends, trails)
     return seconds
 
 
 def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
     """Let the lattice grow from what is found of its boxes, and write it as it is after one more level."""
     store, known = open_store(location, digest), _known(location, digest, level)
-    followed, trails = store.proof.read_followed()
+    followed, trails = proof_of(store).read_followed()
     begin = time.perf_counter()
     ends, rounds = known.targets.lattice.ends.copy(), known.rounds.copy()
     # What comes to a target at once, or to what the lattice knew before, is proven in a round of its own.
@@ -127,7 +121,7 @@ def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
     rounds[rows, columns] = rounds.max() + 1
     grow_all(ends, rounds, known.boxes, trails, stop_if_cancelled, len(known.parts))
     seconds = time.perf_counter() - begin
-    store.proof.write_lattice(level + 1, level + 1 == LEVELS, ends, rounds)
+    proof_of(store).write_lattice(level + 1, level + 1 == LEVELS, ends, rounds)
     return GrowthReceipt(ends.size, int(np.count_nonzero(ends)), int(rounds.max()), seconds)
 
 
@@ -137,14 +131,14 @@ def prove_tile(location: str, digest: str, number: int) -> ProofReceipt:
     tile = store.tiling.tile(number)
     (colours,) = store.tiles.read((store.places.solution,), tile)
     seconds = 0.0
-    cells = store.proof.read_tile(tile)
+    cells = proof_of(store).read_tile(tile)
     if cells is None:
         begin = time.perf_counter()
-        job, known = store.job, _known(location, digest, LEVELS)
-        assert job.prove is not None
+        job, known, asked = store.job, _known(location, digest, LEVELS), asked_of(store.job)
+        assert asked is not None
         cells = prove_cells(
             known.machine, job.oscillator, known.targets, job.grid, tile.rows, tile.columns, colours,
-            job.prove.levels, stop_if_cancelled,
+            asked.levels, stop_if_cancelled,
         )  # fmt: skip
         seconds = time.perf_counter() - begin
         store.tiles.write((PROVEN, UNPROVEN_REASON), tile, cells)

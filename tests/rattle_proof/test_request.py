@@ -67,15 +67,3 @@ def test_only_cells_of_one_basin_of_the_impacting_model_are_proven():
         SweepJob(vary=vary, prove=True)
     # What asks for no proof is refused none.
     assert SweepJob(vary=vary, prove=False).digest == SweepJob(vary=vary).digest
-
-
-def test_an_estimate_counts_the_boxes_of_a_proof(monkeypatch):
-    from worker import estimate as estimates
-
-    monkeypatch.setattr(estimates, "measured_speed", lambda stiff, together: 1e6)
-    small = CellGrid(time_cells=64, velocity_cells=64)
-    plain, proven = (estimates.estimate(BasinJob(grid=small, prove=prove)) for prove in (False, True))
-    assert proven.seconds > plain.seconds and proven.bytes > plain.bytes
-    larger = estimates.estimate(BasinJob(grid=CellGrid(time_cells=256, velocity_cells=64), prove=True))
-    # Eight columns for each cell, and rows in proportion.
-    assert larger.bytes - proven.bytes == pytest.approx(15 * (proven.bytes - plain.bytes), rel=0.05)
