@@ -48,7 +48,7 @@ def options_of(verb: Callable[..., Any]) -> list[inspect.Parameter]:
         and name not in _LEFT_OUT
         and each.kind is each.KEYWORD_ONLY
         # What has parts is written as text, by a package that may be missing.
-        and Mapping not in map(get_origin, get_args(each.annotation))
+        and not any(get_origin(part) is Mapping for part in get_args(each.annotation))
     ]
     options = [_as_option(each, texts[each.name]) for each in arguments]
     return options + [option(each.option, each.kind, each.default, help=each.help) for each in written.values()]
