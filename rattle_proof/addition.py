@@ -98,6 +98,11 @@ class _Proof(Addition):
 
         return {"proof": proof_of(store).wanted}
 
+    def page(self) -> dict[str, Any]:
+        from rattle_proof.page import PAGE
+
+        return PAGE
+
     def routes(self) -> Any:
         from rattle_proof.routes import router
 

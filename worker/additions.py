@@ -141,6 +141,10 @@ class Addition(ABC):
         """Values of these fields."""
 
     @abstractmethod
+    def page(self) -> dict[str, Any]:
+        """What the page says of it, as ``Addition`` of ``service/explorer/types.d.ts``."""
+
+    @abstractmethod
     def routes(self) -> Any:
         """Routes of its own, a `fastapi.APIRouter`."""
 

@@ -16,13 +16,16 @@ NAMED = re.compile(r"proof|(un)?\bprov(e|en|es|ing)\b|rattle_paper", re.IGNORECA
 EXCEPT = {
     "rattle/verbs.py": "the arguments of `rattle.basin` are written out, for editors and type checkers",
     "rattle/results/accessor.py": "`proven_quiet` is of the paper: a speed, known for every basin",
-    "service/explorer": "the page draws the layer by its name",
 }
 # Hides what is installed beside, as if it were not there.
 ALONE = """
 import importlib.metadata as metadata, sys
 installed = metadata.entry_points
-metadata.entry_points = lambda **wanted: [e for e in installed(**wanted) if not e.value.startswith("rattle_p")]
+def others(**wanted):
+    found = installed(**wanted)
+    ours = wanted.get("group", "").startswith("rattle.")
+    return [each for each in found if not each.value.startswith("rattle_p")] if ours else found
+metadata.entry_points = others
 sys.modules["rattle_proof"] = sys.modules["rattle_paper"] = None
 """
 

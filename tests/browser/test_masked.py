@@ -89,7 +89,7 @@ def test_the_legend_counts_what_is_proven_and_says_why_the_rest_is_not(opened):
     legend = opened.page.locator("#legend")
     expect(legend.get_by_role("heading", name="Proven: 50.00 %", exact=True)).to_be_visible()
     expect(legend.get_by_role("heading", name="Not proven: 50.00 %")).to_be_visible()
-    reasons = legend.locator(".proof").nth(1).locator("li")
+    reasons = legend.locator(".masked").nth(1).locator("li")
     expect(reasons).to_have_count(2)
     expect(reasons.first).to_contain_text("spreads too wide")
     expect(reasons.last).to_contain_text("straddles grazing")

@@ -1,4 +1,4 @@
-/** What is not proven of a picture: paler, and hatched by lines that are as far apart at any zoom. */
+/** What a mask marks of a picture: paler, and hatched by lines that are as far apart at any zoom. */
 
 // A pale cell is known for one where nothing else is seen of it; lines tell it from a motion of a pale colour.
 const VEIL = "rgb(255 255 255 / 62%)";
@@ -7,11 +7,11 @@ const APART = 9;
 
 const stage = document.createElement("canvas");
 
-/** A canvas with a pixel for each cell, as opaque as the part of the cell that is not proven. */
-export class Mask {
-  /** @param {import("./proof.js").Proof} proof */
-  constructor(proof, width, height) {
-    this.proof = proof;
+/** A canvas with a pixel for each cell, as opaque as the part of the cell that is veiled. */
+export class Veil {
+  /** @param {import("./masked.js").Masked} masked */
+  constructor(masked, width, height) {
+    this.masked = masked;
     this.canvas = Object.assign(document.createElement("canvas"), { width, height });
     this.context = this.canvas.getContext("2d");
   }
@@ -21,7 +21,7 @@ export class Mask {
     const image = this.context.createImageData(width, height);
     for (let y = 0; y < height; y++) {
       for (let x = 0; x < width; x++) {
-        image.data[4 * (y * width + x) + 3] = 255 * this.proof.unproven((top + y) * this.canvas.width + left + x);
+        image.data[4 * (y * width + x) + 3] = 255 * this.masked.veiled((top + y) * this.canvas.width + left + x);
       }
     }
     this.context.putImageData(image, left, top);
@@ -47,11 +47,11 @@ function hatchOf(context, ratio) {
 }
 
 /**
- * Lay the veil over what is not proven of a picture; over all of it where nothing was tried.
+ * Lay the veil over what a mask marks of a picture; over all of it where nothing was tried.
  * @param {import("./plot.js").Plot} plot
  * @param {import("./picture.js").Picture} picture
  */
-export function hatchUnproven(plot, picture) {
+export function layVeil(plot, picture) {
   const { width, height } = plot.context.canvas;
   const ratio = width / plot.size.width;
   const pen = stage.getContext("2d");
@@ -61,7 +61,7 @@ export function hatchUnproven(plot, picture) {
   pen.globalCompositeOperation = "source-over";
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
   pen.imageSmoothingEnabled = false;
-  picture.lay(plot, picture.mask?.canvas ?? picture.canvas, pen);
+  picture.lay(plot, picture.veil?.canvas ?? picture.canvas, pen);
   pen.resetTransform();
   pen.globalCompositeOperation = "source-in";
   pen.fillStyle = hatchOf(pen, ratio);
