@@ -1,4 +1,4 @@
-"""What the page says of a proof: its box, its layer and its words, as ``Addition`` of ``service/explorer/types.d.ts``."""
+"""What the page says of a proof: its box, its layer, its words; ``service/explorer/types.d.ts`` has the shape."""
 
 from rattle_proof.enclosures.cells import WHOLE
 from rattle_proof.layout import Unproven
