@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import rattle
+from tests.store_content import content
 
 ROOT = Path(__file__).parents[2]
 CORE = ("rattle_kernels", "worker", "service", "rattle")
@@ -45,7 +47,7 @@ def alone(code, folder):
     """What a program prints that has the core alone."""
     environment = os.environ | {"PYTHONPATH": str(ROOT), "RATTLE_CACHE": str(folder / "cache")}
     done = subprocess.run(
-        [sys.executable, "-c", ALONE + code], cwd=folder, env=environment, capture_output=True, text=True, timeout=200
+        [sys.executable, "-c", ALONE + code], cwd=folder, env=environment, capture_output=True, text=True, timeout=400
     )
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -93,15 +95,22 @@ print(rattle.basin(cells=8, progress=False).rattle.complete)
     assert alone(code, tmp_path).splitlines() == [refused, refused, "True"]
 
 
-def test_a_store_that_is_to_have_more_is_not_finished_without_it(proven, tmp_path):
-    code = f"""
-import rattle, threading
-from worker.basins.pipeline import run_basin
-from worker.stores.basin_store import BasinStore
-job = BasinStore({str(proven)!r}).job
-try:
-    run_basin(job, "new.zarr", None, report=print, cancel=threading.Event())
-except rattle.StoreConflict as error:
-    print(error)
+def test_a_store_that_has_more_is_neither_computed_nor_mended_without_it(proven, tmp_path):
+    damaged = tmp_path / "damaged.zarr"
+    shutil.copytree(proven, damaged)
+    next((damaged / "solution" / "c").rglob("0")).unlink()
+    before = content(damaged)
+    code = """
+import rattle
+job = rattle.open("damaged.zarr").rattle.job
+for ask in (lambda: rattle.compute(job, store="new.zarr", progress=False), lambda: rattle.check("damaged.zarr")):
+    try:
+        ask()
+    except rattle.StoreConflict as error:
+        print(error)
 """
-    assert "prove as well: install the package" in alone(code, tmp_path)
+    told = alone(code, tmp_path).splitlines()
+    assert told == [
+        f"{name} has prove as well: install the package that adds it" for name in ("new.zarr", "damaged.zarr")
+    ]
+    assert content(damaged) == before and not (tmp_path / "new.zarr").exists()

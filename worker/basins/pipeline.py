@@ -16,13 +16,13 @@ from worker.basins.pace import Pace
 from worker.basins.schedule import Schedule
 from worker.cluster.calls import Task
 from worker.cluster.driver import Driver
-from worker.errors import StoreConflict
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob
 from worker.progress import Progress, Report, Stage
 from worker.storage.folder import synced_together
 from worker.stores.basin_store import BasinStore
 from worker.stores.changes import list_changes
+from worker.stores.opening import demand_all_known
 
 # Basins in progress for each task in flight. A slow basin delays the numbering of the next ones, whose results wait in
 # memory.
@@ -78,11 +78,10 @@ def run_basin(
     ------
     JobCancelled, LeaseLost, StoreConflict, StoreFailed, TileFailed, ClusterFailed, UnlikeWorkers
     """
+    demand_all_known(location, job.unread)
     store = BasinStore.create_or_resume(location, job, fence)
     if store.complete:
         return
-    if job.unread:
-        raise StoreConflict(f"{location} is to have {', '.join(job.unread)} as well: install the package that adds it")
     ledger = Ledger(store)
     schedule = Schedule(store, ledger, _BASINS_A_TASK * driver.window_size)
     pace = Pace(store, ledger, schedule)

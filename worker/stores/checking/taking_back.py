@@ -13,6 +13,7 @@ from worker.stores.checking.damage import Damage, Findings, check_store
 from worker.stores.checking.expected import readable_ledger
 from worker.stores.checking.metadata import restore_metadata
 from worker.stores.layout import TileState
+from worker.stores.opening import demand_all_known
 
 
 def take_back(found: Findings) -> None:
@@ -30,6 +31,7 @@ def take_back(found: Findings) -> None:
     ------
     StoreConflict, StoreFailed
     """
+    demand_all_known(found.location, found.job.unread)
     restored = [damage.array for damage in found.damages if damage.restored and damage.array]
     restore_metadata(found.location, found.root, found.metadata, restored)
     if found.root.damaged:
