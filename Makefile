@@ -49,13 +49,14 @@ test-processors: $(READY)  ## the same bytes for every processor that this one c
 	$(BIN)/python -m pytest -m '' tests/rattle_kernels/numerics/test_fused_multiply_add.py tests/worker/basins/test_same_bytes.py
 
 # They are among the slow ones, too; before a change is merged they run by themselves.
-GOLDEN := tests/golden tests/rattle_kernels/proof/test_deliberate_faults.py tests/rattle/verification/test_faults.py
+GOLDEN := tests/golden tests/rattle_proof/enclosures/test_deliberate_faults.py tests/rattle_proof/verification/test_faults.py
 
 test-golden: $(READY)  ## results to the byte against golden stores, and the proof's deliberate faults (minutes)
 	$(BIN)/python -m pytest -m '' $(ON_TWO_CORES) $(GOLDEN)
 
 # In lanes a wrong index corrupts other lanes without a sign, unless it is checked.
-BOUNDS_CHECKED := $(addprefix tests/rattle_kernels/,numerics impact_map lanes cell_mapping attractors/test_classify.py)
+BOUNDS_CHECKED := $(addprefix tests/rattle_kernels/,numerics impact_map lanes cell_mapping attractors/test_classify.py) \
+  $(addprefix tests/rattle_proof/enclosures/,test_interval.py test_enclosed_functions.py)
 
 test-slow: $(READY)  ## run the slow tests as well, and small tests of the kernels with checked array bounds
 	$(BIN)/python -m pytest $(ON_TWO_CORES) -m 'not browser and not faults and not containers and not hosts and not distribution'
@@ -112,7 +113,7 @@ check: $(READY) check-explorer docs  ## formatting, lint, types, import layers, 
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
-	$(BIN)/codespell rattle_kernels worker service rattle rattle_paper tests docs demo README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff
+	$(BIN)/codespell rattle_kernels worker service rattle rattle_paper rattle_proof tests docs demo README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff
 
 bench: $(READY)  ## time kernels, assembly and panels; docs/performance.json and the table in docs/performance.md
 	$(BIN)/python -m pytest benchmarks -m '' --benchmark-columns=min,median,ops --benchmark-sort=name --benchmark-json=.benchmarks/run.json

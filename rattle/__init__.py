@@ -10,13 +10,13 @@ Times count forcing periods; everything else is nondimensional. `rattle.pictures
 
 ``import rattle`` takes a quarter of a second. What loads Numba, Dask, Zarr or Matplotlib is imported by the functions
 that need it. The classes of `rattle.names` cannot do so, and are loaded when one is first used: type checkers and
-editors see them all the same.
+editors see them all the same. Packages that stand beside add functions by entry points of the group `rattle.names`.
 """
 
 # ruff: noqa: F403, F405 - the names of `rattle.names` are those of its `__all__`
 
 from importlib import import_module
-from importlib.metadata import version
+from importlib.metadata import entry_points, version
 from typing import TYPE_CHECKING, Any
 
 from rattle.measured_curve import transmission_error
@@ -25,7 +25,7 @@ from rattle.remote.job import RemoteJob
 from rattle.remote.service import Service, connect
 from rattle.results.cache import cache
 from rattle.results.opening import open
-from rattle.stores import check, export, verify
+from rattle.stores import check, export
 from rattle.verbs import basin, bifurcation, compute, grazing_curve, manifolds, orbits, sweep, trajectory
 from worker.progress import Progress
 
@@ -37,9 +37,10 @@ else:
     def __getattr__(name: str) -> Any:
         if name == "pictures":
             return import_module("rattle.pictures")
-        if name not in __all__:
+        beside = [] if name in __all__ else list(entry_points(group="rattle.names", name=name))
+        if name not in __all__ and not beside:
             raise AttributeError(f"module 'rattle' has no attribute {name!r}; it has {', '.join(__all__)}")
-        found = globals()[name] = getattr(import_module("rattle.names"), name)
+        found = globals()[name] = beside[0].load() if beside else getattr(import_module("rattle.names"), name)
         return found
 
 
@@ -84,7 +85,6 @@ __all__ = [
     "torque_ripple",
     "trajectory",
     "transmission_error",
-    "verify",
 ]
 
 

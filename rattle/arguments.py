@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from rattle.measured_curve import transmission_error
 from rattle_kernels import TransmissionError
 from rattle_kernels.model.oscillator import PARAMETERS
+from worker.additions import Addition, additions
 from worker.errors import InvalidFields, InvalidJob, Place
 from worker.jobs.curve_request import ResolutionRequest
 from worker.jobs.job import Job
@@ -36,7 +37,7 @@ _CELLS_OF_A_SWEEP = 200
 _OF_IMPACTS, _OF_CONTACTS = ("restitution",), ("contact_damping", "permanent_contact", "allow_no_quiet_solution")
 _OF_OSCILLATOR = (ImpactingOscillator.model_fields | PiecewiseLinearOscillator.model_fields).keys()
 # Fields whose parts are arguments.
-_FLAT = ("grid", "oscillator", "resolution", "region", "sample", "prove")
+_FLAT = ("grid", "oscillator", "resolution", "region", "sample", *(each.name for each in additions()))
 
 
 def job_of(kind: str, given: Mapping[str, Any]) -> Job:
@@ -59,7 +60,9 @@ def job_of(kind: str, given: Mapping[str, Any]) -> Job:
         If a value is wrong. Both are a ValueError.
     """
     job_class = KINDS[kind].job_class
-    values = _with_middles({name: _plain(value) for name, value in given.items()})
+    values = {name: _plain(value) for name, value in given.items()}
+    for addition in additions():
+        values = addition.with_values(values)
     fields = {field.alias for field in job_class.model_fields.values()}
     made = {name: make(values, kind) for name, make in _PARTS.items() if name in fields}
     request = {name: value for name, value in made.items() if value is not None}
@@ -105,18 +108,6 @@ def _taken(values: Values, *names: str) -> Values:
     return {name: values.pop(name) for name in names if name in values}
 
 
-def _with_middles(values: Values) -> Values:
-    """Parameters that are a pair where a proof is asked for are tolerances: the oscillator is in their middle."""
-    pairs = {
-        name: tuple(value) for name, value in values.items() if is_parameter(name) and isinstance(value, list | tuple)
-    }
-    if values.get("prove") is not True or any(len(pair) != 2 for pair in pairs.values()):
-        return values
-    middles = {name: 0.5 * (low + high) for name, (low, high) in pairs.items()}
-    tolerances = pairs | (values.get("tolerances") or {})
-    return values | middles | ({"tolerances": tolerances} if tolerances else {})
-
-
 def _argument_at(place: Place) -> Place:
     """Argument that a field of the request comes from."""
     if place[:1] == ("grid",) and place[-1:] == ("cells",):
@@ -132,7 +123,7 @@ def _oscillator(values: Values, kind: str) -> Values:
     _read_measured_curve(values)
     swept = [name for name, value in values.items() if is_parameter(name) and isinstance(value, list | tuple | dict)]
     if swept and kind not in ("sweep", "bifurcation"):
-        others = "a sweep takes several values, and a proof (prove=True) a tolerance"
+        others = ", and ".join(("a sweep takes several values", *(each.on_pairs for each in additions())))
         raise InvalidJob(f"{swept[0]} has one value here; {others}", (swept[0],))
     harmonics = _harmonics(values, swept)
     request = _taken(values, *(name for name in _OF_OSCILLATOR if name not in swept))
@@ -243,13 +234,8 @@ def _sample(values: Values, _: str) -> Values | None:
     return None
 
 
-def _prove(values: Values, _: str) -> Any:
-    beside, proof = _taken(values, "levels", "tolerances"), values.pop("prove", False)
-    if proof is False:
-        for name in beside:
-            raise InvalidJob(f"{name} belongs to a proof: give prove=True (--prove)", (name,))
-        return None
-    return beside if proof is True else proof
+def _added(addition: Addition) -> "Callable[[Values, str], Any]":
+    return lambda values, _: addition.from_arguments(values)
 
 
 def _seeds(values: Values, kind: str) -> list[Any] | None:
@@ -308,7 +294,7 @@ _PARTS: "dict[str, Callable[[Values, str], Any]]" = {
     "region": _region,
     "grid": _grid,
     "sample": _sample,  # after the grid, whose cells a sample replaces
-    "prove": _prove,
+    **{each.name: _added(each) for each in additions()},
     "seeds": _seeds,
     "saddles": _saddles,
     "resolution": _resolution,

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 from rattle.results.opening import open
+from worker.additions import additions
 from worker.errors import InvalidJob
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.picture import figure_of_store
@@ -75,9 +76,9 @@ def _files(location: str, dataset: xr.Dataset) -> Iterator[tuple[str, CrateFile]
     names = ("versions", "git_revision", "fused_multiply_add", "layout_version")
     versions = {name: _unpacked(dataset.attrs.get(name)) for name in names}
     yield "versions.json", CrateFile(json.dumps(versions, indent=1).encode(), "application/json", "What computed it")
-    if certificate := dataset.attrs.get("certificate"):
-        text = json.dumps(json.loads(certificate), indent=1)
-        yield "certificate.json", CrateFile(text.encode(), "application/json", "Certificate of the proof")
+    for addition in additions():
+        for path, content, media_type, name in addition.crate_files(dataset):
+            yield path, CrateFile(content, media_type, name)
     for name in _small_tables(dataset):
         if len(table := table_of(dataset, name)):  # few basins have a transient, whose ends are a table
             text = write_table(table, TableFormat.CSV)

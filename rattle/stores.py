@@ -1,13 +1,11 @@
-"""Whole stores: checked and mended, exported, and what they claim to be proven proven again."""
+"""Whole stores: checked and mended, and exported."""
 
-import importlib.util
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rattle.verification.verdict import Verification
     from worker.progress import Report
     from worker.stores.checking.damage import Damage, Findings
 
@@ -112,7 +110,7 @@ def export(
 ) -> Path:  # fmt: skip
     """Write a finished result as a zipped RO-Crate 1.1: its request, versions, tables and pictures.
 
-    The certificate of a proof is part of it.
+    What packages add to a basin is part of it.
 
     Parameters
     ----------
@@ -149,61 +147,3 @@ def export(
     from rattle.crate import write_crate  # loads Numba, Zarr and Matplotlib
 
     return write_crate(str(store), Path(path), creator, license)
-
-
-def verify(
-    store: str | Path,
-    *,
-    cells: int = 10_000,
-    boxes: int | Literal["all"] = 10_000,
-    seed: int = 0,
-    processes: int = 1,
-    progress: Callable[[str, int, int], None] = lambda what, done, total: None,
-) -> "Verification":
-    """Prove again what a basin's store claims to be proven, by other means: Arb balls of python-flint.
-
-    All targets are proven: a(t) > 0, the quiet core, each disc around an orbit, the set that rattles for ever. Of the
-    cells, and of the boxes of the lattice by which they were proven, a random sample is tried. A sample is a sample:
-    the others are not looked at. If all boxes are right, so is the lattice, by induction over its rounds.
-
-    Parameters
-    ----------
-    store : str or path
-        A folder, or ``s3://bucket/prefix``, of a finished basin that was computed with a proof.
-    cells : int
-        How many cells are tried, of those with a proven part.
-    boxes : int or "all"
-        How many boxes of the lattice are tried, as many of each round as there are.
-    seed : int
-        Of the sample.
-    processes : int
-        How many processes work; with more than one, a script needs ``if __name__ == "__main__"``.
-    progress : callable
-        Called with what is being proven, how much of it has been, and of how much.
-
-    Returns
-    -------
-    Verification
-
-    Raises
-    ------
-    StoreConflict
-        If there is no finished basin with a proof.
-    StoreFailed
-        If it cannot be read.
-    ImportError
-        If python-flint is not there, which the extra ``proof`` brings.
-
-    Examples
-    --------
-    >>> import rattle
-    >>> basin = rattle.basin(damping=1.5, cells=20, prove=True, store="damped.zarr", progress=False)
-    >>> found = rattle.verify("damped.zarr", cells=10, boxes=100)
-    >>> found.holds, [(part.name, part.tried) for part in found.parts[-2:]]
-    (True, [('boxes of the lattice', 100), ('cells', 10)])
-    """
-    if importlib.util.find_spec("flint") is None:
-        raise ImportError("verifying needs python-flint: pip install 'gear-rattle[proof]'")
-    from rattle.verification.checking import prove_again
-
-    return prove_again(str(store), cells, boxes, seed, processes, progress)

@@ -47,13 +47,6 @@ FROM_PYTHON_ALONE = frozenset(
     }
 )  # fmt: skip
 """Modules whose kernels the service does not need: measures of pictures, inverse maps, orbits beyond a graze."""
-OF_PROOFS = frozenset(
-    f"proof.{each}"
-    for each in (
-        "cells", "growth", "impact", "machine", "orbit_disc", "quiet_core", "rattling_set", "targets",
-    )
-)  # fmt: skip
-"""Modules whose kernels proofs of basins need: the first proof compiles them, in a minute."""
 
 Report = Callable[[int, int], None]
 """Called with how many kernels are there and how many are needed, while some have to be compiled; else not at all."""
@@ -68,14 +61,16 @@ _MEETING = 8.0
 _CHAOTIC_T, _CHAOTIC_V = 0.553, 4.703
 
 
-def _module(kernel: Any) -> str:
-    return str(kernel.py_func.__module__).removeprefix("rattle_kernels.")
+def _is_own(kernel: Any) -> bool:
+    """Whether a kernel is of this package. One of a package beside is compiled when it is first needed."""
+    return str(kernel.py_func.__module__).startswith("rattle_kernels.")
 
 
 @contextlib.contextmanager
 def _reporting(report: Report | None, needed: Callable[[str], bool]) -> Iterator[None]:
     """Report how many kernels of the modules that are needed have been compiled, or loaded, so far."""
-    kernels = [each for each in KERNELS if needed(_module(each))]
+    own = {each: str(each.py_func.__module__).removeprefix("rattle_kernels.") for each in KERNELS if _is_own(each)}
+    kernels = [each for each, module in own.items() if needed(module)]
     compiled = False
 
     def tell() -> None:
@@ -103,9 +98,7 @@ def reporting_compilation(report: Report | None, *, analyses: bool = False) -> c
     -------
     context manager
     """
-    return _reporting(
-        report, lambda module: module not in FROM_PYTHON_ALONE | OF_PROOFS and (module in OF_ANALYSES) == analyses
-    )
+    return _reporting(report, lambda module: module not in FROM_PYTHON_ALONE and (module in OF_ANALYSES) == analyses)
 
 
 def warm_up(report: Report | None = None) -> None:

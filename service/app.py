@@ -49,6 +49,7 @@ from service.routes.plain_json import HeldBodies
 from service.routes.submissions import submission_router
 from service.runner.process import RunnerProcess
 from service.settings import Settings
+from worker.additions import additions
 from worker.estimate import measured_speed
 
 # Compiled kernels load in a second. Compiling them takes a minute, and a stopping service does not wait for that.
@@ -138,6 +139,7 @@ def create_app(settings: Settings) -> FastAPI:
     others = [
         each.router for each in (checks, previews, trajectories, jobs, events, results, viewer, health, metrics, pages)
     ]
+    others += [addition.routes() for addition in additions()]
     taken = {route.path for router in others for route in router.routes if isinstance(route, APIRoute)}
     for router in (submission_router(taken), *others):
         app.include_router(router)

@@ -2,8 +2,7 @@
 
 The seconds come from the applications of P that a job asks for and from the speed of this machine, which is measured
 once in a process, in a tenth of a second. Cells that are captured or locked end early, so most jobs take less. What
-every job and every basin takes besides is added: it is most of what a small one takes. A proof is added by the boxes of
-its lattice, which are followed whatever the speed of the map is.
+every job and every basin takes besides is added: it is most of what a small one takes. So is what a package adds.
 """
 
 import math
@@ -13,10 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels import Oscillator, next_impacts
-from rattle_kernels.proof.machine import machine_of, parts_of
+from worker.additions import asked_of
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.job import Job
-from worker.jobs.proof_request import most_boxes
 
 _STIFF = 1e4
 # Departures, and how often P is applied to each: cells fly together, 64 at a time; analyses follow one at a time.
@@ -26,9 +24,6 @@ _TOGETHER, _ALONE = (512, 500), (1, 20_000)
 # Seconds that a job takes to begin and to end, with its store and its tasks; and that a core takes for the catalogue,
 # the groups and the arrays of one basin. Measured with basins and sweeps of 20 x 20 cells, on a busy machine.
 _OF_A_JOB, _OF_A_BASIN = 0.3, 0.2
-# Seconds that a core takes for a box of a proof's lattice, with all that follows from it; and bytes of its arrays.
-# Fig. 7 (bottom) takes 2.8e-6 with 1000 x 1000 cells, of which most are proven; damping 0.59 to 0.61 takes 14e-6.
-_OF_A_BOX, _BYTES_OF_A_BOX = 14e-6, 4
 
 
 class Estimate(NamedTuple):
@@ -107,15 +102,10 @@ def estimate(job: Job, cores: int = 1, *, measuring: bool = True) -> Estimate:
     speed = measured_speed(stiff, together) if known else _USUAL[together]
     basins = job.basins if isinstance(job, BasinJob) else 0
     at_once = max(min(basins, cores), 1)
-    boxes = _boxes_of_proof(job) if isinstance(job, BasinJob) else 0
-    seconds = _OF_A_JOB + basins * _OF_A_BASIN / at_once + (job.impacts / speed + boxes * _OF_A_BOX) / cores
-    return Estimate(seconds, job.bytes + boxes * _BYTES_OF_A_BOX)
-
-
-def _boxes_of_proof(job: BasinJob) -> int:
-    if job.prove is None:
-        return 0
-    return most_boxes(job.grid, len(parts_of(machine_of(job.oscillator, job.prove.tolerances))))
+    added = [each.cost(job) for each in asked_of(job)]
+    seconds = _OF_A_JOB + basins * _OF_A_BASIN / at_once
+    seconds += (job.impacts / speed + sum(each.seconds for each in added)) / cores
+    return Estimate(seconds, job.bytes + sum(each.bytes for each in added))
 
 
 def _in_words(seconds: float) -> str:

@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
+from worker.additions import additions
+
 
 class Stage(StrEnum):
     """What a running job does at the moment, or one basin of it."""
@@ -18,10 +20,8 @@ class Stage(StrEnum):
     """Hsu's algorithm on the image set, and the catalogue of attractors."""
     LABELLING = "labelling"
     """Tiles look up group, period and step and name solutions."""
-    ENCLOSING = "enclosing"
-    """The lattice grows from which cells are proven."""
-    PROVING = "proving"
-    """Tiles prove their cells."""
+    # What basins are asked for beside their labels comes after these.
+    vars().update({stage.upper(): stage for addition in additions() for stage in addition.stages})
     SEARCHING = "searching"
     """Attractors, periodic orbits or saddles are looked for."""
     SETTLING = "settling"

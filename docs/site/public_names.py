@@ -17,7 +17,7 @@ from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
 _LOGGER = logging.getLogger(__name__)
-_MODULES = ("rattle", "rattle.pictures", "rattle_kernels")
+_MODULES = ("rattle", "rattle.pictures", "rattle_kernels", "rattle_proof")
 
 
 class Names(SphinxDirective):

@@ -41,10 +41,6 @@ _OTHER_COMMANDS = {
         "export",
         "Write a finished result as a zipped RO-Crate: its request, versions, tables and pictures.",
     ),
-    "verify": (
-        "verify",
-        "Prove again, by Arb balls, what a basin's store claims to be proven; exit with 1 if anything is not.",
-    ),
     "keys": ("keys", "Make, list and revoke the API keys of a service."),
     "certs": ("certs", "Make certificates for the parts of a Dask cluster."),
     "plot": (

@@ -44,7 +44,6 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "delete": ("rattle delete 3f2a",),
     "check": ("rattle check basin.zarr --dry-run", "rattle check s3://results/basin.zarr"),
     "export": ("rattle export basin.zarr --zip basin.zip",),
-    "verify": ("rattle verify basin.zarr --cells 1000", "rattle verify basin.zarr --boxes all"),
     "keys": ("rattle keys add alice", "rattle keys list"),
     "add": ("rattle keys add alice", "rattle keys add monitor --scope read"),
     "list": ("rattle keys list --json",),

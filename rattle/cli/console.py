@@ -11,6 +11,7 @@ from rich.table import Table
 
 from rattle import progress
 from rattle.progress import ProgressLine
+from worker.additions import additions
 from worker.motion_words import ends_in_words
 
 out = Console()
@@ -65,7 +66,7 @@ def progress_line(unit: str = "tiles") -> Iterator[ProgressLine]:
 
 
 def print_solutions(solutions: Sequence[Mapping[str, Any]], errors: Mapping[int, float | None] | None = None) -> None:
-    """Print a table of solutions: name, share (and what of it is proven), exponent, power, life of chaos, a point.
+    """Print a table of solutions: name, share (and what packages say of it), exponent, power, life of chaos, a point.
 
     `errors` are the standard errors of shares that come from a sample, by number.
     """
@@ -81,7 +82,7 @@ def print_solutions(solutions: Sequence[Mapping[str, Any]], errors: Mapping[int,
         table.add_row(
             str(number),
             solution["name"] if life is None else f"{solution['name']} for some {life:.1g} ± {error:.1g} impacts{ends}",
-            _share(share, (errors or {}).get(number)) + _proven(solution.get("share_proven")),
+            _share(share, (errors or {}).get(number)) + "".join(each.in_words(solution) for each in additions()),
             "" if exponent is None else f"{exponent:.4f}",
             "" if power is None else f"{power:.4g}",
             f"({points[0][0]:.6f}, {points[0][1]:.6f})" if points else "",
@@ -93,10 +94,6 @@ def _share(share: float | None, error: float | None) -> str:
     if share is None:
         return "not known yet"
     return f"{100 * share:.3f} %" if error is None else f"{100 * share:.3f} ± {100 * error:.2g} %"
-
-
-def _proven(share: float | None) -> str:
-    return "" if share is None else f", {100 * share:.3f} % proven"
 
 
 def print_expected(expected: Mapping[str, float]) -> None:

@@ -4,7 +4,7 @@ What is a list, a tuple of more than two numbers or a dict in Python is text her
 """
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import StrEnum
 from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
@@ -12,6 +12,7 @@ import typer
 
 from rattle.measured_curve import transmission_error
 from rattle.verbs import given_of
+from worker.additions import additions
 from worker.errors import InvalidJob
 from worker.jobs.swept_parameter import is_parameter, known_parameter
 
@@ -21,7 +22,9 @@ Values = dict[str, Any]
 _CHOICES: Any = StrEnum  # called with members, which type checkers take for a look-up
 
 # The verbs leave it to the jobs to refuse what lies below; here the help says so, too.
-LEAST = {"iterations": 1, "levels": 0, "transient": 0, "kept": 1, "longest": 1, "samples_per_period": 1}
+LEAST = {"iterations": 1, "transient": 0, "kept": 1, "longest": 1, "samples_per_period": 1}
+for _addition in additions():
+    LEAST |= _addition.least()
 # Where a result lies, and how it is computed, has options of its own.
 _LEFT_OUT = {"store", "workers", "scheduler", "progress"}
 
@@ -41,7 +44,11 @@ def options_of(verb: Callable[..., Any]) -> list[inspect.Parameter]:
     arguments = [
         each
         for name, each in inspect.signature(verb).parameters.items()
-        if name not in written and name not in _LEFT_OUT and each.kind is each.KEYWORD_ONLY
+        if name not in written
+        and name not in _LEFT_OUT
+        and each.kind is each.KEYWORD_ONLY
+        # What has parts is written as text, by a package that may be missing.
+        and not any(get_origin(part) is Mapping for part in get_args(each.annotation))
     ]
     options = [_as_option(each, texts[each.name]) for each in arguments]
     return options + [option(each.option, each.kind, each.default, help=each.help) for each in written.values()]
@@ -188,17 +195,6 @@ def _values(text: str) -> Any:
     return float(start), float(stop), int(count), *spacing[:1]
 
 
-def _tolerance(text: str) -> tuple[str, tuple[float, float]]:
-    name, _, ends = text.partition("=")
-    least, greatest = map(float, ends.split(":"))
-    return name.replace("-", "_"), (least, greatest)
-
-
-def _tolerances(texts: Sequence[str]) -> Values:
-    form = "write between which values, damping=0.59:0.61"
-    return {"tolerances": dict(_read("tolerance", text, form, _tolerance) for text in texts)}
-
-
 def _departure(text: str) -> tuple[float, ...]:
     time, velocity = (float(part) for part in text.split(","))
     return time, velocity
@@ -264,10 +260,10 @@ def _followed(option: str, argument: str) -> Callable[[str], Values]:
 
 _SEVERAL, _REQUIRED = list[str] | None, inspect.Parameter.empty
 _WRITTEN = {
-    "tolerances": _Written(
-        "tolerance", _SEVERAL, None, "damping=0.59:0.61, of a proof: it holds for every machine within; several",
-        _tolerances,
-    ),
+    argument: _Written(text.option, _SEVERAL, None, text.help, text.read)
+    for addition in additions()
+    for argument, text in addition.text_options().items()
+} | {
     "harmonics": _Written(
         "harmonic", _SEVERAL, None, "order:amplitude[:phase] of a harmonic of the forcing: 2:0.01:0.25; several",
         _harmonics,

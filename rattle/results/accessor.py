@@ -14,6 +14,7 @@ import xarray as xr
 
 from rattle.results.trajectories import TRAJECTORY, history_of
 from rattle_kernels import NOT_CONVERGED, PERMANENT_CONTACT, SINK, Attractor, Oscillator
+from worker.additions import additions
 from worker.errors import InvalidJob
 from worker.jobs.job import Job
 from worker.kinds import KINDS, kind_of
@@ -61,6 +62,17 @@ class Result:
         state = "complete" if self.complete else "incomplete"
         return f"<{self.kind} of {self.oscillator}, {state}>"
 
+    def __getattr__(self, name: str) -> Any:
+        """What packages add to results of basins."""
+        for addition in additions():
+            if name in addition.results():
+                self._demand(name, "basin")
+                return addition.results()[name](self._dataset)
+        raise AttributeError(f"a result has no attribute {name!r}")
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *(name for addition in additions() for name in addition.results())]
+
     @property
     def request(self) -> dict[str, Any]:
         """Request that the result answers, as JSON.
@@ -107,7 +119,7 @@ class Result:
         """
         if self.kind == TRAJECTORY:
             raise InvalidJob("a trajectory is no job: it is computed at once")
-        return KINDS[self.kind].job_class.from_request(self.request)
+        return KINDS[self.kind].job_class.of_store(self.request)
 
     @property
     def oscillator(self) -> Oscillator:
@@ -417,27 +429,6 @@ class Result:
         attributes = {"units": "1", "long_name": "speed below which quiet is proven"}
         return xr.DataArray(speeds, {"time": self._dataset.time}, ["time"], "proven_quiet", attributes)
 
-    @property
-    def certificate(self) -> dict[str, Any]:
-        """What a basin is proven from: constants of its targets, counts, and the proven share of each motion.
-
-        Raises
-        ------
-        InvalidJob
-            If no proof was asked for, or it has not begun.
-
-        Examples
-        --------
-        >>> basin = rattle.basin(cells=8, prove=True, levels=0, progress=False)
-        >>> basin.rattle.certificate["quiet"]["level"] > 0.09
-        True
-        """
-        self._demand("certificate", "basin")
-        if "certificate" not in self._dataset.attrs:
-            raise InvalidJob("nothing is proven of this basin: compute it with prove=True", ("prove",))
-        certificate: dict[str, Any] = json.loads(self._dataset.attrs["certificate"])
-        return certificate
-
     def boundary_share(self, curves: xr.Dataset) -> dict[str, float]:
         """Share of the cells on boundaries of basins that lie within one cell of curves.
 
@@ -481,8 +472,9 @@ class Result:
         Parameters
         ----------
         *kinds : str
-            Of a basin: some of ``proven``, ``grazing``, ``preimages``, ``manifolds``, ``attractors``, ``saddles``; by
-            default all that there are. Of manifolds and grazing curves none: all of their curves are drawn.
+            Of a basin: some of ``grazing``, ``preimages``, ``manifolds``, ``attractors``, ``saddles``, and masks of
+            packages; by default all that there are. Of manifolds and grazing curves none: all of their curves are
+            drawn.
         ax : matplotlib.axes.Axes, optional
             By default the current axes.
         color : optional
@@ -497,7 +489,7 @@ class Result:
         Raises
         ------
         InvalidJob
-            If an overlay is not known, or nothing is proven.
+            If an overlay is not known, or the basin lacks it.
 
         Examples
         --------
@@ -522,8 +514,8 @@ class Result:
         ax : matplotlib.axes.Axes, optional
             Where to draw one basin. By default, and for everything else, on a new figure.
         overlays : collection of str, optional
-            What is laid over basins: some of ``proven``, ``grazing``, ``preimages``, ``manifolds``, ``attractors``,
-            ``saddles``; by default the grazing curve and the attractors. ``proven`` hatches what is not.
+            What is laid over basins: some of ``grazing``, ``preimages``, ``manifolds``, ``attractors``, ``saddles``,
+            and masks of packages; by default the grazing curve and the attractors.
         legend : bool
             Whether the motions are listed beside the basins.
         colors : dict, optional
@@ -541,7 +533,7 @@ class Result:
         Raises
         ------
         InvalidJob
-            If an overlay is not known for the model, or nothing is proven; if a colour, a motion or a palette is not
+            If an overlay is not known for the model, or the basin lacks it; if a colour, a motion or a palette is not
             known, or colours are given for what has none.
 
         Examples

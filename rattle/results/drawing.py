@@ -16,6 +16,7 @@ from matplotlib.legend import Legend
 from rattle.results.curves import curves_of
 from rattle.results.trajectories import TRAJECTORY, history_of
 from rattle_kernels import Attractor
+from worker.additions import additions
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob
 from worker.kinds import KINDS
@@ -25,9 +26,8 @@ from worker.pictures.overlay import Lines
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
 from worker.pictures.picture import legend_patches
 from worker.pictures.share_chart import SHARES_SIZE, draw_lines, draw_shares
-from worker.stores.proof_layout import PROVEN
 from worker.views import reading
-from worker.views.basin_plot import lay_unproven, plot_basin
+from worker.views.basin_plot import lay_masks, plot_basin
 from worker.views.loudness import expected_of
 from worker.views.reading import thinned
 
@@ -201,8 +201,8 @@ def draw_over(
     if kind == "basin":
         window = job.grid.velocity_start, job.grid.velocity_stop
         overlays = overlays_for(names or list(OverlayKind), job.oscillator, reading.attractors_of(dataset), window)
-        if OverlayKind.PROVEN in names or (not names and PROVEN.name in dataset):
-            lay_unproven(dataset, axes)
+        there = [addition.overlay for addition in additions() if addition.mask().variable.name in dataset]
+        lay_masks(dataset, axes, names or there)
     else:
         overlays = tuple(curves_of(dataset, kind))
     for each in overlays:

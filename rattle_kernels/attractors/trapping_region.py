@@ -13,7 +13,7 @@ It is fitted to ``V(P^p z) = D V(z)``, where D is the determinant of DP^p: e^{-d
 contacts lose energy, too. That is linear in c (Birkhoff's normal form, by least squares). The levels follow the
 invariant curves of the undamped map through most of the island.
 
-A fit proves nothing. The trap is the region V < level within a disc |z| <= radius that passes three tests:
+A fit alone shows nothing. The trap is the region V < level within a disc |z| <= radius that passes three tests:
 
 1. The outer circle stays on the orbit's side of the grazing curve at every impact of a turn, with a margin from node to
    node. P maps the disc inside the circle to the disc inside its image, so no flight from inside grazes.

@@ -12,7 +12,7 @@ are fitted to P itself by least squares. Such a series diverges, and nothing is 
 is worth an order of magnitude in u: it reaches up to where bounces resonate with the forcing and periodic orbits
 attract.
 
-A fit proves nothing. The proof is the descent test of `chatter`, applied to L: q = (change of L)/(delta T) is at most
+A fit shows nothing. What counts is the descent test of `chatter`, applied to L: q = (change of L)/(delta T) is at most
 -1/2 at every node of a mesh and differs by less than 1/4 between neighbours.
 """
 

@@ -1,4 +1,4 @@
-"""The speed below which quiet is proven: the upper edge of the region in which ever lower bounces capture a motion."""
+"""The speed below which quiet is certain: the upper edge of the region in which ever lower bounces capture a motion."""
 
 import numpy as np
 
@@ -17,9 +17,9 @@ def _fastest_of_all(oscillator, bound, phase, velocity):
 
 
 def capture_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarray:
-    """Speed below which every departure falls quiet, by proof: ever lower bounces capture it.
+    """Speed below which every departure falls quiet for certain: ever lower bounces capture it.
 
-    Faster departures may fall quiet as well, but nothing is proven of them.
+    Faster departures may fall quiet as well, but that is not certain.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def capture_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarr
     Returns
     -------
     ndarray of float64, shape of ``t``
-        0 where nothing is proven.
+        0 where nothing is certain.
 
     Raises
     ------

@@ -15,7 +15,7 @@ from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit
 
-# Closer to the unit circle a multiplier proves nothing: at a saddle-node the orbit's error is the root of rounding.
+# Closer to the unit circle a multiplier decides nothing: at a saddle-node the orbit's error is the root of rounding.
 _MARGIN = 1e-6
 
 

@@ -137,7 +137,7 @@ def eccentricity_bound_smooth_maxima(oscillator: Oscillator) -> float:
 def eccentricity_bound_convexity(oscillator: Oscillator) -> float:
     """Bound epsilon_crit3 that is sufficient for the paper's convexity argument, Eq. (22).
 
-    No kernel needs it: the brackets of ``impact_map.flights`` are proven from Eq. (8) alone. It is given for comparison
+    No kernel needs it: the brackets of ``impact_map.flights`` follow from Eq. (8) alone. It is given for comparison
     with the paper, whose forcing has one harmonic.
 
     Parameters

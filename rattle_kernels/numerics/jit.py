@@ -6,7 +6,8 @@ the GIL. Kernels are serial; tiles make the parallelism.
 
 Numba's disk cache checks only the file of the cached function. If an inlined function in another module changed, the
 old machine code would be served. So the name of the cache folder contains a hash of all sources of this package, of the
-versions that compile them, and of the options that change the machine code.
+versions that compile them, and of the options that change the machine code. Kernels of a package beside are keyed by
+its sources as well.
 """
 
 import contextlib
@@ -14,6 +15,7 @@ import hashlib
 import os
 from collections.abc import Callable, Iterator
 from contextvars import ContextVar
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -38,20 +40,41 @@ _AS_WRITTEN: dict[str, Any] = {
 _INLINED = _AS_WRITTEN | {"fastmath": _CAREFUL}
 
 
-def _sources_hash() -> str:
-    package = Path(__file__).parents[1]
+_PACKAGE = Path(__file__).parents[1]
+_beside: list[Path] = []
+
+
+def key_by(folder: str) -> None:
+    """Key kernels of a package beside by the sources in a folder, too: what they inline lies there or in this package.
+
+    Parameters
+    ----------
+    folder : str
+        Named by the package before it defines any.
+    """
+    _beside.append(Path(folder))
+
+
+@cache
+def _sources_hash(*folders: Path) -> str:
     digest = hashlib.sha256()
     for version in (numba.__version__, llvmlite.__version__, np.__version__):
         digest.update(version.encode())
     digest.update(b"bounds checked" if config.BOUNDSCHECK else b"")
-    for path in sorted(package.rglob("*.py")):
-        digest.update(path.relative_to(package).as_posix().encode())
-        digest.update(path.read_bytes())
+    for folder in folders:
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.relative_to(folder).as_posix().encode())
+            digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
 
-def cache_folder() -> Path:
+def cache_folder(source: str = __file__) -> Path:
     """Folder of the compiled kernels of exactly these sources.
+
+    Parameters
+    ----------
+    source : str
+        File that defines a kernel. One of no package, such as a test's, may inline what any package beside has.
 
     Returns
     -------
@@ -59,10 +82,9 @@ def cache_folder() -> Path:
         Below ``NUMBA_CACHE_DIR`` where that is set, else below the user's cache folder.
     """
     root = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(root) / "gear-rattle" / f"kernels-{_sources_hash()}"
-
-
-_CACHE_FOLDER = str(cache_folder())
+    own = [folder for folder in (_PACKAGE, *_beside) if Path(source).is_relative_to(folder)] or _beside
+    folders = dict.fromkeys((_PACKAGE, *own))
+    return Path(root) / "gear-rattle" / f"kernels-{_sources_hash(*folders)}"
 
 
 KERNELS: list[Any] = []
@@ -193,7 +215,7 @@ def inlined_in_lanes(function: Callable[..., Any]) -> Any:
 
 
 def inlined_as_written(function: Callable[..., Any]) -> Any:
-    """Compile a scalar piece in which each operation is rounded once, as written: bounds are proven for that."""
+    """Compile a scalar piece in which each operation is rounded once, as written: bounds are derived for that."""
     return numba.njit(**_AS_WRITTEN)(function)
 
 
@@ -233,7 +255,7 @@ class _Kernel(Dispatcher):
 def _cached(function: Callable[..., Any], fastmath: set[str] | bool) -> Any:
     # Numba reads its cache folder when a function is decorated; other users of Numba in this process keep theirs.
     elsewhere = config.CACHE_DIR
-    config.CACHE_DIR = _CACHE_FOLDER
+    config.CACHE_DIR = str(cache_folder(function.__code__.co_filename))
     try:
         compiled = numba.njit(**_AS_WRITTEN | {"fastmath": fastmath}, cache=True)(function)
     finally:

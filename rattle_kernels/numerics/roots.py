@@ -1,8 +1,8 @@
 """One root-finder: Newton's method kept inside a bracket.
 
-Every caller proves its bracket (exactly one sign change between the two ends) and says so where it builds it. Where a
-Newton step leaves the bracket, bisection replaces it. So the root is found from any guess, and in a few steps from a
-good one.
+Every caller makes sure of its bracket (exactly one sign change between the two ends) and says so where it builds it.
+Where a Newton step leaves the bracket, bisection replaces it. So the root is found from any guess, and in a few steps
+from a good one.
 """
 
 from rattle_kernels.numerics.jit import inlined

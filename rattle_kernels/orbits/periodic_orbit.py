@@ -248,7 +248,7 @@ def _residual(
     """|P^p(x) - x| of the first of these departures; None if the map does not return to each of them.
 
     Rounding grows with the multiplier M. Near a graze, where DP is steep, P is linear within 1/M^2 only: a residual of
-    more than 1/M proves no orbit.
+    more than 1/M does not show an orbit.
     """
     size, period = max(1.0, multiplier), times.size
     residual = _gap(oscillator, times[0], speeds[0], period, scale)

@@ -21,9 +21,6 @@ interface Oscillator {
 
 interface Swept { parameter: string; values?: number[]; start?: number; stop?: number; count?: number }
 
-/** What is to be proven: how often cells are cut, and least and greatest values of parameters. */
-interface Proof { levels: number; tolerances: Record<string, number[]> }
-
 interface BasinRequest {
   kind?: string;
   oscillator: Oscillator;
@@ -31,7 +28,8 @@ interface BasinRequest {
   iterations?: number;
   vary?: Swept[];
   sample?: object;
-  prove?: Proof | boolean;
+  /** What is asked for beside the labels, by the names of additions. */
+  [addition: string]: any;
 }
 
 interface Progress {
@@ -92,7 +90,8 @@ interface Outline {
   tiles: Tiling & { states: number[] };
   levels: Level[];
   complete: boolean;
-  proof?: boolean;
+  /** Whether there is a mask, by the fields of additions. */
+  [addition: string]: any;
   solutions: Solution[];
   expected: Expected | null;
   speckle: number[];
@@ -116,11 +115,27 @@ interface Departure { t: number; v: number }
 /** A departure, and whether it is in the basin that was kept. */
 interface Place extends Departure { kept: boolean }
 
-/** How many of a cell's 64 parts are proven, and why not all; a reason of null where it was not tried yet. */
-interface Proven { parts: number; reason: number | null }
+/** A layer over cells: how many parts a cell has, and its words. Braces stand for what is said of a cell. */
+interface Mask {
+  name: string; label: string; sign: string; colour: string; note: string; parts: number;
+  words: { clear: string; veiled: string; whole: string; partly: string; none: string; untried: string };
+  ends: { [kind: string]: string };
+  reasons: { [reason: string]: string };
+}
 
-/** What is known of a place: the motion it ends in, where a motion from there starts, Hsu's numbers, and what is proven. */
-interface Known extends Departure { solution: Solution; step?: number; group?: number; period?: number; proven?: Proven }
+/** What a package adds to basins: its field of requests and of outlines, its box in the form, its words in addresses, its stages. */
+interface Addition {
+  name: string; outline: string; mask: Mask;
+  box: { label: string; title: string; model: string };
+  address: { number: string; pairs: string; pair: string };
+  stages: { [stage: string]: string };
+}
+
+/** How many parts of a cell are clear of a mask, and why not all; a reason of null where it was not tried yet. */
+interface Clear { parts: number; reason: number | null }
+
+/** What is known of a place: the motion it ends in, where a motion from there starts, Hsu's numbers, and what a mask leaves clear. */
+interface Known extends Departure { solution: Solution; step?: number; group?: number; period?: number; clear?: Clear; mask?: Mask }
 
 interface TimeHistory {
   time: number[];

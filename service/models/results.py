@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import BaseModel, Field
 
 from rattle_kernels import Attractor, AttractorKind, Direction, Loudness, Outcome, TimeHistory, grazing_velocity
+from worker.additions import additions, with_fields
 from worker.basins.preview import Preview
 from worker.basins.result import EndView, ExpectedView, FiniteOrNone, Loud
 from worker.kinds import KINDS
@@ -196,10 +197,6 @@ class OutlineView(BaseModel):
         description="From fine to coarse; none of 4,000 cells or fewer each way, or until the job is complete"
     )
     complete: bool
-    proof: bool = Field(
-        False, exclude_if=lambda there: not there,
-        description="Whether a proof was asked for, so that tiles say what is proven; left out where not",
-    )  # fmt: skip
     solutions: list[DrawnSolution] = Field(description="By number; those of the whole job")
     expected: ExpectedView | None = Field(description="Mean loudness over the window; null until it is complete")
     missing_colour: str
@@ -220,12 +217,17 @@ class OutlineView(BaseModel):
                 first=outline.first_tile, states=list(outline.states),
             ),
             levels=[LevelView.from_level(level, outline.basin) for level in outline.levels],
-            complete=outline.complete, proof=outline.proof,
+            complete=outline.complete, **outline.added,
             solutions=drawn(outline.solutions, outline.loudness, outline.shares),
             expected=outline.expected and ExpectedView(**outline.expected._asdict()),
             missing_colour=in_hex(MISSING), speckle=list(SPECKLE),
             grazing=PolylineView(time=outline.curve[0].tolist(), velocity=outline.curve[1].tolist()),
         )  # fmt: skip
+
+
+if not TYPE_CHECKING:
+    for _addition in additions():
+        OutlineView = with_fields(OutlineView, _addition.outline_fields())
 
 
 class PreviewView(BaseModel):

@@ -9,6 +9,7 @@ from fastapi import APIRouter
 from fastapi.responses import FileResponse, JSONResponse
 from starlette.staticfiles import StaticFiles
 
+from worker.additions import additions
 from worker.kinds import KINDS
 
 _EXPLORER = Path(__file__).parents[1] / "explorer"
@@ -32,6 +33,12 @@ def get_kinds() -> JSONResponse:
     """Kinds of jobs, as the explorer needs to know them: where their requests are sent, and what they are in words."""
     kinds = {name: {"path": f"/v1/{kind.path}", "title": kind.title} for name, kind in KINDS.items()}
     return JSONResponse(kinds, headers=_ASKED_AGAIN)
+
+
+@router.get("/explorer/additions.json")
+def get_additions() -> JSONResponse:
+    """What packages add to basins, as the explorer draws it and says it."""
+    return JSONResponse([addition.page() for addition in additions()], headers=_ASKED_AGAIN)
 
 
 @router.get("/docs")

@@ -10,7 +10,6 @@ from importlib.metadata import version
 from typing import Annotated, Any, TypeVar
 
 from fastapi import APIRouter, Query, Request, Response
-from fastapi.responses import JSONResponse
 from matplotlib.figure import Figure
 from pydantic import AfterValidator
 
@@ -28,7 +27,6 @@ from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_over
 from worker.pictures.panel_picture import Layer, Look
 from worker.pictures.share_chart import shares_figure
 from worker.pictures.window import parse_window
-from worker.stores.basin_store import BasinStore
 from worker.stores.summary import fingerprint
 from worker.views.reading import open_store
 from worker.views.tables import TableFormat, demand_small_table, table_of, write_table
@@ -166,29 +164,6 @@ def get_shares(
         return known or _picture_answer(partial(shares_figure, location), picture_format, etag)
     except InvalidJob as error:
         raise NotReady(f"no basin of job {job_id} is complete yet") from error
-
-
-@router.get(
-    "/certificate.json",
-    summary="The certificate of a proof",
-    response_class=Response,
-    responses={
-        200: {"content": {"application/json": {}}},
-        **_NOTHING_YET,
-        **problems(s409="the job is no basin: only basins have a certificate"),
-    },
-    dependencies=[LARGE],
-)
-def get_certificate(job_id: JobId, jobs: JobsHere, settings: SettingsHere) -> Response:
-    """What a basin is proven from: the machine's intervals, the targets with their constants, counts and shares.
-
-    Where `counts` are missing the proof is under way.
-    """
-    require_kind(jobs.get(job_id), "a certificate", "basin")
-    certificate = BasinStore(location_of(job_id, jobs, settings)).proof.certificate
-    if certificate is None:
-        raise NotReady(f"job {job_id} has no certificate: no proof was asked for, or it has not begun")
-    return JSONResponse(certificate)
 
 
 _TABLES = (

@@ -17,6 +17,7 @@ from service.errors import NotReady
 from service.models.results import OutlineView, OverlaysView, OverlayView
 from service.routes.dependencies import LARGE, JobId, JobsHere, SettingsHere, problems, require_kind
 from service.routes.results import COMPUTING, location_of
+from worker.additions import additions
 from worker.pictures.overlay_kind import OverlayKind
 from worker.stores.summary import fingerprint
 from worker.views.outline import outline_basin
@@ -29,6 +30,10 @@ _NOTHING_YET = problems(
     s404="there is no such job, or what was asked for is not there yet", s409="the job is no basin and no sweep"
 )
 Panel = Annotated[int, Query(ge=0, description="Which basin of a sweep, the last swept parameter fastest")]
+_OF_TILES = (
+    "Step, group and period as int32, then solution as int16: little endian, each row by row from the lowest speed."
+)
+_OF_SHAPES = "The header `rattle-shape` holds the numbers of rows and columns."
 _IMMUTABLE, _REVALIDATE = "private, max-age=604800, immutable", "private, no-cache"
 
 
@@ -94,6 +99,7 @@ def get_overlays(
 @router.get(
     "/tiles/{number}",
     summary="Labels of one tile",
+    description=f"{_OF_TILES}\n\n" + " ".join((*(each.of_tiles for each in additions()), _OF_SHAPES)),
     dependencies=[LARGE],
     response_class=Response,
     responses={
@@ -112,12 +118,7 @@ def get_tile(
     accept_encoding: Annotated[str, Header(include_in_schema=False)] = "",
     if_none_match: IfNoneMatch = None,
 ) -> Response:
-    """Step, group and period as int32, then solution as int16: little endian, each row by row from the lowest speed.
-
-    Where the tile has a proof, two arrays of uint8 follow: the sixty-fourths of each cell of which every departure is
-    proven to end as the solution says, and why not all are (0 all are, 1 arrives nowhere, 2 spreads too wide, 3
-    straddles grazing, 4 a part ends otherwise). The header `rattle-shape` holds the numbers of rows and columns.
-    """
+    """Send what a tile holds."""
     labels = read_tile_labels(_location_of_basins(job_id, jobs, settings, "tiles"), number, every, level)
     if labels is None:
         raise NotReady(f"tile {number} of job {job_id} is not labelled yet, or there is none of this number")

@@ -21,7 +21,7 @@ def links(page):
 
 
 def files(page):
-    return re.findall(r"`((?:tests|docs|worker|service|rattle_kernels)/[\w/.-]+)`", page.read_text())
+    return re.findall(r"`((?:tests|docs|worker|service|rattle_kernels|rattle_proof)/[\w/.-]+)`", page.read_text())
 
 
 @pytest.mark.parametrize("page", **named(filter(links, PAGES)))

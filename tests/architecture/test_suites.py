@@ -51,5 +51,5 @@ def test_a_suite_that_fails_does_not_stop_the_next_and_keeps_when_it_last_passed
 def test_what_ci_runs_includes_the_golden_stores_and_the_proofs_deliberate_faults():
     assert "make test-golden" in (ROOT / ".ci" / "run").read_text().splitlines()
     golden = re.search(r"^GOLDEN := (.*)$", MAKEFILE, re.MULTILINE)[1].split()
-    assert {"tests/golden", "tests/rattle_kernels/proof/test_deliberate_faults.py"} <= set(golden)
+    assert {"tests/golden", "tests/rattle_proof/enclosures/test_deliberate_faults.py"} <= set(golden)
     assert all((ROOT / path).exists() for path in golden)

@@ -2,7 +2,10 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
+import { knowAdditions } from "../../service/explorer/js/state/additions.js";
 import { decode, doubts, encode } from "../../service/explorer/js/state/address.js";
+
+knowAdditions(JSON.parse(readFileSync(new URL("additions.json", import.meta.url), "utf8")));
 
 const REQUEST = {
   oscillator: { model: "impacting", damping: 0.6, eccentricity: 0.1, half_backlash: 0.6 },

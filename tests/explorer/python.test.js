@@ -1,7 +1,11 @@
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
 import { pythonOf } from "../../service/explorer/js/look/python.js";
+import { knowAdditions } from "../../service/explorer/js/state/additions.js";
+
+knowAdditions(JSON.parse(readFileSync(new URL("additions.json", import.meta.url), "utf8")));
 
 const GRID = { time: { start: 0.2, stop: 0.6, cells: 50 }, velocity: { start: 1, stop: 3, cells: 40 } };
 

@@ -7,11 +7,11 @@ import pytest
 
 from rattle_kernels import AttractorKind
 from service.records.job_record import JobState
+from worker.additions import additions
 from worker.pictures.colours import Palette
 from worker.pictures.overlay_kind import OverlayKind
 from worker.pictures.panel_picture import Layer
 from worker.progress import Stage
-from worker.stores.proof_layout import Unproven
 
 JS = Path(__file__).parents[2] / "service" / "explorer" / "js"
 HTML = (JS.parent / "index.html").read_text()
@@ -30,24 +30,26 @@ def options_of(name):
     return set(re.findall(r'<option value="(\w+)"', body))
 
 
+# What packages add has its words in what the service says of it.
+ADDED = [addition.page() for addition in additions()]
+STAGES, MASKS = {stage for each in ADDED for stage in each["stages"]}, {each["mask"]["name"] for each in ADDED}
 MOTIONS = {kind.name.lower() for kind in AttractorKind if kind != AttractorKind.PERIODIC}
 
 
 @pytest.mark.parametrize(
     ("told", "wanted"),
     [
-        (keys_of("jobs/words.js", "DOING"), set(Stage)),
+        (keys_of("jobs/words.js", "DOING") | STAGES, set(Stage)),
         (keys_of("look/explain.js", "KINDS"), MOTIONS),
         (keys_of("look/explain.js", "CENTRES"), MOTIONS),
-        (keys_of("look/explain.js", "REASONS"), {str(int(reason)) for reason in Unproven if reason != Unproven.PROVEN}),
-        (keys_of("look/explain.js", "MARKS") & set(OverlayKind), set(OverlayKind)),
+        (keys_of("look/explain.js", "MARKS") & set(OverlayKind) | MASKS, set(OverlayKind)),
         (keys_of("panels/legend.js", "MEANINGS"), set(Layer) - {Layer.SOLUTION}),
-        (set(re.findall(r'name: "(\w+)"', (JS / "plane/overlays.js").read_text())), set(OverlayKind)),
+        (set(re.findall(r'name: "(\w+)"', (JS / "plane/overlays.js").read_text())) | MASKS, set(OverlayKind)),
         (set(re.findall(r'case "(\w+)"', (JS / "jobs/words.js").read_text())), set(JobState) - {JobState.SUCCEEDED}),
         (options_of("layer"), set(Layer)),
         (options_of("palette"), set(Palette)),
     ],
-    ids=["stages", "kinds", "centres", "reasons", "marks", "layers", "overlays", "states", "layer options", "palettes"],
+    ids=["stages", "kinds", "centres", "marks", "layers", "overlays", "states", "layer options", "palettes"],
 )
 def test_each_member_has_words(told, wanted):
     assert told == {str(each) for each in wanted}

@@ -1,4 +1,5 @@
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
 import { axisTicks, grouped, percent, reading } from "../../service/explorer/js/charts/ticks.js";
@@ -8,6 +9,9 @@ import { isBehind } from "../../service/explorer/js/net/follow.js";
 import { linesOf } from "../../service/explorer/js/plane/curves.js";
 import { keyOf, solutionPixels, usualSpeckle } from "../../service/explorer/js/plane/palette.js";
 import { wrapped } from "../../service/explorer/js/plane/wrapping.js";
+import { knowAdditions } from "../../service/explorer/js/state/additions.js";
+
+knowAdditions(JSON.parse(readFileSync(new URL("additions.json", import.meta.url), "utf8")));
 
 test("deep in a zoom labels stay short, and the title says what they have in common", () => {
   const from = 3.4012345;

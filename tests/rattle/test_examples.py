@@ -7,8 +7,10 @@ import sys
 import pytest
 
 import rattle
+import rattle_proof
 from rattle import pictures
 from rattle.results.accessor import Result
+from rattle_proof.results import certificate
 
 ADDRESS = "http://127.0.0.1:8000"
 NAMES = {f"rattle.{name}": getattr(rattle, name) for name in rattle.__all__}
@@ -19,6 +21,8 @@ DOCUMENTED = (
     | {"rattle": rattle, "rattle.pictures": pictures, ".rattle": Result}
     | {f".rattle.{name}": member for name, member in MEMBERS.items()}
     | {f"rattle.pictures.{name}": part for name, part in PARTS.items()}
+    | {f"rattle_proof.{name}": getattr(rattle_proof, name) for name in rattle_proof.__all__}
+    | {"rattle_proof.results.certificate": certificate}
 )
 
 

@@ -14,7 +14,7 @@ from numba.core.dispatcher import Dispatcher
 import rattle_kernels
 from rattle_kernels import warm_up, warm_up_analyses
 from rattle_kernels.numerics.jit import cache_folder
-from rattle_kernels.warm_up import FROM_PYTHON_ALONE, OF_ANALYSES, OF_PROOFS
+from rattle_kernels.warm_up import FROM_PYTHON_ALONE, OF_ANALYSES
 
 REPORTED = "import json; from rattle_kernels import warm_up; seen = []; warm_up(lambda *each: seen.append(each)); "
 REPORTED += "print(json.dumps(seen))"
@@ -40,12 +40,12 @@ def test_every_kernel_of_the_service_is_compiled_by_them():
     warm_up()
     warm_up_analyses()
     cold = {place for place, function in kernels().items() if not function.signatures}
-    assert len(kernels()) > 35 and {module for module, _ in cold} <= FROM_PYTHON_ALONE | OF_PROOFS, cold
+    assert len(kernels()) > 35 and {module for module, _ in cold} <= FROM_PYTHON_ALONE, cold
 
 
 def test_modules_of_kernels_that_are_left_out_are_there():
     modules = {module for module, _ in kernels()}
-    assert modules > OF_ANALYSES | FROM_PYTHON_ALONE | OF_PROOFS and not OF_ANALYSES & FROM_PYTHON_ALONE
+    assert modules > OF_ANALYSES | FROM_PYTHON_ALONE and not OF_ANALYSES & FROM_PYTHON_ALONE
 
 
 def test_kernels_that_have_to_be_compiled_are_reported_and_no_others(tmp_path):

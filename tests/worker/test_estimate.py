@@ -123,35 +123,6 @@ def test_what_is_timed_needs_no_kernel_that_is_not_loaded_yet(monkeypatch, toget
     assert loaded == timed
 
 
-# Seconds of a core for a box and all that follows from it, as measured: where most cells are proven (damping 0.6), and
-# where few are (damping 0.59 to 0.61). An estimate is the upper one, and no more than a busy machine explains.
-EASY_BOX, HARD_BOX = 2.8e-6, 14e-6
-
-
-@pytest.mark.parametrize("tolerances", [{}, {"damping": (0.59, 0.61)}])
-@pytest.mark.parametrize("cores", [1, 2, 16])
-def test_a_proof_takes_what_its_boxes_were_measured_to_take_shared_by_all_cores(tolerances, cores):
-    plain, proven = (
-        estimate(BasinJob.from_request({"grid": {"time": {"cells": 100}}, "prove": prove}), cores)
-        for prove in (False, {"tolerances": tolerances})
-    )
-    boxes = (proven.bytes - plain.bytes) / estimates._BYTES_OF_A_BOX
-    # Eight columns for each of a thousand cells, so many rows at least, in one lattice or some that are coarser.
-    assert 4096**2 <= boxes <= 2 * 8192**2
-    assert EASY_BOX < (proven.seconds - plain.seconds) * cores / boxes < 2 * HARD_BOX
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(600)
-def test_the_boxes_of_a_proof_are_counted_within_a_factor(tmp_path):
-    job = BasinJob.from_request({"grid": {"time": {"cells": 16}, "velocity": {"cells": 16}}, "prove": {"levels": 0}})
-    assert run_watched(job, tmp_path / "proven.zarr", Watch())
-    with xr.open_zarr(tmp_path / "proven.zarr", group="proof") as proof:
-        counted = max(array.size for array in proof.data_vars.values())
-    plain = BasinJob.from_request({"grid": {"time": {"cells": 16}, "velocity": {"cells": 16}}})
-    assert counted <= (estimate(job).bytes - estimate(plain).bytes) / estimates._BYTES_OF_A_BOX <= 4 * counted
-
-
 @pytest.mark.parametrize(("direction", "ways"), [("up", 1), ("down", 1), ("both", 2)])
 def test_a_diagram_takes_the_impacts_of_every_seed_at_every_value_each_way(direction, ways):
     fields = {

@@ -1,9 +1,11 @@
 """Results of basins and sweeps, as JSON describes them: the model of what `worker.stores.summary` says."""
 
 import math
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, Field
+
+from worker.additions import additions, with_fields
 
 
 def _finite_or_none(value: float | None) -> float | None:
@@ -50,10 +52,6 @@ class SolutionView(Loud):
     name: str = Field(examples=["P(1,1,0)"])
     kind: Literal["periodic", "chaotic", "chaotic_transient", "permanent_contact", "undecided"]
     share: FiniteOrNone = Field(description="Part of the cells that end in it; null until every tile is labelled")
-    share_proven: float | None = Field(
-        None, exclude_if=lambda share: share is None,
-        description="Part of the plane that is proven to end in it; left out where no proof has ended",
-    )  # fmt: skip
     forcing_periods: int
     upper_contacts: int
     lower_contacts: int
@@ -68,6 +66,11 @@ class SolutionView(Loud):
     points: list[tuple[float, float]] = Field(
         description="(t, v) of its departures; the first hundred of a chaotic one"
     )
+
+
+if not TYPE_CHECKING:
+    for _addition in additions():
+        SolutionView = with_fields(SolutionView, _addition.solution_fields())
 
 
 class ShareView(BaseModel):

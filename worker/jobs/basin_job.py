@@ -3,13 +3,14 @@
 import math
 from collections.abc import Callable, Collection
 from functools import cached_property, partial
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
 from rattle_kernels import CellGrid, Oscillator, OutsideDomain, check_domain, expected_applications, settled_iterations
 from rattle_kernels.cell_mapping.cell_grid import check_grid
 from rattle_kernels.cell_mapping.iterations import check_iterations
+from worker.additions import additions, asked_of, with_fields
 from worker.decidable import check_window
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.budget import spend
@@ -17,7 +18,6 @@ from worker.jobs.first_refused import first_refused
 from worker.jobs.grid_request import Grid, GridRequest, grid_request
 from worker.jobs.job import Job, Sizes
 from worker.jobs.pressed_for_sure import pressed_for_sure
-from worker.jobs.proof_request import Prove, check_proof
 from worker.jobs.request import Count, told
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, Vary, axes_of, check_swept
@@ -44,10 +44,29 @@ _SAMPLED: dict[str, Any] = {
     "if": {"properties": {"sample": {"type": "object"}}, "required": ["sample"]},
     "then": {"properties": {"grid": {"properties": {"time": _NO_CELLS, "velocity": _NO_CELLS}}}},
 }
-_NOT_PROVEN = {"properties": {"prove": {"enum": [None, False]}}}
+# Of several basins nothing is added.
+_NOTHING_ADDED: dict[str, Any] = {"properties": {each.name: {"enum": [None, False]} for each in additions()}}
 
 
-class BasinJob(Job):
+class _Fields(Job):
+    # Every answer has the kind, so a request may have it, too. It is no part of the canonical form.
+    kind_: Literal["basin"] = "basin"
+    grid_: Grid = Field(default_factory=GridRequest)
+    iterations_: Annotated[Count, told(maximum=10**12)] | None = Field(
+        None,
+        description="k of P_corr o P^k: 1 or a prime. By default 1499 where the least damping is 0.5 or more, else the "
+        "first prime from 900/damping",
+    )
+    sample: Sample | None = Field(None, description="Points in place of cells; leave out `cells` then")
+
+
+if TYPE_CHECKING:
+    _AllFields = _Fields
+else:
+    _AllFields = with_fields(_Fields, {each.name: each.field() for each in additions()})
+
+
+class BasinJob(_AllFields):
     """One basin of attraction.
 
     Examples
@@ -60,19 +79,6 @@ class BasinJob(Job):
 
     model_config = ConfigDict(title="BasinRequest", json_schema_extra={"examples": [_BASIN_EXAMPLE]} | _SAMPLED)
     result_version: ClassVar[int] = 4
-
-    # Every answer has the kind, so a request may have it, too. It is no part of the canonical form.
-    kind_: Literal["basin"] = "basin"
-    grid_: Grid = Field(default_factory=GridRequest)
-    iterations_: Annotated[Count, told(maximum=10**12)] | None = Field(
-        None,
-        description="k of P_corr o P^k: 1 or a prime. By default 1499 where the least damping is 0.5 or more, else the "
-        "first prime from 900/damping",
-    )
-    sample: Sample | None = Field(None, description="Points in place of cells; leave out `cells` then")
-    prove: Prove = Field(
-        None, description="Prove of each cell that every departure in it ends as the cell is coloured: true, or how"
-    )
 
     @property
     def kind(self) -> str:
@@ -147,8 +153,7 @@ class BasinJob(Job):
         self.check_oscillators(check_domain)
         self.check_oscillators(lambda oscillator: check_window(oscillator, grid, self.iterations))
         settled = {"grid_": grid_request(grid, names_cells=self.sample is None), "iterations_": self.iterations}
-        if self.prove is not None:
-            settled["prove"] = check_proof(self.prove, self.oscillator, self.vary, self.sample, self.has_levels)
+        settled |= {each.name: each.check(self, self.has_levels) for each in asked_of(self)}
         return settled if self.sample is None else settled | {"sample": self.sample}
 
     def check_oscillators(
@@ -281,7 +286,7 @@ class SweepJob(BasinJob):
     """
 
     model_config = ConfigDict(
-        title="SweepRequest", json_schema_extra={"examples": [_SWEEP_EXAMPLE], "allOf": [_NOT_PROVEN]} | _SAMPLED
+        title="SweepRequest", json_schema_extra={"examples": [_SWEEP_EXAMPLE], "allOf": [_NOTHING_ADDED]} | _SAMPLED
     )
 
     kind_: Literal["sweep"] = "sweep"  # type: ignore[assignment]
@@ -318,13 +323,15 @@ class SweepJob(BasinJob):
         return [swept for each, swept in zip(self.vary_, self.vary, strict=True) if each.values is None]
 
 
-def basin_job(request: dict[str, Any]) -> BasinJob:
+def basin_job(request: dict[str, Any], *, stored: bool = False) -> BasinJob:
     """Job of a basin, or of a sweep if the request has ``vary``.
 
     Parameters
     ----------
     request : dict
         As JSON, of either kind.
+    stored : bool
+        Whether it is a store's own, as in `Job.of_store`.
 
     Returns
     -------
@@ -335,4 +342,5 @@ def basin_job(request: dict[str, Any]) -> BasinJob:
     InvalidJob, OutsideDomain
         Naming the field at fault.
     """
-    return (SweepJob if "vary" in request else BasinJob).from_request(request)
+    job_class = SweepJob if "vary" in request else BasinJob
+    return job_class.of_store(request) if stored else job_class.from_request(request)

@@ -87,6 +87,36 @@ class Job(Request, ABC):
         job._validate(request, check_size)
         return job
 
+    @classmethod
+    def of_store(cls, request: dict[str, Any]) -> Self:
+        """Job of a store's own request.
+
+        Fields that a package adds which is not installed are kept in the request, and so in the digest. The rest of the
+        store can be read; computing it is refused.
+
+        Parameters
+        ----------
+        request : dict
+            As it was stored.
+
+        Returns
+        -------
+        Job
+
+        Raises
+        ------
+        InvalidJob, OutsideDomain
+        """
+        known = {field.alias for field in cls.model_fields.values()}
+        job = cls.from_request({name: value for name, value in request.items() if name in known})
+        job.__dict__["unread"] = {name: value for name, value in request.items() if name not in known}
+        return job
+
+    @cached_property
+    def unread(self) -> dict[str, Any]:
+        """What a stored request asks for that nothing here knows."""
+        return {}
+
     def _validate(self, fields: dict[str, Any], check_size: Callable[["Job"], object] | None) -> None:
         try:
             self.__pydantic_validator__.validate_python(fields, self_instance=self, context=check_size)
@@ -192,7 +222,7 @@ class Job(Request, ABC):
 
     def request(self) -> dict[str, Any]:
         """Request for this job in canonical form, as JSON."""
-        return self.model_dump(mode="json", exclude_unset=True)
+        return self.model_dump(mode="json", exclude_unset=True) | self.unread
 
     @cached_property
     def digest(self) -> str:

@@ -6,6 +6,7 @@ from enum import StrEnum
 
 from rattle_kernels import Attractor, ManifoldLimits, Oscillator, PeriodicOrbit, grazing_preimages, stable_manifold
 from rattle_kernels.manifolds.boundary_saddles import boundary_saddles
+from worker.additions import Mask, additions
 from worker.errors import InvalidJob
 from worker.pictures.overlay import (
     Lines,
@@ -27,7 +28,8 @@ _MANIFOLD_COLOURS = ("magenta", "lime", "darkorange", "cyan")
 class OverlayKind(StrEnum):
     """What is laid over a picture, in the order of drawing."""
 
-    PROVEN = "proven"
+    # What packages lay over the cells: masks, which are stored and not computed.
+    vars().update({addition.overlay.upper(): addition.overlay for addition in additions()})
     GRAZING = "grazing"
     PREIMAGES = "preimages"
     MANIFOLDS = "manifolds"
@@ -49,6 +51,11 @@ def parse_overlays(text: str) -> tuple[OverlayKind, ...]:
     return tuple(_kind(name.strip()) for name in text.split(",") if name.strip())
 
 
+def masks_among(kinds: Collection[str]) -> list[Mask]:
+    """The masks among overlays."""
+    return [addition.mask() for addition in additions() if addition.overlay in kinds]
+
+
 def _kind(name: str) -> OverlayKind:
     if name not in list(OverlayKind):
         raise InvalidJob(f"there is no overlay {name!r}; choose among {','.join(OverlayKind)}")
@@ -63,7 +70,7 @@ def overlays_for(
     Parameters
     ----------
     kinds : collection of str
-        Names of `OverlayKind`. What is proven is not computed, but stored: `unproven` draws it.
+        Names of `OverlayKind`. Masks are not computed: `masks_among` has them.
     oscillator : Oscillator
         Either model. Pre-images and manifolds exist for the impacting model only.
     attractors : tuple of Attractor

@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,8 +14,7 @@ from matplotlib.patches import Rectangle
 from rattle_kernels import Attractor
 from rattle_kernels.basins.tiles import Tile
 from worker.pictures import colours
-from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
-from worker.pictures.unproven import demand_proof, draw_unproven, share_unproven
+from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, masks_among, overlays_for
 from worker.pictures.window import Window, whole_window
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MISSING, SAMPLE_COORDINATES, TileState
@@ -162,11 +162,6 @@ class PanelPicture:
         variable = tuple(self.level.own(each) for each in named)
         return lambda tile: self.store.tiles.read(variable, tile)[0]
 
-    def _proven(self, tile: Tile) -> np.ndarray | None:
-        """64ths that are proven; basins with levels have no proof, so the tile is one of the cells themselves."""
-        proof = self.store.proof.read_tile(tile)
-        return None if proof is None else proof[0]
-
     def _tiles_there(self) -> list[int]:
         """Tiles of the level that can be read; levels are there as a whole."""
         if self.level.number:
@@ -234,20 +229,20 @@ class PanelPicture:
             for rows, columns, place in self._parts()
         ]  # fmt: skip
 
-    def draw_unproven(self, axes: Axes) -> None:
-        """Hatch what is not proven, if that is asked for.
+    def draw_masks(self, axes: Axes) -> None:
+        """Draw the masks that are asked for. Basins with levels have none, so tiles are those of the cells themselves.
 
         Raises
         ------
         InvalidJob
-            If nothing is proven of the store.
+            If the store lacks one.
         """
-        if OverlayKind.PROVEN not in self.look.overlays:
-            return
-        demand_proof(self.store.proof.wanted)
-        share = share_unproven(self._proven(self.store.tiling.tile(number)) for number in self.tiles)
-        for rows, columns, place in self._parts():
-            draw_unproven(axes, self._read(self._proven, rows, columns), place, share)
+        for mask in masks_among(self.look.overlays):
+            mask.demand(self.store.holds(mask.variable))
+            read = partial(self.store.tiles.read_one, mask.variable)
+            share = mask.share(read(self.store.tiling.tile(number)) for number in self.tiles)
+            for rows, columns, place in self._parts():
+                mask.draw(axes, self._read(read, rows, columns), place, share)
 
     def hatch_missing(self, axes: Axes) -> None:
         """Hatch the tiles that are not labelled yet, densely if even their images are missing."""

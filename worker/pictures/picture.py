@@ -6,7 +6,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, PathPatch
+from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from rattle_kernels import Attractor
@@ -15,10 +15,9 @@ from worker.kinds import KINDS
 from worker.motion_words import ends_in_words
 from worker.pictures import colours
 from worker.pictures.figure_file import new_figure
-from worker.pictures.overlay_kind import OverlayKind
+from worker.pictures.overlay_kind import OverlayKind, masks_among
 from worker.pictures.panel_picture import USUAL_LOOK, Layer, Look, PanelPicture
 from worker.pictures.symbols import oscillator_text, symbol_of
-from worker.pictures.unproven import label_of, unproven_patch
 from worker.pictures.window import demand_overlap
 from worker.stores.analysis_store import kind_of_store
 from worker.stores.basin_store import BasinStore
@@ -43,7 +42,6 @@ def _legend(
     if store.job.vary:
         labels = [f"{i}: {solution.name}" for i, solution in enumerate(solutions)]
         handles = legend_patches(solutions, shares, labels, look.palette)
-        handles += [unproven_patch(label_of(None))] if OverlayKind.PROVEN in look.overlays else []
         figure.legend(handles=handles, loc="outside right upper", frameon=False)
     else:
         draw_legend(axes, solutions, shares, look.palette)
@@ -81,7 +79,7 @@ def draw_legend(
     names = [solution.name for solution in solutions]
     ends = [f"\n{ends_in_words(solution.ends, names)}" if solution.ends else "" for solution in solutions]
     labels = [f"{solution.label}   {share}{end}" for solution, share, end in zip(solutions, told, ends, strict=True)]
-    handles = [*legend_patches(solutions, shares, labels, palette), *_unproven_of(axes), *_lines_of(axes)]
+    handles = [*legend_patches(solutions, shares, labels, palette), *_masks_of(axes), *_lines_of(axes)]
     speckled = axes.images and any(each.is_chaotic for each in solutions)  # points of a sample have no groups
     axes.legend(
         handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0,
@@ -89,10 +87,9 @@ def draw_legend(
     )  # fmt: skip
 
 
-def _unproven_of(axes: Axes) -> list[Patch]:
-    """Legend entry of what is not proven, where that is drawn."""
-    names = {str(patch.get_label()) for patch in axes.patches if isinstance(patch, PathPatch)}
-    return [unproven_patch(name) for name in names]
+def _masks_of(axes: Axes) -> list[Patch]:
+    """Legend entries of the masks that are drawn."""
+    return [entry for mask in masks_among(list(OverlayKind)) for entry in mask.legend(axes)]
 
 
 def _lines_of(axes: Axes) -> list[Line2D]:
@@ -224,7 +221,7 @@ def _draw_panels(figure: Figure, axes: np.ndarray, store: BasinStore, rows: list
             panel.draw_solutions(place)
         else:
             images += panel.draw_numbers(place, look.layer)
-        panel.draw_unproven(place)
+        panel.draw_masks(place)
         panel.hatch_missing(place)
         panel.draw_overlays(place)
         values = store.job.values_of(panel.panel).items()

@@ -17,6 +17,7 @@ import numpy as np
 
 from rattle_kernels import CellGroups, OutsideDomain
 from rattle_kernels.cell_mapping.image_set import ImageSet, with_counts
+from worker.additions import asked_of
 from worker.errors import (
     DamagedMetadata,
     InvalidJob,
@@ -41,7 +42,6 @@ from worker.stores.opening import (
     open_group,
     open_store_at,
 )
-from worker.stores.proof_arrays import ProofArrays
 from worker.stores.provenance import now
 from worker.stores.pyramid import ATTRIBUTE, Level, levels_of
 from worker.stores.solution_arrays import SolutionArrays
@@ -54,7 +54,7 @@ _WRITERS = 3
 def _job_of(location: str, request: dict[str, Any]) -> BasinJob:
     """The job of a store. Its request was accepted when the store was made."""
     try:
-        return basin_job(request)
+        return basin_job(request, stored=True)
     except (InvalidJob, OutsideDomain) as error:
         told = f"the request of the store {location} cannot be read: {error}"
         raise StoreFailed(f"{told}; `rattle check` tells whether it is what was stored") from error
@@ -85,8 +85,8 @@ class BasinStore:
         Cells, or points of a sample, tile by tile.
     solutions : SolutionArrays
         What is known of each solution.
-    proof : ProofArrays
-        What is proven of cells, where a proof was asked for.
+    arrays : OpenArrays
+        Handles on the arrays, for what packages add.
     """
 
     def __init__(self, location: str, fence: Fence = unfenced, *, as_found: bool = False) -> None:
@@ -105,10 +105,9 @@ class BasinStore:
         # Stores from before there were levels have none.
         self.levels = levels if ATTRIBUTE in self._group.attrs else levels[:1]
         self._storage = storage_at(location)
-        self._arrays = OpenArrays(location, self.job, self._group, fence)
-        self.tiles = TileArrays(self._arrays, self._storage)
-        self.solutions = SolutionArrays(self._arrays, self.places.solution)
-        self.proof = ProofArrays(self._arrays, self.tiles)
+        self.arrays = OpenArrays(location, self.job, self._group, fence)
+        self.tiles = TileArrays(self.arrays, self._storage)
+        self.solutions = SolutionArrays(self.arrays, self.places.solution)
         if not as_found:
             self._demand_own_arrays()
 
@@ -142,7 +141,7 @@ class BasinStore:
         with as_store_failure(self.location):
             for variable, own in self.own_shapes():
                 try:
-                    there = self._arrays.array(variable).shape
+                    there = self.arrays.array(variable).shape
                 except DamagedMetadata:
                     continue
                 if there != own:
@@ -158,30 +157,35 @@ class BasinStore:
         """Levels that can be read: of an unfinished store only the basins themselves."""
         return self.levels if self.complete else self.levels[:1]
 
+    def holds(self, variable: Variable) -> bool:
+        """Whether an array is there, or comes since the request asks for it. Its metadata may be damaged."""
+        asked = (own for addition in asked_of(self.job) for own in addition.arrays())
+        return variable in asked or variable.path in self._group
+
     def read_whole(self, variables: Sequence[Variable]) -> tuple[np.ndarray, ...]:
         """Read some variables whole."""
         with as_store_failure(self.location):
-            return tuple(np.asarray(self._arrays.fresh(variable)[...]) for variable in variables)
+            return tuple(np.asarray(self.arrays.fresh(variable)[...]) for variable in variables)
 
     def read_ledger(self) -> np.ndarray:
         """State of each tile, flat, basin by basin, as `TileState` codes."""
-        return self._arrays.read(self.places.ledger, ...).ravel()
+        return self.arrays.read(self.places.ledger, ...).ravel()
 
     def write_ledger(self, states: np.ndarray) -> None:
         """Replace the ledger (driver only)."""
         self._fence()
         with as_store_failure(self.location):
-            array = self._arrays.array(self.places.ledger)
+            array = self.arrays.array(self.places.ledger)
             array[...] = states.reshape(array.shape)
 
     def write_image_words(self, basin: int, words: np.ndarray) -> None:
         """Write the distinct images of a basin (driver only)."""
         self._fence()
-        self._arrays.write(layout.IMAGE_WORDS, words, *self.job.place_of(basin), ...)
+        self.arrays.write(layout.IMAGE_WORDS, words, *self.job.place_of(basin), ...)
 
     def read_image_words(self, basin: int) -> ImageSet:
         """Read the distinct images of a basin."""
-        return with_counts(self._arrays.read(layout.IMAGE_WORDS, *self.job.place_of(basin), ...))
+        return with_counts(self.arrays.read(layout.IMAGE_WORDS, *self.job.place_of(basin), ...))
 
     def write_groups(self, basin: int, groups: CellGroups) -> None:
         """Write Hsu's numbers on a basin's image set, for tiles to look up."""
@@ -189,7 +193,7 @@ class BasinStore:
             # In the caller's context, as in Zarr's own threads.
             written = [
                 writers.submit(
-                    copy_context().run, write_chunk, self._storage, self._arrays.array(variable), chunk, values[part]
+                    copy_context().run, write_chunk, self._storage, self.arrays.array(variable), chunk, values[part]
                 )
                 for variable, values in zip(layout.IMAGE_SET, groups[1:], strict=True)
                 for chunk, part in self._chunks(variable, basin, values.size)
@@ -199,7 +203,7 @@ class BasinStore:
 
     def read_solution(self, basin: int) -> np.ndarray:
         """Read the solution of every cell or point of a basin."""
-        return self._arrays.read(self.places.solution, *self.job.place_of(basin), ...)
+        return self.arrays.read(self.places.solution, *self.job.place_of(basin), ...)
 
     def read_groups(self, basin: int) -> CellGroups:
         """Read Hsu's numbers on a basin's image set: as int16 if all groups and steps fit, which halves the memory."""
@@ -208,17 +212,17 @@ class BasinStore:
         numbers = np.empty((members.size, 2), np.int16)
         for column, variable in enumerate(layout.IMAGE_SET[:2]):
             for _, part in self._chunks(variable, basin, members.size):
-                some = self._arrays.read(variable, *place, part)
+                some = self.arrays.read(variable, *place, part)
                 fits = np.result_type(numbers, np.min_scalar_type(-1 - int(some.max())))
                 numbers = numbers.astype(fits, copy=False)
                 numbers[part, column] = some
         group, step = numbers.T
-        period = self._arrays.read(layout.IMAGE_SET[2], *place, slice(int(group.max(initial=0)) + 1))
+        period = self.arrays.read(layout.IMAGE_SET[2], *place, slice(int(group.max(initial=0)) + 1))
         return CellGroups(members, group, step, period)
 
     def _chunks(self, variable: Variable, basin: int, size: int) -> list[tuple[str, slice]]:
         """Chunks of a basin's first numbers in an array. Zarr copies what it reads of several at once."""
-        place, length = self.job.place_of(basin), self._arrays.array(variable).chunks[-1]
+        place, length = self.job.place_of(basin), self.arrays.array(variable).chunks[-1]
         return [
             ("/".join(map(str, (*place, number))), slice(number * length, min((number + 1) * length, size)))
             for number in range(-(-size // length))
@@ -226,16 +230,16 @@ class BasinStore:
 
     def write_grazing_velocity(self, basin: int, velocity: np.ndarray) -> None:
         """Write the grazing curve of a basin."""
-        self._arrays.write(layout.GRAZING, velocity, *self.job.place_of(basin), ...)
+        self.arrays.write(layout.GRAZING, velocity, *self.job.place_of(basin), ...)
 
     def write_image_counts(self, counts: np.ndarray) -> None:
         """Write how many cells of each basin have each reserved image, shape (basins, 3) (driver only)."""
         self._fence()
-        self._arrays.write(layout.IMAGE_COUNTS, counts.reshape(*self.job.sweep_shape, 3), ...)
+        self.arrays.write(layout.IMAGE_COUNTS, counts.reshape(*self.job.sweep_shape, 3), ...)
 
     def read_image_counts(self) -> np.ndarray:
         """Read these counts, shape (basins, 3). They are negative if a basin is not mapped yet."""
-        return self._arrays.read(layout.IMAGE_COUNTS, ...).reshape(-1, 3)
+        return self.arrays.read(layout.IMAGE_COUNTS, ...).reshape(-1, 3)
 
     def finish(self, seconds: dict[str, float]) -> None:
         """Consolidate the store's metadata and mark it complete (driver only)."""
@@ -263,7 +267,7 @@ class BasinStore:
             write_coordinates(self._group, self.job, self.levels)
             if tables:
                 self.solutions.empty()
-                self._arrays.write(layout.IMAGE_COUNTS, np.array(layout.IMAGE_COUNTS.fill), ...)
+                self.arrays.write(layout.IMAGE_COUNTS, np.array(layout.IMAGE_COUNTS.fill), ...)
             consolidate(self.location, self._fence)
 
     @property

@@ -15,6 +15,7 @@ from zarr.errors import ZarrUserWarning
 from zarr.storage import MemoryStore
 
 from rattle_kernels.basins.tiles import Tiling, cut, cut_row
+from worker.additions import asked_of
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob
 from worker.storage.checked_chunks import METADATA
@@ -23,7 +24,6 @@ from worker.storage.folder import synced_together
 from worker.storage.location import storage_at
 from worker.stores import layout
 from worker.stores.layout import Places, TileState, Variable
-from worker.stores.proof_layout import PROVEN, UNPROVEN_REASON
 from worker.stores.provenance import birth_certificate
 from worker.stores.pyramid import Level, levels_of, multiscales
 
@@ -115,8 +115,8 @@ def _create_arrays(group: Any, job: BasinJob) -> tuple[int, ...]:
     sampled = job.sample is not None
     shape: tuple[int, ...] = (job.grid.time_cells,) if sampled else job.grid.shape
     tile = (tiling.tile_columns,) if sampled else (tiling.tile_rows, tiling.tile_columns)
-    proven = (PROVEN, UNPROVEN_REASON) if job.prove is not None else ()
-    for variable in (*places.mapped, *places.labelled, places.solution, places.own_solution, *proven):
+    added = [variable for addition in asked_of(job) for variable in addition.arrays()]
+    for variable in (*places.mapped, *places.labelled, places.solution, places.own_solution, *added):
         create_array(group, job, variable, shape, tile)
     ledger = create_array(group, job, places.ledger, tiling.shape[1:] if sampled else tiling.shape)
     ledger[...] = np.full(ledger.shape, TileState.PENDING, np.uint8)

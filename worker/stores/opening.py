@@ -1,7 +1,7 @@
 """Stores of any kind at a location: whether there is one, how to open it, and how to create one."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any
 
 import zarr
@@ -72,6 +72,17 @@ def create_unless_there(location: str, what: str, create: Callable[[], None], fe
         if storage_at(location).taken():
             raise StoreConflict(f"{location} exists and is no {what}: choose another location, or remove it")
         create()
+
+
+def demand_all_known(location: str, unread: Collection[str]) -> None:
+    """Refuse to compute a store of whose request nothing here knows some fields, `unread`.
+
+    Raises
+    ------
+    StoreConflict
+    """
+    if unread:
+        raise StoreConflict(f"{location} has {', '.join(unread)} as well: install the package that adds it")
 
 
 def demand_same_digest(location: str, there: str, digest: str) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from rattle_kernels import Attractor, AttractorKind, ExpectedLoudness, Loudness, expected_loudness, loudness
 from rattle_kernels.attractors.attractor import ENSEMBLE
+from worker.additions import additions
 from worker.stores.basin_store import BasinStore
 from worker.stores.changes import list_changes
 from worker.stores.layout import ChangeKind, TileState
@@ -59,8 +60,8 @@ class BasinSummary:
     ``attractors`` are listed by number, each from the first basin that has it, with its ``loudness`` there. ``shares``
     are those of all basins' cells, NaN until every basin is complete. ``image_counts`` counts the cells or points with
     each reserved image, once all are mapped. ``seconds`` has the wall time of each stage and the kernels' own time.
-    ``basins`` are in order. ``changes`` lists births and deaths so far. ``shares_proven`` are the parts of the plane
-    proven to end in each attractor, empty where no proof has ended.
+    ``basins`` are in order. ``changes`` lists births and deaths so far. ``added`` has what packages add to each
+    solution, by number.
     """
 
     request: dict[str, Any]
@@ -75,13 +76,13 @@ class BasinSummary:
     seconds: dict[str, float]
     basins: tuple[SweptBasinSummary, ...]
     changes: tuple[Change, ...]
-    shares_proven: tuple[float, ...] = ()
+    added: tuple[dict[str, Any], ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """The summary as JSON: None for NaN, and the first hundred points of a chaotic attractor."""
         solutions = [_solution(*each) for each in zip(self.attractors, self.loudness, self.shares, strict=True)]
-        for solution, proven in zip(solutions, self.shares_proven, strict=False):
-            solution["share_proven"] = proven
+        for own, more in zip(solutions, self.added, strict=False):
+            own |= more
         names = ("complete", "request", "tiles", "tiles_computed", "tiles_assembled", "image_counts", "seconds")
         own = {name: getattr(self, name) for name in names} | {"solutions": solutions}
         own["basins"] = [
@@ -161,8 +162,17 @@ def summarise(location: str) -> BasinSummary:
         seconds=store.attributes.get("seconds", {}),
         basins=_basins(store, table),
         changes=_changes(store, table),
-        shares_proven=tuple((store.proof.certificate or {}).get("shares", ())),
+        added=_added(store, len(attractors)),
     )
+
+
+def _added(store: BasinStore, solutions: int) -> tuple[dict[str, Any], ...]:
+    """What packages add to each solution, as far as it is known."""
+    added: list[dict[str, Any]] = [{} for _ in range(solutions)]
+    for addition in additions():
+        for own, more in zip(added, addition.of_solutions(store), strict=False):
+            own |= more
+    return tuple(added)
 
 
 def fingerprint(location: str) -> bytes:

@@ -9,11 +9,9 @@ from matplotlib.axes import Axes
 
 from worker.errors import InvalidJob
 from worker.pictures import colours
-from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
+from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, masks_among, overlays_for
 from worker.pictures.panel_picture import draw_points, frame
 from worker.pictures.picture import draw_legend
-from worker.pictures.unproven import demand_proof, draw_unproven, share_unproven
-from worker.stores.proof_layout import PROVEN
 from worker.views.reading import attractors_of, job_of, thinned
 
 
@@ -32,8 +30,8 @@ def _extent(dataset: xr.Dataset) -> tuple[float, float, float, float]:
     return *_edges(dataset.time.values, width), *_edges(dataset.velocity.values, height)
 
 
-def lay_unproven(dataset: xr.Dataset, axes: Axes) -> None:
-    """Hatch on axes what is not proven of a basin.
+def lay_masks(dataset: xr.Dataset, axes: Axes, overlays: Collection[str]) -> None:
+    """Draw the masks among overlays.
 
     Parameters
     ----------
@@ -41,16 +39,19 @@ def lay_unproven(dataset: xr.Dataset, axes: Axes) -> None:
         From `open_basin`, whole or in part.
     axes : matplotlib.axes.Axes
         Of the (t, v) plane.
+    overlays : collection of str
 
     Raises
     ------
     InvalidJob
-        If nothing is proven of it.
+        If the basin lacks one.
     """
-    demand_proof(PROVEN.name in dataset)
-    whole = dataset.proven.shape == job_of(dataset).grid.shape
-    share = share_unproven([dataset.proven.values]) if whole else None
-    draw_unproven(axes, thinned(dataset).proven.values, _extent(dataset), share)
+    for mask in masks_among(overlays):
+        name = mask.variable.name
+        mask.demand(name in dataset)
+        whole = dataset[name].shape == job_of(dataset).grid.shape
+        share = mask.share([dataset[name].values]) if whole else None
+        mask.draw(axes, thinned(dataset)[name].values, _extent(dataset), share)
 
 
 def plot_basin(
@@ -68,8 +69,8 @@ def plot_basin(
     legend : bool
         Whether to list the motions beside the axes, with their shares of all cells.
     overlays : collection of OverlayKind
-        Any of ``("proven", "grazing", "preimages", "manifolds", "attractors", "saddles")``. For others, call ``draw``
-        of an `Overlay` from `worker.pictures.overlay` on the axes.
+        Any of ``("grazing", "preimages", "manifolds", "attractors", "saddles")``, and masks of packages. For others,
+        call ``draw`` of an `Overlay` from `worker.pictures.overlay` on the axes.
     palette : Palette, optional
         Colours of the motions; the usual ones by default.
 
@@ -80,7 +81,7 @@ def plot_basin(
     Raises
     ------
     InvalidJob
-        If the model lacks an overlay, or nothing is proven.
+        If the model or the basin lacks an overlay.
 
     Notes
     -----
@@ -102,8 +103,7 @@ def plot_basin(
     else:
         image = colours.paint_cells(shown.solution, shown.group, attractors, palette)
         axes.imshow(image, origin="lower", extent=extent, aspect="auto", interpolation="nearest")
-    if OverlayKind.PROVEN in overlays:
-        lay_unproven(dataset, axes)
+    lay_masks(dataset, axes, overlays)
     for overlay in overlays_for(overlays, job_of(dataset).oscillator, attractors, extent[2:]):
         overlay.draw(axes, extent[0])
     if legend and attractors:

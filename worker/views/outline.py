@@ -1,11 +1,13 @@
 """The data with which a viewer draws one basin, except its cells, which come tile by tile."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from rattle_kernels import Attractor, ExpectedLoudness, Loudness, Oscillator, grazing_velocity, loudness
 from rattle_kernels.basins.tiles import Tiling
+from worker.additions import additions
 from worker.errors import InvalidJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
@@ -25,8 +27,8 @@ class PanelOutline:
     ``solutions`` are those of the whole store, by number, with this basin's own points (none if it lacks the solution)
     and ``shares`` (NaN until the basin is complete), and their ``loudness`` here. ``expected`` is its mean over the
     window, None until the basin is complete. ``states`` are `TileState` codes of the basin's tiles, numbered from
-    ``first_tile``. ``levels`` are the coarser ones that can be read. ``proof`` says whether a proof was asked for.
-    ``curve`` holds phases and speeds of the grazing
+    ``first_tile``. ``levels`` are the coarser ones that can be read. ``added`` has what packages say of
+    it. ``curve`` holds phases and speeds of the grazing
     curve.
     """
 
@@ -38,7 +40,7 @@ class PanelOutline:
     states: tuple[int, ...]
     levels: tuple[Level, ...]
     complete: bool
-    proof: bool
+    added: dict[str, Any]
     solutions: tuple[Attractor, ...]
     shares: tuple[float, ...]
     loudness: tuple[Loudness, ...]
@@ -98,7 +100,7 @@ def outline_basin(location: str, basin: int) -> PanelOutline:
         states=tuple(states.tolist()),
         levels=store.whole_levels[1:],
         complete=bool((states == TileState.ASSEMBLED).all()),
-        proof=store.proof.wanted,
+        added={name: value for addition in additions() for name, value in addition.of_outline(store).items()},
         solutions=tuple(_thinned(each) for each in solutions),
         shares=tuple(table.share[basin].tolist()),
         loudness=tuple(loudness(oscillator, each) for each in solutions),

@@ -2,7 +2,7 @@
 
 from worker.errors import InvalidJob
 from worker.pictures.overlay import Overlay
-from worker.pictures.overlay_kind import OverlayKind, overlays_for
+from worker.pictures.overlay_kind import OverlayKind, masks_among, overlays_for
 from worker.views.outline import catalogue_of, open_cells
 
 
@@ -27,8 +27,8 @@ def overlay_basin(location: str, basin: int, kind: OverlayKind) -> tuple[Overlay
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
-    if kind == OverlayKind.PROVEN:
-        raise InvalidJob("what is proven comes with the cells, tile by tile: see tiles")
+    if masks_among((kind,)):
+        raise InvalidJob(f"what is {kind} comes with the cells, tile by tile: see tiles")
     store = open_cells(location, basin)
     catalogue = catalogue_of(store, store.solutions.read(), basin)
     attractors = tuple(catalogue[number] for number in sorted(catalogue))

@@ -20,13 +20,13 @@ import numpy as np
 import xarray as xr
 
 from rattle_kernels import Attractor, AttractorKind
+from worker.additions import additions
 from worker.errors import InvalidJob, StoreConflict, as_store_failure
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures.symbols import in_words
 from worker.storage.location import files_at, storage_at
 from worker.stores.layout import ENDS, LAYOUT_VERSION, MEASURED, MOTIONS, READABLE_LAYOUTS
-from worker.stores.proof_layout import PROOF, PROVEN
 from worker.stores.solution_table import ends_in
 
 # Largest result, in bytes, whose arrays are read in one piece. A larger one has Dask arrays, whose library takes a
@@ -156,7 +156,9 @@ def _open(location: str, storage_options: dict[str, Any] | None, group: str | No
     store = files_at(location, storage_options) if is_address(location) else storage_at(location).zarr
     dataset = _opened(store, group, None)
     dataset = dataset if dataset.nbytes <= _ONE_PIECE else _opened(store, group, {})
-    return _with_proof(dataset, store) if PROVEN.name in dataset.data_vars else dataset
+    for addition in additions():
+        dataset = addition.opened(dataset, lambda group: _opened(store, group, {}))
+    return dataset
 
 
 def _opened(store: Any, group: str | None, chunks: dict[str, int] | None) -> xr.Dataset:
@@ -166,22 +168,9 @@ def _opened(store: Any, group: str | None, chunks: dict[str, int] | None) -> xr.
         return xr.open_zarr(store, group, consolidated=False, chunks=chunks)
 
 
-def _with_proof(dataset: xr.Dataset, store: Any) -> xr.Dataset:
-    """The dataset with the certificate of its proof as an attribute, and the proven share of each motion."""
-    try:
-        certificate = _opened(store, PROOF, {}).attrs.get("certificate")
-    except FileNotFoundError:
-        certificate = None
-    if certificate is None:
-        return dataset
-    shares = certificate.get("shares", [np.nan] * dataset.sizes["attractor"])
-    proven = xr.DataArray(shares, dims=["attractor"], attrs={"long_name": "share of the plane proven to end in it"})
-    return dataset.assign(share_proven=proven).assign_attrs(certificate=certificate)
-
-
 def job_of(dataset: xr.Dataset) -> BasinJob:
     """Job of a dataset from `open_basin`: its oscillator, grid and iterations."""
-    return basin_job(json.loads(dataset.attrs["request"]))
+    return basin_job(json.loads(dataset.attrs["request"]), stored=True)
 
 
 def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:

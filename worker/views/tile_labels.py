@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from worker.additions import additions
 from worker.errors import InvalidJob
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
@@ -17,8 +18,7 @@ _ORDER = tuple(_BY_NAME[name] for name in ("step", "group", "period", "solution"
 class TileLabels:
     """Step, group and period as int32, then solution as int16: little endian, row by row from the lowest speed.
 
-    Where the tile has a proof, sixty-fourths proven and the reason why not all is follow as uint8. ``final`` is true if
-    they will never change, because the job is complete.
+    What packages add to the tile follows. ``final`` is true if it will never change, because the job is complete.
     """
 
     content: bytes
@@ -57,8 +57,8 @@ def read_tile_labels(location: str, number: int, every: int = 1, level: int = 0)
         return None
     tile = shown.tiling.tile(number)
     kept = tuple(slice(-start % every, None, every) for start in (tile.rows[0], tile.columns[0]))
-    proof = store.proof.read_tile(tile) if store.proof.wanted else None
-    labels = [values[kept] for values in (*store.tiles.read(tuple(map(shown.own, _ORDER)), tile), *(proof or ()))]
+    added = [values for addition in additions() for values in addition.read_tile(store, tile)]
+    labels = [values[kept] for values in (*store.tiles.read(tuple(map(shown.own, _ORDER)), tile), *added)]
     content = b"".join(values.astype(values.dtype.newbyteorder("<")).tobytes() for values in labels)
     rows, columns = labels[0].shape
     return TileLabels(content, rows, columns, final)

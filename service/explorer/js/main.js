@@ -25,6 +25,7 @@ import { Sweep } from "./panels/sweep.js";
 import { Turn } from "./panels/turn.js";
 import { Marks } from "./plane/marks.js";
 import { Plane } from "./plane/plane.js";
+import { additions, knowAdditions, maskNames } from "./state/additions.js";
 import { decode, doubts, encode } from "./state/address.js";
 import { write } from "./state/entries.js";
 import { axesOf, limitOf, same, viewOf } from "./state/window.js";
@@ -228,7 +229,8 @@ function openPanel(panel) {
 
 function pictureChanged() {
   if (at.refused && sameOscillator(screen.oscillator, form.oscillator())) refuse(false);
-  overlays.offer("proven", Boolean(plane.picture?.proof));
+  const mask = plane.picture?.masked?.mask;
+  for (const name of maskNames()) overlays.offer(name, name === mask?.name);
   charts.bifurcation.follow();
   form.price();
   legend();
@@ -337,7 +339,12 @@ function start() {
   whenKeyIsNeeded(askForKey);
   setUpControls({ plane, jobs, restyle, whole: () => plane.go(at.whole), takeaway });
   setUpTheme(by("theme"), () => restyle({}));
-  const known = get("explorer/kinds.json").then(knowKinds);
+  const known = Promise.all([get("explorer/kinds.json"), get("explorer/additions.json")]).then(([kinds, found]) => {
+    knowKinds(kinds);
+    knowAdditions(found);
+    form.offer();
+    overlays.list(additions.map(({ mask }) => mask));
+  });
   const offered = Promise.all([get("explorer/presets.json"), known]).then(([presets]) => examples.offer(presets));
   addEventListener("popstate", () => attempt(() => open(known, offered)));
   return open(known, offered);

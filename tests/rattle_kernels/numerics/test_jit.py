@@ -45,6 +45,36 @@ def test_a_moved_source_has_another_folder(package):
     assert _cache_folder(package) != before
 
 
+_PRINT_FOLDERS = """
+import runpy, sys
+jit = runpy.run_path(sys.argv[1])
+for folder in sys.argv[2:]:
+    jit["key_by"](folder)
+print(*(jit["cache_folder"](f"{folder}/own.py") for folder in (*sys.argv[2:], "/elsewhere")), jit["cache_folder"]())
+"""
+
+
+def _folders_of_all(package, *beside):
+    """Cache folders of packages beside, of a test that uses them, and of the package itself."""
+    command = [sys.executable, "-c", _PRINT_FOLDERS, str(package / "numerics" / "jit.py"), *map(str, beside)]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
+
+
+def test_kernels_of_a_package_beside_have_a_folder_of_their_own(package, tmp_path):
+    one, other = tmp_path / "one", tmp_path / "other"
+    for folder in (one, other):
+        folder.mkdir()
+        (folder / "own.py").write_text(f"# {folder.name}\n")
+    before = _folders_of_all(package, one, other)
+    assert len(set(before)) == 4
+    (one / "own.py").write_text("# changed\n")
+    changed = _folders_of_all(package, one, other)
+    assert [was == now for was, now in zip(before, changed, strict=True)] == [False, True, False, True]
+    with (package / "model" / "flight.py").open("a") as source:
+        source.write("# changed\n")
+    assert not set(changed) & set(_folders_of_all(package, one, other))
+
+
 def test_bounds_checks_have_another_folder(package):
     unchecked = _cache_folder(package, NUMBA_BOUNDSCHECK="0")
     assert _cache_folder(package, NUMBA_BOUNDSCHECK="1") != unchecked

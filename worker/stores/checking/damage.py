@@ -163,7 +163,7 @@ def _job_of(location: str, kind: str, attributes: Any) -> Job:
     try:
         request = json.loads(str(attributes["request"]))
         kind = "sweep" if kind == "basin" and request.get("vary") else kind
-        job: Job = KINDS[kind].job_class.from_request(request)
+        job: Job = KINDS[kind].job_class.of_store(request)
     except UnknownKind as error:
         raise StoreConflict(f"{location}: {error}") from error
     except (AttributeError, KeyError, TypeError, ValueError, RecursionError) as error:

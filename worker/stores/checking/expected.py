@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from rattle_kernels import AttractorKind
+from worker.additions import additions
 from worker.errors import Damaged, StoreConflict
 from worker.storage.checked_chunks import METADATA
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState, Variable
 from worker.stores.new_store import ATTRACTORS_A_CHUNK
-from worker.stores.proof_layout import LATTICE_ENDS, LATTICE_ROUNDS, PROVEN, RATTLING, UNPROVEN_REASON
 from worker.stores.solution_table import SolutionTable
 from worker.stores.summary import WITHOUT_POINTS
 
@@ -62,7 +62,8 @@ def expected_chunks(location: str, arrays: dict[str, Any]) -> Iterator[Chunk]:
     for number, state in enumerate(states.tolist()):
         tile = tuple(int(index) for index in np.unravel_index(number, shape))
         yield from ((variable.path, tile) for variable in _of_tile(store, number, state))
-    yield from _of_proof(store, arrays)
+    for addition in additions():
+        yield from addition.expected_chunks(store, arrays)
     assembled = (states.reshape(-1, store.tiling.tiles_of_basin) == TileState.ASSEMBLED).all(axis=1)
     table = _readable_table(store)
     for basin in np.flatnonzero(assembled).tolist():
@@ -122,14 +123,6 @@ def _of_ends(store: BasinStore, basin: int, table: SolutionTable) -> Iterator[Ch
     if any(table.motions[number].kind == AttractorKind.CHAOTIC_TRANSIENT for number in numbers):
         chunks = range(max(numbers) // ATTRACTORS_A_CHUNK + 1)
         yield from ((layout.ENDS.path, (*store.job.place_of(basin), *chunk)) for chunk in product(chunks, chunks))
-
-
-def _of_proof(store: BasinStore, arrays: dict[str, Any]) -> Iterator[Chunk]:
-    """Chunks of a proof that is complete; of one under way every task demands what it reads."""
-    if store.complete and store.job.prove is not None:
-        paths = [each.path for each in (PROVEN, UNPROVEN_REASON, LATTICE_ENDS, LATTICE_ROUNDS, RATTLING)]
-        there = [path for path in paths if path in arrays]
-        yield from ((path, chunk) for path in there for chunk in product(*map(range, arrays[path].cdata_shape)))
 
 
 def _of_levels(store: BasinStore, basin: int) -> Iterator[Chunk]:

@@ -12,6 +12,7 @@ from zarr.core.group import GroupMetadata
 from zarr.core.metadata.v3 import ArrayV3Metadata
 from zarr.storage import StorePath
 
+from worker.additions import additions
 from worker.errors import DamagedMetadata, StoreConflict, as_store_failure
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.job import Job
@@ -20,7 +21,6 @@ from worker.storage.location import storage_at
 from worker.storage.protocol import whole
 from worker.stores.analysis_store import PARTS
 from worker.stores.new_store import consolidate, create_store
-from worker.stores.proof_layout import PROOF
 
 MISSING = "they are missing"
 OTHERS = "they are not those that the root has"
@@ -238,7 +238,9 @@ class _FreshNodes:
 
     def knows(self, path: str) -> bool:
         """Whether a store of the job has such an array or group."""
-        return not isinstance(self._job, BasinJob) or path in self.nodes or path.split("/")[0] == PROOF
+        if not isinstance(self._job, BasinJob) or path in self.nodes:
+            return True
+        return any(addition.owns(path) for addition in additions())
 
 
 def _fits(node: Mapping[str, Any] | None, fresh: Mapping[str, Any] | None) -> int:

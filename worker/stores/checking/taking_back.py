@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from worker.additions import additions
 from worker.errors import as_store_failure
 from worker.storage.checked_chunks import METADATA
 from worker.storage.location import storage_at
@@ -12,10 +13,7 @@ from worker.stores.checking.damage import Damage, Findings, check_store
 from worker.stores.checking.expected import readable_ledger
 from worker.stores.checking.metadata import restore_metadata
 from worker.stores.layout import TileState
-from worker.stores.proof_layout import PROOF, PROVEN, UNPROVEN_REASON
-
-# A tile whose proof is not there is proven again.
-_OF_CELLS_PROVEN = {PROVEN.path, UNPROVEN_REASON.path}
+from worker.stores.opening import demand_all_known
 
 
 def take_back(found: Findings) -> None:
@@ -33,6 +31,7 @@ def take_back(found: Findings) -> None:
     ------
     StoreConflict, StoreFailed
     """
+    demand_all_known(found.location, found.job.unread)
     restored = [damage.array for damage in found.damages if damage.restored and damage.array]
     restore_metadata(found.location, found.root, found.metadata, restored)
     if found.root.damaged:
@@ -55,8 +54,8 @@ def take_back(found: Findings) -> None:
     )
     states[lost] = TileState.PENDING
     _discard(found)
-    if any(_is_of_lattice(damage) for damage in found.damages):
-        store.proof.forget_lattice()
+    for addition in additions():
+        addition.take_back(store, [damage.array for damage in found.damages if addition.owns(damage.array)])
     store.take_back(states, tables=any(_is_table(store, damage) for damage in found.damages))
 
 
@@ -93,12 +92,8 @@ def _first_basin(store: BasinStore, damage: Damage, tile: int | None) -> int:
     by_request = {variable.path for variable in (*store.places.coordinates, *layout.CHANGES)}
     by_request |= {variable.path for level in levels for variable in level.coordinates}
     by_request |= {level.own_path(swept.parameter) for level in store.levels for swept in store.job.vary}
-    apart = damage.array in by_request or damage.array in _OF_CELLS_PROVEN or _is_of_lattice(damage)
+    apart = damage.array in by_request or any(addition.owns(damage.array) for addition in additions())
     return store.job.basins if apart or not damage.chunk else 0
-
-
-def _is_of_lattice(damage: Damage) -> bool:
-    return damage.array.startswith(f"{PROOF}/")
 
 
 def _is_table(store: BasinStore, damage: Damage) -> bool:

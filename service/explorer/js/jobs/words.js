@@ -1,16 +1,16 @@
 /** The state of a job in words. */
 
 import { grouped } from "../charts/ticks.js";
+import { additions } from "../state/additions.js";
 
 const DOING = {
   computing: "computing basins", compiling: "compiling kernels, a minute or so", mapping: "mapping cells", assembling: "finding the motions", labelling: "labelling cells",
-  enclosing: "growing the lattice that cells are proven from", proving: "proving cells",
   searching: "looking for motions", settling: "following motions", continuing: "continuing orbits",
   tracing: "tracing curves", growing: "growing manifolds", done: "done",
 };
 
 function progressInWords({ stage, tiles_done, tiles_total, cells_per_second, seconds_left, basins_done, basins_total }) {
-  const words = [`${DOING[stage]}: ${tiles_done} of ${tiles_total} ${basins_total ? "tiles" : "pieces"}`];
+  const words = [`${DOING[stage] ?? additions.find(({ stages }) => stage in stages)?.stages[stage] ?? stage}: ${tiles_done} of ${tiles_total} ${basins_total ? "tiles" : "pieces"}`];
   if (basins_total > 1) words.push(`${basins_done} of ${basins_total} basins complete`);
   if (stage === "mapping" && cells_per_second) words.push(`${grouped(cells_per_second)} cells a second`);
   if (seconds_left > 1) words.push(`about ${Math.ceil(seconds_left)} s left`);

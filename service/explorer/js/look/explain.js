@@ -1,7 +1,6 @@
 /** Motions in a sentence, for readers who do not know the symbols. */
 
 import { percent } from "../charts/ticks.js";
-import { PARTS } from "../plane/proof.js";
 
 function times(count, what) {
   return `${count === 0 ? "no" : count} ${what}${count === 1 ? "" : "s"}`;
@@ -75,34 +74,21 @@ export function expectedInWords(expected) {
   return `On average over the window: ${loudnessInWords(expected)}${undecided}.`;
 }
 
-const ENDS = {
-  permanent_contact: "falls quiet",
-  chaotic: "comes to rattle for ever, in a region that it never leaves",
-};
-
-/** Why something is not proven, by the service's number. */
-export const REASONS = {
-  1: "comes to no proven place",
-  2: "spreads too wide to be followed",
-  3: "straddles grazing: some departures strike −β, others miss it",
-  4: "is proven to end otherwise in part",
-};
-
 /**
- * What is proven of a cell, in a sentence.
- * @param {Proven} proven
+ * What a mask says of a cell, in a sentence.
+ * @param {Clear} clear
  * @param {Solution} solution
+ * @param {Mask} mask
  */
-export function proofInWords({ parts, reason }, { kind, name }) {
-  if (parts === PARTS) return `Proven: every departure of this cell ${ENDS[kind] ?? `ends in ${name}`}.`;
-  if (reason === null) return "Not proven: it was not tried yet.";
-  if (parts > 0) return `Proven for ${parts} of ${PARTS} parts of this cell. The rest ${REASONS[reason]}.`;
-  return `Not proven: this cell ${REASONS[reason]}.`;
+export function maskInWords({ parts, reason }, { kind, name }, { parts: all, words, ends, reasons }) {
+  if (parts === all) return words.whole.replace("{ends}", ends[kind] ?? `ends in ${name}`);
+  if (reason === null) return words.untried;
+  const partly = parts > 0 ? words.partly.replace("{parts}", String(parts)) : words.none;
+  return partly.replace("{reason}", reasons[reason]);
 }
 
 /** What the marks on the plane are. */
 export const MARKS = {
-  proven: "Pale and hatched is what is not proven. Elsewhere every departure of a cell is shown to end as it is coloured.",
   plane: "Each point is a departure: a tooth leaves +β at phase t with speed v. Its colour is the motion it ends in.",
   attractors: "A cross is a departure of a motion that repeats; dots are departures of chaos.",
   grazing: "On this curve a departure just touches −β. Faster ones strike it.",

@@ -4,6 +4,7 @@ import { Picture } from "../plane/picture.js";
 import { ended } from "../jobs/life.js";
 import { Unreachable } from "../net/api.js";
 import { Latest } from "../net/latest.js";
+import { additions } from "../state/additions.js";
 import { harmonicsText, NUMBERS, USUAL, withValues } from "../state/oscillator.js";
 import { partTaken } from "./estimate.js";
 import { Live } from "./live.js";
@@ -80,7 +81,7 @@ export class Screen {
    */
   partOf(request) {
     const { preview } = this.plane.stack;
-    if (!preview || preview.quick || request.prove || !sameOscillator(preview.oscillator, firstOf(request))) return null;
+    if (!preview || preview.quick || additions.some(({ name }) => request[name]) || !sameOscillator(preview.oscillator, firstOf(request))) return null;
     return partTaken(preview.outline.solutions, preview.iterations / request.iterations);
   }
 

@@ -7,15 +7,14 @@ const SCALE = 2;
 const ROW = 20;
 const FONT = '13px system-ui, "DejaVu Sans", sans-serif';
 
-const UNPROVEN = "#d9d9d9";
-
 /** A part of the plane that has a legend of its own. @typedef {Pick<import("../plane/plane.js").Plane, "picture">} Part */
 
-/** What is not proven, where it is hatched. @param {Part} part */
-function unprovenOf({ picture }, hatches) {
-  if (!picture.proof || !hatches) return [];
-  const { proven } = picture.proof.shares(picture.solution, picture.outline.solutions.length);
-  return [{ name: "not proven (hatched)", colour: UNPROVEN, share: 1 - proven.reduce((sum, each) => sum + each, 0) }];
+/** What a mask marks, where it is hatched. @param {Part} part */
+function veiledOf({ picture }, hatches) {
+  if (!picture.masked || !hatches) return [];
+  const { colour: fill, words } = picture.masked.mask;
+  const { clear } = picture.masked.shares(picture.solution, picture.outline.solutions.length);
+  return [{ name: `${words.veiled.toLowerCase()} (hatched)`, colour: fill, share: 1 - clear.reduce((sum, each) => sum + each, 0) }];
 }
 
 /** @param {Part} part @param {Look} look */
@@ -29,7 +28,7 @@ function legendOf({ picture }, look) {
 
 /** Rows of the legends of all basins that are seen. @param {import("../plane/plane.js").Plane} plane */
 function rowsOf(plane) {
-  const rows = (part) => (part?.picture ? [...legendOf(part, plane.look), ...unprovenOf(part, plane.hatches)] : []);
+  const rows = (part) => (part?.picture ? [...legendOf(part, plane.look), ...veiledOf(part, plane.hatches)] : []);
   const kept = rows(plane.beside).map((row) => ({ ...row, name: `kept: ${row.name}` }));
   return [...rows(plane), ...kept];
 }

@@ -3,6 +3,7 @@
 import { secondsInWords } from "../look/estimate.js";
 import { by } from "../page/by.js";
 import { post, Unreachable } from "../net/api.js";
+import { additions } from "../state/additions.js";
 import { harmonicParameters, harmonicsOf, harmonicsText, NUMBERS, ONLY_IN, parameterInWords, USUAL, withValues } from "../state/oscillator.js";
 
 const GRID = ["time.start", "time.stop", "time.cells", "velocity.start", "velocity.stop", "velocity.cells"];
@@ -55,6 +56,8 @@ export class Form {
     this.verdict = by("verdict");
     this.button = by("compute");
     this.asked = 0;
+    /** What is asked of each addition, by name. @type {Object<string, object|true>} */
+    this.added = {};
     /** Seconds that the service gives at most; null where it refuses, or has not said. @type {number|null} */
     this.seconds = null;
     form.querySelectorAll(".field").forEach((field) => {
@@ -73,6 +76,15 @@ export class Form {
     });
     // After an outage the verdict is about the outage, until the service answers again.
     setInterval(() => this.unanswered && this.check(), RETRY_MS);
+  }
+
+  /** Offer what packages add to basins, each by a box. */
+  offer() {
+    for (const { name, box: { label, title } } of additions) {
+      const box = Object.assign(document.createElement("label"), { className: "tick", title });
+      box.append(Object.assign(document.createElement("input"), { type: "checkbox", name }), ` ${label}`);
+      by("added").append(box);
+    }
   }
 
   /** The service does not answer others: check until it does. */
@@ -118,7 +130,7 @@ export class Form {
 
   /** Fill the form from a request. */
   fill(request) {
-    const { oscillator, grid, iterations, vary, prove } = request;
+    const { oscillator, grid, iterations, vary } = request;
     this.#field("model").value = oscillator.model ?? "impacting";
     for (const name of NUMBERS) {
       const value = oscillator[name] ?? USUAL[name];
@@ -135,9 +147,11 @@ export class Form {
       if (value !== undefined) this.#field(name).value = value;
     }
     this.#field("iterations").value = iterations;
-    this.#field("prove").checked = Boolean(prove);
-    // Levels and tolerances have no fields: those of the request stay.
-    this.proof = typeof prove === "object" ? prove : true;
+    for (const { name } of additions) {
+      this.#field(name).checked = Boolean(request[name]);
+      // Parts of them have no fields: those of the request stay.
+      this.added[name] = typeof request[name] === "object" ? request[name] : true;
+    }
     const swept = vary?.length === 1 ? vary[0] : null;
     this.#field("vary").value = swept?.parameter ?? "";
     if (swept) {
@@ -160,7 +174,7 @@ export class Form {
       if (model !== only && vary.value === name) vary.value = "";
     }
     this.form.querySelectorAll("[data-vary]").forEach((/** @type {HTMLElement} */ part) => (part.hidden = vary.value === ""));
-    this.form.querySelector("[data-proof]").toggleAttribute("hidden", model !== "impacting" || vary.value !== "");
+    for (const { name, box } of additions) this.#field(name).parentElement.hidden = model !== box.model || vary.value !== "";
     // The sweep sets the values of this parameter.
     for (const name of NUMBERS) this.#field(name).disabled = name === vary.value;
     this.button.textContent = vary.value ? "Compute the sweep" : "Compute";
@@ -199,7 +213,7 @@ export class Form {
     const request = { oscillator, grid: { time: axis("time"), velocity: axis("velocity") }, iterations: value("iterations") };
     const parameter = this.#field("vary").value;
     if (parameter) request.vary = [{ parameter, start: value("vary.start"), stop: value("vary.stop"), count: value("vary.count") }];
-    else if (model === "impacting" && this.#field("prove").checked) request.prove = this.proof ?? true;
+    else for (const { name, box } of additions) if (model === box.model && this.#field(name).checked) request[name] = this.added[name] ?? true;
     return request;
   }
 

@@ -2,7 +2,7 @@
 
 import { Latest } from "../net/latest.js";
 import { briefMotion } from "../net/motion.js";
-import { proofInWords, underPointer } from "../look/explain.js";
+import { maskInWords, underPointer } from "../look/explain.js";
 import { reading } from "../charts/ticks.js";
 
 const REST_MS = 30;
@@ -51,8 +51,8 @@ export class Hover {
     const numbers = known?.step === undefined ? "" : `   step ${known.step}, group ${known.group}, period ${known.period}`;
     const there = known ? `   ${known.solution.name}${numbers}` : "   not known yet";
     this.lines.reading.textContent = (this.plane.keptAt(place) ? "kept: " : "") + where + there + this.#besides(place);
-    const proof = known?.proven ? ` ${proofInWords(known.proven, known.solution)}` : "";
-    this.lines.sentence.textContent = known ? underPointer(known.solution) + proof : "";
+    const besides = known?.clear ? ` ${maskInWords(known.clear, known.solution, known.mask)}` : "";
+    this.lines.sentence.textContent = known ? underPointer(known.solution) + besides : "";
   }
 
   /** What the other basin has at the same place, where both are seen as a whole. @param {Place} place */

@@ -4,7 +4,7 @@ import { element } from "../charts/chart.js";
 import { expectedInWords, loudnessInWords, solutionInWords } from "../look/explain.js";
 import { keyOf, scaleColour } from "../plane/palette.js";
 import { grouped, percent } from "../charts/ticks.js";
-import { proofLines } from "./proven.js";
+import { maskLines } from "./masked.js";
 import { swatch } from "./swatch.js";
 
 const MEANINGS = {
@@ -92,8 +92,8 @@ export function showLegend(place, picture, look, pick) {
   if (!picture) place.replaceChildren();
   else if (picture.empty) place.textContent = "No solutions are known yet.";
   else if (look.layer === "solution" || picture.isPreview) {
-    place.replaceChildren(listSolutions(picture, look, pick), ...averageOf(picture.outline), ...proofLines(picture, look));
+    place.replaceChildren(listSolutions(picture, look, pick), ...averageOf(picture.outline), ...maskLines(picture, look));
   }
-  else place.replaceChildren(...describeScale(picture, look.layer), ...proofLines(picture, look));
+  else place.replaceChildren(...describeScale(picture, look.layer), ...maskLines(picture, look));
   if (focused) Array.from(place.querySelectorAll("button")).find((each) => each.dataset.solution === focused)?.focus();
 }

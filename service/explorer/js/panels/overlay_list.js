@@ -3,7 +3,7 @@
 import { get } from "../net/api.js";
 import { element } from "../charts/chart.js";
 import { MARKS } from "../look/explain.js";
-import { OVERLAYS } from "../plane/overlays.js";
+import { addMasks, OVERLAYS } from "../plane/overlays.js";
 
 function signOf({ d, stroke }) {
   const sign = element("svg", { viewBox: "0 0 26 16", "aria-hidden": "true" });
@@ -31,21 +31,29 @@ export class OverlayList {
     this.boxes = new Map();
     /** Names of those that what is seen does not have. */
     this.lacking = new Set();
+    this.place = place;
+    this.changed = changed;
+  }
+
+  /** List all overlays, with the masks that the service knows. @param {Mask[]} masks */
+  list(masks) {
+    addMasks(masks);
+    const notes = { ...MARKS, ...Object.fromEntries(masks.map(({ name, note }) => [name, note])) };
     for (const overlay of OVERLAYS) {
       const line = document.createElement("label");
-      line.title = MARKS[overlay.name];
+      line.title = notes[overlay.name];
       const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: overlay.on });
       this.boxes.set(overlay.name, box);
       overlay.note = Object.assign(document.createElement("p"), { className: "note" });
       overlay.note.setAttribute("role", "status");
       box.addEventListener("change", () => {
         this.#turn(overlay, box.checked);
-        changed();
+        this.changed();
       });
       line.append(box, signOf(overlay.sign), overlay.label);
-      place.append(line, overlay.note);
+      this.place.append(line, overlay.note);
     }
-    this.offer("proven", false);
+    for (const { name } of masks) this.offer(name, false);
     this.#show();
   }
 

@@ -104,7 +104,6 @@ function drawFetched(plot, overlays) {
 
 /** Overlays of a basin: some come with its outline or its cells, the others are fetched when first turned on. */
 export const OVERLAYS = [
-  { name: "proven", label: "Proven", on: true, sign: { d: "M2 2L14 14 M9 2L21 14 M16 2L25 11", stroke: "#ffffff" } },
   {
     name: "grazing", label: "Grazing curve", on: true, sign: { d: "M1 12 C9 1 17 1 25 12", stroke: "#ffffff" },
     draw: (plot, picture) => drawCurve(plot, picture.outline.grazing, "#ffffff", 1.6),
@@ -118,10 +117,15 @@ export const OVERLAYS = [
   { name: "saddles", label: "Saddles", on: false, sign: { d: "M13 2V14 M7 8H19", stroke: "#ffffff" }, fetched: [] },
 ];
 
+/** Add the masks that the service knows, before the others. @param {Mask[]} masks */
+export function addMasks(masks) {
+  OVERLAYS.unshift(...masks.map(({ name, label, sign }) => ({ name, label, on: true, sign: { d: sign, stroke: "#ffffff" }, draw: () => {} })));
+}
+
 /** Draw an overlay. */
 export function drawOverlay(plot, overlay, picture) {
   if (overlay.fetched) drawFetched(plot, overlay.fetched);
-  else overlay.draw?.(plot, picture);
+  else overlay.draw(plot, picture);
 }
 
 /** Draw a motion's departures from +beta, joined in order. */

@@ -6,7 +6,7 @@ import { hatchMissing } from "./hatching.js";
 import { drawCrossHair, drawMotion, drawOverlay } from "./overlays.js";
 import { Plot } from "./plot.js";
 import { drawLabel, drawSwipe } from "./swipe.js";
-import { hatchUnproven } from "./unproven.js";
+import { layVeil } from "./veil.js";
 
 export class Pane {
   /**
@@ -58,11 +58,11 @@ export class Pane {
   #drawBasin(plot, ofKept) {
     const { plane } = this;
     const { top, newest, preview, drawn } = ofKept ? plane.beside.stack : plane.stack;
-    // Where the top one has a proof, all others are seen not to be proven.
-    const hatched = plane.hatches && top?.proof;
+    // Where the top one has a mask, all others are seen to be veiled.
+    const veiled = plane.hatches && top?.masked;
     for (const picture of drawn) {
       picture.draw(plot);
-      if (hatched) hatchUnproven(plot, picture);
+      if (veiled) layVeil(plot, picture);
     }
     if (newest && !preview) hatchMissing(plot, newest);
     if (top) this.#drawOverlays(plot, top, ofKept);

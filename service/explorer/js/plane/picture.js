@@ -1,12 +1,13 @@
 /** One basin as far as it is computed: its labels in typed arrays, and a canvas with one pixel per cell. */
 
 import { get, send, whole } from "../net/api.js";
+import { maskOf } from "../state/additions.js";
 import { viewOf } from "../state/window.js";
 import { partsOf, wholeOf } from "./levels.js";
 import { paintNumbers, paintSolutions, paintTextures, solutionPixels, specialPixel, texturesOf, usualSpeckle } from "./palette.js";
-import { Proof } from "./proof.js";
+import { Masked } from "./masked.js";
 import { inKeptColours } from "./session.js";
-import { Mask } from "./unproven.js";
+import { Veil } from "./veil.js";
 
 const LABELLED = 3;
 const AT_A_TIME = 4;
@@ -40,9 +41,10 @@ export class Picture {
     this.step = new Int32Array(cells);
     this.group = new Int32Array(cells);
     this.period = new Int32Array(cells);
-    // null where no proof was asked for.
-    this.proof = outline.proof ? new Proof(cells) : null;
-    this.mask = this.proof && new Mask(this.proof, this.width, this.height);
+    // null where nothing was asked for beside the labels.
+    const mask = maskOf(outline);
+    this.masked = mask && new Masked(mask, cells);
+    this.veil = this.masked && new Veil(this.masked, this.width, this.height);
     this.there = new Set();
     this.settled = new Set();
     this.fresh = true;
@@ -152,9 +154,9 @@ export class Picture {
       [this.period, new Int32Array(bytes, 8 * cells, cells)],
       [this.solution, new Int16Array(bytes, 12 * cells, cells)],
     ];
-    // What is proven comes after the labels, and may not be there yet.
-    if (this.proof && bytes.byteLength === 16 * cells) {
-      parts.push([this.proof.proven, new Uint8Array(bytes, 14 * cells, cells)], [this.proof.reason, new Uint8Array(bytes, 15 * cells, cells)]);
+    // The mask comes after the labels, and may not be there yet.
+    if (this.masked && bytes.byteLength === 16 * cells) {
+      parts.push([this.masked.clear, new Uint8Array(bytes, 14 * cells, cells)], [this.masked.reason, new Uint8Array(bytes, 15 * cells, cells)]);
     }
     const { left, top, bottom } = this.rectangle(tile);
     for (const [whole, part] of parts) {
@@ -164,7 +166,7 @@ export class Picture {
         whole.set(part.subarray(row * columns, (row + 1) * columns), at);
       }
     }
-    this.mask?.paint(left, this.height - bottom, columns, rows);
+    this.veil?.paint(left, this.height - bottom, columns, rows);
   }
 
   /** Largest value of one of Hsu's numbers so far. */
@@ -230,7 +232,7 @@ export class Picture {
     const t1 = t0 + column * this.cellTime + this.cellTime / this.every / 2;
     const v1 = v0 + row * this.cellVelocity + this.cellVelocity / this.every / 2;
     const known = { solution, step: this.step[i], group: this.group[i], period: this.period[i], t: t1, v: v1 };
-    return this.proof ? { ...known, proven: this.proof.at(i) } : known;
+    return this.masked ? { ...known, clear: this.masked.at(i), mask: this.masked.mask } : known;
   }
 
   /** Share of each solution among the cells that are here. */

@@ -1,5 +1,6 @@
 /** The plane of departures: pictures of basins, one over the other, with overlays and motions, on one canvas or on two. */
 
+import { maskNames } from "../state/additions.js";
 import { same, scaled, within } from "../state/window.js";
 import { Pane } from "./pane.js";
 import { paintOfName } from "./session.js";
@@ -150,9 +151,9 @@ export class Plane {
     });
   }
 
-  /** Whether what is not proven is to be hatched. */
+  /** Whether what a mask marks is to be hatched. */
   get hatches() {
-    return this.overlays.some(({ name }) => name === "proven");
+    return this.overlays.some(({ name }) => maskNames().includes(name));
   }
 
   /** The same departure, in the visible period. */

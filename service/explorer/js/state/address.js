@@ -1,15 +1,18 @@
 /** The address of the page: the whole state of what is seen, so that a link shows it on any service. */
 
+import { additions, maskNames } from "./additions.js";
 import { harmonicsOf, harmonicsText, NUMBERS } from "./oscillator.js";
 import { same, viewOf } from "./window.js";
 
 /** What is not written. */
-const USUAL = { layer: "solution", palette: "colour_blind", overlays: "proven,grazing,attractors", part: 0.5, compare: "swipe" };
+const USUAL = { layer: "solution", palette: "colour_blind", overlays: ["grazing", "attractors"], part: 0.5, compare: "swipe" };
 /** What there is to choose from. */
 const KNOWN = {
   layer: ["solution", "step", "group", "period"], palette: ["colour_blind", "paper"], compare: ["swipe", "side"],
-  overlays: ["proven", "grazing", "attractors", "preimages", "manifolds", "saddles"],
+  overlays: ["grazing", "attractors", "preimages", "manifolds", "saddles"],
 };
+const usualOverlays = () => [...maskNames(), ...USUAL.overlays].join(",");
+const isOverlay = (name) => KNOWN.overlays.includes(name) || maskNames().includes(name);
 /** What completes an address that names a part of a request. */
 const OSCILLATOR = { damping: 0.6, eccentricity: 0.1, half_backlash: 0.6 };
 const STIFFNESS = 1000;
@@ -62,7 +65,8 @@ function valuesOf({ values, start, stop, count }) {
 }
 
 /** @param {BasinRequest} request */
-function requestFields({ oscillator, grid, iterations, vary, prove }) {
+function requestFields(request) {
+  const { oscillator, grid, iterations, vary } = request;
   const fields = [];
   if (oscillator.model === "piecewise_linear") fields.push(["model", "piecewise_linear"]);
   for (const name of NUMBERS) if (oscillator[name] !== undefined) fields.push([name, short(oscillator[name])]);
@@ -71,22 +75,25 @@ function requestFields({ oscillator, grid, iterations, vary, prove }) {
   if (oscillator.allow_no_quiet_solution) fields.push(["allow_no_quiet_solution", "true"]);
   fields.push(["grid", windowText(viewOf(grid))], ["cells", `${grid.time.cells},${grid.velocity.cells}`], ["k", String(iterations)]);
   for (const swept of vary ?? []) fields.push(["vary", [swept.parameter, ...valuesOf(swept).map(short)].join(",")]);
-  const { levels, tolerances } = typeof prove === "object" ? prove : { levels: "true", tolerances: {} };
-  if (prove) fields.push(["prove", String(levels)]);
-  for (const [name, ends] of Object.entries(tolerances)) fields.push(["tolerance", [name, ...ends.map(short)].join(",")]);
+  for (const { name, address } of additions) {
+    const asked = request[name];
+    if (asked) fields.push([name, String(typeof asked === "object" ? asked[address.number] : "true")]);
+    for (const [of, ends] of Object.entries(asked?.[address.pairs] ?? {})) fields.push([address.pair, [of, ...ends.map(short)].join(",")]);
+  }
   return fields;
 }
 
-/** What is to be proven, as a part of a request. */
-function proofOf(query) {
-  const levels = query.get("prove");
-  if (levels === null) return {};
-  if (levels === "true") return { prove: true };
-  const tolerances = query.getAll("tolerance").map((text) => {
-    const [name, ...ends] = text.split(",");
-    return [name, ends.map(Number)];
+/** What is asked for beside the labels, as parts of a request. */
+function addedIn(query) {
+  const asked = additions.filter(({ name }) => query.has(name)).map(({ name, address }) => {
+    const number = query.get(name);
+    const pairs = query.getAll(address.pair).map((text) => {
+      const [of, ...ends] = text.split(",");
+      return [of, ends.map(Number)];
+    });
+    return [name, number === "true" ? true : { [address.number]: Number(number), [address.pairs]: Object.fromEntries(pairs) }];
   });
-  return { prove: { levels: Number(levels), tolerances: Object.fromEntries(tolerances) } };
+  return Object.fromEntries(asked);
 }
 
 function sweptIn(query) {
@@ -129,7 +136,7 @@ function requestOf(query) {
     iterations,
   };
   const vary = sweptIn(query).filter(ascends);
-  return vary.length ? { ...request, vary } : { ...request, ...proofOf(query) };
+  return vary.length ? { ...request, vary } : { ...request, ...addedIn(query) };
 }
 
 /**
@@ -141,7 +148,7 @@ export function doubts(search) {
   const query = new URLSearchParams(search);
   const unknown = [];
   for (const name of ["layer", "palette", "compare"]) if (query.has(name) && !KNOWN[name].includes(query.get(name))) unknown.push(`${name}=${query.get(name)}`);
-  for (const name of (query.get("overlays") ?? "").split(",").filter(Boolean)) if (!KNOWN.overlays.includes(name)) unknown.push(`overlays=${name}`);
+  for (const name of (query.get("overlays") ?? "").split(",").filter(Boolean)) if (!isOverlay(name)) unknown.push(`overlays=${name}`);
   if (query.has("model") && !(query.get("model") in MODELS) && query.get("model") !== "impacting") unknown.push(`model=${query.get("model")}`);
   for (const name of NUMBERS) if (query.has(name) && !numbersIn(query).some(([known]) => known === name)) unknown.push(`${name}=${query.get(name)}`);
   for (const swept of sweptIn(query)) if (!ascends(swept)) unknown.push(`vary=${[swept.parameter, ...swept.values].join(",")}`);
@@ -174,7 +181,7 @@ export function decode(search) {
     whole: windowOf(query.get("whole")),
     layer: knownOr("layer", query.get("layer")),
     palette: knownOr("palette", query.get("palette")),
-    overlays: (query.get("overlays") ?? USUAL.overlays).split(",").filter((name) => KNOWN.overlays.includes(name)),
+    overlays: (query.get("overlays") ?? usualOverlays()).split(",").filter(isOverlay),
     motions,
     beside: query.get("beside") ? decode(query.get("beside")) : null,
     part: query.has("part") ? Number(query.get("part")) : USUAL.part,
@@ -197,7 +204,7 @@ export function encode({ job, panel, request, view, whole, layer, palette, overl
   if (request) fields.push(...requestFields(request));
   if (layer && layer !== USUAL.layer) fields.push(["layer", layer]);
   if (palette && palette !== USUAL.palette) fields.push(["palette", palette]);
-  if (overlays && overlays.join(",") !== USUAL.overlays) fields.push(["overlays", overlays.join(",")]);
+  if (overlays && overlays.join(",") !== usualOverlays()) fields.push(["overlays", overlays.join(",")]);
   for (const motion of motions ?? []) fields.push(["motion", motion.map(short).join(",")]);
   if (beside) fields.push(["beside", encode(beside)]);
   if (beside && part !== undefined && part !== USUAL.part) fields.push(["part", short(part)]);

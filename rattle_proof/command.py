@@ -1,0 +1,62 @@
+"""The command that proves again what a store claims to be proven."""
+
+import json
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from rattle.cli.console import give_up, out, progress_line
+from rattle_proof.verification.verdict import Verification
+from rattle_proof.verifying import verify as prove_again
+from worker.errors import WorkerError
+
+
+def verify(
+    store: Annotated[str, typer.Argument(help="Basin with a proof: a folder or s3://BUCKET/PREFIX")],
+    cells: Annotated[int, typer.Option(min=0, help="Cells to try, of those with a proven part")] = 10_000,
+    boxes: Annotated[str, typer.Option(help="Boxes of the lattice to try: a number, or all (hours)")] = "10000",
+    seed: Annotated[int, typer.Option(min=0, help="Of the random sample")] = 0,
+    processes: Annotated[int, typer.Option(min=1, help="Processes that work")] = 2,
+    as_json: Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")] = False,
+) -> None:
+    """Prove again, by Arb balls, what a basin's store claims to be proven; exit with 1 if anything is not."""
+    if boxes != "all" and not boxes.isdecimal():
+        give_up(f"--boxes takes a number or all, not {boxes}", 2)
+    out.quiet |= as_json
+    try:
+        with progress_line(unit="") as line:
+            found = prove_again(
+                store, cells=cells, boxes="all" if boxes == "all" else int(boxes), seed=seed, processes=processes,
+                progress=lambda what, done, total: line.show(what, (done, total)),
+            )  # fmt: skip
+    except ImportError as error:
+        give_up(str(error), 2)
+    except WorkerError as error:
+        give_up(str(error))
+    if as_json:
+        typer.echo(json.dumps(asdict(found), indent=2))
+    _say(found)
+    if not found.holds:
+        raise typer.Exit(1)
+
+
+def _say(found: Verification) -> None:
+    table = Table("", "of", "tried", "proven again", "contradicted", "not decided")
+    for part in found.parts:
+        numbers = part.of, part.tried, part.proven, part.contradicted, part.undecided
+        table.add_row(part.name, *(f"{number:,}" for number in numbers))
+    out.print(table)
+    for part in found.parts:
+        for failure in part.failures:
+            what = "contradicted" if failure.contradicted else "not decided"
+            _line(f"{what}: {part.name}, {failure.place}: {failure.why}")
+    sampled = any(part.tried < part.of for part in found.parts)
+    _line("all that was tried is proven again" if found.holds else "not all that was tried is proven again")
+    if sampled:
+        _line("a sample was tried: the rest was not looked at")
+
+
+def _line(text: str) -> None:
+    out.print(text, highlight=False, soft_wrap=True, markup=False)

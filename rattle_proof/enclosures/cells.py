@@ -1,0 +1,147 @@
+"""Cells of a basin picture: what part of each is proven to end as the cell is coloured.
+
+A cell is followed as a whole. Where that proves nothing it is cut into four, as often as asked.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.cell_mapping.cell_grid import CellGrid
+from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
+from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_proof.enclosures.flight import Box
+from rattle_proof.enclosures.following import follow
+from rattle_proof.enclosures.interval import Interval, down, up
+from rattle_proof.enclosures.lattice import UNPROVEN
+from rattle_proof.enclosures.machine import Machine
+from rattle_proof.enclosures.targets import Targets
+
+MOST_LEVELS = 3
+WHOLE = 4**MOST_LEVELS
+"""Parts of a cell that are counted: 64."""
+ENDS_ELSEWHERE = 4
+"""Reason why not all of a cell is proven, beside those of `following`: some of it is proven to end otherwise."""
+IMPACTS = 12
+"""How many impacts a cell is followed at most."""
+# Parts of cells that are followed between two pauses.
+_PIECES_AT_A_TIME = 32768
+_ROUNDED = 2.0**-50
+
+
+class ProvenCells(NamedTuple):
+    """What is proven of cells, arrays of one shape (rows, columns), uint8.
+
+    ``proven`` counts the sixty-fourths of a cell of which every departure ends as the cell is coloured. ``reason`` says
+    why not all do, 0 where they do.
+    """
+
+    proven: np.ndarray
+    reason: np.ndarray
+
+
+@inlined_as_written
+def _push_quarters(stack, waiting, early, late, low, high, level):
+    half_t, half_v = 0.5 * (early + late), 0.5 * (low + high)
+    stack[waiting] = early, half_t, low, half_v, level
+    stack[waiting + 1] = half_t, late, low, half_v, level
+    stack[waiting + 2] = early, half_t, half_v, high, level
+    stack[waiting + 3] = half_t, late, half_v, high, level
+    return waiting + 4
+
+
+@inlined_as_written
+def _prove_cell(machine, oscillator, targets, colour, levels, slack, stack):
+    """Parts of the cell on the stack that are proven to end as coloured, and why not all are."""
+    proven, reason, waiting = 0, 0, 1
+    while waiting > 0:
+        waiting -= 1
+        early, late, low, high = stack[waiting, 0], stack[waiting, 1], stack[waiting, 2], stack[waiting, 3]
+        level = stack[waiting, 4]
+        # The edges are rounded: neighbours overlap.
+        times = Interval(down(early - slack[0]), up(late + slack[0]))
+        box = Box(times, Interval(max(down(low - slack[1]), 0.0), up(high + slack[1])))
+        followed = follow(machine, oscillator, targets, box, IMPACTS)
+        if followed.end == UNPROVEN:
+            if level < levels:
+                waiting = _push_quarters(stack, waiting, early, late, low, high, level + 1.0)
+            else:
+                reason = max(reason, followed.reason)
+            continue
+        part = WHOLE >> (2 * int(level))
+        if followed.end == colour + 1:
+            proven += part
+        else:
+            reason = ENDS_ELSEWHERE
+    return proven, reason
+
+
+@kernel_as_written
+def _prove_all(machine, oscillator, targets, times, speeds, colours, levels, slack, stack, proven, reason):
+    for i in range(colours.shape[0]):
+        for j in range(colours.shape[1]):
+            stack[0] = times[j], times[j + 1], speeds[i], speeds[i + 1], 0.0
+            proven[i, j], reason[i, j] = _prove_cell(
+                machine, oscillator, targets, int(colours[i, j]), levels, slack, stack
+            )
+
+
+def prove_cells(
+    machine: Machine,
+    oscillator: Oscillator,
+    targets: Targets,
+    grid: CellGrid,
+    rows: tuple[int, int],
+    columns: tuple[int, int],
+    colours: np.ndarray,
+    levels: int = 0,
+    pause: Pause = never_stopped,
+) -> ProvenCells:
+    """Prove a rectangle of cells.
+
+    Parameters
+    ----------
+    machine : Machine
+    oscillator : Oscillator
+        One of them: where roots are sought first. Nothing rests on it.
+    targets : Targets
+        Grown (`growth`).
+    grid : CellGrid
+    rows, columns : (int, int)
+        First cell and the one after the last, along velocity and time.
+    colours : ndarray of int, shape (rows, columns)
+        Number of the motion that each cell is coloured as.
+    levels : int
+        How often a cell may be cut into four, 0 to 3.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
+
+    Returns
+    -------
+    ProvenCells
+        Of the shape of `colours`.
+    """
+    if not 0 <= levels <= MOST_LEVELS:
+        raise ValueError(f"levels must be 0 to {MOST_LEVELS}, not {levels}")
+    width = (grid.time_stop - grid.time_start) / grid.time_cells
+    height = (grid.velocity_stop - grid.velocity_start) / grid.velocity_cells
+    times = grid.time_start + np.arange(columns[0], columns[1] + 1) * width
+    speeds = grid.velocity_start + np.arange(rows[0], rows[1] + 1) * height
+    proven, reason = np.empty(colours.shape, np.uint8), np.empty(colours.shape, np.uint8)
+    # An edge comes of four operations with numbers no larger than the ends of its window.
+    slack = _ROUNDED * max(abs(grid.time_start), abs(grid.time_stop)), _ROUNDED * grid.velocity_stop
+    stack = np.empty((3 * MOST_LEVELS + 2, 5))
+    # Whole rows, or parts of one: these are contiguous in memory.
+    most = max(1, _PIECES_AT_A_TIME >> (2 * levels))
+    wide = max(1, min(colours.shape[1], most))
+    high = max(1, most // wide)
+    for i in range(0, colours.shape[0], high):
+        for j in range(0, colours.shape[1], wide):
+            pause()
+            here = slice(i, i + high), slice(j, j + wide)
+            _prove_all(
+                machine, oscillator, targets, times[j : j + wide + 1], speeds[i : i + high + 1], colours[here],
+                float(levels), slack, stack, proven[here], reason[here],
+            )  # fmt: skip
+    return ProvenCells(proven, reason)

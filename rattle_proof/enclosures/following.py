@@ -1,0 +1,56 @@
+"""Following all departures of a box until they have come to a proven place."""
+
+from typing import NamedTuple
+
+from rattle_kernels.numerics.jit import inlined_as_written
+from rattle_proof.enclosures.interval import width
+from rattle_proof.enclosures.lattice import UNPROVEN
+from rattle_proof.enclosures.moving_set import advance, set_out, strip_of
+from rattle_proof.enclosures.targets import proven_end
+
+# Why a box is not proven.
+ARRIVES_NOWHERE = 1
+SPREADS = 2
+GRAZES = 3
+WIDEST = 0.5
+"""A width in time beyond which a set is given up."""
+
+
+class Followed(NamedTuple):
+    """Where a box ends (UNPROVEN: nowhere proven), why not, and the impacts followed."""
+
+    end: int
+    reason: int
+    impacts: int
+
+
+@inlined_as_written
+def follow(machine, oscillator, targets, box, impacts):
+    """Follow all departures of a box.
+
+    Parameters
+    ----------
+    machine : Machine
+    oscillator : Oscillator
+        One of them: where roots are sought first. Nothing rests on it.
+    targets : Targets
+    box : Box
+        Times and speeds.
+    impacts : int
+        How many impacts at most.
+
+    Returns
+    -------
+    Followed
+    """
+    moving = set_out(box, False)
+    for n in range(impacts + 1):
+        end = proven_end(targets, moving, strip_of(moving))
+        if end != UNPROVEN:
+            return Followed(end, 0, n)
+        if n == impacts:
+            break
+        proven, moving = advance(machine, oscillator, moving)
+        if not (proven and width(moving.all.t) < WIDEST):
+            return Followed(UNPROVEN, GRAZES if moving.grazed else SPREADS, n)
+    return Followed(UNPROVEN, GRAZES if moving.grazed else ARRIVES_NOWHERE, impacts)

@@ -1,0 +1,163 @@
+"""Where motions are proven to end: the quiet core, discs around orbits, a set that rattles for ever."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels.attractors.attractor import Attractor, AttractorKind
+from rattle_kernels.model.grazing_curve import largest_grazing_speed
+from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.numerics.jit import inlined_as_written, kernel_as_written
+from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_proof.enclosures.interval import down, up
+from rattle_proof.enclosures.lattice import UNPROVEN, Lattice, box_at, empty_lattice, end_of
+from rattle_proof.enclosures.machine import Machine, acceleration, error_at
+from rattle_proof.enclosures.orbit_disc import OrbitDisc, disc_rows, lies_in_disc, orbit_disc
+from rattle_proof.enclosures.quiet_core import quiet_level
+from rattle_proof.enclosures.rattling_set import NOTHING_RATTLES, rattling_set
+
+COLUMNS = 1024
+"""Columns of the first lattice."""
+
+
+class Targets(NamedTuple):
+    """Proven places. An *end* is 1 + the number of a motion, UNPROVEN where there is none.
+
+    ``discs``, shape (discs, 8), is as `disc_rows` has it.
+    """
+
+    lattice: Lattice
+    rattling: Lattice
+    discs: np.ndarray
+
+
+class Certificate(NamedTuple):
+    """What was proven of an oscillator's motions.
+
+    ``level``: departures ``v^3 < level a(t)`` fall quiet. ``discs``: around orbits, by the number of the motion.
+    ``rattling``: number of the chaotic motion with a set that is never left, None if there is none.
+    """
+
+    level: float
+    discs: dict[int, OrbitDisc]
+    rattling: int | None
+    targets: Targets
+
+
+@inlined_as_written
+def proven_end(targets, moving, strip):
+    """Where all departures of a set, held by a strip too, are proven to end, UNPROVEN where nothing is."""
+    end = end_of(targets.lattice, strip)
+    if end != UNPROVEN:
+        return end
+    end = end_of(targets.rattling, strip)
+    if end != UNPROVEN:
+        return end
+    for i in range(targets.discs.shape[0]):
+        if lies_in_disc(targets.discs[i], moving):
+            return int(targets.discs[i, 0])
+    return UNPROVEN
+
+
+@kernel_as_written
+def _fill_core(machine, level, lattice, end):
+    rows, columns = lattice.ends.shape
+    for j in range(columns):
+        felt = acceleration(machine, error_at(machine, box_at(lattice, 0, j).t)).low
+        most = down(level * felt)
+        for i in range(rows):
+            high = box_at(lattice, i, j).w.high
+            if not up(up(high * high) * high) < most:
+                break
+            lattice.ends[i, j] = end
+
+
+def prove_targets(
+    machine: Machine,
+    oscillator: Oscillator,
+    attractors: Sequence[Attractor],
+    pause: Pause = never_stopped,
+    fastest: float = 0.0,
+    columns: int = COLUMNS,
+) -> Certificate:
+    """Prove where the motions of a catalogue end, as far as that succeeds.
+
+    Parameters
+    ----------
+    machine : Machine
+    oscillator : Oscillator
+        One of them, whose catalogue it is.
+    attractors : sequence of Attractor
+        Where each stands is its number.
+    pause : callable
+        Called now and then; an exception raised there ends the work.
+    fastest : float
+        Speed up to which the lattice reaches at least.
+    columns : int
+        Of the lattice: a power of two.
+
+    Returns
+    -------
+    Certificate
+        Its lattice holds the quiet core; `growth` lets it grow.
+    """
+    lattice, top = _lattice_for(oscillator, attractors, fastest, columns)
+    level = quiet_level(machine, top, pause=pause)
+    quiet = [n for n, each in enumerate(attractors) if each.kind == AttractorKind.PERMANENT_CONTACT]
+    if quiet:
+        _fill_core(machine, level, lattice, 1 + quiet[0])
+    discs = {}
+    for n, each in enumerate(attractors):
+        disc = orbit_disc(machine, oscillator, each, pause) if each.kind == AttractorKind.PERIODIC else None
+        if disc is not None:
+            discs[n] = disc
+    rattling, chaos = NOTHING_RATTLES, None
+    for n, each in enumerate(attractors):
+        found = rattling_set(machine, oscillator, each, 1 + n, pause) if each.is_chaotic and chaos is None else None
+        others = [other for other in attractors if other is not each]
+        if found is not None and _holds_no_other(machine, found, level, discs.values(), others):
+            rattling, chaos = found, n
+    return Certificate(level, discs, chaos, Targets(lattice, rattling, disc_rows(discs)))
+
+
+def _lattice_for(
+    oscillator: Oscillator, attractors: Sequence[Attractor], fastest: float, columns: int
+) -> tuple[Lattice, float]:
+    speeds = [float(each.velocity.max()) for each in attractors if each.velocity.size]
+    usual = 1.05 * max([largest_grazing_speed(oscillator), *speeds])
+    top = max(usual, fastest)
+    return empty_lattice(0.0, top, columns, 2.0 ** math.floor(math.log2(usual / columns))), top
+
+
+def _holds_no_other(
+    machine: Machine, rattling: Lattice, level: float, discs: Iterable[OrbitDisc], others: Iterable[Attractor]
+) -> bool:
+    """Whether a set that rattles for ever lies above the quiet core, clear of all discs and of all other motions.
+
+    A motion of the set that fell quiet would enter the core; one that came to an orbit would enter its disc. A motion
+    without a disc is known by numbers only: were it inside, its departures would be said to end otherwise.
+    """
+    rows, columns = np.nonzero(rattling.ends)
+    if rows.size == 0:
+        return False
+    lowest = (rattling.first + rows.min()) * rattling.height
+    if not down(down(lowest * lowest) * lowest) > up(level * machine.greatest_acceleration):
+        return False
+    for disc in discs:
+        near_t, near_v = disc.half_sides
+        distance = np.abs((columns + 0.5) / rattling.ends.shape[1] - disc.t)
+        apart_t = np.minimum(distance, 1.0 - distance) - 1.0 / rattling.ends.shape[1] > near_t
+        apart_v = np.abs((rattling.first + rows + 0.5) * rattling.height - disc.v) - rattling.height > near_v
+        if not (apart_t | apart_v).all():
+            return False
+    return not any(_visits(each, rattling) for each in others)
+
+
+def _visits(attractor: Attractor, lattice: Lattice) -> bool:
+    """Whether a motion has a departure in a box of a set."""
+    rows = np.floor(attractor.velocity / lattice.height).astype(np.int64) - lattice.first
+    columns = np.floor(attractor.time * lattice.ends.shape[1]).astype(np.int64) % lattice.ends.shape[1]
+    inside = (rows >= 0) & (rows < lattice.ends.shape[0])
+    return bool(lattice.ends[rows[inside], columns[inside]].any())

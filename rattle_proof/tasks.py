@@ -1,0 +1,147 @@
+"""The functions that workers run to prove a basin. Each takes a store and a part of it, and may safely be run again.
+
+    targets -> follow parts of the boxes -> grow -> ... four levels ... -> prove tiles
+
+What a level needs of the one before lies in the store.
+"""
+
+import time
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from rattle_kernels import Attractor
+from rattle_proof.arrays import BOXES_A_PART, proof_of
+from rattle_proof.certificate import targets_of
+from rattle_proof.enclosures.cells import prove_cells
+from rattle_proof.enclosures.growth import empty_trails, follow_all, grow_all
+from rattle_proof.enclosures.lattice import UNPROVEN, common_ends, refined
+from rattle_proof.enclosures.machine import Machine, centre_of, parts_of
+from rattle_proof.enclosures.targets import Certificate, Targets, prove_targets
+from rattle_proof.layout import PROVEN, UNPROVEN_REASON, Unproven
+from rattle_proof.request import LEVELS, asked_of, first_columns, machine_asked_of
+from worker.basins.tasks import open_store
+from worker.cluster.calls import stop_if_cancelled
+
+
+@dataclass(frozen=True)
+class GrowthReceipt:
+    """Boxes of the lattice after a level: all, those proven, and in how many rounds."""
+
+    boxes: int
+    proven: int
+    rounds: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class ProofReceipt:
+    """What is proven of a tile: sixty-fourths of cells by solution, and cells by the reason why not all is."""
+
+    proven: np.ndarray
+    reasons: np.ndarray
+    seconds: float
+
+
+class _Known(NamedTuple):
+    """What following needs: the machine, its parts, and targets at a level.
+
+    Until the lattices have grown, that of the targets has those of all parts above each other.
+    """
+
+    machine: Machine
+    parts: list[Machine]
+    targets: Targets
+    rounds: np.ndarray
+    boxes: np.ndarray
+
+
+def find_targets(location: str, digest: str, number: int, attractors: tuple[Attractor, ...]) -> Certificate:
+    """Prove targets: the quiet core, discs around orbits, a set that rattles for ever."""
+    job = open_store(location, digest).job
+    machine = machine_asked_of(job)
+    fastest, columns = job.grid.velocity_stop, first_columns(job.grid, len(parts_of(machine)))
+    return prove_targets(machine, job.oscillator, attractors, stop_if_cancelled, fastest, columns)
+
+
+@lru_cache(maxsize=1)
+def _known(location: str, digest: str, level: int) -> _Known:
+    """What is known once the lattice has grown at so many levels; its boxes are cut, if they are to be followed again.
+
+    Kept once a process: the last lattice has 235 MB, and serves all tiles.
+    """
+    store = open_store(location, digest)
+    ends, rounds = proof_of(store).read_lattice(level, level == LEVELS)
+    stop_if_cancelled()
+    certificate = proof_of(store).certificate
+    assert certificate is not None
+    machine = machine_asked_of(store.job)
+    parts = parts_of(machine)
+    if level == LEVELS:
+        ends = common_ends(ends, len(parts))
+    targets = targets_of(certificate, ends, proof_of(store).read_rattling())
+    if 0 < level < LEVELS:
+        targets = targets._replace(lattice=refined(targets.lattice))
+        rounds = rounds.repeat(2, 0).repeat(2, 1)
+    unproven = targets.lattice.ends == UNPROVEN if level < LEVELS else np.zeros((1, 1), np.bool_)
+    return _Known(machine, parts, targets, rounds, np.argwhere(unproven).astype(np.int32))
+
+
+def follow_part(location: str, digest: str, part: int, level: int) -> float:
+    """Follow one part of the boxes that are not proven, and write where they come to. Return the seconds it took."""
+    store, known = open_store(location, digest), _known(location, digest, level)
+    stop_if_cancelled()
+    begin = time.perf_counter()
+    boxes = known.boxes[part * BOXES_A_PART : (part + 1) * BOXES_A_PART]
+    ends, trails = np.zeros(len(boxes), np.uint16), empty_trails(len(boxes))
+    lattice = known.targets.lattice
+    rows = lattice.ends.shape[0] // len(known.parts)
+    for n, machine in enumerate(known.parts):
+        below, above = n * rows, (n + 1) * rows
+        here = slice(*np.searchsorted(boxes[:, 0], (below, above)))
+        targets = known.targets._replace(lattice=lattice._replace(ends=lattice.ends[below:above]))
+        local = boxes[here] - np.array([below, 0], np.int32)
+        follow_all(machine, centre_of(machine), targets, local, ends[here], trails[here], stop_if_cancelled)
+    seconds = time.perf_counter() - begin
+    proof_of(store).write_followed(part, ends, trails)
+    return seconds
+
+
+def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
+    """Let the lattice grow from what is found of its boxes, and write it as it is after one more level."""
+    store, known = open_store(location, digest), _known(location, digest, level)
+    followed, trails = proof_of(store).read_followed()
+    begin = time.perf_counter()
+    ends, rounds = known.targets.lattice.ends.copy(), known.rounds.copy()
+    # What comes to a target at once, or to what the lattice knew before, is proven in a round of its own.
+    rows, columns = known.boxes[followed != UNPROVEN].T
+    ends[rows, columns] = followed[followed != UNPROVEN]
+    rounds[rows, columns] = rounds.max() + 1
+    grow_all(ends, rounds, known.boxes, trails, stop_if_cancelled, len(known.parts))
+    seconds = time.perf_counter() - begin
+    proof_of(store).write_lattice(level + 1, level + 1 == LEVELS, ends, rounds)
+    return GrowthReceipt(ends.size, int(np.count_nonzero(ends)), int(rounds.max()), seconds)
+
+
+def prove_tile(location: str, digest: str, number: int) -> ProofReceipt:
+    """Prove the cells of one tile, unless that has been done, and count what is proven."""
+    store = open_store(location, digest)
+    tile = store.tiling.tile(number)
+    (colours,) = store.tiles.read((store.places.solution,), tile)
+    seconds = 0.0
+    cells = proof_of(store).read_tile(tile)
+    if cells is None:
+        begin = time.perf_counter()
+        job, known, asked = store.job, _known(location, digest, LEVELS), asked_of(store.job)
+        assert asked is not None
+        cells = prove_cells(
+            known.machine, job.oscillator, known.targets, job.grid, tile.rows, tile.columns, colours,
+            asked.levels, stop_if_cancelled,
+        )  # fmt: skip
+        seconds = time.perf_counter() - begin
+        store.tiles.write((PROVEN, UNPROVEN_REASON), tile, cells)
+    proven, reason = cells
+    by_solution = np.bincount(colours.ravel(), proven.ravel(), minlength=int(colours.max()) + 1)
+    return ProofReceipt(by_solution.astype(np.int64), np.bincount(reason.ravel(), minlength=len(Unproven)), seconds)

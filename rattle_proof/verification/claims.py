@@ -1,0 +1,97 @@
+"""What a certificate claims, as written in a store; numbers are taken as the doubles that they are."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rattle_proof.verification.machine import Machine
+
+
+class Disc(NamedTuple):
+    """Departures x with ``|frame (x - (t, v))| < radius``: all end in the orbit that returns after `impacts`."""
+
+    motion: int
+    impacts: int
+    t: float
+    v: float
+    frame: tuple[tuple[float, float], tuple[float, float]]
+    radius: float
+
+
+class Core(NamedTuple):
+    """Departures ``v^3 < level a(t)``: all fall quiet."""
+
+    motion: int
+    level: float
+
+
+class Lattice(NamedTuple):
+    """Boxes ``[j, j + 1]/columns`` by ``[first + i, first + i + 1] height``.
+
+    ``ends`` carries 1 + the number of a motion, 0 where nothing is claimed; ``rounds`` tells in which round.
+    """
+
+    height: float
+    first: int
+    ends: np.ndarray
+    rounds: np.ndarray
+
+
+class Claims(NamedTuple):
+    """All of it. ``motions`` are the names of the store's solutions, by number.
+
+    ``parts`` are machines that together are the one, or the one alone. ``lattice`` says in which end boxes come for all
+    of them; ``lattices`` says it for each part.
+    """
+
+    machine: Machine
+    parts: tuple[Machine, ...]
+    motions: tuple[str, ...]
+    core: Core | None
+    discs: tuple[Disc, ...]
+    rattling: Lattice | None
+    lattice: Lattice
+    lattices: tuple[Lattice, ...]
+
+    def of_part(self, n: int) -> "Claims":
+        """What is claimed of one part."""
+        return self._replace(machine=self.parts[n], lattice=self.lattices[n])
+
+
+def claims_of(certificate: dict[str, Any], arrays: dict[str, np.ndarray]) -> Claims:
+    """Read a certificate and the arrays ``ends``, ``rounds`` and, where there is one, ``rattling``.
+
+    The lattices of parts stand above each other in their arrays.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        If it is not such a certificate.
+    """
+    quiet, chaos, grid = certificate["quiet"], certificate["rattling"], certificate["lattice"]
+    rattling = None
+    if chaos is not None:
+        held = np.where(arrays["rattling"] > 0, 1 + int(chaos["motion"]), 0).astype(np.uint16)
+        rattling = Lattice(float(chaos["height"]), int(chaos["first"]), held, np.zeros_like(held))
+    parts = tuple(Machine.of(each) for each in certificate.get("parts") or [certificate["machine"]])
+    place = float(grid["height"]), int(grid["first"])
+    ends, rounds = (np.split(arrays[name], len(parts)) for name in ("ends", "rounds"))
+    same = np.logical_and.reduce([each == ends[0] for each in ends])
+    return Claims(
+        Machine.of(certificate["machine"]),
+        parts,
+        tuple(certificate["motions"]),
+        None if quiet is None else Core(int(quiet["motion"]), float(quiet["level"])),
+        tuple(_disc(each) for each in certificate["discs"]),
+        rattling,
+        Lattice(*place, np.where(same, ends[0], 0), np.maximum.reduce(rounds)),
+        tuple(Lattice(*place, *each) for each in zip(ends, rounds, strict=True)),
+    )
+
+
+def _disc(told: dict[str, Any]) -> Disc:
+    (a, b), (c, d) = told["frame"]
+    frame = (float(a), float(b)), (float(c), float(d))
+    return Disc(
+        int(told["motion"]), int(told["impacts"]), float(told["t"]), float(told["v"]), frame, float(told["radius"])
+    )

@@ -1,0 +1,37 @@
+/** What a mask leaves clear of the picture that is seen: shares by motion, and of the rest by reason. */
+
+import { percent } from "../charts/ticks.js";
+import { swatch } from "./swatch.js";
+
+function line(sign, words, share) {
+  const item = document.createElement("li");
+  const part = Object.assign(document.createElement("span"), { className: "share", textContent: percent(share) });
+  item.append(sign, Object.assign(document.createElement("span"), { textContent: words }), part);
+  return item;
+}
+
+function list(title, items) {
+  const drawn = document.createElement("ul");
+  drawn.className = "masked";
+  drawn.append(...items);
+  return [Object.assign(document.createElement("h3"), { textContent: title }), drawn];
+}
+
+/**
+ * Lines of the legend; none where there is no mask.
+ * @param {import("../plane/picture.js").Picture} picture
+ * @param {Look} look
+ * @returns {HTMLElement[]}
+ */
+export function maskLines({ masked, solution, outline }, look) {
+  if (!masked) return [];
+  const { solutions } = outline;
+  const { colour, words, reasons: whys } = masked.mask;
+  const { clear, reasons, tried } = masked.shares(solution, solutions.length);
+  const whole = clear.reduce((sum, each) => sum + each, 0);
+  const there = solutions.filter(({ number }) => clear[number] > 0).sort((a, b) => clear[b.number] - clear[a.number]);
+  return [
+    ...list(`${words.clear}: ${percent(whole)}${tried ? "" : " so far"}`, there.map((each) => line(swatch(each.colours[look.palette], false, each.textures[look.palette]), each.name, clear[each.number]))),
+    ...list(`${words.veiled}: ${percent(1 - whole)}`, reasons.filter(({ share }) => share > 0).map(({ reason, share }) => line(swatch(colour, true), whys[reason], share))),
+  ];
+}

@@ -1,1 +1,0 @@
-"""The proof of a basin: its tasks, the order in which they run, and the certificate."""
