@@ -15,10 +15,10 @@ import xarray as xr
 from rattle.results.opening import open
 from worker.errors import InvalidJob
 from worker.pictures.figure_file import PictureFormat, save_figure
-from worker.pictures.picture import figure_of_store
-from worker.pictures.share_chart import shares_figure
 from worker.stores.provenance import LICENSE, REFERENCES
+from worker.views.figure import figure_of_store
 from worker.views.reading import is_address
+from worker.views.shares import shares_figure
 from worker.views.tables import TableFormat, table_of, tables_in, write_table
 
 _MOST_ROWS = 100_000

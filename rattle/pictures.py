@@ -28,8 +28,8 @@ from worker.pictures.overlay import (
     preimage_lines,
     saddle_marks,
 )
-from worker.pictures.panel_picture import frame
 from worker.pictures.symbols import SYMBOLS, oscillator_text
+from worker.views.figure import frame
 
 __all__ = [
     "Lines",

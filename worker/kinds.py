@@ -25,7 +25,7 @@ Numba nor Dask.
 import pkgutil
 import re
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
@@ -35,6 +35,8 @@ from worker.fence import Fence
 from worker.progress import Report
 
 if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from pydantic import BaseModel
 
@@ -73,7 +75,7 @@ class DrawStore(Protocol):
     """How a store is drawn, complete or not."""
 
     def __call__(self, location: str, look: Any = ...) -> "Figure":
-        """Draw a store; `look` is a `worker.pictures.panel_picture.Look`."""
+        """Draw a store; `look` is a `worker.views.figure.Look`."""
 
 
 def later(name: str) -> Callable[..., Any]:
@@ -95,18 +97,35 @@ def later(name: str) -> Callable[..., Any]:
     return call
 
 
-def _draw_no_tiles(job: Any, columns: Mapping[str, Any], figure: "Figure") -> None:
-    raise TypeError(f"a result of kind {job.kind} has tiles: it is drawn from its store")
-
-
-@dataclass(frozen=True)
-class JobKind:
-    """One kind of job.
+@dataclass(frozen=True, kw_only=True)
+class ResultKind:
+    """One kind of result, as a dataset.
 
     Parameters
     ----------
     name : str
-        As in ``Job.kind`` and in the records of jobs. Its command is named so, with hyphens.
+        As in the dataset's request.
+    draw : callable
+        ``draw(dataset, figure, look)``: draws a result on an empty figure; `look` is a `worker.views.figure.Look`.
+    draw_on : callable, optional
+        ``draw_on(dataset, axes, look)``: draws a result that takes no more on axes.
+    overlays : callable, optional
+        ``overlays(dataset, names)``: what of it can be laid over axes of the (t, v) plane, by default all. Each draws
+        itself by ``draw(axes, time_start)``.
+    """
+
+    name: str
+    draw: "Callable[[xr.Dataset, Figure, Any], object]"
+    draw_on: "Callable[[xr.Dataset, Axes, Any], object] | None" = None
+    overlays: "Callable[[xr.Dataset, Collection[str]], Iterable[Any]] | None" = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobKind(ResultKind):
+    """One kind of job, and of its result. Its name is that of ``Job.kind``, of records, and with hyphens its command's.
+
+    Parameters
+    ----------
     path : str
         Its route: requests are posted to ``/v1/PATH``.
     title : str
@@ -129,11 +148,8 @@ class JobKind:
     fingerprint : callable
         ``fingerprint(location)``: bytes that change whenever a picture of the store does.
     figure : DrawStore
-    draw : callable
-        ``draw(job, columns, figure)``: draws the tables of a result on a figure. Tiles are drawn from their store.
     """
 
-    name: str
     path: str
     title: str
     summary: str
@@ -147,7 +163,6 @@ class JobKind:
     summarise: Callable[[str], Summary]
     fingerprint: Callable[[str], bytes]
     figure: DrawStore
-    draw: Callable[[Any, Mapping[str, Any], "Figure"], object] = _draw_no_tiles
 
     def __post_init__(self) -> None:
         for what, text, pattern in (("name", self.name, _NAME), ("path", self.path, _PATH)):
@@ -175,7 +190,8 @@ def analysis_kind(analysis: str, **said: Any) -> JobKind:
     analysis : str
         Its `worker.analyses.analysis.Analysis`, as ``module:name``.
     **said
-        The name, path, title, summary, description, command, job and table of a `JobKind`.
+        The name, path, title, summary, description, command, job and table of a `JobKind`, and its overlays if it has
+        any.
 
     Returns
     -------
@@ -184,7 +200,7 @@ def analysis_kind(analysis: str, **said: Any) -> JobKind:
     return JobKind(
         **said, unit="pieces", view=f"{analysis}.view", run=later(f"{analysis}.run"),
         summarise=later(f"{analysis}.summary"), fingerprint=later(f"{analysis}.fingerprint"),
-        figure=later(f"{analysis}.figure"), draw=later(f"{analysis}.draw"),
+        figure=later(f"{analysis}.figure"), draw=later(f"{analysis}.draw_dataset"),
     )  # fmt: skip
 
 
@@ -255,25 +271,26 @@ def _said_of(entry: EntryPoint) -> str:
     return f"the kind {entry.name} = {entry.value}{package}"
 
 
-def _of_basins(name: str, *, table: str, job: str, **said: Any) -> JobKind:
+def _of_basins(*, job: str, **said: Any) -> JobKind:
     return JobKind(
-        name=name, table=table, job=f"worker.jobs.basin_job:{job}", **said, unit="tiles",
+        **said, job=f"worker.jobs.basin_job:{job}", unit="tiles",
         view="worker.basins.result:ResultView", run=later("worker.basins.pipeline:run_basin"),
         summarise=later("worker.stores.summary:summarise"), fingerprint=later("worker.stores.summary:fingerprint"),
-        figure=later("worker.pictures.picture:basin_figure"),
+        figure=later("worker.views.figure:basin_figure"), draw=later("worker.views.figure:draw_basins"),
     )  # fmt: skip
 
 
 KINDS = Kinds((
     _of_basins(
-        "basin", path="basins", title="Basin",
+        name="basin", path="basins", title="Basin",
         summary="Submit a basin",
         description=f"Compute one basin of attraction.\n\n{_AGAIN}",
         command="Compute one basin on this machine, without a service.",
-        job="BasinJob", table="attractor",
+        job="BasinJob", table="attractor", draw_on=later("worker.views.figure:draw_basin"),
+        overlays=later("worker.views.figure:overlays_of"),
     ),
     _of_basins(
-        "sweep", path="sweeps", title="Sweep",
+        name="sweep", path="sweeps", title="Sweep",
         summary="Submit a sweep",
         description=f"Compute basins over one or two parameters, all into one store.\n\n{_AGAIN}",
         command="Compute basins over one or two parameters into one store, on this machine.",
@@ -303,6 +320,7 @@ KINDS = Kinds((
         f"If it does not, the job fails and says what is there. {_AGAIN}",
         command="Grow stable and unstable manifolds of saddles of the impacting model.",
         job="worker.jobs.manifold_job:ManifoldJob", table="orbit",
+        overlays=later("worker.analyses.manifolds:overlays_of"),
     ),
     analysis_kind(
         "worker.analyses.grazing_curves:GRAZING_CURVE",
@@ -311,6 +329,7 @@ KINDS = Kinds((
         description=f"Compute the grazing curve and its pre-images.\n\n{_AGAIN}",
         command="Draw the grazing curve of the impacting model and its pre-images.",
         job="worker.jobs.grazing_curve_job:GrazingCurveJob", table="order",
+        overlays=later("worker.analyses.grazing_curves:overlays_of"),
     ),
 ))  # fmt: skip
 """All kinds, by name."""

@@ -4,7 +4,7 @@ What draws and measures loads Matplotlib and more, and is imported where it is u
 """
 
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from rattle.results.trajectories import TRAJECTORY, history_of
+from rattle.results.trajectories import TRAJECTORY, TRAJECTORY_RESULT, history_of
 from rattle_kernels import NOT_CONVERGED, PERMANENT_CONTACT, SINK, Attractor, Oscillator
 from worker.errors import InvalidJob
 from worker.jobs.job import Job
-from worker.kinds import KINDS, kind_of
+from worker.kinds import KINDS, ResultKind, kind_of
 from worker.views import reading
 from worker.views.at_level import demand_all_cells
 from worker.views.tables import table_of
@@ -26,8 +26,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from worker.views.figure import Look
+
+_SIZE = 10.0, 6.5
 _RESERVED_IMAGES = {"sink": SINK, "permanent_contact": PERMANENT_CONTACT, "undecided": NOT_CONVERGED}
-_CURVES = ("manifold", "grazing_curve")
 
 
 @xr.register_dataset_accessor("rattle")
@@ -83,6 +85,11 @@ class Result:
         'grazing_curve'
         """
         return str(kind_of(self.request))
+
+    @property
+    def _kind(self) -> ResultKind:
+        """How results of its kind are drawn."""
+        return TRAJECTORY_RESULT if self.kind == TRAJECTORY else KINDS[self.kind]
 
     @property
     def complete(self) -> bool:
@@ -464,11 +471,10 @@ class Result:
         """
         self._demand("boundary_share", "basin")
         demand_all_cells(self._dataset)
-        from rattle.results.curves import curves_of
         from rattle_kernels import boundary_share
 
         job: Any = self.job
-        pieces = {each.label: each.pieces for each in curves_of(curves, curves.rattle.kind)}
+        pieces = {each.label: each.pieces for each in curves.rattle._overlays(())}
         pieces["all together"] = tuple(piece for own in pieces.values() for piece in own)
         solution = self._dataset.solution.values
         return {name: float(boundary_share(solution, job.grid, own)) for name, own in pieces.items()}
@@ -506,10 +512,25 @@ class Result:
         >>> [line.get_label() for line in curves.rattle.overlay(ax=axes).lines]
         ['grazing curve', 'pre-image 1']
         """
-        self._demand("overlay", "basin", *_CURVES)
-        from rattle.results.drawing import draw_over
+        import matplotlib.pyplot as plt
 
-        return draw_over(self._dataset, self.kind, self.job, kinds, ax, color, linewidth)
+        from worker.pictures.overlay import Lines, Marks
+
+        axes = plt.gca() if ax is None else ax
+        for each in self._overlays(kinds):
+            if color is not None and isinstance(each, Lines | Marks):
+                each = each._replace(colour=color)
+            if linewidth is not None and isinstance(each, Lines):
+                each = each._replace(width=linewidth)
+            each.draw(axes, axes.get_xlim()[0])
+        return axes
+
+    def _overlays(self, names: Collection[str]) -> Iterable[Any]:
+        """What of it can be laid over axes of the (t, v) plane."""
+        if self._kind.overlays is None:
+            self._demand("overlay", *(name for name, kind in KINDS.items() if kind.overlays is not None))
+        assert self._kind.overlays is not None
+        return self._kind.overlays(self._dataset, names)
 
     def plot(
         self, ax: "Axes | None" = None, *, overlays: Collection[str] | None = None, legend: bool = True,
@@ -551,24 +572,50 @@ class Result:
         >>> axes.get_ylabel(), axes.get_title()
         ('velocity v of departure', 'forty cells')
         """
-        from rattle.results.drawing import draw_basin, draw_on_figure, paints_of
+        import matplotlib.pyplot as plt
 
-        if self.kind not in ("basin", "sweep") and (colors or palette):
-            raise InvalidJob(f"colors and palette are of basins, and this is of kind {self.kind}")
-        paints = paints_of(self._dataset, colors, palette)
-        if self.kind == "basin":
-            axes = draw_basin(self._dataset, ax, overlays, legend, paints)
-            return axes if title is None else (axes.set_title(title), axes)[1]
+        look, kind = self._look(overlays, legend, colors, palette), self._kind
         if ax is not None:
-            over = "or lay it over a basin with .rattle.overlay(ax=ax)" if self.kind in _CURVES else ""
-            raise InvalidJob(
-                f"a result of kind {self.kind} is drawn on a figure of its own: leave out ax {over}".rstrip()
-            )
-        job = None if self.kind == TRAJECTORY else self.job
-        figure = draw_on_figure(self._dataset, self.kind, job, overlays, legend, paints)
+            if kind.draw_on is None:
+                over = "or lay it over a basin with .rattle.overlay(ax=ax)" if kind.overlays is not None else ""
+                raise InvalidJob(
+                    f"a result of kind {self.kind} is drawn on a figure of its own: leave out ax {over}".rstrip()
+                )
+            kind.draw_on(self._dataset, ax, look)
+            figure = None
+        else:
+            figure = plt.figure(figsize=_SIZE, layout="constrained")
+            kind.draw(self._dataset, figure, look)
+            ax = figure.axes[0] if kind.draw_on is not None else None
         if title is not None:
-            figure.suptitle(title)
-        return figure
+            ax.set_title(title) if ax is not None else figure.suptitle(title)
+        return figure if ax is None else ax
+
+    def _look(
+        self, overlays: Collection[str] | None, legend: bool, colors: Mapping[str, Any] | None, palette: str | None
+    ) -> "Look":
+        """How basins are drawn that `plot` is asked for; refuses a palette, a motion or a colour that is not known."""
+        from matplotlib.colors import to_rgb
+
+        from worker.pictures.colours import USUAL, Palette
+        from worker.views.figure import USUAL_OVERLAYS, Look
+
+        if colors or palette:
+            self._demand("colors and palette", "basin", "sweep")
+        if palette is not None and palette not in list(Palette):
+            raise InvalidJob(f"there is no palette {palette!r}: take {' or '.join(Palette)}")
+        known = self._dataset["name"].values.tolist() if colors else []
+        for name in colors or {}:
+            if name not in known:
+                raise InvalidJob(f"there is no motion {name!r} to colour: there are {', '.join(known)}")
+        try:
+            own = {name: to_rgb(color) for name, color in (colors or {}).items()}
+        except ValueError as error:
+            raise InvalidJob(f"colors: {error}") from None
+        return Look(
+            overlays=USUAL_OVERLAYS if overlays is None else overlays, legend=legend, own_colours=own,
+            palette=USUAL if palette is None else Palette(palette),
+        )  # fmt: skip
 
     def plot_shares(self, ax: "Axes | None" = None) -> "Figure | Axes":
         """Draw shares and expected loudness over the swept parameter: lines over one, maps over two.
@@ -596,10 +643,13 @@ class Result:
         'share'
         """
         self._demand("plot_shares", "sweep")
-        from rattle.results.drawing import draw_shares_of
+        import matplotlib.pyplot as plt
 
-        job: Any = self.job
-        return draw_shares_of(self._dataset, job, ax)
+        from worker.views.shares import draw_shares
+
+        target = plt.figure(layout="constrained") if ax is None else ax
+        draw_shares(self._dataset, target)
+        return target
 
     def to_table(self, name: str | None = None) -> "pd.DataFrame":
         """What the result lists, as a table.

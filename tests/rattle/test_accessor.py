@@ -107,7 +107,7 @@ def test_a_sweep_is_drawn_side_by_side_and_its_shares_over_the_parameter(sweep):
     figure = sweep.rattle.plot(colors={"permanent contact": "white"}, title="three dampings")
     assert figure.get_suptitle() == "three dampings"
     assert figure.legends[0].get_patches()[0].get_facecolor() == (1.0, 1.0, 1.0, 1.0)
-    assert [axes.get_title() for axes in figure.axes] == ["damping = 0.55", "damping = 0.6", "damping = 0.7"]
+    assert [axes.get_title() for axes in figure.axes] == ["δ = 0.55", "δ = 0.6", "δ = 0.7", ""]
     lines = sweep.rattle.plot_shares().axes[0].get_lines()
     assert len(lines) == sweep.sizes["attractor"]
     with pytest.raises(InvalidJob, match="those of kind sweep have"):

@@ -9,6 +9,7 @@ authoritative: a piece is done if its part is marked whole there. After any cras
 only what is missing.
 """
 
+import json
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -16,6 +17,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
+import xarray as xr
 from matplotlib.figure import Figure
 from pydantic import BaseModel, Field
 
@@ -26,12 +28,12 @@ from worker.errors import InvalidJob, StoreFailed
 from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob
 from worker.pictures.figure_file import new_figure
-from worker.pictures.panel_picture import USUAL_LOOK, Look
 from worker.progress import Progress, Report, Stage
 from worker.stores.analysis_store import AnalysisStore, StoredParts
 from worker.stores.layout import Columns, Variable
 from worker.stores.opening import demand_own_request, demand_same_digest
 from worker.stores.summary import without_nan
+from worker.views.figure import USUAL_LOOK, Look
 
 Parts = Mapping[str, Columns]
 """Columns of the finished pieces, by name."""
@@ -234,9 +236,14 @@ class Analysis:
         if look.window is not None or look.panel is not None:
             raise InvalidJob("only basins and sweeps have a window and a panel: leave them out")
         job, columns, _ = self.read(location)
-        figure = new_figure(10.0, 6.5)
+        figure = new_figure()
         self.draw(job, columns, figure)
         return figure
+
+    def draw_dataset(self, dataset: xr.Dataset, figure: Figure, look: Look = USUAL_LOOK) -> None:
+        """Draw a result on an empty figure. Its look has nothing to say: that is of basins."""
+        job = self.job.from_request(json.loads(dataset.attrs["request"]))
+        self.draw(job, {str(name): array.values for name, array in dataset.variables.items()}, figure)
 
 
 def in_order(parts: Parts, prefix: str) -> list[Columns]:

@@ -27,6 +27,8 @@ def levels_in(dataset: xr.Dataset) -> tuple[Level, ...]:
     -------
     tuple of Level
     """
+    if "tile_state" not in dataset:
+        return ()
     job = job_of(dataset)
     levels = levels_of(job, tiling_of(job))
     return levels if ATTRIBUTE in dataset.attrs else levels[:1]

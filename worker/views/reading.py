@@ -6,13 +6,13 @@
     least_disturbance(job_of(basin).oscillator, attractors_of(basin), basin.solution, job_of(basin).grid)
     basin_of(sweep, damping=0.6)                # one basin of a sweep, for any of the above
 
-`worker.views.basin_plot` draws it.
+`worker.views.figure` draws it.
 """
 
 import contextlib
+import itertools
 import json
 from collections.abc import Iterable, Iterator
-from itertools import repeat
 from pathlib import Path
 from typing import Any
 
@@ -215,6 +215,11 @@ def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
     return dataset.isel(place).assign_attrs(request | at)
 
 
+def basin_at(dataset: xr.Dataset, job: BasinJob, number: int) -> xr.Dataset:
+    """The arrays of one basin of a job's dataset, by its number."""
+    return dataset.isel({each.parameter: at for each, at in zip(job.vary, job.place_of(number), strict=True)})
+
+
 def _index_of(swept: SweptParameter, value: float) -> int:
     near = np.flatnonzero(np.isclose(swept.values, value, rtol=1e-9, atol=0.0))
     if not near.size:
@@ -231,9 +236,11 @@ def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
         return ()
     names = [variable.name for variable in (*MOTIONS[:4], *MEASURED[1:])]
     numbers = zip(*(dataset[name].values.tolist() for name in names), strict=True)
+    # Those at the end may have their place, and not yet their motions.
+    numbers = itertools.takewhile(lambda row: row[0] != MOTIONS[0].fill, numbers)
     points = zip(dataset.attractor_time.values, dataset.attractor_velocity.values, strict=True)
     ends: Iterable[tuple[tuple[int, float], ...]]
-    ends = map(ends_in, dataset[ENDS.name].values) if ENDS.name in dataset else repeat(())
+    ends = map(ends_in, dataset[ENDS.name].values) if ENDS.name in dataset else itertools.repeat(())
     return tuple(
         Attractor(
             AttractorKind(kind), m, upper, lower, exponent, error, t[np.isfinite(t)], v[np.isfinite(v)], life, end

@@ -12,10 +12,9 @@ from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
-from worker.pictures.panel_picture import PanelPicture
-from worker.stores.basin_store import BasinStore
 from worker.stores.solution_table import share_error
-from worker.stores.summary import representatives
+from worker.views.figure import Basins, Panel
+from worker.views.reading import open_basin
 
 WINDOW = CellGrid(0.2, 1.2, 1, 0.0, 6.0, 1)
 
@@ -70,10 +69,9 @@ def test_points_of_a_large_sample_are_drawn_all_over_the_window(client, tmp_path
     # Every second point of a Sobol sequence lies in one half of the window.
     location = str(tmp_path / "sample.zarr")
     run(BasinJob(iterations=1, sample=Sample(4000, 1)), location, client)
-    store = BasinStore(location)
-    table = store.solutions.read()
     axes = Figure().subplots()
-    PanelPicture(store, table, representatives(store, table), 0, 1000).draw_solutions(axes)
+    with open_basin(location) as basin:
+        Panel(Basins(basin), 0).draw_solutions(axes)
     t, v = axes.collections[0].get_offsets().T
     quarters = np.histogram2d(t, v, bins=2, range=[[0.0, 1.0], [0.0, 7.0]])[0]
     np.testing.assert_allclose(quarters, 1000, atol=10)

@@ -15,14 +15,13 @@ from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import DamagedChunk, StoreFailed
 from worker.jobs.basin_job import BasinJob
-from worker.pictures.panel_picture import Look
-from worker.pictures.picture import figure_of_store
 from worker.storage.location import storage_at
 from worker.storage.protocol import whole
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import SOLUTION
 from worker.stores.opening import open_group
 from worker.stores.summary import summarise
+from worker.views.figure import Look, figure_of_store
 from worker.views.tile_labels import read_tile_labels
 
 POINTS = ("attractor_time", "attractor_velocity")
@@ -117,7 +116,7 @@ def test_every_reader_names_store_array_and_tile(store, reader):
 
 
 @pytest.mark.parametrize("content", ["{", '{"zarr_format": 3, "node_type": "array"}'])
-@pytest.mark.parametrize("reader", ["picture", "tile", "store"])
+@pytest.mark.parametrize("reader", ["tile", "store"])
 def test_readers_name_metadata_that_cannot_be_read(store, reader, content):
     (store / "solution" / "zarr.json").write_text(content)
     with pytest.raises(StoreFailed) as caught:

@@ -20,11 +20,10 @@ from worker.cluster.driver import Driver
 from worker.errors import InvalidJob, JobCancelled, StoreFailed
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
-from worker.pictures.panel_picture import Look
-from worker.pictures.picture import basin_figure
 from worker.pictures.window import Window
 from worker.stores.basin_store import BasinStore
 from worker.stores.pyramid import LABELS
+from worker.views.figure import Look, basin_figure
 from worker.views.outline import outline_basin
 from worker.views.tile_labels import read_tile_labels
 

@@ -12,13 +12,13 @@ from tests.worker.basins.test_pipeline import run
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
-from worker.pictures.share_chart import shares_figure
 from worker.stores.basin_store import BasinStore
 from worker.stores.solution_table import SolutionTable, motion_of
 from worker.stores.summary import summarise
 from worker.views.loudness import measure_loudness
 from worker.views.outline import outline_basin
 from worker.views.reading import attractors_of, basin_of, open_basin
+from worker.views.shares import shares_figure
 from worker.views.tables import table_of
 
 MEASURES = ["impacts_per_period", "largest_impact_speed", "impact_power"]

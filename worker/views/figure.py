@@ -1,0 +1,642 @@
+"""Pictures of basins in the paper's axes (Figs. 6 to 16), complete or not: one, or those of a sweep side by side.
+
+All are drawn from a dataset. Of a large basin in a store those of its levels are read, too, so that a picture reads no
+more cells than it shows.
+"""
+
+import itertools
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, PathPatch, Rectangle
+from matplotlib.ticker import MaxNLocator
+
+from rattle_kernels import Attractor, CellGrid
+from worker.errors import InvalidJob, StoreFailed, as_store_failure
+from worker.jobs.basin_job import BasinJob
+from worker.kinds import KINDS
+from worker.motion_words import ends_in_words
+from worker.pictures import colours
+from worker.pictures.figure_file import new_figure
+from worker.pictures.overlay import Overlay
+from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_for
+from worker.pictures.symbols import oscillator_text, symbol_of
+from worker.pictures.unproven import demand_proof, draw_unproven, label_of, share_unproven, unproven_patch
+from worker.pictures.window import Window, demand_overlap, whole_window
+from worker.stores.analysis_store import kind_of_store
+from worker.stores.basin_store import BasinStore
+from worker.stores.layout import MISSING, NOT_THERE, TileState
+from worker.stores.new_store import tiling_of
+from worker.stores.proof_layout import PROVEN
+from worker.stores.pyramid import Level, level_for
+from worker.views.at_level import LEVEL, open_level
+from worker.views.reading import attractors_of, basin_at, job_of, open_store
+
+# Most cells drawn each way, of all panels together.
+_MOST_CELLS = 2000
+# Most points of a sample. The first ones of a Sobol sequence cover the window evenly, every second one only half of it.
+_MOST_POINTS = 20_000
+# Most panels each way. Of more, an evenly spaced selection is shown.
+_MOST_PANELS = 6
+_LEGEND_ROWS = 18
+_COLOURS = 256
+# Of the textures of cells, in their order.
+_HATCHES = (None, "////", "\\\\\\\\", "....")
+_SPECKLED = "chaos is speckled by Hsu's groups"
+_TIME, _VELOCITY = "time t of departure (forcing periods)", "velocity v of departure"
+
+Part = tuple[int, int]
+"""Cells along one axis, from start to stop."""
+
+
+class Layer(StrEnum):
+    """What a picture shows."""
+
+    SOLUTION = "solution"
+    GROUP = "group"
+    PERIOD = "period"
+    STEP = "step"
+
+
+@dataclass(frozen=True)
+class Look:
+    """How basins are drawn.
+
+    Parameters
+    ----------
+    layer : Layer
+        Solutions, or one of Hsu's numbers.
+    overlays : collection of str
+        What lies over each basin, of `OverlayKind`.
+    window : Window, optional
+        What is shown of each; by default all that is computed.
+    panel : int, optional
+        The one basin of a sweep that is shown; by default all, side by side.
+    palette : Palette
+        Colours of motions.
+    own_colours : mapping of str to colour
+        Other colours of some motions, by name.
+    legend : bool
+        Whether the motions are listed.
+    """
+
+    layer: Layer = Layer.SOLUTION
+    overlays: Collection[str] = USUAL_OVERLAYS
+    window: Window | None = None
+    panel: int | None = None
+    palette: colours.Palette = colours.USUAL
+    own_colours: Mapping[str, colours.Colour] = field(default_factory=dict)
+    legend: bool = True
+
+
+USUAL_LOOK = Look()
+
+
+@dataclass(frozen=True)
+class Basins:
+    """Basins to draw: their dataset, and if they lie in a store, what can be read there of their levels.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a basin or a sweep, whole or in part, or of one level.
+    location : str, optional
+        The store that it was opened from, whose cells are all there where its ledger says so.
+    levels : tuple of Level
+        The levels of the store that can be read, the basins themselves first.
+    """
+
+    dataset: xr.Dataset
+    location: str | None = None
+    levels: tuple[Level, ...] = ()
+
+    @cached_property
+    def job(self) -> BasinJob:
+        """Their job."""
+        return job_of(self.dataset)
+
+    def at_level(self, number: int) -> xr.Dataset:
+        """The dataset of a level."""
+        return open_level(self.location, number) if self.location and number else self.dataset
+
+
+def frame(axes: Axes, extent: tuple[float, float, float, float]) -> None:
+    """Limit axes to a window of the (t, v) plane, and label them.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    extent : (float, float, float, float)
+        Least and largest time, least and largest speed.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().subplots()
+    >>> frame(axes, (0.0, 1.0, 0.0, 7.0))
+    >>> axes.get_xlabel()
+    'time t of departure (forcing periods)'
+    """
+    axes.set_xlim(*extent[:2])
+    axes.set_ylim(*extent[2:])
+    axes.set(xlabel=_TIME, ylabel=_VELOCITY)
+
+
+def _own_axis(centres: np.ndarray, start: float, stop: float, cells: int, every: int) -> tuple[float, float]:
+    """Outer edges of the cells of a dataset along one axis of the grid; of a level each is `every` cells wide."""
+    size = (stop - start) / cells
+    first = round((float(centres[0]) - start) / size - 0.5)
+    every = round(float(centres[1] - centres[0]) / size) if centres.size > 1 else every
+    last = first + every * centres.size
+    return start + first * size, stop if last == cells else start + last * size
+
+
+def _own_grid(basin: xr.Dataset, grid: CellGrid) -> CellGrid:
+    """The cells that a dataset of a basin has, as a grid: that of its job if it has all of them."""
+    if "sample" in basin.dims:
+        return grid
+    every = 1 << basin.attrs.get(LEVEL, 0)
+    time = _own_axis(basin.time.values, *grid[:3], every)
+    velocity = _own_axis(basin.velocity.values, *grid[3:], every)
+    return CellGrid(*time, basin.sizes["time"], *velocity, basin.sizes["velocity"])
+
+
+class Panel:
+    """Drawing of one basin.
+
+    Parameters
+    ----------
+    basins : Basins
+    number : int
+        Which of them.
+    look : Look
+    most_cells : int
+        Most cells drawn each way. Beyond that, every n-th cell represents its neighbours (labels are not averaged). If
+        the store has levels, n is a power of two, and the cells are read from the level that has just these.
+    """
+
+    def __init__(self, basins: Basins, number: int, look: Look = USUAL_LOOK, most_cells: int = _MOST_CELLS) -> None:
+        self.basins, self.number, self.look, self.most_cells = basins, number, look, most_cells
+        self.job = basins.job
+        self.basin = basin_at(basins.dataset, self.job, number)
+        self.attractors = attractors_of(self.basin)
+        self.tiling = tiling_of(self.job)
+        # Before the cells are read: what it says is there stays there.
+        states = self.basin.tile_state.values if "tile_state" in self.basin else np.array(TileState.ASSEMBLED)
+        self.states = np.broadcast_to(states, self.tiling.shape)
+        own = _own_grid(self.basin, self.job.grid)
+        # The cells at the upper edges of a level may stand for fewer.
+        ends = min(own.time_stop, self.job.grid.time_stop), min(own.velocity_stop, self.job.grid.velocity_stop)
+        self.whole = whole_window(own._replace(time_stop=ends[0], velocity_stop=ends[1]))
+        self.window = look.window or self.whole
+        self.periods = range(1) if self.window == self.whole else self.window.periods_over(own)
+        sides = (side for period in self.periods for side in self.window.cells_of(own, period))
+        self.every = 1 if self.job.sample else max(1, -(-max(b - a for a, b in sides) // most_cells))
+        self.shown, self.grid = self.basin, own
+        if len(basins.levels) > 1:
+            self.every = 1 << (self.every - 1).bit_length()
+            level = level_for(basins.levels, self.every)
+            self.shown = basin_at(basins.at_level(level.number), self.job, number)
+            self.grid = _own_grid(self.shown, self.job.grid)
+            self.every //= level.every
+
+    def _parts(self) -> Iterator[tuple[Part, Part, tuple[float, float, float, float]]]:
+        """Rows and columns that are shown, with their place; twice where the window crosses the grid's end.
+
+        They begin at cells that are kept where only every n-th is.
+        """
+        for period in self.periods:
+            sides = self.window.cells_of(self.grid, period)
+            if all(start < stop for start, stop in sides):
+                rows, columns = ((a // self.every * self.every, -(-b // self.every) * self.every) for a, b in sides)
+                time = self._edges(columns, self.grid.time_start, self.grid.time_stop, self.grid.time_cells)
+                velocity = self._edges(
+                    rows, self.grid.velocity_start, self.grid.velocity_stop, self.grid.velocity_cells
+                )
+                yield rows, columns, (time[0] + period, time[1] + period, *velocity)
+
+    def _edges(self, part: Part, start: float, stop: float, cells: int) -> tuple[float, float]:
+        first, last = (stop if cell == cells else start + cell * ((stop - start) / cells) for cell in part)
+        return first, last
+
+    def _there(self, rows: Part, columns: Part) -> np.ndarray:
+        """Which of some cells have labels, by the ledger. Levels are there as a whole."""
+        if (self.states == TileState.ASSEMBLED).all():
+            return np.array(True)
+        tiles = []
+        for part, centres, start, stop, cells, side in (
+            (rows, self.shown.velocity, *self.job.grid[3:], self.tiling.tile_rows),
+            (columns, self.shown.time, *self.job.grid[:3], self.tiling.tile_columns),
+        ):
+            kept = centres.values[slice(*part, self.every)]
+            tiles.append(((kept - start) / ((stop - start) / cells)).astype(int) // side)
+        return self.states[np.ix_(*tiles)] == TileState.ASSEMBLED
+
+    def _read(self, name: str, rows: Part, columns: Part) -> np.ndarray:
+        """Part of the labels of the cells, thinned if very large; MISSING where they are not there yet."""
+        kept = {"velocity": slice(*rows, self.every), "time": slice(*columns, self.every)}
+        values, there = self.shown[name].isel(kept).values, self._there(rows, columns)
+        if self.basins.location is not None and ((values == MISSING) & there).any():
+            raise StoreFailed(f"the store {self.basins.location} has lost a part of {name}")
+        return np.where(there, values, MISSING)
+
+    def draw_solutions(self, axes: Axes) -> None:
+        """Draw cells, or the points of a sample, in the colours of their solutions."""
+        if self.window != self.whole:
+            axes.set_facecolor(colours.MISSING)
+        if self.job.sample is not None:
+            self._draw_points(axes)
+            return
+        usual = None if self.window == self.whole else self._usual_speckle()
+        for rows, columns, place in self._parts():
+            solution, group = (self._read(layer, rows, columns) for layer in (Layer.SOLUTION, Layer.GROUP))
+            image = colours.paint_cells(
+                solution, group, self.attractors, self.look.palette, usual, self.look.own_colours
+            )  # fmt: skip
+            axes.imshow(image, origin="lower", extent=place, aspect="auto", interpolation="nearest")
+
+    def _usual_speckle(self) -> int:
+        """That of the whole panel: each of its windows has the same."""
+        panel = Panel(self.basins, self.number, replace(self.look, window=None), self.most_cells)
+        sides = (0, panel.grid.velocity_cells), (0, panel.grid.time_cells)
+        solution, group = (panel._read(layer, *sides) for layer in (Layer.SOLUTION, Layer.GROUP))
+        return colours.usual_speckle(solution, group, self.attractors)
+
+    def _draw_points(self, axes: Axes) -> None:
+        first = {"sample": slice(_MOST_POINTS)}
+        t, v, solution = (self.basin[name].isel(first).values for name in ("time", "velocity", "solution"))
+        tiles = np.arange(solution.size) // self.tiling.tile_columns
+        known = (self.states[0, tiles] == TileState.ASSEMBLED) & (solution >= 0)
+        paints = colours.paints_of(self.attractors, self.look.palette, self.look.own_colours)
+        colour = np.array([paint.colour for paint in paints]).reshape(-1, 3)[solution[known]]
+        for period in self.periods:
+            axes.scatter(t[known] + period, v[known], s=2.0, c=colour, linewidths=0.0)
+        axes.set_facecolor(colours.MISSING)
+
+    def draw_numbers(self, axes: Axes) -> list[AxesImage]:
+        """Draw one of Hsu's numbers."""
+        axes.set_facecolor(colours.MISSING)
+        return [
+            axes.imshow(
+                np.ma.masked_equal(self._read(self.look.layer, rows, columns), MISSING),
+                origin="lower", extent=place, aspect="auto", interpolation="nearest", cmap="turbo",
+            )
+            for rows, columns, place in self._parts()
+        ]  # fmt: skip
+
+    def draw_unproven(self, axes: Axes) -> None:
+        """Hatch what is not proven.
+
+        Raises
+        ------
+        InvalidJob
+            If nothing is proven of the basin.
+        """
+        demand_proof(PROVEN.name in self.basin)
+        share = share_unproven([self.basin.proven.values]) if self.grid.shape == self.job.grid.shape else None
+        for rows, columns, place in self._parts():
+            kept = {"velocity": slice(*rows, self.every), "time": slice(*columns, self.every)}
+            proven = np.where(self._there(rows, columns), self.basin.proven.isel(kept).values, NOT_THERE)
+            draw_unproven(axes, proven, place, share)
+
+    def hatch_missing(self, axes: Axes) -> None:
+        """Hatch the tiles that are not labelled yet, densely if even their images are missing."""
+        grid = self.job.grid
+        width = (grid.time_stop - grid.time_start) / grid.time_cells
+        height = (grid.velocity_stop - grid.velocity_start) / grid.velocity_cells
+        states = self.states.ravel()
+        for at, period in itertools.product(np.flatnonzero(states != TileState.ASSEMBLED).tolist(), self.periods):
+            # Points of a sample are spread over the window, whatever their tile.
+            tile = self.tiling.tile(at)
+            rows, columns = (tile.rows, tile.columns) if self.job.sample is None else ((0, 1), (0, grid.time_cells))
+            corner = grid.time_start + period + columns[0] * width, grid.velocity_start + rows[0] * height
+            size = (columns[1] - columns[0]) * width, (rows[1] - rows[0]) * height
+            hatch = "xxx" if states[at] == TileState.PENDING else "//"
+            axes.add_patch(
+                Rectangle(corner, *size, facecolor=colours.MISSING, edgecolor="gray", hatch=hatch, linewidth=0.0)
+            )
+
+    def draw_overlays(self, axes: Axes) -> None:
+        """Draw curves and marks over the panel, and limit the axes to the window."""
+        # A curve that leaves the window may return: it ends only where it leaves what is computed, too.
+        speeds = (
+            min(self.window.velocity_start, self.whole.velocity_start),
+            max(self.window.velocity_stop, self.whole.velocity_stop),
+        )
+        oscillator = self.job.oscillator_of(self.number)
+        for overlay in overlays_for(self.look.overlays, oscillator, self.attractors, speeds):
+            overlay.draw(axes, self.window.time_start)
+        axes.set_xlim(self.window[:2])
+        axes.set_ylim(self.window[2:])
+
+    def draw(self, axes: Axes) -> list[AxesImage]:
+        """Draw all that is asked for. Returns the images of Hsu's numbers."""
+        images: list[AxesImage] = []
+        if self.look.layer == Layer.SOLUTION:
+            self.draw_solutions(axes)
+        else:
+            images = self.draw_numbers(axes)
+        if OverlayKind.PROVEN in self.look.overlays:
+            self.draw_unproven(axes)
+        self.hatch_missing(axes)
+        self.draw_overlays(axes)
+        return images
+
+
+def draw_basin(dataset: xr.Dataset, axes: Axes, look: Look = USUAL_LOOK) -> Axes:
+    """Draw a basin on axes: cells, or the points of a sample, in the project's colours, with overlays.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of one basin, whole or in part (``basin.sel(time=slice(0.5, 0.7))``). Cells that are not computed yet are grey.
+    axes : matplotlib.axes.Axes
+    look : Look
+        Whose legend lists the motions beside the axes, with their shares of all cells.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InvalidJob
+        If it is no single basin, the model lacks an overlay, or nothing is proven.
+
+    Notes
+    -----
+    Beyond 2000 cells either way every n-th represents its neighbours, since labels cannot be averaged.
+    """
+    basins = Basins(dataset)
+    if basins.job.vary:
+        swept = ", ".join(each.parameter for each in basins.job.vary)
+        raise InvalidJob(f"this is a sweep over {swept}: choose a basin by basin_of(sweep, ...), then draw it")
+    _demand_known(basins.job, look)
+    panel = Panel(basins, 0, look)
+    panel.draw(axes)
+    if look.legend and panel.attractors and look.layer == Layer.SOLUTION:
+        _draw_legend(axes, panel.attractors, dataset.share.values, look)
+    axes.set(xlabel=_TIME, ylabel=_VELOCITY)
+    return axes
+
+
+class UnprovenOverlay(NamedTuple):
+    """What is not proven of a basin, to be hatched on axes of the (t, v) plane."""
+
+    dataset: xr.Dataset
+
+    def draw(self, axes: Axes, time_start: float = 0.0) -> None:
+        """Hatch it; an `InvalidJob` if nothing is proven. The dataset says where it lies."""
+        Panel(Basins(self.dataset), 0).draw_unproven(axes)
+
+
+def overlays_of(dataset: xr.Dataset, names: Collection[str] = ()) -> tuple[Overlay | UnprovenOverlay, ...]:
+    """Overlays of a basin, of some `OverlayKind`; by default all that there are.
+
+    Raises
+    ------
+    InvalidJob
+        If a name is unknown, or this oscillator has no such overlay.
+    """
+    job = job_of(dataset)
+    speeds = job.grid.velocity_start, job.grid.velocity_stop
+    found = overlays_for(names or list(OverlayKind), job.oscillator, attractors_of(dataset), speeds)
+    unproven = OverlayKind.PROVEN in names or (not names and PROVEN.name in dataset)
+    return (UnprovenOverlay(dataset), *found) if unproven else found
+
+
+def draw_basins(dataset: xr.Dataset, figure: Figure, look: Look = USUAL_LOOK) -> None:
+    """Draw a basin, or those of a sweep side by side, on an empty figure, whose size this sets.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    figure : matplotlib.figure.Figure
+    look : Look
+
+    Raises
+    ------
+    InvalidJob
+        As for `basin_figure`.
+    """
+    _draw_basins(Basins(dataset), figure, look)
+
+
+def figure_of_store(location: str, look: Look = USUAL_LOOK) -> Figure:
+    """Draw a store of any kind, complete or not.
+
+    Parameters
+    ----------
+    location : str
+    look : Look
+        How basins are drawn.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    InvalidJob
+        If the store has no such layer, overlay, window or panel.
+    StoreConflict, StoreFailed
+        If there is no store, or it cannot be read.
+    """
+    return KINDS[kind_of_store(location)].figure(location, look)
+
+
+def basin_figure(location: str, look: Look = USUAL_LOOK) -> Figure:
+    """Draw the basins in a store.
+
+    Parameters
+    ----------
+    location : str
+        The store, complete or not.
+    look : Look
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    InvalidJob
+        If Hsu's numbers are requested for a sample, which has no cells, the model lacks an overlay, there is no such
+        panel, or nothing was computed in the window.
+    StoreConflict, StoreFailed
+        If there is no basin's store, or it cannot be read.
+    """
+    levels = BasinStore(location).whole_levels
+    figure = new_figure()
+    with as_store_failure(location), open_store(location) as dataset:
+        _draw_basins(Basins(dataset, location, levels), figure, look)
+    return figure
+
+
+def _demand_known(job: BasinJob, look: Look) -> None:
+    if job.sample is not None and look.layer != Layer.SOLUTION:
+        raise InvalidJob(f"a sample has no cells, and so no {look.layer}: its solutions can be drawn")
+    if look.window is not None:
+        demand_overlap(look.window, job.grid)
+
+
+def _draw_basins(basins: Basins, figure: Figure, look: Look) -> None:
+    job = basins.job
+    _demand_known(job, look)
+    rows = _arrangement(job, look.panel)
+    across, down = len(rows[0]), len(rows)
+    if (across, down) != (1, 1):
+        figure.set_size_inches(3.0 + 2.6 * across, 1.2 + 2.1 * down)
+    axes = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
+    title = _title(basins.dataset, job, sum(map(len, rows)), look)
+    _draw_panels(figure, axes, basins, rows, look)
+    if job.vary:
+        figure.suptitle(title)
+        figure.supxlabel(_TIME)
+        figure.supylabel(_VELOCITY)
+    else:
+        axes[0, 0].set(xlabel=_TIME, ylabel=_VELOCITY, title=title)
+
+
+def _draw_panels(figure: Figure, axes: np.ndarray, basins: Basins, rows: list[list[int]], look: Look) -> None:
+    images: list[AxesImage] = []
+    for at, place in zip(np.ndindex(axes.shape), axes.flat, strict=True):
+        if at[1] >= len(rows[at[0]]):
+            place.set_axis_off()
+            continue
+        panel = Panel(basins, rows[at[0]][at[1]], look, max(_MOST_CELLS // axes.shape[1], 1))
+        images += panel.draw(place)
+        values = panel.job.values_of(panel.number).items()
+        place.set_title(", ".join(f"{symbol_of(name)} = {value:g}" for name, value in values), fontsize="small")
+    if images:
+        _draw_scale(figure, axes, images, f"Hsu's {look.layer}")
+    elif look.legend and panel.attractors:
+        _list_motions(figure, axes[0, -1], basins.dataset, panel, look)
+
+
+def _list_motions(figure: Figure, axes: Axes, dataset: xr.Dataset, panel: Panel, look: Look) -> None:
+    """Legend of the motions of all basins, which have the same colours in all panels."""
+    job, motions = panel.job, panel.attractors
+    shares = np.full(len(motions), np.nan)
+    if dataset.attrs["complete"]:
+        shares = dataset.share.mean([each.parameter for each in job.vary]).values
+    if not job.vary:
+        _draw_legend(axes, motions, shares, look)
+        return
+    labels = [f"{number}: {motion.name}" for number, motion in enumerate(motions)]
+    handles = _legend_patches(motions, shares, labels, look)
+    handles += [unproven_patch(label_of(None))] if OverlayKind.PROVEN in look.overlays else []
+    figure.legend(handles=handles, loc="outside right upper", frameon=False)
+
+
+def _legend_patches(motions: tuple[Attractor, ...], shares: np.ndarray, labels: list[str], look: Look) -> list[Patch]:
+    """Legend entries: permanent contact first, others by share. Once shares are known, only those that have one."""
+    filled = colours.paints_of(motions, look.palette, look.own_colours)
+    there = np.isfinite(shares) if np.isfinite(shares).any() else np.full(len(motions), True)
+    order = sorted(np.flatnonzero(there).tolist(), key=lambda i: (i > 0, -np.nan_to_num(shares[i])))
+    speckled = [motion.is_chaotic and motion.name not in look.own_colours for motion in motions]
+    patches = [_patch(filled[i], labels[i], speckled[i]) for i in order[:_LEGEND_ROWS]]
+    if len(order) > _LEGEND_ROWS:
+        patches.append(Patch(alpha=0.0, label=f"and {len(order) - _LEGEND_ROWS} more"))
+    return patches
+
+
+def _patch(paint: colours.Paint, label: str, speckled: bool) -> Patch:
+    """The colour and texture of a motion; of chaos its usual and a brighter shade."""
+    colour = paint.colour
+    if not speckled:
+        ink, hatch = colours.ink_on(colour), _HATCHES[paint.texture]
+        return Patch(facecolor=colour, edgecolor="black", hatchcolor=ink, hatch=hatch, label=label)
+    brighter = tuple(min(part * colours.SPECKLE[-1] / colours.SPECKLE[0], 1.0) for part in colour)
+    return Patch(facecolor=colour, edgecolor="black", hatchcolor=brighter, hatch="xxxxx", label=label)
+
+
+def _draw_legend(axes: Axes, motions: tuple[Attractor, ...], shares: np.ndarray, look: Look) -> None:
+    """List motions with colours and shares beside axes on which they are drawn; NaN is a share not known yet."""
+    told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
+    names = [motion.name for motion in motions]
+    ends = [f"\n{ends_in_words(motion.ends, names)}" if motion.ends else "" for motion in motions]
+    labels = [f"{motion.label}   {share}{end}" for motion, share, end in zip(motions, told, ends, strict=True)]
+    handles = [*_legend_patches(motions, shares, labels, look), *_unproven_of(axes), *_lines_of(axes)]
+    speckled = axes.images and any(each.is_chaotic for each in motions)  # points of a sample have no groups
+    axes.legend(
+        handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0,
+        title=_SPECKLED if speckled else None, title_fontsize="x-small",
+    )  # fmt: skip
+
+
+def _unproven_of(axes: Axes) -> list[Patch]:
+    """Legend entry of what is not proven, where that is drawn."""
+    names = {str(patch.get_label()) for patch in axes.patches if isinstance(patch, PathPatch)}
+    return [unproven_patch(name) for name in names]
+
+
+def _lines_of(axes: Axes) -> list[Line2D]:
+    """Legend entries of the overlays, each name once; marks of attractors are listed among the motions."""
+    named = {str(line.get_label()): line for line in axes.get_lines() if line.get_linestyle() != "None"}
+    drawn = {name: line for name, line in named.items() if not name.startswith("_")}
+    # On white paper a white curve is shown grey.
+    return [
+        Line2D([], [], color="0.6" if line.get_color() == "white" else line.get_color(), label=name,
+               linestyle=line.get_linestyle())
+        for name, line in drawn.items()
+    ]  # fmt: skip
+
+
+def _title(dataset: xr.Dataset, job: BasinJob, shown: int, look: Look) -> str:
+    swept = tuple(each.parameter for each in job.vary)
+    title = f"{oscillator_text(job.oscillator, without=swept)}, k = {job.iterations}"
+    if look.window is not None and look.layer == Layer.SOLUTION:
+        grid = job.grid
+        title += (
+            f"\nshares are those of t {grid.time_start:g} to {grid.time_stop:g}, "
+            f"v {grid.velocity_start:g} to {grid.velocity_stop:g}"
+        )
+    if shown < job.basins:
+        title += f"; {shown} of {job.basins} basins"
+    if not dataset.attrs["complete"]:
+        states = dataset.tile_state.values
+        title += f"\nincomplete: {int((states == TileState.ASSEMBLED).sum())} of {states.size} tiles"
+    return title
+
+
+def _evenly(count: int, most: int) -> list[int]:
+    """At most `most` of `count` numbers, evenly spaced, including the first and the last."""
+    return sorted(set(np.linspace(0, count - 1, min(count, most)).round().astype(int).tolist()))
+
+
+def _arrangement(job: BasinJob, panel: int | None) -> list[list[int]]:
+    """Panels in rows. Of two swept parameters, the first increases upwards, the last to the right."""
+    if panel is not None:
+        if not 0 <= panel < job.basins:
+            raise InvalidJob(f"there is no basin {panel}: there are {job.basins}, from 0 on")
+        return [[panel]]
+    shape = job.sweep_shape
+    if len(shape) == 2:
+        columns = _evenly(shape[1], _MOST_PANELS)
+        return [[row * shape[1] + column for column in columns] for row in reversed(_evenly(shape[0], _MOST_PANELS))]
+    panels = _evenly(job.basins, _MOST_PANELS**2)
+    across = int(np.ceil(np.sqrt(len(panels))))
+    return [panels[start : start + across] for start in range(0, len(panels), across)]
+
+
+def _draw_scale(figure: Figure, axes: np.ndarray, images: list[AxesImage], label: str) -> None:
+    """Give each whole number one colour, the same in all panels, and draw the scale."""
+    shown = np.concatenate([np.ma.asarray(image.get_array()).compressed() for image in images])
+    lowest, highest = int(shown.min(initial=0)), int(shown.max(initial=1))
+    # A colour map has so many colours; of more numbers, neighbours share one.
+    step = 1 + (highest - lowest) // _COLOURS
+    norm = BoundaryNorm(np.arange(lowest, highest + 2 * step, step) - 0.5, _COLOURS)
+    for image in images:
+        image.set_norm(norm)
+    figure.colorbar(images[0], ax=axes, label=label, ticks=MaxNLocator(10, integer=True), spacing="proportional")
