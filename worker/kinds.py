@@ -61,14 +61,11 @@ class Run(Protocol):
         """Run a job; see `worker.basins.pipeline.run_basin`."""
 
 
-class Summary(Protocol):
-    """Summary of a store, complete or not."""
+class Summarise(Protocol):
+    """How a store is summarised, complete or not."""
 
-    def as_json(self) -> dict[str, Any]:
-        """All of it, as the model of its kind's results describes it but for ``zarr``, the store's address."""
-
-    def found(self) -> dict[str, Any]:
-        """What was found and how long it took, as the shell prints it."""
+    def __call__(self, location: str, zarr: str | None = None) -> "BaseModel":
+        """The kind's model of its results. `zarr` is where its reader finds the store, by default its location."""
 
 
 class DrawStore(Protocol):
@@ -143,8 +140,7 @@ class JobKind(ResultKind):
     unit : {"tiles", "pieces"}
         What its progress counts.
     run : Run
-    summarise : callable
-        ``summarise(location)``: the `Summary` of a store.
+    summarise : Summarise
     fingerprint : callable
         ``fingerprint(location)``: bytes that change whenever a picture of the store does.
     figure : DrawStore
@@ -160,7 +156,7 @@ class JobKind(ResultKind):
     table: str
     unit: Literal["tiles", "pieces"]
     run: Run
-    summarise: Callable[[str], Summary]
+    summarise: Summarise
     fingerprint: Callable[[str], bytes]
     figure: DrawStore
 
@@ -274,8 +270,8 @@ def _said_of(entry: EntryPoint) -> str:
 def _of_basins(*, job: str, **said: Any) -> JobKind:
     return JobKind(
         **said, job=f"worker.jobs.basin_job:{job}", unit="tiles",
-        view="worker.basins.result:ResultView", run=later("worker.basins.pipeline:run_basin"),
-        summarise=later("worker.stores.summary:summarise"), fingerprint=later("worker.stores.summary:fingerprint"),
+        view="worker.views.summary:ResultView", run=later("worker.basins.pipeline:run_basin"),
+        summarise=later("worker.views.summary:summarise"), fingerprint=later("worker.views.summary:fingerprint"),
         figure=later("worker.views.figure:basin_figure"), draw=later("worker.views.figure:draw_basins"),
     )  # fmt: skip
 

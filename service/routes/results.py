@@ -27,10 +27,10 @@ from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
 from worker.pictures.window import parse_window
 from worker.stores.basin_store import BasinStore
-from worker.stores.summary import fingerprint
 from worker.views.figure import Layer, Look
 from worker.views.reading import open_store
 from worker.views.shares import shares_figure
+from worker.views.summary import fingerprint
 from worker.views.tables import TableFormat, demand_small_table, table_of, write_table
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])

@@ -18,9 +18,9 @@ from service.models.results import OutlineView, OverlaysView, OverlayView
 from service.routes.dependencies import LARGE, JobId, JobsHere, SettingsHere, problems, require_kind
 from service.routes.results import COMPUTING, location_of
 from worker.pictures.overlay_kind import OverlayKind
-from worker.stores.summary import fingerprint
 from worker.views.outline import outline_basin
 from worker.views.overlays import overlay_basin
+from worker.views.summary import fingerprint
 from worker.views.tile_labels import read_tile_labels
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["viewer"])

@@ -9,9 +9,9 @@ import xarray as xr
 import rattle
 from worker.errors import InvalidJob
 from worker.pictures.colours import Palette, colours_of
-from worker.stores.summary import summarise
 from worker.views import reading
 from worker.views.measures import measure_basins
+from worker.views.summary import summarise
 
 
 @pytest.fixture(scope="module")

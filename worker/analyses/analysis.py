@@ -32,7 +32,6 @@ from worker.progress import Progress, Report, Stage
 from worker.stores.analysis_store import AnalysisStore, StoredParts
 from worker.stores.layout import Columns, Variable
 from worker.stores.opening import demand_own_request, demand_same_digest
-from worker.stores.summary import without_nan
 from worker.views.figure import USUAL_LOOK, Look
 
 Parts = Mapping[str, Columns]
@@ -67,29 +66,6 @@ class AnalysisView(BaseModel):
 
 
 @dataclass(frozen=True)
-class AnalysisSummary:
-    """Summary of the result in a store, complete or not."""
-
-    kind: str
-    complete: bool
-    request: dict[str, Any]
-    pieces_done: int
-    seconds: dict[str, float]
-    result: dict[str, Any]
-
-    def as_json(self) -> dict[str, Any]:
-        """All of it, as the `AnalysisView` of its kind describes it but for ``zarr``."""
-        return {
-            "kind": self.kind, "complete": self.complete, "request": self.request, "pieces_done": self.pieces_done,
-            "seconds": self.seconds,
-        } | self.result  # fmt: skip
-
-    def found(self) -> dict[str, Any]:
-        """What was found, and the time that it took."""
-        return self.result | {"seconds": self.seconds}
-
-
-@dataclass(frozen=True)
 class Analysis:
     """One kind of analysis.
 
@@ -106,9 +82,9 @@ class Analysis:
     layout : callable
         ``layout(job)``: variables of the store, one for each column.
     summarise : callable
-        ``summarise(job, columns)``: a summary of the result, as JSON.
+        ``summarise(job, columns)``: what was found, as the fields that `view` adds.
     view : type
-        An `AnalysisView` that describes that summary.
+        The `AnalysisView` of its results.
     draw : callable
         ``draw(job, columns, figure)``.
     """
@@ -200,17 +176,18 @@ class Analysis:
         except (StoreFailed, KeyError) as error:
             return {}, error
 
-    def summary(self, location: str) -> AnalysisSummary:
-        """Summary of the store at a location, finished or not.
+    def summary(self, location: str, zarr: str | None = None) -> AnalysisView:
+        """Summary of the store at a location, finished or not; `zarr` is where its reader finds the store.
 
         Raises
         ------
         StoreConflict, StoreFailed
         """
         job, columns, store = self.read(location)
-        return AnalysisSummary(
-            job.kind, store.complete, store.request, len(store.parts()), dict(store.attributes.get("seconds", {})),
-            without_nan(self.summarise(job, columns)),
+        return self.view(
+            complete=store.complete, request=store.request, pieces_done=len(store.parts()),
+            seconds=store.attributes.get("seconds", {}), zarr=location if zarr is None else zarr, kind=job.kind,
+            **self.summarise(job, columns),
         )  # fmt: skip
 
     def fingerprint(self, location: str) -> bytes:

@@ -120,13 +120,13 @@ def orders_of(columns: Mapping[str, Any]) -> list[list[Piece]]:
 def summarise(job: GrazingCurveJob, columns: Columns) -> dict[str, Any]:
     """Orders with their lengths. An incomplete order needs more points than allowed, or is not computed yet."""
     orders = [
-        {
-            "order": order,
-            "complete": bool(row.complete),
-            "pieces": len(pieces),
-            "vertices": int(sum(piece.t.size for piece in pieces)),
-            "arclength": row.arclength,
-        }
+        OrderView(
+            order=order,
+            complete=bool(row.complete),
+            pieces=len(pieces),
+            vertices=int(sum(piece.t.size for piece in pieces)),
+            arclength=row.arclength,
+        )
         for order, (row, pieces) in enumerate(zip(ORDERS.rows(columns), orders_of(columns), strict=True))
     ]
     return {"orders": orders}

@@ -220,17 +220,17 @@ def summarise(job: ManifoldJob, columns: Columns) -> dict[str, Any]:
     for row, own in zip(BRANCHES.rows(columns), slices(columns["branch_size"]), strict=True):
         ends = columns["piece_end"][own]
         branches.append(
-            {
-                "saddle": row.orbit,
-                "manifold": _SIDES[row.kind - 1].value,
-                "departure": row.point,
-                "side": row.side,
-                "arclength": row.arclength,
-                "end": row.end,
-                "vertices": int(columns["piece_size"][own].sum()),
-                "pieces": row.size,
-                "pieces_by_end": {end.name.lower(): int((ends == end).sum()) for end in PieceEnd},
-            }
+            ManifoldBranchView(
+                saddle=row.orbit,
+                manifold=_SIDES[row.kind - 1].value,
+                departure=row.point,
+                side=row.side,
+                arclength=row.arclength,
+                end=row.end,
+                vertices=int(columns["piece_size"][own].sum()),
+                pieces=row.size,
+                pieces_by_end={end.name.lower(): int((ends == end).sum()) for end in PieceEnd},
+            )
         )
     return {"saddles": summarise_orbits(columns), "branches": branches}
 

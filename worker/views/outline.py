@@ -11,7 +11,7 @@ from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 from worker.stores.pyramid import Level
 from worker.stores.solution_table import SolutionTable
-from worker.stores.summary import expected_in, representatives
+from worker.views.summary import expected_in, representatives
 
 _CURVE_POINTS = 512
 # Most points of an attractor: enough to see its shape on a screen, few enough for a network.

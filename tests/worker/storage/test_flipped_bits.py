@@ -20,8 +20,8 @@ from worker.storage.protocol import whole
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import SOLUTION
 from worker.stores.opening import open_group
-from worker.stores.summary import summarise
 from worker.views.figure import Look, figure_of_store
+from worker.views.summary import summarise
 from worker.views.tile_labels import read_tile_labels
 
 POINTS = ("attractor_time", "attractor_velocity")
