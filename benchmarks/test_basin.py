@@ -13,8 +13,8 @@ from worker.cluster.driver import Driver
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import Spacing, SweptParameter
+from worker.results.summary import summarise
 from worker.stores.basin_store import BasinStore
-from worker.views.summary import summarise
 
 PANELS = [
     Oscillator(),

@@ -72,7 +72,7 @@ class DrawStore(Protocol):
     """How a store is drawn, complete or not."""
 
     def __call__(self, location: str, look: Any = ...) -> "Figure":
-        """Draw a store; `look` is a `worker.views.figure.Look`."""
+        """Draw a store; `look` is a `worker.results.figure.Look`."""
 
 
 def later(name: str) -> Callable[..., Any]:
@@ -103,9 +103,11 @@ class ResultKind:
     name : str
         As in the dataset's request.
     draw : callable
-        ``draw(dataset, figure, look)``: draws a result on an empty figure; `look` is a `worker.views.figure.Look`.
+        ``draw(dataset, figure, look)``: draws a result on an empty figure; `look` is a `worker.results.figure.Look`.
     draw_on : callable, optional
         ``draw_on(dataset, axes, look)``: draws a result that takes no more on axes.
+    shares : callable, optional
+        ``shares(dataset, target)``: draws shares over swept parameters on an empty figure, or on axes.
     overlays : callable, optional
         ``overlays(dataset, names)``: what of it can be laid over axes of the (t, v) plane, by default all. Each draws
         itself by ``draw(axes, time_start)``.
@@ -114,6 +116,7 @@ class ResultKind:
     name: str
     draw: "Callable[[xr.Dataset, Figure, Any], object]"
     draw_on: "Callable[[xr.Dataset, Axes, Any], object] | None" = None
+    shares: "Callable[[xr.Dataset, Figure | Axes], object] | None" = None
     overlays: "Callable[[xr.Dataset, Collection[str]], Iterable[Any]] | None" = None
 
 
@@ -164,6 +167,11 @@ class JobKind(ResultKind):
         for what, text, pattern in (("name", self.name, _NAME), ("path", self.path, _PATH)):
             if not pattern.fullmatch(text):
                 raise ValueError(f"the {what} {text!r} of a kind is not of the form {pattern.pattern}")
+
+    @property
+    def has_tiles(self) -> bool:
+        """Whether its results are basins, of tiles."""
+        return self.unit == "tiles"
 
     @cached_property
     def job_class(self) -> "type[Job]":
@@ -240,6 +248,10 @@ class Kinds(Mapping[str, JobKind]):
             raise UnknownKind(f"there is no kind {name!r} here: install the package that adds it; there are {known}")
         return self._found[name]
 
+    def offering(self, what: str) -> tuple[str, ...]:
+        """Names of the kinds whose entry has something: `shares`, or what else not all have."""
+        return tuple(name for name, kind in self.items() if getattr(kind, what))
+
     def __contains__(self, name: object) -> bool:
         return name in self._found
 
@@ -270,9 +282,9 @@ def _said_of(entry: EntryPoint) -> str:
 def _of_basins(*, job: str, **said: Any) -> JobKind:
     return JobKind(
         **said, job=f"worker.jobs.basin_job:{job}", unit="tiles",
-        view="worker.views.summary:ResultView", run=later("worker.basins.pipeline:run_basin"),
-        summarise=later("worker.views.summary:summarise"), fingerprint=later("worker.views.summary:fingerprint"),
-        figure=later("worker.views.figure:basin_figure"), draw=later("worker.views.figure:draw_basins"),
+        view="worker.results.summary:ResultView", run=later("worker.basins.pipeline:run_basin"),
+        summarise=later("worker.results.summary:summarise"), fingerprint=later("worker.results.summary:fingerprint"),
+        figure=later("worker.results.figure:basin_figure"), draw=later("worker.results.figure:draw_basins"),
     )  # fmt: skip
 
 
@@ -282,15 +294,15 @@ KINDS = Kinds((
         summary="Submit a basin",
         description=f"Compute one basin of attraction.\n\n{_AGAIN}",
         command="Compute one basin on this machine, without a service.",
-        job="BasinJob", table="attractor", draw_on=later("worker.views.figure:draw_basin"),
-        overlays=later("worker.views.figure:overlays_of"),
+        job="BasinJob", table="attractor", draw_on=later("worker.results.figure:draw_basin"),
+        overlays=later("worker.results.figure:overlays_of"),
     ),
     _of_basins(
         name="sweep", path="sweeps", title="Sweep",
         summary="Submit a sweep",
         description=f"Compute basins over one or two parameters, all into one store.\n\n{_AGAIN}",
         command="Compute basins over one or two parameters into one store, on this machine.",
-        job="SweepJob", table="share",
+        job="SweepJob", table="share", shares=later("worker.results.shares:draw_shares"),
     ),
     analysis_kind(
         "worker.analyses.bifurcation:BIFURCATION",

@@ -17,16 +17,16 @@ from rattle_kernels import NOT_CONVERGED, PERMANENT_CONTACT, SINK, Attractor, Os
 from worker.errors import InvalidJob
 from worker.jobs.job import Job
 from worker.kinds import KINDS, ResultKind, kind_of
-from worker.views import reading
-from worker.views.at_level import demand_all_cells
-from worker.views.tables import table_of
+from worker.results import opening
+from worker.results.opening import demand_all_cells
+from worker.results.tables import table_of
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from worker.views.figure import Look
+    from worker.results.figure import Look
 
 _SIZE = 10.0, 6.5
 _RESERVED_IMAGES = {"sink": SINK, "permanent_contact": PERMANENT_CONTACT, "undecided": NOT_CONVERGED}
@@ -162,7 +162,7 @@ class Result:
         'P(1,1,0)'
         """
         self._demand("catalogue", "basin")
-        return reading.attractors_of(self._dataset)
+        return opening.attractors_of(self._dataset)
 
     @property
     def colours(self) -> list[tuple[float, float, float]]:
@@ -178,7 +178,7 @@ class Result:
         from worker.pictures.colours import colours_of
 
         one = self._dataset if self.kind == "basin" else self.basins()[0]
-        return colours_of(reading.attractors_of(one))
+        return colours_of(opening.attractors_of(one))
 
     @property
     def levels(self) -> dict[int, tuple[int, int]]:
@@ -192,7 +192,7 @@ class Result:
         {0: (40, 40)}
         """
         self._demand("levels", "basin", "sweep")
-        from worker.views.at_level import levels_in
+        from worker.results.opening import levels_in
 
         return {level.number: level.tiling.grid.shape for level in levels_in(self._dataset)}
 
@@ -209,7 +209,7 @@ class Result:
         (40, 40)
         """
         self._demand("shown", "basin")
-        return reading.thinned(self._dataset).load()
+        return opening.thinned(self._dataset).load()
 
     def cell_names(self) -> xr.DataArray:
         """Name of the motion that each cell ends in, or each point of a sample.
@@ -287,7 +287,7 @@ class Result:
         0.6
         """
         self._demand("basin", "sweep")
-        return reading.basin_of(self._dataset, **values)
+        return opening.basin_of(self._dataset, **values)
 
     def basins(self) -> tuple[xr.Dataset, ...]:
         """All basins of a sweep, each as `basin` returns it.
@@ -310,7 +310,7 @@ class Result:
         """
         self._demand("basins", "sweep")
         job: Any = self.job
-        return tuple(reading.basin_of(self._dataset, **job.values_of(number)) for number in range(job.basins))
+        return tuple(opening.basin_of(self._dataset, **job.values_of(number)) for number in range(job.basins))
 
     def measures(self, tolerance: float = 1e-6) -> xr.Dataset:
         """Measures of each basin: integrity, entropies, uncertainty exponent, least disturbance.
@@ -323,7 +323,7 @@ class Result:
         Returns
         -------
         xarray.Dataset
-            As ``worker.views.measures.measure_basins`` describes it.
+            As ``worker.results.measures.measure_basins`` describes it.
 
         Raises
         ------
@@ -337,7 +337,7 @@ class Result:
         True
         """
         self._demand("measures", "basin", "sweep")
-        from worker.views.measures import measure_basins
+        from worker.results.measures import measure_basins
 
         return measure_basins(self._dataset, tolerance)
 
@@ -347,7 +347,7 @@ class Result:
         Returns
         -------
         xarray.Dataset
-            As ``worker.views.loudness.measure_loudness`` describes it.
+            As ``worker.results.measures.measure_loudness`` describes it.
 
         Raises
         ------
@@ -361,7 +361,7 @@ class Result:
         [0.0, 1.0]
         """
         self._demand("loudness", "basin", "sweep")
-        from worker.views.loudness import measure_loudness
+        from worker.results.measures import measure_loudness
 
         return measure_loudness(self._dataset)
 
@@ -528,7 +528,7 @@ class Result:
     def _overlays(self, names: Collection[str]) -> Iterable[Any]:
         """What of it can be laid over axes of the (t, v) plane."""
         if self._kind.overlays is None:
-            self._demand("overlay", *(name for name, kind in KINDS.items() if kind.overlays is not None))
+            self._demand("overlay", *KINDS.offering("overlays"))
         assert self._kind.overlays is not None
         return self._kind.overlays(self._dataset, names)
 
@@ -598,7 +598,7 @@ class Result:
         from matplotlib.colors import to_rgb
 
         from worker.pictures.colours import USUAL, Palette
-        from worker.views.figure import USUAL_OVERLAYS, Look
+        from worker.results.figure import USUAL_OVERLAYS, Look
 
         if colors or palette:
             self._demand("colors and palette", "basin", "sweep")
@@ -642,13 +642,12 @@ class Result:
         >>> sweep.rattle.plot_shares().axes[0].get_ylabel()
         'share'
         """
-        self._demand("plot_shares", "sweep")
+        self._demand("plot_shares", *KINDS.offering("shares"))
         import matplotlib.pyplot as plt
 
-        from worker.views.shares import draw_shares
-
         target = plt.figure(layout="constrained") if ax is None else ax
-        draw_shares(self._dataset, target)
+        assert self._kind.shares is not None
+        self._kind.shares(self._dataset, target)
         return target
 
     def to_table(self, name: str | None = None) -> "pd.DataFrame":

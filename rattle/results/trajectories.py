@@ -70,7 +70,7 @@ def history_of(dataset: xr.Dataset) -> tuple[Oscillator, TimeHistory]:
 
 
 def _draw(dataset: xr.Dataset, figure: "Figure", look: object = None) -> None:
-    from worker.pictures.history_picture import draw_history  # loads Matplotlib
+    from worker.pictures.history import draw_history  # loads Matplotlib
 
     figure.set_size_inches(_SIZE)
     draw_history(figure, *history_of(dataset))

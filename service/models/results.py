@@ -14,10 +14,10 @@ from worker.basins.preview import Preview
 from worker.kinds import KINDS
 from worker.pictures.colours import MISSING, SPECKLE, Colour, Paint, Palette, paints_of
 from worker.pictures.overlay import Lines, Overlay
+from worker.results.motion_end import MotionEnd
+from worker.results.summary import EndView, ExpectedView, FiniteOrNone, Loud, ends_of
+from worker.results.viewer import PanelOutline
 from worker.stores.pyramid import Level
-from worker.views.motion_end import MotionEnd
-from worker.views.outline import PanelOutline
-from worker.views.summary import EndView, ExpectedView, FiniteOrNone, Loud, ends_of
 
 _DIGITS = 7
 # A preview is for a screen, and comes ten times a second.

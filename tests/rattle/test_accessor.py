@@ -9,9 +9,9 @@ import xarray as xr
 import rattle
 from worker.errors import InvalidJob
 from worker.pictures.colours import Palette, colours_of
-from worker.views import reading
-from worker.views.measures import measure_basins
-from worker.views.summary import summarise
+from worker.results import opening
+from worker.results.measures import measure_basins
+from worker.results.summary import summarise
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +147,7 @@ def test_images_are_counted_as_in_the_summary(basin, sweep, kept):
 
 
 def test_of_many_cells_every_nth_is_shown(basin, monkeypatch):
-    monkeypatch.setattr(reading, "_MOST_CELLS", 15)
+    monkeypatch.setattr(opening, "_MOST_CELLS", 15)
     shown = basin.copy().rattle.shown
     np.testing.assert_array_equal(shown.solution, basin.solution[::3, ::3])
     np.testing.assert_array_equal(shown.share, basin.share)

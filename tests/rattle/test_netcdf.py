@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 import rattle
 from worker.errors import InvalidJob
-from worker.views.figure import draw_basin
+from worker.results.figure import draw_basin
 
 QUICK = {"progress": False, "workers": 1}
 CELLS = {"cells": 8, "iterations": 101}

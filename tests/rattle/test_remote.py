@@ -15,8 +15,8 @@ from rattle.verbs import VERBS
 from service.records.keys import Keys, KeyScope
 from tests.service.idle_service import idle_service
 from worker.jobs.basin_job import basin_job
+from worker.results.figure import basin_figure
 from worker.stores.new_store import create_store
-from worker.views.figure import basin_figure
 
 SWEEP = {
     "grid": {"time": {"cells": 12}, "velocity": {"cells": 12}}, "iterations": 61,

@@ -13,9 +13,9 @@ from service.routes import results
 from tests.large_store import LARGE, ChunksRead, label, large_store
 from tests.service.idle_service import idle_service
 from tests.service.routes.problems import assert_problem
+from worker.results.figure import Look
 from worker.storage.location import result_location
 from worker.stores.pyramid import LABELS
-from worker.views.figure import Look
 
 # Labels, ledger, and one chunk of each array in the table of motions, with their points.
 MOST_CHUNKS = 20

@@ -26,8 +26,8 @@ from worker.jobs.swept_parameter import Parameter
 from worker.pictures.colours import paints_of_names
 from worker.pictures.symbols import in_words, oscillator_text
 from worker.progress import Stage
+from worker.results.motion_names import MOST_NAMED, NO_PERIOD, motion_names
 from worker.stores.layout import MISSING, PERIODS, SPEED, Columns, Variable, flags
-from worker.views.motion_names import MOST_NAMED, NO_PERIOD, motion_names
 
 # Applications of P in a stretch, about two seconds.
 _APPLICATIONS = 1_000_000

@@ -10,9 +10,9 @@ from pydantic import BaseModel, Field
 from rattle_kernels import Branch, FoundOrbit, Oscillator, PeriodicOrbit, SpecialKind, SpecialPoint
 from rattle_kernels.orbits.periodic_orbit import orbit_name
 from worker.jobs.swept_parameter import Parameter
+from worker.results.summary import FiniteOrNone
 from worker.stores.layout import PERIODS, SPEED, Columns
 from worker.stores.table import Column, Table
-from worker.views.summary import FiniteOrNone
 
 # Dimensions of the values of an orbit, of a branch's end, of a special point and of a curve's ends.
 _POINT, _PAIR, _MATRICES = {"point": 0}, {"multiplier": 2}, {"point": 0, "row": 2, "column": 2}

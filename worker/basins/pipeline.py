@@ -37,7 +37,7 @@ def run_basin(
 ) -> None:
     """Compute a job's basins into a store, or continue the store that is there.
 
-    `worker.views.summary.summarise` reads the result.
+    `worker.results.summary.summarise` reads the result.
 
     Parameters
     ----------

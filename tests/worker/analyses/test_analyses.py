@@ -36,9 +36,9 @@ from worker.jobs.swept_parameter import Spacing, SweptParameter
 from worker.kinds import KINDS
 from worker.pictures.figure_file import save_figure
 from worker.progress import Stage
+from worker.results.figure import figure_of_store
 from worker.stores.analysis_store import AnalysisStore, kind_of_store
 from worker.stores.layout import MISSING
-from worker.views.figure import figure_of_store
 
 DAMPING = SweptParameter.spaced("damping", 0.59, 0.6, 120, Spacing.LINEAR)
 SEEDS = (Departure(0.9, 3.7), Departure(0.553, 4.703))

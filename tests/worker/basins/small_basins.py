@@ -10,7 +10,7 @@ from rattle_kernels import CellGrid, Oscillator
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.jobs.basin_job import BasinJob
-from worker.views.summary import summarise
+from worker.results.summary import summarise
 
 _GRID = CellGrid(time_cells=32, velocity_cells=32)
 # Little damped: trajectories are trapped, and traps are made with NumPy's linear algebra.

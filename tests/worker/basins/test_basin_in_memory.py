@@ -10,8 +10,8 @@ from rattle_kernels import CellGrid, Oscillator, basin
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.jobs.basin_job import BasinJob
+from worker.results.opening import attractors_of, open_basin
 from worker.stores.basin_store import BasinStore
-from worker.views.reading import attractors_of, open_basin
 
 _ARRAYS = ("image_cell", "landing_time", "landing_velocity", "group", "period", "step", "solution")
 _WEAK = Oscillator(damping=0.05, eccentricity=0.008, half_backlash=0.05)

@@ -15,10 +15,10 @@ from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import JobCancelled, StoreConflict, StoreFailed
 from worker.jobs.basin_job import BasinJob
+from worker.results.opening import attractors_of, open_basin
+from worker.results.summary import summarise
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
-from worker.views.reading import attractors_of, open_basin
-from worker.views.summary import summarise
 
 JOB = BasinJob(grid=CellGrid(time_cells=200, velocity_cells=200))
 

@@ -17,8 +17,8 @@ from worker.cluster.driver import Driver
 from worker.errors import JobCancelled
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
+from worker.results.summary import summarise
 from worker.stores.layout import ChangeKind, TileState
-from worker.views.summary import summarise
 
 DAMPINGS = (0.5, 0.55, 0.6, 0.65, 0.7)
 GRID = CellGrid(time_cells=48, velocity_cells=40)

@@ -15,14 +15,14 @@ from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import DamagedChunk, StoreFailed
 from worker.jobs.basin_job import BasinJob
+from worker.results.figure import Look, figure_of_store
+from worker.results.summary import summarise
+from worker.results.viewer import read_tile_labels
 from worker.storage.location import storage_at
 from worker.storage.protocol import whole
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import SOLUTION
 from worker.stores.opening import open_group
-from worker.views.figure import Look, figure_of_store
-from worker.views.summary import summarise
-from worker.views.tile_labels import read_tile_labels
 
 POINTS = ("attractor_time", "attractor_velocity")
 JOB = BasinJob(grid=CellGrid(time_cells=100, velocity_cells=100), iterations=101)

@@ -16,10 +16,10 @@ from worker.basins.preview import PreviewRequest, preview_basin
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.motion_words import ends_in_words
+from worker.results.summary import summarise
+from worker.results.viewer import outline_basin
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import ENDS
-from worker.views.outline import outline_basin
-from worker.views.summary import summarise
 
 OSCILLATOR = Oscillator(0.532864758213935, 0.08051199076214174, 0.5340363492127678)
 GRID = CellGrid(time_cells=16, velocity_cells=16)

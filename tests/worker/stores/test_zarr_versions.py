@@ -10,9 +10,9 @@ from tests.worker.stores.zarr_stores.write import GRAZING, HERE, SWEEP, write_st
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.kinds import KINDS
+from worker.results.opening import open_basin
+from worker.results.summary import summarise
 from worker.rounding import FUSED
-from worker.views.reading import open_basin
-from worker.views.summary import summarise
 
 
 @pytest.fixture(scope="module")

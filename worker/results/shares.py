@@ -13,9 +13,9 @@ from worker.jobs.basin_job import BasinJob
 from worker.pictures.colours import colours_of
 from worker.pictures.figure_file import new_figure
 from worker.pictures.symbols import in_words
+from worker.results.measures import expected_of
+from worker.results.opening import attractors_of, basin_at, job_of, open_store
 from worker.stores.basin_store import BasinStore
-from worker.views.loudness import expected_of
-from worker.views.reading import attractors_of, basin_at, job_of, open_store
 
 # Shares over two parameters are mapped for the solutions with the largest shares only.
 _MOST_MAPS = 9

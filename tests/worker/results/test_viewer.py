@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from worker.results.summary import summarise
+from worker.results.viewer import outline_basin
 from worker.stores import layout
-from worker.views.outline import outline_basin
-from worker.views.summary import summarise
 
 
 @pytest.mark.parametrize("which", [0, 1])

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from rattle_kernels import Attractor, AttractorKind, ExpectedLoudness
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.swept_parameter import SweptParameter
-from worker.views.shares import _draw_maps
+from worker.results.shares import _draw_maps
 
 FIRST, LAST = (0.55, 0.6), (0.08, 0.09, 0.1)
 JOB = SweepJob(vary=(SweptParameter("damping", FIRST), SweptParameter("eccentricity", LAST)))

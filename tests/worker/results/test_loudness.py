@@ -10,14 +10,14 @@ from tests.worker.basins.test_pipeline import run
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
+from worker.results.measures import measure_loudness
+from worker.results.opening import attractors_of, basin_of, open_basin
+from worker.results.shares import shares_figure
+from worker.results.summary import summarise
+from worker.results.tables import table_of
+from worker.results.viewer import outline_basin
 from worker.stores.basin_store import BasinStore
 from worker.stores.solution_table import SolutionTable, motion_of
-from worker.views.loudness import measure_loudness
-from worker.views.outline import outline_basin
-from worker.views.reading import attractors_of, basin_of, open_basin
-from worker.views.shares import shares_figure
-from worker.views.summary import summarise
-from worker.views.tables import table_of
 
 MEASURES = ["impacts_per_period", "largest_impact_speed", "impact_power"]
 DAMPINGS = (0.575, 0.6, 0.7)

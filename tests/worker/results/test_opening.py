@@ -16,9 +16,9 @@ from worker.errors import InvalidJob, StoreConflict
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
-from worker.views import reading
-from worker.views.figure import Look, draw_basin
-from worker.views.reading import attractors_of, basin_of, job_of, open_basin
+from worker.results import opening
+from worker.results.figure import Look, draw_basin
+from worker.results.opening import attractors_of, basin_of, job_of, open_basin
 
 
 @pytest.fixture(autouse=True)
@@ -62,7 +62,7 @@ def test_arrays_of_a_large_result_are_read_tile_by_tile(store, monkeypatch):
     with open_basin(store.location) as basin:
         assert basin.solution.chunks is None
         whole = basin.load()
-    monkeypatch.setattr(reading, "_ONE_PIECE", whole.drop_vars("attractor").nbytes - 1)
+    monkeypatch.setattr(opening, "_ONE_PIECE", whole.drop_vars("attractor").nbytes - 1)
     with open_basin(store.location) as basin:
         assert basin.solution.chunks is not None
         assert basin.load().identical(whole)

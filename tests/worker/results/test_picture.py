@@ -13,12 +13,12 @@ from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
 from worker.pictures.figure_file import PictureFormat, save_figure
+from worker.results.figure import Layer, Look, basin_figure
+from worker.results.shares import shares_figure
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import LABELLED, SOLUTION, TileState
 from worker.stores.solution_table import SolutionTable, motion_of
-from worker.views.figure import Layer, Look, basin_figure
-from worker.views.shares import shares_figure
 
 
 def drawn(store, layer=Layer.SOLUTION):

@@ -33,14 +33,13 @@ from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, overlays_f
 from worker.pictures.symbols import oscillator_text, symbol_of
 from worker.pictures.unproven import demand_proof, draw_unproven, label_of, share_unproven, unproven_patch
 from worker.pictures.window import Window, demand_overlap, whole_window
+from worker.results.opening import LEVEL, attractors_of, basin_at, job_of, open_level, open_store
 from worker.stores.analysis_store import kind_of_store
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import MISSING, NOT_THERE, TileState
 from worker.stores.new_store import tiling_of
 from worker.stores.proof_layout import PROVEN
 from worker.stores.pyramid import Level, level_for
-from worker.views.at_level import LEVEL, open_level
-from worker.views.reading import attractors_of, basin_at, job_of, open_store
 
 # Most cells drawn each way, of all panels together.
 _MOST_CELLS = 2000

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from rattle_kernels import CellGrid
 from worker.errors import InvalidJob
 from worker.pictures.window import Window, parse_window
+from worker.results.figure import Basins, Layer, Look, Panel, basin_figure
+from worker.results.opening import open_basin
 from worker.stores.layout import TileState
-from worker.views.figure import Basins, Layer, Look, Panel, basin_figure
-from worker.views.reading import open_basin
 
 
 def panel(store, look, most_cells=1000):
