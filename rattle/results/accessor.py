@@ -198,7 +198,7 @@ class Result:
 
     @cached_property
     def shown(self) -> xr.Dataset:
-        """The cells of a basin as pictures show them, in memory: at most 1000 each way.
+        """The cells of a basin for figures of your own, in memory: at most 1000 each way.
 
         Beyond, every n-th stands for its neighbours, since labels have no mean. Shares remain those of all cells.
 
@@ -541,7 +541,7 @@ class Result:
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to draw one basin. By default, and for everything else, on a new figure.
+            Where to draw one basin. By default, and for everything else, on a new figure, as ``rattle plot`` draws it.
         overlays : collection of str, optional
             What is laid over basins: some of ``proven``, ``grazing``, ``preimages``, ``manifolds``, ``attractors``,
             ``saddles``; by default the grazing curve and the attractors. ``proven`` hatches what is not.
@@ -552,7 +552,7 @@ class Result:
         palette : str, optional
             Of basins: ``"paper"`` or ``"colour_blind"``.
         title : str, optional
-            Of the axes or the figure.
+            Of the axes or the figure; by default of a new one the oscillator.
 
         Returns
         -------
