@@ -8,7 +8,8 @@ import pytest
 import zarr
 
 import rattle
-from rattle.cli.console import out, print_solutions
+from rattle.cli.console import out
+from rattle.cli.result_tables import print_solutions
 from rattle_kernels import CellGrid, Oscillator
 from service.models.results import OutlineView, PreviewView
 from tests.worker.basins.test_pipeline import run
