@@ -9,11 +9,13 @@ holds it.
 """
 
 import itertools
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import xarray as xr
 
 from rattle_kernels import (
+    Attractor,
     ExpectedLoudness,
     Loudness,
     basin_entropy,
@@ -27,7 +29,7 @@ from rattle_kernels import (
 )
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob
-from worker.results.opening import attractors_of, basin_of, demand_all_cells, job_of
+from worker.results.opening import attractors_of, basin_at, basin_of, demand_all_cells, job_of
 from worker.stores.layout import SPEED, TileState
 from worker.stores.solution_table import shares_of_sets
 
@@ -161,16 +163,24 @@ def expected_of(dataset: xr.Dataset) -> tuple[ExpectedLoudness, ...]:
 
 
 def _heard(dataset: xr.Dataset, job: BasinJob, number: int) -> tuple[list[Loudness], ExpectedLoudness]:
-    """Loudness of the motions of one basin, and its mean."""
-    basin = basin_of(dataset, **job.values_of(number))
-    heard = [loudness(job.oscillator_of(number), each) for each in attractors_of(basin)]
-    if not heard:
-        return heard, expected_loudness([], [])
-    points, of_sets = None, None
-    if job.sample is not None:
-        points = job.sample.points
-        of_sets = shares_of_sets(basin.solution.values, range(len(heard)), job.sample)
-    return heard, expected_loudness(basin.share.values, heard, points, of_sets)
+    """Loudness of the motions of one basin of a dataset, and its mean."""
+    basin = basin_at(dataset, job, number)
+    motions = dict(enumerate(attractors_of(basin)))
+    shares = basin.share.values[: len(motions)] if motions else np.empty(0)
+    return heard_in(job, number, motions, shares, lambda: basin.solution.values)
+
+
+def heard_in(
+    job: BasinJob, basin: int, motions: Mapping[int, Attractor], shares: np.ndarray, solution: Callable[[], np.ndarray]
+) -> tuple[list[Loudness], ExpectedLoudness]:
+    """Loudness of the motions of one basin, by number, and its mean by their shares.
+
+    The solution of each point is read where a sample has several sets, whose scatter is the error of the mean.
+    """
+    oscillator, sample = job.oscillator_of(basin), job.sample
+    heard = [loudness(oscillator, each) for each in motions.values()]
+    of_sets = shares_of_sets(solution(), [*motions], sample) if sample and sample.scramblings > 1 else None
+    return heard, expected_loudness(shares, heard, sample.points if sample else None, of_sets)
 
 
 def _variable(dims: tuple[str, ...], values: np.ndarray, attributes: dict[str, str]) -> xr.Variable:

@@ -9,12 +9,13 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field
 
-from rattle_kernels import Attractor, ExpectedLoudness, Loudness, expected_loudness, loudness
+from rattle_kernels import Attractor, ExpectedLoudness, Loudness, loudness
 from rattle_kernels.attractors.attractor import ENSEMBLE
+from worker.results.measures import heard_in
 from worker.stores.basin_store import BasinStore
 from worker.stores.changes import list_changes
 from worker.stores.layout import ChangeKind, TileState
-from worker.stores.solution_table import WITHOUT_POINTS, SolutionTable, share_error, shares_of_sets
+from worker.stores.solution_table import WITHOUT_POINTS, SolutionTable, share_error
 
 _EXPECTATIONS_KEPT = 1 << 14
 _expectations: OrderedDict[tuple[str, int, bytes], ExpectedLoudness] = OrderedDict()
@@ -240,16 +241,11 @@ def expected_in(store: BasinStore, table: SolutionTable, basin: int) -> Expected
     key = store.location, basin, table.share[basin].tobytes()
     expected = _expectations.get(key)
     if expected is None:
-        oscillator, catalogue = store.job.oscillator_of(basin), store.solutions.read_catalogue(basin, table, numbers)
+        catalogue = store.solutions.read_catalogue(basin, table, numbers)
         if not all(each.time.size or each.kind in WITHOUT_POINTS for each in catalogue):
             return None  # points are still being written
-        heard = [loudness(oscillator, each) for each in catalogue]
-        sample = store.job.sample
-        points = None if sample is None else sample.points
-        of_sets = None
-        if sample is not None and sample.scramblings > 1:
-            of_sets = shares_of_sets(store.read_solution(basin), numbers, sample)
-        expected = expected_loudness(table.share[basin, numbers], heard, points, of_sets)
+        motions, shares = dict(zip(numbers, catalogue, strict=True)), table.share[basin, numbers]
+        expected = heard_in(store.job, basin, motions, shares, partial(store.read_solution, basin))[1]
         _expectations[key] = expected
         while len(_expectations) > _EXPECTATIONS_KEPT:
             _expectations.popitem(last=False)
