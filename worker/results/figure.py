@@ -228,26 +228,39 @@ class Panel:
         first, last = (stop if cell == cells else start + cell * ((stop - start) / cells) for cell in part)
         return first, last
 
-    def _there(self, rows: Part, columns: Part) -> np.ndarray:
-        """Which of some cells have labels, by the ledger. Levels are there as a whole."""
-        if (self.states == TileState.ASSEMBLED).all():
-            return np.array(True)
-        tiles = []
-        for part, centres, start, stop, cells, side in (
-            (rows, self.shown.velocity, *self.job.grid[3:], self.tiling.tile_rows),
-            (columns, self.shown.time, *self.job.grid[:3], self.tiling.tile_columns),
-        ):
-            kept = centres.values[slice(*part, self.every)]
-            tiles.append(((kept - start) / ((stop - start) / cells)).astype(int) // side)
-        return self.states[np.ix_(*tiles)] == TileState.ASSEMBLED
+    def _read(self, name: str, rows: Part, columns: Part, missing: int = MISSING) -> np.ndarray:
+        """Part of what the cells have, thinned if very large: where the ledger says that it is there.
 
-    def _read(self, name: str, rows: Part, columns: Part) -> np.ndarray:
-        """Part of the labels of the cells, thinned if very large; MISSING where they are not there yet."""
+        Of an unfinished basin only such tiles are read. Levels are there as a whole.
+        """
+        if (self.states == TileState.ASSEMBLED).all():
+            return self._values(name, rows, columns)
+        grid = self.job.grid
+        down = self._tiles_of(self.shown.velocity, rows, grid[3:], self.tiling.tile_rows)
+        across = self._tiles_of(self.shown.time, columns, grid[:3], self.tiling.tile_columns)
+        picture = np.full((down.size, across.size), missing, np.int64)
+        for row, column in np.argwhere(self.states == TileState.ASSEMBLED).tolist():
+            lines, strips = np.flatnonzero(down == row), np.flatnonzero(across == column)
+            if lines.size and strips.size:
+                of_rows, of_columns = (
+                    (start + own[0] * self.every, start + (own[-1] + 1) * self.every)
+                    for own, start in ((lines, rows[0]), (strips, columns[0]))
+                )
+                picture[np.ix_(lines, strips)] = self._values(name, of_rows, of_columns)
+        return picture
+
+    def _tiles_of(self, centres: xr.DataArray, part: Part, axis: tuple[float, float, int], side: int) -> np.ndarray:
+        """Number of the tile of each cell that is kept, along one axis."""
+        start, stop, cells = axis
+        kept = centres.values[slice(*part, self.every)]
+        return ((kept - start) / ((stop - start) / cells)).astype(int) // side
+
+    def _values(self, name: str, rows: Part, columns: Part) -> np.ndarray:
         kept = {"velocity": slice(*rows, self.every), "time": slice(*columns, self.every)}
-        values, there = self.shown[name].isel(kept).values, self._there(rows, columns)
-        if self.basins.location is not None and ((values == MISSING) & there).any():
+        values: np.ndarray = self.shown[name].isel(kept).values
+        if self.basins.location is not None and (values == MISSING).any():
             raise StoreFailed(f"the store {self.basins.location} has lost a part of {name}")
-        return np.where(there, values, MISSING)
+        return values
 
     def draw_solutions(self, axes: Axes) -> None:
         """Draw cells, or the points of a sample, in the colours of their solutions."""
@@ -304,9 +317,7 @@ class Panel:
         demand_proof(PROVEN.name in self.basin)
         share = share_unproven([self.basin.proven.values]) if self.grid.shape == self.job.grid.shape else None
         for rows, columns, place in self._parts():
-            kept = {"velocity": slice(*rows, self.every), "time": slice(*columns, self.every)}
-            proven = np.where(self._there(rows, columns), self.basin.proven.isel(kept).values, NOT_THERE)
-            draw_unproven(axes, proven, place, share)
+            draw_unproven(axes, self._read(PROVEN.name, rows, columns, NOT_THERE), place, share)
 
     def hatch_missing(self, axes: Axes) -> None:
         """Hatch the tiles that are not labelled yet, densely if even their images are missing."""
@@ -527,7 +538,7 @@ def _list_motions(figure: Figure, axes: Axes, dataset: xr.Dataset, panel: Panel,
     """Legend of the motions of all basins, which have the same colours in all panels."""
     job, motions = panel.job, panel.attractors
     shares = np.full(len(motions), np.nan)
-    if dataset.attrs["complete"]:
+    if dataset.attrs.get("complete", True):
         shares = dataset.share.mean([each.parameter for each in job.vary]).values
     if not job.vary:
         _draw_legend(axes, motions, shares, look)
@@ -603,7 +614,7 @@ def _title(dataset: xr.Dataset, job: BasinJob, shown: int, look: Look) -> str:
         )
     if shown < job.basins:
         title += f"; {shown} of {job.basins} basins"
-    if not dataset.attrs["complete"]:
+    if not dataset.attrs.get("complete", True):
         states = dataset.tile_state.values
         title += f"\nincomplete: {int((states == TileState.ASSEMBLED).sum())} of {states.size} tiles"
     return title
