@@ -28,7 +28,7 @@ from worker.pictures.overlay import (
     saddle_marks,
 )
 from worker.pictures.symbols import SYMBOLS, oscillator_text
-from worker.results.figure import frame
+from worker.results.panel import frame
 
 __all__ = [
     "Lines",

@@ -72,7 +72,7 @@ class DrawStore(Protocol):
     """How a store is drawn, complete or not."""
 
     def __call__(self, location: str, look: Any = ...) -> "Figure":
-        """Draw a store; `look` is a `worker.results.figure.Look`."""
+        """Draw a store; `look` is a `worker.results.panel.Look`."""
 
 
 def later(name: str) -> Callable[..., Any]:
@@ -103,7 +103,7 @@ class ResultKind:
     name : str
         As in the dataset's request.
     draw : callable
-        ``draw(dataset, figure, look)``: draws a result on an empty figure; `look` is a `worker.results.figure.Look`.
+        ``draw(dataset, figure, look)``: draws a result on an empty figure; `look` is a `worker.results.panel.Look`.
     draw_on : callable, optional
         ``draw_on(dataset, axes, look)``: draws a result that takes no more on axes.
     shares : callable, optional
@@ -295,7 +295,7 @@ KINDS = Kinds((
         description=f"Compute one basin of attraction.\n\n{_AGAIN}",
         command="Compute one basin on this machine, without a service.",
         job="BasinJob", table="attractor", draw_on=later("worker.results.figure:draw_basin"),
-        overlays=later("worker.results.figure:overlays_of"),
+        overlays=later("worker.results.panel:overlays_of"),
     ),
     _of_basins(
         name="sweep", path="sweeps", title="Sweep",

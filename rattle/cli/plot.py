@@ -12,8 +12,9 @@ from worker.errors import InvalidJob, WorkerError
 from worker.kinds import KINDS
 from worker.pictures.figure_file import PictureFormat, new_figure, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
-from worker.results.figure import Layer, Look, figure_of_store
+from worker.results.figure import figure_of_store
 from worker.results.opening import is_address, levels_in
+from worker.results.panel import Layer, Look
 from worker.results.shares import draw_shares, shares_figure
 
 

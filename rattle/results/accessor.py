@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from worker.results.figure import Look
+    from worker.results.panel import Look
 
 _SIZE = 10.0, 6.5
 _RESERVED_IMAGES = {"sink": SINK, "permanent_contact": PERMANENT_CONTACT, "undecided": NOT_CONVERGED}
@@ -598,7 +598,8 @@ class Result:
         from matplotlib.colors import to_rgb
 
         from worker.pictures.colours import USUAL, Palette
-        from worker.results.figure import USUAL_OVERLAYS, Look
+        from worker.pictures.overlay_kind import USUAL_OVERLAYS
+        from worker.results.panel import Look
 
         if colors or palette:
             self._demand("colors and palette", "basin", "sweep")

@@ -26,8 +26,8 @@ from worker.pictures.colours import USUAL, Palette
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
 from worker.pictures.window import parse_window
-from worker.results.figure import Layer, Look
 from worker.results.opening import open_store
+from worker.results.panel import Layer, Look
 from worker.results.shares import shares_figure
 from worker.results.summary import fingerprint
 from worker.results.tables import TableFormat, demand_small_table, table_of, write_table

@@ -10,7 +10,7 @@ from service.records.job_record import JobState
 from worker.pictures.colours import Palette
 from worker.pictures.overlay_kind import OverlayKind
 from worker.progress import Stage
-from worker.results.figure import Layer
+from worker.results.panel import Layer
 from worker.stores.proof_layout import Unproven
 
 JS = Path(__file__).parents[2] / "service" / "explorer" / "js"

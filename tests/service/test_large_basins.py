@@ -13,7 +13,7 @@ from service.routes import results
 from tests.large_store import LARGE, ChunksRead, label, large_store
 from tests.service.idle_service import idle_service
 from tests.service.routes.problems import assert_problem
-from worker.results.figure import Look
+from worker.results.panel import Look
 from worker.storage.location import result_location
 from worker.stores.pyramid import LABELS
 

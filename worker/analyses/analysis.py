@@ -29,7 +29,7 @@ from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob
 from worker.pictures.figure_file import new_figure
 from worker.progress import Progress, Report, Stage
-from worker.results.figure import USUAL_LOOK, Look
+from worker.results.panel import USUAL_LOOK, Look
 from worker.stores.analysis_store import AnalysisStore, StoredParts
 from worker.stores.layout import Columns, Variable
 from worker.stores.opening import demand_own_request, demand_same_digest

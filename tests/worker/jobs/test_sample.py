@@ -12,8 +12,8 @@ from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
-from worker.results.figure import Basins, Panel
 from worker.results.opening import open_basin
+from worker.results.panel import Basins, Panel
 from worker.stores.solution_table import share_error
 
 WINDOW = CellGrid(0.2, 1.2, 1, 0.0, 6.0, 1)

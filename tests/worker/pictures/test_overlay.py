@@ -11,8 +11,9 @@ from worker.errors import InvalidJob
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay import Lines, Marks, attractor_marks, grazing_line
 from worker.pictures.overlay_kind import OverlayKind, overlays_for, parse_overlays
-from worker.results.figure import Look, basin_figure, draw_basin
+from worker.results.figure import basin_figure, draw_basin
 from worker.results.opening import open_basin
+from worker.results.panel import Look
 
 OSCILLATOR = Oscillator(damping=0.6, eccentricity=0.1, half_backlash=0.6)
 

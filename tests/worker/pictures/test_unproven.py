@@ -14,8 +14,9 @@ from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import OverlayKind
 from worker.pictures.unproven import draw_unproven
 from worker.pictures.window import Window
-from worker.results.figure import Layer, Look, basin_figure, draw_basin
+from worker.results.figure import basin_figure, draw_basin
 from worker.results.opening import open_basin
+from worker.results.panel import Layer, Look
 
 CELLS, HIGHEST = 128, 7.0
 # The quiet half of the made-up basin is proven but for the cells of t < 0.25; nothing of chaos is, half of P(1,1,0).

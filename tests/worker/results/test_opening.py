@@ -17,8 +17,9 @@ from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
 from worker.results import opening
-from worker.results.figure import Look, draw_basin
+from worker.results.figure import draw_basin
 from worker.results.opening import attractors_of, basin_of, job_of, open_basin
+from worker.results.panel import Look
 
 
 @pytest.fixture(autouse=True)

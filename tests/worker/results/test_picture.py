@@ -13,7 +13,8 @@ from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
 from worker.pictures.figure_file import PictureFormat, save_figure
-from worker.results.figure import Layer, Look, basin_figure
+from worker.results.figure import basin_figure
+from worker.results.panel import Layer, Look
 from worker.results.shares import shares_figure
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore

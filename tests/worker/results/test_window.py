@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 from rattle_kernels import CellGrid
 from worker.errors import InvalidJob
 from worker.pictures.window import Window, parse_window
-from worker.results.figure import Basins, Layer, Look, Panel, basin_figure
+from worker.results.figure import basin_figure
 from worker.results.opening import open_basin
+from worker.results.panel import Basins, Layer, Look, Panel
 from worker.stores.layout import TileState
 
 

@@ -15,7 +15,8 @@ from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import DamagedChunk, StoreFailed
 from worker.jobs.basin_job import BasinJob
-from worker.results.figure import Look, figure_of_store
+from worker.results.figure import figure_of_store
+from worker.results.panel import Look
 from worker.results.summary import summarise
 from worker.results.viewer import read_tile_labels
 from worker.storage.location import storage_at

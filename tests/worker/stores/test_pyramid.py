@@ -21,7 +21,8 @@ from worker.errors import InvalidJob, JobCancelled, StoreFailed
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures.window import Window
-from worker.results.figure import Look, basin_figure
+from worker.results.figure import basin_figure
+from worker.results.panel import Look
 from worker.results.viewer import outline_basin, read_tile_labels
 from worker.stores.basin_store import BasinStore
 from worker.stores.pyramid import LABELS
