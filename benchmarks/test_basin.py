@@ -13,8 +13,8 @@ from worker.cluster.driver import Driver
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import Spacing, SweptParameter
+from worker.results.summary import summarise
 from worker.stores.basin_store import BasinStore
-from worker.stores.summary import summarise
 
 PANELS = [
     Oscillator(),
@@ -57,7 +57,7 @@ def test_panel_through_the_worker(benchmark, tmp_path, workers):
         benchmark.pedantic(lambda: _run(BasinJob(), next(following), driver), rounds=len(locations))
     rounds = benchmark.stats.stats.data
     summary = summarise(locations[rounds.index(min(rounds))])
-    assert {attractor.name for attractor in summary.attractors} == {"permanent contact", "P(1,1,0)", "chaotic"}
+    assert {solution.name for solution in summary.solutions} == {"permanent contact", "P(1,1,0)", "chaotic"}
     seconds = summary.seconds
     benchmark.extra_info |= seconds
     kernels = (seconds["map_kernels"] + seconds["label_kernels"]) / workers

@@ -15,12 +15,13 @@ import xarray as xr
 from rattle.results.opening import open
 from worker.additions import additions
 from worker.errors import InvalidJob
+from worker.kinds import KINDS
 from worker.pictures.figure_file import PictureFormat, save_figure
-from worker.pictures.picture import figure_of_store
-from worker.pictures.share_chart import shares_figure
+from worker.results.figure import figure_of_store
+from worker.results.opening import is_address
+from worker.results.shares import shares_figure
+from worker.results.tables import TableFormat, table_of, tables_in, write_table
 from worker.stores.provenance import LICENSE, REFERENCES
-from worker.views.reading import is_address
-from worker.views.tables import TableFormat, table_of, tables_in, write_table
 
 _MOST_ROWS = 100_000
 # What has a value for each cell, point or tile is in the store, not in tables.
@@ -83,7 +84,9 @@ def _files(location: str, dataset: xr.Dataset) -> Iterator[tuple[str, CrateFile]
         if len(table := table_of(dataset, name)):  # few basins have a transient, whose ends are a table
             text = write_table(table, TableFormat.CSV)
             yield f"tables/{name}.csv", CrateFile(text.encode(), "text/csv", f"Table of {name}")
-    figures = {"picture": figure_of_store} | ({"shares": shares_figure} if _is_sweep(dataset) else {})
+    figures = {"picture": figure_of_store} | (
+        {"shares": shares_figure} if dataset.rattle.kind in KINDS.offering("shares") else {}
+    )
     for name, draw in figures.items():
         for picture_format in (PictureFormat.PNG, PictureFormat.SVG):
             drawn = io.BytesIO()
@@ -95,10 +98,6 @@ def _files(location: str, dataset: xr.Dataset) -> Iterator[tuple[str, CrateFile]
 def _unpacked(value: object) -> object:
     """An attribute that the dataset holds as JSON."""
     return json.loads(value) if isinstance(value, str) and value.startswith("{") else value
-
-
-def _is_sweep(dataset: xr.Dataset) -> bool:
-    return "share" in dataset and dataset.share.ndim == 2
 
 
 def _small_tables(dataset: xr.Dataset) -> list[str]:

@@ -16,8 +16,7 @@ Axes of basins show the (t, v) plane: phases of departure in forcing periods, an
 
 from worker.pictures.colours import Palette, colours_of, paint_cells
 from worker.pictures.figure_file import save_figure
-from worker.pictures.history_panel import draw_history_panel
-from worker.pictures.history_picture import draw_boundaries
+from worker.pictures.history import draw_boundaries, draw_history_panel
 from worker.pictures.overlay import (
     Lines,
     Marks,
@@ -28,8 +27,8 @@ from worker.pictures.overlay import (
     preimage_lines,
     saddle_marks,
 )
-from worker.pictures.panel_picture import frame
 from worker.pictures.symbols import SYMBOLS, oscillator_text
+from worker.results.panel import frame
 
 __all__ = [
     "Lines",

@@ -28,7 +28,7 @@ class RunningService:
     results: str
 
     def store_of(self, job):
-        """Place of a job's store, as `worker.views.reading.open_basin` takes it."""
+        """Place of a job's store, as `worker.results.opening.open_basin` takes it."""
         return result_location(self.results, job["id"])
 
     def runner(self):

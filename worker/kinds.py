@@ -25,7 +25,7 @@ Numba nor Dask.
 import pkgutil
 import re
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
@@ -35,6 +35,8 @@ from worker.fence import Fence
 from worker.progress import Report
 
 if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from pydantic import BaseModel
 
@@ -59,21 +61,18 @@ class Run(Protocol):
         """Run a job; see `worker.basins.pipeline.run_basin`."""
 
 
-class Summary(Protocol):
-    """Summary of a store, complete or not."""
+class Summarise(Protocol):
+    """How a store is summarised, complete or not."""
 
-    def as_json(self) -> dict[str, Any]:
-        """All of it, as the model of its kind's results describes it but for ``zarr``, the store's address."""
-
-    def found(self) -> dict[str, Any]:
-        """What was found and how long it took, as the shell prints it."""
+    def __call__(self, location: str, zarr: str | None = None) -> "BaseModel":
+        """The kind's model of its results. `zarr` is where its reader finds the store, by default its location."""
 
 
 class DrawStore(Protocol):
     """How a store is drawn, complete or not."""
 
     def __call__(self, location: str, look: Any = ...) -> "Figure":
-        """Draw a store; `look` is a `worker.pictures.panel_picture.Look`."""
+        """Draw a store; `look` is a `worker.results.panel.Look`."""
 
 
 def later(name: str) -> Callable[..., Any]:
@@ -95,18 +94,38 @@ def later(name: str) -> Callable[..., Any]:
     return call
 
 
-def _draw_no_tiles(job: Any, columns: Mapping[str, Any], figure: "Figure") -> None:
-    raise TypeError(f"a result of kind {job.kind} has tiles: it is drawn from its store")
-
-
-@dataclass(frozen=True)
-class JobKind:
-    """One kind of job.
+@dataclass(frozen=True, kw_only=True)
+class ResultKind:
+    """One kind of result, as a dataset.
 
     Parameters
     ----------
     name : str
-        As in ``Job.kind`` and in the records of jobs. Its command is named so, with hyphens.
+        As in the dataset's request.
+    draw : callable
+        ``draw(dataset, figure, look)``: draws a result on an empty figure; `look` is a `worker.results.panel.Look`.
+    draw_on : callable, optional
+        ``draw_on(dataset, axes, look)``: draws a result that takes no more on axes.
+    shares : callable, optional
+        ``shares(dataset, target)``: draws shares over swept parameters on an empty figure, or on axes.
+    overlays : callable, optional
+        ``overlays(dataset, names)``: what of it can be laid over axes of the (t, v) plane, by default all. Each draws
+        itself by ``draw(axes, time_start)``.
+    """
+
+    name: str
+    draw: "Callable[[xr.Dataset, Figure, Any], object]"
+    draw_on: "Callable[[xr.Dataset, Axes, Any], object] | None" = None
+    shares: "Callable[[xr.Dataset, Figure | Axes], object] | None" = None
+    overlays: "Callable[[xr.Dataset, Collection[str]], Iterable[Any]] | None" = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobKind(ResultKind):
+    """One kind of job, and of its result. Its name is that of ``Job.kind``, of records, and with hyphens its command's.
+
+    Parameters
+    ----------
     path : str
         Its route: requests are posted to ``/v1/PATH``.
     title : str
@@ -124,16 +143,12 @@ class JobKind:
     unit : {"tiles", "pieces"}
         What its progress counts.
     run : Run
-    summarise : callable
-        ``summarise(location)``: the `Summary` of a store.
+    summarise : Summarise
     fingerprint : callable
         ``fingerprint(location)``: bytes that change whenever a picture of the store does.
     figure : DrawStore
-    draw : callable
-        ``draw(job, columns, figure)``: draws the tables of a result on a figure. Tiles are drawn from their store.
     """
 
-    name: str
     path: str
     title: str
     summary: str
@@ -144,15 +159,19 @@ class JobKind:
     table: str
     unit: Literal["tiles", "pieces"]
     run: Run
-    summarise: Callable[[str], Summary]
+    summarise: Summarise
     fingerprint: Callable[[str], bytes]
     figure: DrawStore
-    draw: Callable[[Any, Mapping[str, Any], "Figure"], object] = _draw_no_tiles
 
     def __post_init__(self) -> None:
         for what, text, pattern in (("name", self.name, _NAME), ("path", self.path, _PATH)):
             if not pattern.fullmatch(text):
                 raise ValueError(f"the {what} {text!r} of a kind is not of the form {pattern.pattern}")
+
+    @property
+    def has_tiles(self) -> bool:
+        """Whether its results are basins, of tiles."""
+        return self.unit == "tiles"
 
     @cached_property
     def job_class(self) -> "type[Job]":
@@ -175,7 +194,8 @@ def analysis_kind(analysis: str, **said: Any) -> JobKind:
     analysis : str
         Its `worker.analyses.analysis.Analysis`, as ``module:name``.
     **said
-        The name, path, title, summary, description, command, job and table of a `JobKind`.
+        The name, path, title, summary, description, command, job and table of a `JobKind`, and its overlays if it has
+        any.
 
     Returns
     -------
@@ -184,7 +204,7 @@ def analysis_kind(analysis: str, **said: Any) -> JobKind:
     return JobKind(
         **said, unit="pieces", view=f"{analysis}.view", run=later(f"{analysis}.run"),
         summarise=later(f"{analysis}.summary"), fingerprint=later(f"{analysis}.fingerprint"),
-        figure=later(f"{analysis}.figure"), draw=later(f"{analysis}.draw"),
+        figure=later(f"{analysis}.figure"), draw=later(f"{analysis}.draw_dataset"),
     )  # fmt: skip
 
 
@@ -228,6 +248,10 @@ class Kinds(Mapping[str, JobKind]):
             raise UnknownKind(f"there is no kind {name!r} here: install the package that adds it; there are {known}")
         return self._found[name]
 
+    def offering(self, what: str) -> tuple[str, ...]:
+        """Names of the kinds whose entry has something: `shares`, or what else not all have."""
+        return tuple(name for name, kind in self.items() if getattr(kind, what))
+
     def __contains__(self, name: object) -> bool:
         return name in self._found
 
@@ -255,29 +279,30 @@ def _said_of(entry: EntryPoint) -> str:
     return f"the kind {entry.name} = {entry.value}{package}"
 
 
-def _of_basins(name: str, *, table: str, job: str, **said: Any) -> JobKind:
+def _of_basins(*, job: str, **said: Any) -> JobKind:
     return JobKind(
-        name=name, table=table, job=f"worker.jobs.basin_job:{job}", **said, unit="tiles",
-        view="worker.basins.result:ResultView", run=later("worker.basins.pipeline:run_basin"),
-        summarise=later("worker.stores.summary:summarise"), fingerprint=later("worker.stores.summary:fingerprint"),
-        figure=later("worker.pictures.picture:basin_figure"),
+        **said, job=f"worker.jobs.basin_job:{job}", unit="tiles",
+        view="worker.results.summary:ResultView", run=later("worker.basins.pipeline:run_basin"),
+        summarise=later("worker.results.summary:summarise"), fingerprint=later("worker.results.summary:fingerprint"),
+        figure=later("worker.results.figure:basin_figure"), draw=later("worker.results.figure:draw_basins"),
     )  # fmt: skip
 
 
 KINDS = Kinds((
     _of_basins(
-        "basin", path="basins", title="Basin",
+        name="basin", path="basins", title="Basin",
         summary="Submit a basin",
         description=f"Compute one basin of attraction.\n\n{_AGAIN}",
         command="Compute one basin on this machine, without a service.",
-        job="BasinJob", table="attractor",
+        job="BasinJob", table="attractor", draw_on=later("worker.results.figure:draw_basin"),
+        overlays=later("worker.results.panel:overlays_of"),
     ),
     _of_basins(
-        "sweep", path="sweeps", title="Sweep",
+        name="sweep", path="sweeps", title="Sweep",
         summary="Submit a sweep",
         description=f"Compute basins over one or two parameters, all into one store.\n\n{_AGAIN}",
         command="Compute basins over one or two parameters into one store, on this machine.",
-        job="SweepJob", table="share",
+        job="SweepJob", table="share", shares=later("worker.results.shares:draw_shares"),
     ),
     analysis_kind(
         "worker.analyses.bifurcation:BIFURCATION",
@@ -303,6 +328,7 @@ KINDS = Kinds((
         f"If it does not, the job fails and says what is there. {_AGAIN}",
         command="Grow stable and unstable manifolds of saddles of the impacting model.",
         job="worker.jobs.manifold_job:ManifoldJob", table="orbit",
+        overlays=later("worker.analyses.manifolds:overlays_of"),
     ),
     analysis_kind(
         "worker.analyses.grazing_curves:GRAZING_CURVE",
@@ -311,6 +337,7 @@ KINDS = Kinds((
         description=f"Compute the grazing curve and its pre-images.\n\n{_AGAIN}",
         command="Draw the grazing curve of the impacting model and its pre-images.",
         job="worker.jobs.grazing_curve_job:GrazingCurveJob", table="order",
+        overlays=later("worker.analyses.grazing_curves:overlays_of"),
     ),
 ))  # fmt: skip
 """All kinds, by name."""

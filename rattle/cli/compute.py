@@ -64,7 +64,7 @@ def compute_command(name: str) -> Callable[..., None]:
             if not is_complete(out_, job.digest):  # else nothing is started for a table that is there
                 _announce(job, workers, ask=not yes)
                 _compute(job, out_, workers, scheduler)
-            result = KINDS[job.kind].summarise(out_).found()
+            result = KINDS[job.kind].summarise(out_).model_dump(mode="json", exclude={"zarr"})
             print_result(job.kind, result, as_json=as_json)
         except JobCancelled:
             give_up(f"stopped; the same command goes on from what is in {out_}")

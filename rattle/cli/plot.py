@@ -9,12 +9,13 @@ from matplotlib.figure import Figure
 from rattle.cli.console import Key, give_up
 from rattle.results import opening
 from worker.errors import InvalidJob, WorkerError
-from worker.pictures.figure_file import PictureFormat, save_figure
+from worker.kinds import KINDS
+from worker.pictures.figure_file import PictureFormat, new_figure, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
-from worker.pictures.panel_picture import Layer, Look
-from worker.pictures.picture import figure_of_store
-from worker.pictures.share_chart import shares_figure
-from worker.views.reading import is_address
+from worker.results.figure import figure_of_store
+from worker.results.opening import is_address, levels_in
+from worker.results.panel import Layer, Look
+from worker.results.shares import draw_shares, shares_figure
 
 
 def plot(
@@ -31,10 +32,11 @@ def plot(
     try:
         overlays = parse_overlays(overlay)
         picture_format = PictureFormat.of_file(out_)
+        look = Look(layer, overlays)
         if is_address(store):
-            figure = figure_at_address(store, key, layer, shares, overlays)
+            figure = figure_at_address(store, key, look, shares=shares)
         else:
-            figure = shares_figure(store) if shares else figure_of_store(store, Look(layer, overlays))
+            figure = shares_figure(store) if shares else figure_of_store(store, look)
         save_figure(figure, out_, picture_format)
     except InvalidJob as error:
         give_up(str(error), 2)
@@ -44,17 +46,17 @@ def plot(
         give_up(f"{out_} cannot be written: {error.strerror}")
 
 
-def figure_at_address(
-    address: str, key: str | None, layer: Layer, shares: bool, overlays: tuple[OverlayKind, ...]
-) -> Figure:
+def figure_at_address(address: str, key: str | None, look: Look, *, shares: bool) -> Figure:
     """Picture of a service's store: of the coarsest level of large basins, to fetch few chunks."""
-    if layer is not Layer.SOLUTION:
-        raise InvalidJob(f"at an address only solutions are drawn here: its job has /picture.png?layer={layer}")
+    figure = new_figure()
     try:
-        result = opening.open(address, key=key).rattle
-        if result.kind in ("basin", "sweep") and result.complete:
-            result = opening.open(address, key=key, level=max(result.levels)).rattle
-        drawn = result.plot_shares() if shares else result.plot(overlays=overlays)
+        result = opening.open(address, key=key)
+        if len(levels := levels_in(result)) > 1 and result.attrs["complete"]:
+            result = opening.open(address, key=key, level=levels[-1].number)
+        if shares:
+            draw_shares(result, figure)
+        else:
+            KINDS[result.rattle.kind].draw(result, figure, look)
     except OSError as error:
         give_up(str(error))
-    return drawn if isinstance(drawn, Figure) else drawn.figure
+    return figure

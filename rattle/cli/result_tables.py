@@ -1,14 +1,18 @@
 """Tables of results of every kind, as the service returns them."""
 
 import json
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import typer
 from rich.table import Column, Table
 
-from rattle.cli.console import out, print_changes, print_expected, print_seconds, print_solutions
+from rattle.cli.console import out
+from worker.additions import additions
+from worker.motion_words import ends_in_words
 
 _MOST_ROWS = 40
+_MOST_CHANGES = 20
 _OF_ALL_KINDS = {"complete", "request", "pieces_done", "seconds", "zarr", "kind"}
 
 
@@ -28,7 +32,7 @@ def print_result(kind: str, result: dict[str, Any], *, as_json: bool = False) ->
         typer.echo(json.dumps(result, indent=2))
         return
     _PRINTERS.get(kind, _print_other)(result)
-    print_seconds(result["seconds"])
+    _print_seconds(result["seconds"])
 
 
 def _print_other(result: dict[str, Any]) -> None:
@@ -39,14 +43,69 @@ def _print_basins(result: dict[str, Any]) -> None:
     alone = result["basins"][0]["shares"] if len(result["basins"]) == 1 else []
     print_solutions(result["solutions"], {each["solution"]: each["standard_error"] for each in alone})
     if len(result["basins"]) == 1 and result["basins"][0]["expected"]:
-        print_expected(result["basins"][0]["expected"])
+        _print_expected(result["basins"][0]["expected"])
     names = [solution["name"] for solution in result["solutions"]]
-    print_changes(
+    _print_changes(
         [
             (each["kind"], each["solution"], names[each["solution"]], each["parameter"], each["before"], each["after"])
             for each in result["changes"]
         ]
     )
+
+
+def print_solutions(solutions: Sequence[Mapping[str, Any]], errors: Mapping[int, float | None] | None = None) -> None:
+    """Print a table of solutions: name, share (and what packages say of it), exponent, power, life of chaos, a point.
+
+    `errors` are the standard errors of shares that come from a sample, by number.
+    """
+    table = Table("", "solution", "share", "Lyapunov exponent", "impact power", "a departure (t, v)")
+    names = [str(solution["name"]) for solution in solutions]
+    for number, solution in enumerate(solutions):
+        share, exponent, points = solution["share"], solution["lyapunov_exponent"], solution["points"]
+        power = solution["impact_power"]
+        life, error = solution["mean_life"], solution["mean_life_error"]
+        # A service of an earlier version does not say what transients end in.
+        ends = ends_in_words([(end["solution"], end["share"]) for end in solution.get("ends", ())], names)
+        ends = f", {ends}" if ends else ""
+        table.add_row(
+            str(number),
+            solution["name"] if life is None else f"{solution['name']} for some {life:.1g} ± {error:.1g} impacts{ends}",
+            _share(share, (errors or {}).get(number)) + "".join(each.in_words(solution) for each in additions()),
+            "" if exponent is None else f"{exponent:.4f}",
+            "" if power is None else f"{power:.4g}",
+            f"({points[0][0]:.6f}, {points[0][1]:.6f})" if points else "",
+        )
+    out.print(table)
+
+
+def _share(share: float | None, error: float | None) -> str:
+    if share is None:
+        return "not known yet"
+    return f"{100 * share:.3f} %" if error is None else f"{100 * share:.3f} ± {100 * error:.2g} %"
+
+
+def _print_expected(expected: Mapping[str, float]) -> None:
+    """Print how loud a basin is on average, and the share of cells that count as silent as they are undecided."""
+    rate, speed, power = (expected[name] for name in ("impacts_per_period", "largest_impact_speed", "impact_power"))
+    left = expected["undecided_share"]
+    note = f" ({100 * left:.3g} % undecided, counted as silent)" if left else ""
+    line = f"expected: {rate:.4g} impacts a period, largest impact speed {speed:.4g}, impact power {power:.4g}{note}"
+    out.print(line, highlight=False, soft_wrap=True)
+
+
+def _print_changes(rows: Sequence[tuple[str, int, str, str, float, float]]) -> None:
+    """Print births and deaths of solutions: kind, number, name, parameter, its values before and after."""
+    for kind, number, name, parameter, before, after in rows[:_MOST_CHANGES]:
+        out.print(f"{kind} of {number}: {name} between {parameter} {before:g} and {after:g}", highlight=False)
+    if len(rows) > _MOST_CHANGES:
+        out.print(f"and {len(rows) - _MOST_CHANGES} more births and deaths", highlight=False)
+
+
+def _print_seconds(seconds: Mapping[str, Any]) -> None:
+    """Print how long each stage took."""
+    if seconds:
+        stages = ", ".join(f"{name.replace('_', ' ')} {value:.2f} s" for name, value in seconds.items())
+        out.print(stages, highlight=False, soft_wrap=True)
 
 
 def _more(total: int) -> None:

@@ -9,7 +9,7 @@ import typer
 from rattle.cli.console import Key, give_up, out
 from rattle.results import opening
 from worker.errors import InvalidJob, StoreConflict, WorkerError
-from worker.views.tables import TableFormat, table_of, write_table
+from worker.results.tables import TableFormat, table_of, write_table
 
 
 def table(

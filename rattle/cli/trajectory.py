@@ -13,7 +13,7 @@ from rattle.cli.options import arguments_from, options_of, with_options
 from rattle_kernels import Direction, Oscillator, Outcome, TimeHistory
 from worker.errors import InvalidFields
 from worker.pictures.figure_file import PictureFormat, save_figure
-from worker.pictures.history_picture import history_figure
+from worker.pictures.history import history_figure
 
 _OUTCOMES = {
     Outcome.RETURNED: "rattles on",

@@ -4,7 +4,7 @@ What draws and measures loads Matplotlib and more, and is imported where it is u
 """
 
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,23 +12,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from rattle.results.trajectories import TRAJECTORY, history_of
+from rattle.results.trajectories import TRAJECTORY, TRAJECTORY_RESULT, history_of
 from rattle_kernels import NOT_CONVERGED, PERMANENT_CONTACT, SINK, Attractor, Oscillator
 from worker.additions import additions
 from worker.errors import InvalidJob
 from worker.jobs.job import Job
-from worker.kinds import KINDS, kind_of
-from worker.views import reading
-from worker.views.at_level import demand_all_cells
-from worker.views.tables import table_of
+from worker.kinds import KINDS, ResultKind, kind_of
+from worker.results import opening
+from worker.results.opening import demand_all_cells
+from worker.results.tables import table_of
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from worker.results.panel import Look
+
+_SIZE = 10.0, 6.5
 _RESERVED_IMAGES = {"sink": SINK, "permanent_contact": PERMANENT_CONTACT, "undecided": NOT_CONVERGED}
-_CURVES = ("manifold", "grazing_curve")
 
 
 @xr.register_dataset_accessor("rattle")
@@ -95,6 +97,11 @@ class Result:
         'grazing_curve'
         """
         return str(kind_of(self.request))
+
+    @property
+    def _kind(self) -> ResultKind:
+        """How results of its kind are drawn."""
+        return TRAJECTORY_RESULT if self.kind == TRAJECTORY else KINDS[self.kind]
 
     @property
     def complete(self) -> bool:
@@ -167,7 +174,7 @@ class Result:
         'P(1,1,0)'
         """
         self._demand("catalogue", "basin")
-        return reading.attractors_of(self._dataset)
+        return opening.attractors_of(self._dataset)
 
     @property
     def colours(self) -> list[tuple[float, float, float]]:
@@ -183,7 +190,7 @@ class Result:
         from worker.pictures.colours import colours_of
 
         one = self._dataset if self.kind == "basin" else self.basins()[0]
-        return colours_of(reading.attractors_of(one))
+        return colours_of(opening.attractors_of(one))
 
     @property
     def levels(self) -> dict[int, tuple[int, int]]:
@@ -197,13 +204,13 @@ class Result:
         {0: (40, 40)}
         """
         self._demand("levels", "basin", "sweep")
-        from worker.views.at_level import levels_in
+        from worker.results.opening import levels_in
 
         return {level.number: level.tiling.grid.shape for level in levels_in(self._dataset)}
 
     @cached_property
     def shown(self) -> xr.Dataset:
-        """The cells of a basin as pictures show them, in memory: at most 1000 each way.
+        """The cells of a basin for figures of your own, in memory: at most 1000 each way.
 
         Beyond, every n-th stands for its neighbours, since labels have no mean. Shares remain those of all cells.
 
@@ -214,7 +221,7 @@ class Result:
         (40, 40)
         """
         self._demand("shown", "basin")
-        return reading.thinned(self._dataset).load()
+        return opening.thinned(self._dataset).load()
 
     def cell_names(self) -> xr.DataArray:
         """Name of the motion that each cell ends in, or each point of a sample.
@@ -292,7 +299,7 @@ class Result:
         0.6
         """
         self._demand("basin", "sweep")
-        return reading.basin_of(self._dataset, **values)
+        return opening.basin_of(self._dataset, **values)
 
     def basins(self) -> tuple[xr.Dataset, ...]:
         """All basins of a sweep, each as `basin` returns it.
@@ -315,7 +322,7 @@ class Result:
         """
         self._demand("basins", "sweep")
         job: Any = self.job
-        return tuple(reading.basin_of(self._dataset, **job.values_of(number)) for number in range(job.basins))
+        return tuple(opening.basin_of(self._dataset, **job.values_of(number)) for number in range(job.basins))
 
     def measures(self, tolerance: float = 1e-6) -> xr.Dataset:
         """Measures of each basin: integrity, entropies, uncertainty exponent, least disturbance.
@@ -328,7 +335,7 @@ class Result:
         Returns
         -------
         xarray.Dataset
-            As ``worker.views.measures.measure_basins`` describes it.
+            As ``worker.results.measures.measure_basins`` describes it.
 
         Raises
         ------
@@ -342,7 +349,7 @@ class Result:
         True
         """
         self._demand("measures", "basin", "sweep")
-        from worker.views.measures import measure_basins
+        from worker.results.measures import measure_basins
 
         return measure_basins(self._dataset, tolerance)
 
@@ -352,7 +359,7 @@ class Result:
         Returns
         -------
         xarray.Dataset
-            As ``worker.views.loudness.measure_loudness`` describes it.
+            As ``worker.results.measures.measure_loudness`` describes it.
 
         Raises
         ------
@@ -366,7 +373,7 @@ class Result:
         [0.0, 1.0]
         """
         self._demand("loudness", "basin", "sweep")
-        from worker.views.loudness import measure_loudness
+        from worker.results.measures import measure_loudness
 
         return measure_loudness(self._dataset)
 
@@ -455,11 +462,10 @@ class Result:
         """
         self._demand("boundary_share", "basin")
         demand_all_cells(self._dataset)
-        from rattle.results.curves import curves_of
         from rattle_kernels import boundary_share
 
         job: Any = self.job
-        pieces = {each.label: each.pieces for each in curves_of(curves, curves.rattle.kind)}
+        pieces = {each.label: each.pieces for each in curves.rattle._overlays(())}
         pieces["all together"] = tuple(piece for own in pieces.values() for piece in own)
         solution = self._dataset.solution.values
         return {name: float(boundary_share(solution, job.grid, own)) for name, own in pieces.items()}
@@ -498,10 +504,25 @@ class Result:
         >>> [line.get_label() for line in curves.rattle.overlay(ax=axes).lines]
         ['grazing curve', 'pre-image 1']
         """
-        self._demand("overlay", "basin", *_CURVES)
-        from rattle.results.drawing import draw_over
+        import matplotlib.pyplot as plt
 
-        return draw_over(self._dataset, self.kind, self.job, kinds, ax, color, linewidth)
+        from worker.pictures.overlay import Lines, Marks
+
+        axes = plt.gca() if ax is None else ax
+        for each in self._overlays(kinds):
+            if color is not None and isinstance(each, Lines | Marks):
+                each = each._replace(colour=color)
+            if linewidth is not None and isinstance(each, Lines):
+                each = each._replace(width=linewidth)
+            each.draw(axes, axes.get_xlim()[0])
+        return axes
+
+    def _overlays(self, names: Collection[str]) -> Iterable[Any]:
+        """What of it can be laid over axes of the (t, v) plane."""
+        if self._kind.overlays is None:
+            self._demand("overlay", *KINDS.offering("overlays"))
+        assert self._kind.overlays is not None
+        return self._kind.overlays(self._dataset, names)
 
     def plot(
         self, ax: "Axes | None" = None, *, overlays: Collection[str] | None = None, legend: bool = True,
@@ -512,7 +533,7 @@ class Result:
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to draw one basin. By default, and for everything else, on a new figure.
+            Where to draw one basin. By default, and for everything else, on a new figure, as ``rattle plot`` draws it.
         overlays : collection of str, optional
             What is laid over basins: some of ``grazing``, ``preimages``, ``manifolds``, ``attractors``, ``saddles``,
             and masks of packages; by default the grazing curve and the attractors.
@@ -523,7 +544,7 @@ class Result:
         palette : str, optional
             Of basins: ``"paper"`` or ``"colour_blind"``.
         title : str, optional
-            Of the axes or the figure.
+            Of the axes or the figure; by default of a new one the oscillator.
 
         Returns
         -------
@@ -543,24 +564,55 @@ class Result:
         >>> axes.get_ylabel(), axes.get_title()
         ('velocity v of departure', 'forty cells')
         """
-        from rattle.results.drawing import draw_basin, draw_on_figure, paints_of
+        import matplotlib.pyplot as plt
 
-        if self.kind not in ("basin", "sweep") and (colors or palette):
-            raise InvalidJob(f"colors and palette are of basins, and this is of kind {self.kind}")
-        paints = paints_of(self._dataset, colors, palette)
-        if self.kind == "basin":
-            axes = draw_basin(self._dataset, ax, overlays, legend, paints)
-            return axes if title is None else (axes.set_title(title), axes)[1]
+        look, kind = self._look(overlays, legend, colors, palette), self._kind
         if ax is not None:
-            over = "or lay it over a basin with .rattle.overlay(ax=ax)" if self.kind in _CURVES else ""
-            raise InvalidJob(
-                f"a result of kind {self.kind} is drawn on a figure of its own: leave out ax {over}".rstrip()
-            )
-        job = None if self.kind == TRAJECTORY else self.job
-        figure = draw_on_figure(self._dataset, self.kind, job, overlays, legend, paints)
+            if kind.draw_on is None:
+                over = "or lay it over a basin with .rattle.overlay(ax=ax)" if kind.overlays is not None else ""
+                raise InvalidJob(
+                    f"a result of kind {self.kind} is drawn on a figure of its own: leave out ax {over}".rstrip()
+                )
+            kind.draw_on(self._dataset, ax, look)
+            if title is not None:
+                ax.set_title(title)
+            return ax
+        figure = plt.figure(figsize=_SIZE, layout="constrained")
+        kind.draw(self._dataset, figure, look)
+        if kind.draw_on is None:
+            if title is not None:
+                figure.suptitle(title)
+            return figure
         if title is not None:
-            figure.suptitle(title)
-        return figure
+            figure.axes[0].set_title(title)
+        return figure.axes[0]
+
+    def _look(
+        self, overlays: Collection[str] | None, legend: bool, colors: Mapping[str, Any] | None, palette: str | None
+    ) -> "Look":
+        """How basins are drawn that `plot` is asked for; refuses a palette, a motion or a colour that is not known."""
+        from matplotlib.colors import to_rgb
+
+        from worker.pictures.colours import USUAL, Palette
+        from worker.pictures.overlay_kind import USUAL_OVERLAYS
+        from worker.results.panel import Look
+
+        if colors or palette:
+            self._demand("colors and palette", "basin", "sweep")
+        if palette is not None and palette not in list(Palette):
+            raise InvalidJob(f"there is no palette {palette!r}: take {' or '.join(Palette)}")
+        known = self._dataset["name"].values.tolist() if colors else []
+        for name in colors or {}:
+            if name not in known:
+                raise InvalidJob(f"there is no motion {name!r} to colour: there are {', '.join(known)}")
+        try:
+            own = {name: to_rgb(color) for name, color in (colors or {}).items()}
+        except ValueError as error:
+            raise InvalidJob(f"colors: {error}") from None
+        return Look(
+            overlays=USUAL_OVERLAYS if overlays is None else overlays, legend=legend, own_colours=own,
+            palette=USUAL if palette is None else Palette(palette),
+        )  # fmt: skip
 
     def plot_shares(self, ax: "Axes | None" = None) -> "Figure | Axes":
         """Draw shares and expected loudness over the swept parameter: lines over one, maps over two.
@@ -587,11 +639,13 @@ class Result:
         >>> sweep.rattle.plot_shares().axes[0].get_ylabel()
         'share'
         """
-        self._demand("plot_shares", "sweep")
-        from rattle.results.drawing import draw_shares_of
+        self._demand("plot_shares", *KINDS.offering("shares"))
+        import matplotlib.pyplot as plt
 
-        job: Any = self.job
-        return draw_shares_of(self._dataset, job, ax)
+        target = plt.figure(layout="constrained") if ax is None else ax
+        assert self._kind.shares is not None
+        self._kind.shares(self._dataset, target)
+        return target
 
     def to_table(self, name: str | None = None) -> "pd.DataFrame":
         """What the result lists, as a table.

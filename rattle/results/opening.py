@@ -44,7 +44,7 @@ def open(location: str | Path, *, key: str | None = None, level: int = 0) -> "xr
     ['permanent contact', 'P(1,1,0)', 'chaotic']
     """
     import rattle.results.accessor  # noqa: F401 - gives datasets their `.rattle`
-    from worker.views.at_level import open_level
+    from worker.results.opening import open_level
 
     options: dict[str, Any] = {"headers": {"authorization": f"Bearer {key}"}} if key else {}
     return open_level(location, level, options)

@@ -1,16 +1,21 @@
 """One time history as a dataset, and back."""
 
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from rattle_kernels import Contacts, Oscillator, Outcome, TimeHistory
 from worker.jobs.trajectory_request import TrajectoryRequest
+from worker.kinds import ResultKind
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TRAJECTORY = "trajectory"
 """Kind of such a dataset."""
+_SIZE = 11.0, 4.5
 
 
 def dataset_of(request: TrajectoryRequest, history: TimeHistory) -> xr.Dataset:
@@ -62,3 +67,14 @@ def history_of(dataset: xr.Dataset) -> tuple[Oscillator, TimeHistory]:
         Outcome[dataset.attrs["outcome"].upper()], bool(dataset.attrs["truncated"]), dataset.attrs["permanent_from"],
     )  # fmt: skip
     return oscillator, history
+
+
+def _draw(dataset: xr.Dataset, figure: "Figure", look: object = None) -> None:
+    from worker.pictures.history import draw_history  # loads Matplotlib
+
+    figure.set_size_inches(_SIZE)
+    draw_history(figure, *history_of(dataset))
+
+
+TRAJECTORY_RESULT = ResultKind(name=TRAJECTORY, draw=_draw)
+"""How such a dataset is drawn."""

@@ -53,5 +53,4 @@ def summary_of_result(record: JobRecord, results: str) -> JsonAnswer:
     NotReady, StoreConflict, StoreFailed
     """
     kind, location = KINDS[record.kind], location_of_result(record, results)
-    fields = kind.summarise(location).as_json() | {"zarr": f"/v1/jobs/{record.id}/result.zarr"}
-    return json_answer(kind.result_view.model_validate(fields).model_dump_json())
+    return json_answer(kind.summarise(location, f"/v1/jobs/{record.id}/result.zarr").model_dump_json())

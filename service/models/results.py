@@ -12,14 +12,13 @@ from pydantic import BaseModel, Field
 from rattle_kernels import Attractor, AttractorKind, Direction, Loudness, Outcome, TimeHistory, grazing_velocity
 from worker.additions import additions, with_fields
 from worker.basins.preview import Preview
-from worker.basins.result import EndView, ExpectedView, FiniteOrNone, Loud
 from worker.kinds import KINDS
 from worker.pictures.colours import MISSING, SPECKLE, Colour, Paint, Palette, paints_of
 from worker.pictures.overlay import Lines, Overlay
+from worker.results.motion_end import MotionEnd
+from worker.results.summary import EndView, ExpectedView, FiniteOrNone, Loud, ends_of
+from worker.results.viewer import PanelOutline
 from worker.stores.pyramid import Level
-from worker.stores.summary import ends_as_json
-from worker.views.motion_end import MotionEnd
-from worker.views.outline import PanelOutline
 
 _DIGITS = 7
 # A preview is for a screen, and comes ten times a second.
@@ -133,7 +132,7 @@ class DrawnSolution(Loud):
         return cls(
             number=number, name=attractor.name, kind=attractor.kind.name.lower(),
             share=share, lyapunov_exponent=attractor.lyapunov_exponent, mean_life=attractor.mean_life,
-            mean_life_error=attractor.mean_life_error, ends=ends_as_json(attractor),
+            mean_life_error=attractor.mean_life_error, ends=ends_of(attractor),
             colours={palette: in_hex(paint.colour) for palette, paint in paints.items()},
             textures={palette: paint.texture for palette, paint in paints.items()},
             points=list(points), **heard._asdict(),

@@ -24,12 +24,12 @@ from worker.kinds import KINDS
 from worker.pictures.colours import USUAL, Palette
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import USUAL_OVERLAYS, OverlayKind, parse_overlays
-from worker.pictures.panel_picture import Layer, Look
-from worker.pictures.share_chart import shares_figure
 from worker.pictures.window import parse_window
-from worker.stores.summary import fingerprint
-from worker.views.reading import open_store
-from worker.views.tables import TableFormat, demand_small_table, table_of, write_table
+from worker.results.opening import open_store
+from worker.results.panel import Layer, Look
+from worker.results.shares import shares_figure
+from worker.results.summary import fingerprint
+from worker.results.tables import TableFormat, demand_small_table, table_of, write_table
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
 
@@ -155,7 +155,7 @@ def get_shares(
     job_id: JobId, request: Request, jobs: JobsHere, settings: SettingsHere, if_none_match: IfNoneMatch = None
 ) -> Response:
     """Draw the share of each solution over one swept parameter, or as maps over two, also while the sweep runs."""
-    require_kind(jobs.get(job_id), "shares over a parameter", "sweep")
+    require_kind(jobs.get(job_id), "shares over a parameter", *KINDS.offering("shares"))
     location = location_of(job_id, jobs, settings)
     picture_format = PictureFormat.of_file(request.url.path)
     etag = etag_of(fingerprint(location), "shares", picture_format, _VERSION)

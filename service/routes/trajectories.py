@@ -12,7 +12,7 @@ from service.models.results import TrajectoryView
 from service.routes.dependencies import LARGE, ChecksHere, SettingsHere, problems
 from service.routes.plain_json import PlainJsonRoute
 from worker.jobs.trajectory_request import TrajectoryRequest
-from worker.views.motion_end import FOLLOWED_PERIODS, end_of
+from worker.results.motion_end import FOLLOWED_PERIODS, end_of
 
 router = APIRouter(prefix="/v1", tags=["trajectories"], route_class=PlainJsonRoute)
 _BODY: Any = described_as(TrajectoryRequest)

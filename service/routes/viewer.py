@@ -18,11 +18,10 @@ from service.models.results import OutlineView, OverlaysView, OverlayView
 from service.routes.dependencies import LARGE, JobId, JobsHere, SettingsHere, problems, require_kind
 from service.routes.results import COMPUTING, location_of
 from worker.additions import additions
+from worker.kinds import KINDS
 from worker.pictures.overlay_kind import OverlayKind
-from worker.stores.summary import fingerprint
-from worker.views.outline import outline_basin
-from worker.views.overlays import overlay_basin
-from worker.views.tile_labels import read_tile_labels
+from worker.results.summary import fingerprint
+from worker.results.viewer import outline_basin, overlay_basin, read_tile_labels
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["viewer"])
 
@@ -44,7 +43,7 @@ def _location_of_basins(job_id: str, jobs: JobsHere, settings: SettingsHere, wha
     ------
     JobNotFound, WrongKind, NotReady
     """
-    require_kind(jobs.get(job_id), what, "basin", "sweep")
+    require_kind(jobs.get(job_id), what, *KINDS.offering("has_tiles"))
     return location_of(job_id, jobs, settings)
 
 

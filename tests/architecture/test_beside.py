@@ -65,12 +65,12 @@ def proven(tmp_path_factory):
 def test_a_store_with_more_is_read_drawn_and_checked_as_a_plain_one(proven, tmp_path):
     code = f"""
 import rattle
-from worker.stores.summary import summarise
+from worker.results.summary import summarise
 basin = rattle.open({str(proven)!r})
 basin.rattle.plot()
 assert basin.rattle.complete and basin.rattle.job.request() == basin.rattle.request and "prove" in basin.rattle.request
 assert "share_proven" not in basin and not hasattr(basin.rattle, "certificate")
-assert "share_proven" not in summarise({str(proven)!r}).as_json()["solutions"][0]
+assert "share_proven" not in summarise({str(proven)!r}).model_dump()["solutions"][0]
 print(rattle.check({str(proven)!r}, dry_run=True).damages)
 """
     assert alone(code, tmp_path).strip() == "()"

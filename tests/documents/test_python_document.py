@@ -18,7 +18,7 @@ def test_the_guides_python_runs(service, tmp_path, monkeypatch):
     assert len(blocks) == 5
     for block in blocks:
         if "large.zarr" in block:
-            continue  # 1e10 cells: tests/worker/stores and tests/worker/views have some
+            continue  # 1e10 cells: tests/worker/stores and tests/worker/results have some
         for shown, here in others.items():
             block = block.replace(shown, here)
         exec(compile(block, "python.md", "exec"), names)

@@ -10,8 +10,8 @@ from service.records.job_record import JobState
 from worker.additions import additions
 from worker.pictures.colours import Palette
 from worker.pictures.overlay_kind import OverlayKind
-from worker.pictures.panel_picture import Layer
 from worker.progress import Stage
+from worker.results.panel import Layer
 
 JS = Path(__file__).parents[2] / "service" / "explorer" / "js"
 HTML = (JS.parent / "index.html").read_text()

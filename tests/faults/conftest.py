@@ -16,7 +16,7 @@ from worker.basins.pipeline import run_basin
 from worker.cluster.connection import local_cluster
 from worker.cluster.driver import Driver
 from worker.jobs.basin_job import basin_job
-from worker.stores.summary import summarise
+from worker.results.summary import summarise
 
 BASIN = {"grid": {"time": {"cells": 300}, "velocity": {"cells": 300}}, "iterations": 15013}
 SWEEP = {

@@ -9,9 +9,9 @@ import xarray as xr
 import rattle
 from worker.errors import InvalidJob
 from worker.pictures.colours import Palette, colours_of
-from worker.stores.summary import summarise
-from worker.views import reading
-from worker.views.measures import measure_basins
+from worker.results import opening
+from worker.results.measures import measure_basins
+from worker.results.summary import summarise
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +107,7 @@ def test_a_sweep_is_drawn_side_by_side_and_its_shares_over_the_parameter(sweep):
     figure = sweep.rattle.plot(colors={"permanent contact": "white"}, title="three dampings")
     assert figure.get_suptitle() == "three dampings"
     assert figure.legends[0].get_patches()[0].get_facecolor() == (1.0, 1.0, 1.0, 1.0)
-    assert [axes.get_title() for axes in figure.axes] == ["damping = 0.55", "damping = 0.6", "damping = 0.7"]
+    assert [axes.get_title() for axes in figure.axes] == ["δ = 0.55", "δ = 0.6", "δ = 0.7", ""]
     lines = sweep.rattle.plot_shares().axes[0].get_lines()
     assert len(lines) == sweep.sizes["attractor"]
     with pytest.raises(InvalidJob, match="those of kind sweep have"):
@@ -147,7 +147,7 @@ def test_images_are_counted_as_in_the_summary(basin, sweep, kept):
 
 
 def test_of_many_cells_every_nth_is_shown(basin, monkeypatch):
-    monkeypatch.setattr(reading, "_MOST_CELLS", 15)
+    monkeypatch.setattr(opening, "_MOST_CELLS", 15)
     shown = basin.copy().rattle.shown
     np.testing.assert_array_equal(shown.solution, basin.solution[::3, ::3])
     np.testing.assert_array_equal(shown.share, basin.share)

@@ -2,10 +2,11 @@
 
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 import rattle
 from worker.errors import InvalidJob
-from worker.views.basin_plot import plot_basin
+from worker.results.figure import draw_basin
 
 QUICK = {"progress": False, "workers": 1}
 CELLS = {"cells": 8, "iterations": 101}
@@ -41,4 +42,4 @@ def test_parameters_are_attributes_and_names_a_coordinate_and_a_sweep_is_not_dra
     assert (basin.attrs["damping"], basin.attrs["eccentricity"], basin.attrs["half_backlash"]) == (0.6, 0.1, 0.6)
     assert "name" in basin.coords and "name" in sweep.coords
     with pytest.raises(InvalidJob, match="this is a sweep over damping: choose a basin by basin_of"):
-        plot_basin(sweep)
+        draw_basin(sweep, Figure().subplots())

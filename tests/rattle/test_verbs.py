@@ -17,7 +17,6 @@ from rattle.verbs import VERBS
 from rattle_proof.request import ProofRequest
 from worker.jobs.curve_request import ResolutionRequest
 from worker.jobs.oscillator_request import ImpactingOscillator, PiecewiseLinearOscillator
-from worker.jobs.proof_request import ProofRequest
 from worker.jobs.sample import Sample
 from worker.jobs.trajectory_request import StartRequest, TrajectoryRequest
 from worker.kinds import KINDS

@@ -13,11 +13,10 @@ from worker.errors import InvalidJob
 from worker.pictures import colours
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay_kind import OverlayKind
-from worker.pictures.panel_picture import Layer, Look
-from worker.pictures.picture import basin_figure
 from worker.pictures.window import Window
-from worker.views.basin_plot import plot_basin
-from worker.views.reading import open_basin
+from worker.results.figure import basin_figure, draw_basin
+from worker.results.opening import open_basin
+from worker.results.panel import Layer, Look
 
 CELLS, HIGHEST = 128, 7.0
 # The quiet half of the made-up basin is proven but for the cells of t < 0.25; nothing of chaos is, half of P(1,1,0).
@@ -65,7 +64,7 @@ def seen(store, **look):
 def seen_with_axes_of_ones_own(store):
     figure = Figure(figsize=(10.0, 6.5), dpi=110)
     with open_basin(store.location) as basin:
-        return figure, plot_basin(basin, figure.subplots(), overlays=("proven",))
+        return figure, draw_basin(basin, figure.subplots(), Look(overlays=("proven",)))
 
 
 @pytest.mark.parametrize("drawn", [seen, seen_with_axes_of_ones_own])
@@ -163,4 +162,4 @@ def test_where_no_proof_was_asked_for_it_is_said(store):
     with pytest.raises(InvalidJob, match="nothing is proven of this basin"):
         seen(store)
     with open_basin(store.location) as basin, pytest.raises(InvalidJob, match="nothing is proven of this basin"):
-        plot_basin(basin, Figure().subplots(), overlays=("proven",))
+        draw_basin(basin, Figure().subplots(), Look(overlays=("proven",)))

@@ -13,7 +13,7 @@ from service.routes import results
 from tests.large_store import LARGE, ChunksRead, label, large_store
 from tests.service.idle_service import idle_service
 from tests.service.routes.problems import assert_problem
-from worker.pictures.panel_picture import Layer
+from worker.results.panel import Look
 from worker.storage.location import result_location
 from worker.stores.pyramid import LABELS
 
@@ -59,7 +59,7 @@ def test_the_page_and_xarray_open_1e10_cells(service, address, monkeypatch):
 
     asked = []
     monkeypatch.setattr(results, "range_of_file", lambda *of: asked.append(of[1]) or range_of_file(*of))
-    shown = figure_at_address(url, None, Layer.SOLUTION, False, ()).axes[0].images[0].get_array()
+    shown = figure_at_address(url, None, Look(overlays=()), shares=False).axes[0].images[0].get_array()
     assert shown.shape[:2] == (782, 782)
     of_cells = {path for path in asked if path.count("/c/") and path.split("/c/")[0].endswith(NAMES)}
     assert of_cells == {"pyramid/7/solution/c/0/0", "pyramid/7/group/c/0/0"}

@@ -9,6 +9,7 @@ authoritative: a piece is done if its part is marked whole there. After any cras
 only what is missing.
 """
 
+import json
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -16,6 +17,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
+import xarray as xr
 from matplotlib.figure import Figure
 from pydantic import BaseModel, Field
 
@@ -26,12 +28,11 @@ from worker.errors import InvalidJob, StoreFailed
 from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob
 from worker.pictures.figure_file import new_figure
-from worker.pictures.panel_picture import USUAL_LOOK, Look
 from worker.progress import Progress, Report, Stage
+from worker.results.panel import USUAL_LOOK, Look
 from worker.stores.analysis_store import AnalysisStore, StoredParts
 from worker.stores.layout import Columns, Variable
 from worker.stores.opening import demand_own_request, demand_same_digest
-from worker.stores.summary import without_nan
 
 Parts = Mapping[str, Columns]
 """Columns of the finished pieces, by name."""
@@ -65,29 +66,6 @@ class AnalysisView(BaseModel):
 
 
 @dataclass(frozen=True)
-class AnalysisSummary:
-    """Summary of the result in a store, complete or not."""
-
-    kind: str
-    complete: bool
-    request: dict[str, Any]
-    pieces_done: int
-    seconds: dict[str, float]
-    result: dict[str, Any]
-
-    def as_json(self) -> dict[str, Any]:
-        """All of it, as the `AnalysisView` of its kind describes it but for ``zarr``."""
-        return {
-            "kind": self.kind, "complete": self.complete, "request": self.request, "pieces_done": self.pieces_done,
-            "seconds": self.seconds,
-        } | self.result  # fmt: skip
-
-    def found(self) -> dict[str, Any]:
-        """What was found, and the time that it took."""
-        return self.result | {"seconds": self.seconds}
-
-
-@dataclass(frozen=True)
 class Analysis:
     """One kind of analysis.
 
@@ -104,9 +82,9 @@ class Analysis:
     layout : callable
         ``layout(job)``: variables of the store, one for each column.
     summarise : callable
-        ``summarise(job, columns)``: a summary of the result, as JSON.
+        ``summarise(job, columns)``: what was found, as the fields that `view` adds.
     view : type
-        An `AnalysisView` that describes that summary.
+        The `AnalysisView` of its results.
     draw : callable
         ``draw(job, columns, figure)``.
     """
@@ -198,17 +176,18 @@ class Analysis:
         except (StoreFailed, KeyError) as error:
             return {}, error
 
-    def summary(self, location: str) -> AnalysisSummary:
-        """Summary of the store at a location, finished or not.
+    def summary(self, location: str, zarr: str | None = None) -> AnalysisView:
+        """Summary of the store at a location, finished or not; `zarr` is where its reader finds the store.
 
         Raises
         ------
         StoreConflict, StoreFailed
         """
         job, columns, store = self.read(location)
-        return AnalysisSummary(
-            job.kind, store.complete, store.request, len(store.parts()), dict(store.attributes.get("seconds", {})),
-            without_nan(self.summarise(job, columns)),
+        return self.view(
+            complete=store.complete, request=store.request, pieces_done=len(store.parts()),
+            seconds=store.attributes.get("seconds", {}), zarr=location if zarr is None else zarr, kind=job.kind,
+            **self.summarise(job, columns),
         )  # fmt: skip
 
     def fingerprint(self, location: str) -> bytes:
@@ -234,9 +213,14 @@ class Analysis:
         if look.window is not None or look.panel is not None:
             raise InvalidJob("only basins and sweeps have a window and a panel: leave them out")
         job, columns, _ = self.read(location)
-        figure = new_figure(10.0, 6.5)
+        figure = new_figure()
         self.draw(job, columns, figure)
         return figure
+
+    def draw_dataset(self, dataset: xr.Dataset, figure: Figure, look: Look = USUAL_LOOK) -> None:
+        """Draw a result on an empty figure. Its look has nothing to say: that is of basins."""
+        job = self.job.from_request(json.loads(dataset.attrs["request"]))
+        self.draw(job, {str(name): array.values for name, array in dataset.variables.items()}, figure)
 
 
 def in_order(parts: Parts, prefix: str) -> list[Columns]:

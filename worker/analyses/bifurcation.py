@@ -26,8 +26,8 @@ from worker.jobs.swept_parameter import Parameter
 from worker.pictures.colours import paints_of_names
 from worker.pictures.symbols import in_words, oscillator_text
 from worker.progress import Stage
+from worker.results.motion_names import MOST_NAMED, NO_PERIOD, motion_names
 from worker.stores.layout import MISSING, PERIODS, SPEED, Columns, Variable, flags
-from worker.views.motion_names import MOST_NAMED, NO_PERIOD, motion_names
 
 # Applications of P in a stretch, about two seconds.
 _APPLICATIONS = 1_000_000
@@ -215,15 +215,15 @@ def _describe(outcome: int, period: int) -> str:
     return f"impact period {period}" if period else "no period seen"
 
 
-def _stretches(values: np.ndarray, ways: np.ndarray, outcome: np.ndarray, period: np.ndarray) -> list[dict[str, Any]]:
+def _stretches(values: np.ndarray, ways: np.ndarray, outcome: np.ndarray, period: np.ndarray) -> list[StretchView]:
     """Runs of values over which a motion keeps its kind."""
     changes = np.flatnonzero((np.diff(outcome) != 0) | (np.diff(period) != 0) | (np.diff(ways) != 0)) + 1
     bounds = [0, *changes.tolist(), values.size]
     return [
-        {
-            "what": _describe(int(outcome[a]), int(period[a])), "way": "up" if ways[a] > 0 else "down",
-            "start": float(values[a]), "stop": float(values[b - 1]), "values": b - a,
-        }
+        StretchView(
+            what=_describe(int(outcome[a]), int(period[a])), way="up" if ways[a] > 0 else "down",
+            start=float(values[a]), stop=float(values[b - 1]), values=b - a,
+        )
         for a, b in zip(bounds[:-1], bounds[1:], strict=True)
     ]  # fmt: skip
 
@@ -236,11 +236,11 @@ def summarise(job: BifurcationJob, columns: Columns) -> dict[str, Any]:
             columns[job.vary.parameter], columns["way"], columns["outcome"][:, seed], columns["impact_period"][:, seed]
         )
         motions.append(
-            {
-                "name": str(columns["seed_name"][seed]), "time": float(columns["seed_time"][seed]),
-                "velocity": float(columns["seed_velocity"][seed]), "stretches": runs[:_MOST_STRETCHES],
-                "stretches_total": len(runs),
-            }
+            MotionView(
+                name=str(columns["seed_name"][seed]), time=float(columns["seed_time"][seed]),
+                velocity=float(columns["seed_velocity"][seed]), stretches=runs[:_MOST_STRETCHES],
+                stretches_total=len(runs),
+            )
         )  # fmt: skip
     return {"parameter": job.vary.parameter, "values_visited": int(job.visits.size), "motions": motions}
 

@@ -1,9 +1,10 @@
 """Pre-images of the grazing curve as an analysis: stretches of the curve run in parallel, each through all orders."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 from matplotlib.figure import Figure
 from numpy import float64, int8, int64
 from pydantic import BaseModel, Field
@@ -23,6 +24,8 @@ from worker.stores.layout import Columns, Variable
 from worker.stores.table import Column, Table, slices
 
 _SIZE = {"sample_dimension": "piece"}
+# Colours of what is laid over a basin, by order.
+_OVER = ("white", "black", "yellow", "magenta", "lime")
 ORDERS = Table("order", (
     Column("order_complete", int8, "1 where all of the pre-image of this order is there, else 0", None),
     Column("order_arclength", float64, "its length in the plane (t, v/velocity scale)", None),
@@ -117,26 +120,33 @@ def orders_of(columns: Mapping[str, Any]) -> list[list[Piece]]:
 def summarise(job: GrazingCurveJob, columns: Columns) -> dict[str, Any]:
     """Orders with their lengths. An incomplete order needs more points than allowed, or is not computed yet."""
     orders = [
-        {
-            "order": order,
-            "complete": bool(row.complete),
-            "pieces": len(pieces),
-            "vertices": int(sum(piece.t.size for piece in pieces)),
-            "arclength": row.arclength,
-        }
+        OrderView(
+            order=order,
+            complete=bool(row.complete),
+            pieces=len(pieces),
+            vertices=int(sum(piece.t.size for piece in pieces)),
+            arclength=row.arclength,
+        )
         for order, (row, pieces) in enumerate(zip(ORDERS.rows(columns), orders_of(columns), strict=True))
     ]
     return {"orders": orders}
 
 
+def overlays_of(dataset: xr.Dataset, names: Collection[str] = ()) -> tuple[Lines, ...]:
+    """The grazing curve and its pre-images, each in a colour of its own. They have no other names to choose by."""
+    return tuple(
+        Lines(f"pre-image {order}" if order else "grazing curve", _OVER[order % len(_OVER)], tuple(pieces))
+        for order, pieces in enumerate(orders_of(dataset))
+    )
+
+
 def draw_grazing_curves(job: GrazingCurveJob, columns: Columns, figure: Figure) -> None:
     """Draw the grazing curve and its pre-images, with one colour per order."""
     axes = figure.subplots()
-    pieces = pieces_of(columns)
-    for order, own in enumerate(slices(columns["order_size"])):
+    for order, pieces in enumerate(orders_of(columns)):
         label = "grazing curve" if order == 0 else f"pre-image of order {order}"
         missing = "" if columns["order_complete"][order] else ", incomplete"
-        Lines(label + missing, f"C{order % 10}", tuple(pieces[own]), THIN).draw(axes)
+        Lines(label + missing, f"C{order % 10}", tuple(pieces), THIN).draw(axes)
     finish_plane(axes, oscillator_text(job.oscillator), job.velocity.ends)
 
 

@@ -1,10 +1,11 @@
 """Manifolds as an analysis: first the saddles in parallel, then every branch separately."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import astuple
 from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 from matplotlib.figure import Figure
 from numpy import float64, int8, int32, int64
 from pydantic import BaseModel, Field
@@ -43,6 +44,8 @@ from worker.stores.table import Column, Table, slices
 
 _BANDS = 8
 _SIDES = (Side.STABLE, Side.UNSTABLE)
+# Colours of what is laid over a basin, by saddle.
+_OVER = ("magenta", "lime", "darkorange", "cyan")
 # Each manifold by the code of a branch's kind, with the style of its lines.
 _MANIFOLDS = {1: ("stable", "-"), 2: ("unstable", ":")}
 _KIND = {"flag_values": [1, 2], "flag_meanings": " ".join(_SIDES)}
@@ -217,19 +220,37 @@ def summarise(job: ManifoldJob, columns: Columns) -> dict[str, Any]:
     for row, own in zip(BRANCHES.rows(columns), slices(columns["branch_size"]), strict=True):
         ends = columns["piece_end"][own]
         branches.append(
-            {
-                "saddle": row.orbit,
-                "manifold": _SIDES[row.kind - 1].value,
-                "departure": row.point,
-                "side": row.side,
-                "arclength": row.arclength,
-                "end": row.end,
-                "vertices": int(columns["piece_size"][own].sum()),
-                "pieces": row.size,
-                "pieces_by_end": {end.name.lower(): int((ends == end).sum()) for end in PieceEnd},
-            }
+            ManifoldBranchView(
+                saddle=row.orbit,
+                manifold=_SIDES[row.kind - 1].value,
+                departure=row.point,
+                side=row.side,
+                arclength=row.arclength,
+                end=row.end,
+                vertices=int(columns["piece_size"][own].sum()),
+                pieces=row.size,
+                pieces_by_end={end.name.lower(): int((ends == end).sum()) for end in PieceEnd},
+            )
         )
     return {"saddles": summarise_orbits(columns), "branches": branches}
+
+
+def _manifolds_of(columns: Mapping[str, Any], saddle: int, colour: str, width: float = 1.0) -> Iterator[Lines]:
+    """The manifolds of a saddle that have been grown, from a store's columns or an xarray dataset."""
+    pieces, branches = pieces_of(columns), slices(np.asarray(columns["branch_size"]))
+    kinds, saddles = np.asarray(columns["branch_kind"]), np.asarray(columns["branch_orbit"])
+    for kind, (manifold, style) in _MANIFOLDS.items():
+        own = np.flatnonzero((kinds == kind) & (saddles == saddle))
+        arcs = tuple(piece for branch in own for piece in pieces[branches[branch]])
+        if arcs:
+            name = np.asarray(columns["name"])[saddle]
+            yield Lines(f"{manifold} manifold of {name}", colour, arcs, width, style)
+
+
+def overlays_of(dataset: xr.Dataset, names: Collection[str] = ()) -> tuple[Lines, ...]:
+    """Manifolds of each saddle, in a colour of its own. They have no other names to choose by."""
+    saddles = range(dataset.sizes["orbit"])
+    return tuple(lines for number in saddles for lines in _manifolds_of(dataset, number, _OVER[number % len(_OVER)]))
 
 
 def draw_manifolds(job: ManifoldJob, columns: Columns, figure: Figure) -> None:
@@ -237,13 +258,9 @@ def draw_manifolds(job: ManifoldJob, columns: Columns, figure: Figure) -> None:
     axes = figure.subplots()
     t = np.linspace(0.0, 1.0, 512)
     axes.plot(t, grazing_velocity(job.oscillator, t), color="gray", linewidth=1.0, label="grazing curve")
-    pieces, branches = pieces_of(columns), slices(columns["branch_size"])
     for number, name in enumerate(columns["name"]):
-        colour = f"C{number % 10}"
-        for kind, (manifold, style) in _MANIFOLDS.items():
-            own = np.flatnonzero((columns["branch_kind"] == kind) & (columns["branch_orbit"] == number))
-            arcs = [piece for branch in own for piece in pieces[branches[branch]]]
-            Lines(f"{manifold} manifold of {name}", colour, tuple(arcs), THIN, style).draw(axes)
+        for lines in _manifolds_of(columns, number, f"C{number % 10}", THIN):
+            lines.draw(axes)
         marks = columns["orbit_time"][number], columns["orbit_velocity"][number]
         axes.plot(*marks, "+", color="black", markersize=9, label=f"saddle {name}")
     window = job.limits.lowest_velocity, job.limits.highest_velocity

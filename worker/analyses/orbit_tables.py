@@ -1,4 +1,4 @@
-"""Periodic orbits, their branches, special points and curves: as tables of a store, as objects, and as JSON."""
+"""Periodic orbits, their branches, special points and curves: as tables, as objects, as models of results."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
@@ -10,6 +10,7 @@ from pydantic import BaseModel, Field
 from rattle_kernels import Branch, FoundOrbit, Oscillator, PeriodicOrbit, SpecialKind, SpecialPoint
 from rattle_kernels.orbits.periodic_orbit import orbit_name
 from worker.jobs.swept_parameter import Parameter
+from worker.results.summary import FiniteOrNone
 from worker.stores.layout import PERIODS, SPEED, Columns
 from worker.stores.table import Column, Table
 
@@ -59,7 +60,7 @@ class OrbitDeparture(BaseModel):
     time: float
     velocity: float
     grazing_margin: float = Field(description="v - v*(t): above 0 where the flight meets -beta")
-    lower_speed: float | None = Field(description="Speed at -beta; null where it is not met")
+    lower_speed: FiniteOrNone = Field(description="Speed at -beta; null where it is not met")
 
 
 class OrbitView(BaseModel):
@@ -77,28 +78,28 @@ class OrbitView(BaseModel):
     branch: int | None = Field(None, description="Branch that it lies on; null where none was asked for")
 
 
-def summarise_orbits(columns: Columns) -> list[dict[str, Any]]:
-    """Orbits as JSON."""
+def summarise_orbits(columns: Columns) -> list[OrbitView]:
+    """Orbits of a store's columns."""
     return [
-        {
-            "name": row.name,
-            "forcing_periods": row.forcing_periods,
-            "upper_contacts": row.upper_contacts,
-            "lower_contacts": row.lower_contacts,
-            "attracts": bool(row.attracts),
-            "multipliers": np.stack([row.multiplier_real, row.multiplier_imaginary], axis=-1).tolist(),
-            "residual": row.residual,
-            "grazing_distance": row.grazing_distance,
-            "departures": _departures(row),
-        }
+        OrbitView(
+            name=row.name,
+            forcing_periods=row.forcing_periods,
+            upper_contacts=row.upper_contacts,
+            lower_contacts=row.lower_contacts,
+            attracts=bool(row.attracts),
+            multipliers=np.stack([row.multiplier_real, row.multiplier_imaginary], axis=-1).tolist(),
+            residual=row.residual,
+            grazing_distance=row.grazing_distance,
+            departures=_departures(row),
+        )
         for row in ORBITS.rows(columns)
     ]
 
 
-def _departures(row: Any) -> list[dict[str, float]]:
+def _departures(row: Any) -> list[OrbitDeparture]:
     each = row.orbit_time, row.orbit_velocity, row.grazing_margin, row.lower_speed
     names = "time", "velocity", "grazing_margin", "lower_speed"
-    return [dict(zip(names, values, strict=True)) for values in np.stack(each, axis=-1).tolist()]
+    return [OrbitDeparture(**dict(zip(names, values, strict=True))) for values in np.stack(each, axis=-1).tolist()]
 
 
 def _why(branch: Branch) -> list[str]:
@@ -158,19 +159,19 @@ class BranchView(BaseModel):
     ends: tuple[BranchEndView, BranchEndView]
 
 
-def summarise_branches(columns: Columns, parameter: str) -> list[dict[str, Any]]:
-    """Branches as JSON."""
+def summarise_branches(columns: Columns, parameter: str) -> list[BranchView]:
+    """Branches of a store's columns."""
     return [
-        {
-            "orbit": row.orbit,
-            "points": row.size,
-            "lowest": float(getattr(row, parameter).min()),
-            "highest": float(getattr(row, parameter).max()),
-            "ends": [
-                {"reason": str(reason), "message": str(message), "value": float(value)}
+        BranchView(
+            orbit=row.orbit,
+            points=row.size,
+            lowest=float(getattr(row, parameter).min()),
+            highest=float(getattr(row, parameter).max()),
+            ends=[
+                BranchEndView(reason=str(reason), message=str(message), value=float(value))
                 for reason, message, value in zip(row.end_reason, row.end_message, row.end_value, strict=True)
             ],
-        }
+        )
         for row in branch_table(parameter).rows(columns)
     ]
 
@@ -250,26 +251,27 @@ class SpecialPointView(BaseModel):
     residual: float
     orbit: str = Field(description="Itinerary of the orbit there; a contact that only grazes is not counted")
     branch: int = Field(description="First branch that has it: index into `branches`")
-    multipliers: list[tuple[float | None, float | None]]
+    multipliers: list[tuple[FiniteOrNone, FiniteOrNone]]
     departures: list[SpecialDeparture] = Field(description="The first one grazes, or loses contact")
 
 
-def summarise_specials(columns: Columns, parameter: str) -> list[dict[str, Any]]:
-    """Special points as JSON."""
+def summarise_specials(columns: Columns, parameter: Parameter) -> list[SpecialPointView]:
+    """Special points of a store's columns."""
     return [
-        {
-            "kind": _KINDS[row.kind - 1].value,
-            "parameter": parameter,
-            "value": row.value,
-            "error": row.error,
-            "residual": row.residual,
-            "orbit": orbit_name(row.forcing_periods, row.upper_contacts, row.lower_contacts),
-            "branch": row.branch,
-            "multipliers": np.stack([row.multiplier_real, row.multiplier_imaginary], axis=-1).tolist(),
-            "departures": [
-                {"time": t, "velocity": v} for t, v in zip(row.time.tolist(), row.velocity.tolist(), strict=True)
+        SpecialPointView(
+            kind=_KINDS[row.kind - 1].value,
+            parameter=parameter,
+            value=row.value,
+            error=row.error,
+            residual=row.residual,
+            orbit=orbit_name(row.forcing_periods, row.upper_contacts, row.lower_contacts),
+            branch=row.branch,
+            multipliers=np.stack([row.multiplier_real, row.multiplier_imaginary], axis=-1).tolist(),
+            departures=[
+                SpecialDeparture(time=t, velocity=v)
+                for t, v in zip(row.time.tolist(), row.velocity.tolist(), strict=True)
             ],
-        }
+        )
         for row in SPECIALS.rows(columns)
     ]
 
@@ -297,16 +299,16 @@ class CurveView(BaseModel):
     ends: tuple[str, str] = Field(description="Why it ends, in words")
 
 
-def summarise_curves(columns: Columns, parameters: tuple[str, str]) -> list[dict[str, Any]]:
-    """Curves as JSON: how far they reach and why they end. Their points are in the store."""
+def summarise_curves(columns: Columns, parameters: tuple[Parameter, Parameter]) -> list[CurveView]:
+    """Curves of a store's columns: how far they reach and why they end. Their points are in the store."""
     return [
-        {
-            "special_point": row.special,
-            "parameters": list(parameters),
-            "points": row.size,
-            "first": [float(row.first.min()), float(row.first.max())],
-            "second": [float(row.second.min()), float(row.second.max())],
-            "ends": [str(end) for end in row.end],
-        }
+        CurveView(
+            special_point=row.special,
+            parameters=parameters,
+            points=row.size,
+            first=(float(row.first.min()), float(row.first.max())),
+            second=(float(row.second.min()), float(row.second.max())),
+            ends=tuple(map(str, row.end)),
+        )
         for row in CURVES.rows(columns)
     ]

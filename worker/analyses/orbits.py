@@ -233,7 +233,7 @@ def summarise(job: OrbitsJob, columns: Columns) -> dict[str, Any]:
     if job.continuation is not None:
         parameter = job.continuation.parameter
         for orbit, branch in zip(summary["orbits"], columns["orbit_branch"].tolist(), strict=True):
-            orbit["branch"] = branch if branch >= 0 else None
+            orbit.branch = branch if branch >= 0 else None
         summary["branches"] = summarise_branches(columns, parameter)
         summary["special_points"] = summarise_specials(columns, parameter)
         if job.curves is not None:

@@ -59,7 +59,7 @@ def run_basin(
 ) -> None:
     """Compute a job's basins into a store, or continue the store that is there.
 
-    `worker.stores.summary.summarise` reads the result.
+    `worker.results.summary.summarise` reads the result.
 
     Parameters
     ----------

@@ -7,7 +7,7 @@ Machado, Oliveira and Fernandes (2009). Where the pool runs out, its colours com
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -103,7 +103,9 @@ class Paint(NamedTuple):
     texture: int = 0
 
 
-def paints_of(attractors: tuple[Attractor, ...], palette: Palette = USUAL) -> list[Paint]:
+def paints_of(
+    attractors: tuple[Attractor, ...], palette: Palette = USUAL, own: Mapping[str, Colour] | None = None
+) -> list[Paint]:
     """Colour and texture of each attractor of a basin or of a sweep: no two have the same.
 
     Beyond the pool's colours with all textures (20 motions without a colour of their own), they begin anew.
@@ -112,6 +114,8 @@ def paints_of(attractors: tuple[Attractor, ...], palette: Palette = USUAL) -> li
     ----------
     attractors : tuple of Attractor
     palette : Palette
+    own : mapping of str to (red, green, blue), optional
+        Colours that some motions have instead, by their names.
 
     Returns
     -------
@@ -130,6 +134,9 @@ def paints_of(attractors: tuple[Attractor, ...], palette: Palette = USUAL) -> li
     pool = POOLS[palette]
     for place, (_, _, number) in enumerate(sorted(others)):
         paints[number] = Paint(pool[place % len(pool)], place // len(pool) % (TEXTURES + 1))
+    for number, attractor in enumerate(attractors):
+        if own and attractor.name in own:
+            paints[number] = Paint(own[attractor.name])
     return [paints[number] for number in range(len(attractors))]
 
 
@@ -222,7 +229,7 @@ def usual_speckle(
 
 def paint_cells(
     solution: np.typing.ArrayLike, group: np.typing.ArrayLike, attractors: tuple[Attractor, ...],
-    palette: Palette = USUAL, usual: int | None = None,
+    palette: Palette = USUAL, usual: int | None = None, own: Mapping[str, Colour] | None = None,
 ) -> np.ndarray:  # fmt: skip
     """Colours of cells, with chaos speckled by Hsu's groups as in the paper, and textures where colours are used again.
 
@@ -235,6 +242,8 @@ def paint_cells(
     palette : Palette
     usual : int, optional
         From ``usual_speckle`` of the whole picture, where these cells are a part of it.
+    own : mapping of str to (red, green, blue), optional
+        Colours that some motions have instead, by their names; none of these is speckled.
 
     Returns
     -------
@@ -249,10 +258,10 @@ def paint_cells(
     (40, 40, 3)
     """
     solution, group = np.asarray(solution), np.asarray(group)
-    paints = [*paints_of(attractors, palette), Paint(MISSING)]
-    number = np.where(solution >= 0, solution, len(attractors))
+    paints = [*paints_of(attractors, palette, own), Paint(MISSING)]
+    number = np.where((solution >= 0) & (solution < len(attractors)), solution, len(attractors))
     image = np.array([paint.colour for paint in paints])[number]
-    chaotic = [i for i, attractor in enumerate(attractors) if attractor.is_chaotic]
+    chaotic = [i for i, each in enumerate(attractors) if each.is_chaotic and not (own and each.name in own)]
     inside = np.isin(solution, chaotic)
     if inside.any():
         one = SPECKLE[usual_speckle(solution, group, attractors) if usual is None else usual]

@@ -55,7 +55,7 @@ class PictureFormat(StrEnum):
         return cls(suffix)
 
 
-def new_figure(width: float, height: float) -> Figure:
+def new_figure(width: float = 10.0, height: float = 6.5) -> Figure:
     """Empty figure of a size in inches."""
     figure = Figure(figsize=(width, height), dpi=_DPI, layout="constrained")
     FigureCanvasAgg(figure)

@@ -10,6 +10,9 @@ from rattle_kernels import Attractor, AttractorKind
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.sample import Sample
 
+WITHOUT_POINTS = AttractorKind.PERMANENT_CONTACT, AttractorKind.UNDECIDED
+"""Kinds of motions that have no departures to list."""
+
 
 class Motion(NamedTuple):
     """Kind and P(m, n+, n-). Solutions of neighbouring basins can only be the same if these are equal."""

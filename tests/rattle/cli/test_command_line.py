@@ -22,6 +22,7 @@ from rattle_paper import production, registry
 from rattle_paper.figure import PaperFigure, Printed, Sheet
 from tests.ports import free_port
 from tests.waiting import wait_until
+from worker.analyses.grazing_curves import GrazingCurveView
 from worker.kinds import KINDS
 
 SMALL = ["--cells", "24", "20", "--iterations", "101"]
@@ -341,7 +342,9 @@ def test_orders_of_a_grazing_curve_that_are_incomplete_are_an_error(monkeypatch,
         for order in range(4)
     ]
     monkeypatch.setattr(compute, "is_complete", lambda location, digest: True)
-    found = SimpleNamespace(found=lambda: {"orders": orders, "seconds": {"tracing": 1.0}})
+    found = GrazingCurveView(
+        complete=True, request={}, pieces_done=0, seconds={"tracing": 1.0}, zarr="", kind="grazing_curve", orders=orders
+    )
     kind = dataclasses.replace(KINDS["grazing_curve"], summarise=lambda location: found)
     monkeypatch.setattr(compute, "KINDS", {"grazing_curve": kind})
     answer = CliRunner().invoke(app, ["grazing-curve", "--order", "3", "--out", "there.zarr"])

@@ -19,7 +19,7 @@ from service.routes.dependencies import LARGE
 from tests.service.idle_service import idle_service
 from worker.errors import InvalidJob
 from worker.jobs.bifurcation_job import BifurcationJob
-from worker.views.tables import demand_small_table
+from worker.results.tables import demand_small_table
 
 
 @pytest.fixture

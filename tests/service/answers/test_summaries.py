@@ -9,7 +9,7 @@ from service.answers import result_view
 from service.records.job_record import JobState
 from tests.service.idle_service import idle_service
 from worker.jobs.basin_job import basin_job
-from worker.stores import summary
+from worker.results import summary
 from worker.stores.new_store import create_store
 
 

@@ -10,8 +10,8 @@ import xarray as xr
 
 from tests.running_service import running_service
 from tests.service.routes.problems import assert_problem
+from worker.results.opening import open_basin
 from worker.stores.opening import holds_store
-from worker.views.reading import open_basin
 
 _iterations = itertools.count()
 # Distinct requests from a list of primes, so that tests do not answer each other's.

@@ -10,7 +10,7 @@ import pytest
 from rattle_paper.papers_oscillator import papers_oscillator
 from tests.service.routes.problems import assert_problem
 from worker.jobs.basin_job import basin_job
-from worker.views.reading import open_basin
+from worker.results.opening import open_basin
 
 EXPLORER = Path(__file__).parents[3] / "service" / "explorer"
 SMALL = {"grid": {"time": {"cells": 130}, "velocity": {"cells": 130}}, "iterations": 179}

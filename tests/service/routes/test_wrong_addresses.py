@@ -44,7 +44,7 @@ def test_a_store_that_cannot_be_read_is_named_without_its_folder(service, tmp_pa
     def fail(*_):
         raise StoreFailed(f"the store {result_location(service.results, job.id)} cannot be read: no space left")
 
-    monkeypatch.setattr("worker.stores.summary.summarise", fail)
+    monkeypatch.setattr("worker.results.summary.summarise", fail)
     answer = service.request("GET", f"/v1/jobs/{job.id}/result")
     assert str(tmp_path) not in answer.text
     assert_problem(answer, 503, f"the store {job.id}.zarr cannot be read: no space left")

@@ -14,9 +14,9 @@ from worker.analyses.bifurcation import draw_diagram, names_of
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.jobs.region import Departure
 from worker.jobs.swept_parameter import SweptParameter
-from worker.pictures.picture import figure_of_store
+from worker.results import motion_names
+from worker.results.figure import figure_of_store
 from worker.stores.analysis_store import AnalysisStore
-from worker.views import motion_names
 
 POOLS_OF_THE_PAGE = Path(__file__).parents[3] / "service" / "explorer" / "js" / "plane" / "pools.js"
 # Motions at these values of Fig. 7 (bottom)'s machine, on one branch from the chaos at 0.6.

@@ -14,8 +14,7 @@ from worker.analyses.grazing_curves import draw_grazing_curves
 from worker.analyses.manifolds import draw_manifolds
 from worker.analyses.orbits import draw_orbits
 from worker.jobs.bifurcation_job import Direction
-from worker.pictures.history_panel import draw_history_panel
-from worker.pictures.history_picture import history_figure
+from worker.pictures.history import draw_history_panel, history_figure
 from worker.stores.layout import MISSING
 
 NAN = np.nan

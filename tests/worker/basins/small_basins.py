@@ -10,7 +10,7 @@ from rattle_kernels import CellGrid, Oscillator
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.jobs.basin_job import BasinJob
-from worker.stores.summary import summarise
+from worker.results.summary import summarise
 
 _GRID = CellGrid(time_cells=32, velocity_cells=32)
 # Little damped: trajectories are trapped, and traps are made with NumPy's linear algebra.
@@ -28,7 +28,7 @@ def compute_all(folder):
         for name, job in JOBS.items():
             store = str(folder / name)
             run_basin(job, store, Driver(client), report=lambda _: None, cancel=threading.Event())
-            print(name, *(attractor.name for attractor in summarise(store).attractors), sep=", ")
+            print(name, *(solution.name for solution in summarise(store).solutions), sep=", ")
 
 
 if __name__ == "__main__":

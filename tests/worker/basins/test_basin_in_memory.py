@@ -10,8 +10,8 @@ from rattle_kernels import CellGrid, Oscillator, basin
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.jobs.basin_job import BasinJob
+from worker.results.opening import attractors_of, open_basin
 from worker.stores.basin_store import BasinStore
-from worker.stores.summary import summarise
 
 _ARRAYS = ("image_cell", "landing_time", "landing_velocity", "group", "period", "step", "solution")
 _WEAK = Oscillator(damping=0.05, eccentricity=0.008, half_backlash=0.05)
@@ -37,7 +37,7 @@ def test_it_is_that_of_the_store(oscillator, grid, iterations, client, tmp_path)
             assert getattr(found, name).dtype == stored[name].dtype
             np.testing.assert_array_equal(getattr(found, name), stored[name])
         np.testing.assert_array_equal(found.share, stored.share)
-    for ours, theirs in zip(found.attractors, summarise(location).attractors, strict=True):
+    for ours, theirs in zip(found.attractors, attractors_of(open_basin(location)), strict=True):
         for one, other in zip(ours, theirs, strict=True):
             np.testing.assert_array_equal(one, other)
 

@@ -15,9 +15,10 @@ from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import JobCancelled, StoreConflict, StoreFailed
 from worker.jobs.basin_job import BasinJob
+from worker.results.opening import attractors_of, open_basin
+from worker.results.summary import summarise
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
-from worker.stores.summary import summarise
 
 JOB = BasinJob(grid=CellGrid(time_cells=200, velocity_cells=200))
 
@@ -35,16 +36,18 @@ def undisturbed(client, tmp_path_factory):
 
 
 def test_the_papers_basin_has_three_motions_and_nothing_else(undisturbed):
-    _, summary = undisturbed
-    shares = {attractor.name: share for attractor, share in zip(summary.attractors, summary.shares, strict=True)}
+    location, summary = undisturbed
+    shares = {solution.name: solution.share for solution in summary.solutions}
     assert shares.keys() == {"permanent contact", "P(1,1,0)", "chaotic"}
     assert sum(shares.values()) == pytest.approx(1.0)
     assert shares["permanent contact"] == pytest.approx(0.72, abs=0.01)
     assert shares["P(1,1,0)"] == pytest.approx(0.032, abs=0.003)
-    periodic = summary.attractors[1]
+    (departure,) = summary.solutions[1].points
     # Balance of impulses over one period: P(1,1,0) strikes with v = 2 pi delta.
-    assert periodic.velocity.tolist() == pytest.approx([2.0 * np.pi * 0.6], abs=1e-12)
-    assert summary.attractors[2].lyapunov_exponent > 20.0 * summary.attractors[2].lyapunov_error > 0.0
+    assert departure[1] == pytest.approx(2.0 * np.pi * 0.6, abs=1e-12)
+    with open_basin(location) as basin:
+        chaotic = attractors_of(basin)[2]
+    assert chaotic.lyapunov_exponent == summary.solutions[2].lyapunov_exponent > 20.0 * chaotic.lyapunov_error > 0.0
 
 
 def test_the_store_opens_with_xarray_labelled_and_complete(undisturbed):
@@ -106,7 +109,7 @@ def test_a_cancelled_job_stops_stays_readable_and_resumes_to_the_same_bytes(clie
     with pytest.raises(JobCancelled):
         run(JOB, location, client, report=cancel_soon, cancel=cancel)
     partial = summarise(str(location))
-    assert not partial.complete and 3 <= partial.tiles_computed < partial.tiles and partial.attractors == ()
+    assert not partial.complete and 3 <= partial.tiles_computed < partial.tiles and partial.solutions == []
     with xr.open_zarr(location) as basin:
         assert set(np.unique(basin.tile_state)) == {TileState.PENDING, TileState.COMPUTED}
     seen = []
@@ -169,5 +172,4 @@ def test_a_window_is_coloured_like_the_same_cells_of_the_full_one(client, undist
 def test_everything_is_permanent_contact_at_strong_damping(client, tmp_path):
     job = BasinJob(oscillator=Oscillator(damping=0.7), grid=CellGrid(time_cells=64, velocity_cells=64))
     summary = run(job, tmp_path / "b.zarr", client)
-    assert [attractor.name for attractor in summary.attractors] == ["permanent contact"]
-    assert summary.shares == (1.0,)
+    assert [(solution.name, solution.share) for solution in summary.solutions] == [("permanent contact", 1.0)]

@@ -17,8 +17,8 @@ from worker.cluster.driver import Driver
 from worker.errors import JobCancelled
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
-from worker.stores.layout import TileState
-from worker.stores.summary import summarise
+from worker.results.summary import summarise
+from worker.stores.layout import ChangeKind, TileState
 
 DAMPINGS = (0.5, 0.55, 0.6, 0.65, 0.7)
 GRID = CellGrid(time_cells=48, velocity_cells=40)
@@ -74,15 +74,16 @@ def _points(basin, number):
 
 def test_the_same_motion_keeps_its_number(undisturbed):
     _, summary = undisturbed
-    names = [attractor.name for attractor in summary.attractors]
+    names = [solution.name for solution in summary.solutions]
     number = names.index("P(1,1,0)")
     # Balance of impulses: P(1,1,0) is there with v = 2 pi delta at all dampings but the largest.
-    assert [number in basin.shares for basin in summary.basins] == [True, True, True, True, False]
+    there = [{share.solution for share in basin.shares} for basin in summary.basins]
+    assert [number in each for each in there] == [True, True, True, True, False]
     assert names.count("P(1,1,0)") == 1 and names[0] == "permanent contact"
-    deaths = {(each.kind.name, each.solution, each.before, each.after) for each in summary.changes}
-    assert ("DEATH", number, 0.65, 0.7) in deaths
-    assert ("DEATH", names.index("P(1,2,0)"), 0.55, 0.6) in deaths
-    assert ("BIRTH", names.index("chaotic"), 0.55, 0.6) in deaths
+    deaths = {(each.kind, each.solution, each.before, each.after) for each in summary.changes}
+    assert ("death", number, 0.65, 0.7) in deaths
+    assert ("death", names.index("P(1,2,0)"), 0.55, 0.6) in deaths
+    assert ("birth", names.index("chaotic"), 0.55, 0.6) in deaths
 
 
 def test_changes_are_in_the_store(undisturbed):
@@ -91,7 +92,8 @@ def test_changes_are_in_the_store(undisturbed):
         stored = zip(
             *(sweep[f"change_{what}"].values.tolist() for what in ("kind", "solution", "from", "to")), strict=True
         )
-        assert list(stored) == [(each.kind, each.solution, each.before, each.after) for each in summary.changes]
+        told = [(ChangeKind[each.kind.upper()], each.solution, each.before, each.after) for each in summary.changes]
+        assert list(stored) == told
         assert set(sweep.change_parameter.values.tolist()) == {"damping"}
 
 
@@ -179,7 +181,7 @@ def test_two_parameters_make_two_leading_dimensions(client, tmp_path):
     vary = SweptParameter("eccentricity", (0.09, 0.1)), SweptParameter("damping", (0.5, 0.55, 0.6))
     job = SweepJob(grid=CellGrid(time_cells=30, velocity_cells=30), iterations=101, vary=vary)
     summary = run(job, tmp_path / "sweep.zarr", client)
-    assert [basin.values for basin in summary.basins][1] == {"eccentricity": 0.09, "damping": 0.55}
+    assert summary.basins[1].parameters == {"eccentricity": 0.09, "damping": 0.55}
     with xr.open_zarr(tmp_path / "sweep.zarr") as sweep:
         assert sweep.solution.dims == ("eccentricity", "damping", "velocity", "time")
         assert sweep.share.shape[:2] == (2, 3)

@@ -12,10 +12,9 @@ from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
-from worker.pictures.panel_picture import PanelPicture
-from worker.stores.basin_store import BasinStore
+from worker.results.opening import open_basin
+from worker.results.panel import Basins, Panel
 from worker.stores.solution_table import share_error
-from worker.stores.summary import representatives
 
 WINDOW = CellGrid(0.2, 1.2, 1, 0.0, 6.0, 1)
 
@@ -47,7 +46,7 @@ def test_an_impossible_number_of_points_is_refused(points):
 
 def test_a_sample_of_a_basin_has_its_shares_within_their_error(client, tmp_path):
     summary = run(BasinJob(sample=Sample(6000, 1)), tmp_path / "sample.zarr", client)
-    shares = {attractor.name: share for attractor, share in zip(summary.attractors, summary.shares, strict=True)}
+    shares = {solution.name: solution.share for solution in summary.solutions}
     # Of 1000 x 1000 cells: 71.92 %, 24.84 %, 3.24 %.
     for name, share in (("permanent contact", 0.7192), ("chaotic", 0.2484), ("P(1,1,0)", 0.0324)):
         assert abs(shares[name] - share) < 4.0 * np.sqrt(share * (1.0 - share) / 6000)
@@ -70,10 +69,9 @@ def test_points_of_a_large_sample_are_drawn_all_over_the_window(client, tmp_path
     # Every second point of a Sobol sequence lies in one half of the window.
     location = str(tmp_path / "sample.zarr")
     run(BasinJob(iterations=1, sample=Sample(4000, 1)), location, client)
-    store = BasinStore(location)
-    table = store.solutions.read()
     axes = Figure().subplots()
-    PanelPicture(store, table, representatives(store, table), 0, 1000).draw_solutions(axes)
+    with open_basin(location) as basin:
+        Panel(Basins(basin), 0).draw_solutions(axes)
     t, v = axes.collections[0].get_offsets().T
     quarters = np.histogram2d(t, v, bins=2, range=[[0.0, 1.0], [0.0, 7.0]])[0]
     np.testing.assert_allclose(quarters, 1000, atol=10)
@@ -85,6 +83,6 @@ def test_a_sweep_of_samples_is_the_same_twice(client, tmp_path):
     first = run(job, tmp_path / "one.zarr", client)
     run(job, tmp_path / "two.zarr", client)
     assert content(tmp_path / "one.zarr") == content(tmp_path / "two.zarr")
-    assert all(basin.errors.keys() == basin.shares.keys() for basin in first.basins)
+    assert all(each.standard_error is not None for basin in first.basins for each in basin.shares)
     with xr.open_zarr(tmp_path / "one.zarr") as sample:
         assert sample.solution.dims == ("damping", "sample") and sample.tile_state.dims == ("damping", "tile")

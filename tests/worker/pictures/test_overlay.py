@@ -11,10 +11,9 @@ from worker.errors import InvalidJob
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay import Lines, Marks, attractor_marks, grazing_line
 from worker.pictures.overlay_kind import OverlayKind, overlays_for, parse_overlays
-from worker.pictures.panel_picture import Look
-from worker.pictures.picture import basin_figure
-from worker.views.basin_plot import plot_basin
-from worker.views.reading import open_basin
+from worker.results.figure import basin_figure, draw_basin
+from worker.results.opening import open_basin
+from worker.results.panel import Look
 
 OSCILLATOR = Oscillator(damping=0.6, eccentricity=0.1, half_backlash=0.6)
 
@@ -79,7 +78,8 @@ def test_a_first_preimage_is_mapped_from_the_grazing_curve(overlays):
 
 def test_basins_carry_what_is_asked_for_and_no_more(store, attractors):
     with open_basin(store.location) as basin:
-        counts = [len(plot_basin(basin, Figure().subplots(), overlays=kinds).lines) for kinds in ((), ("grazing",))]
+        looks = Look(overlays=()), Look(overlays=("grazing",))
+        counts = [len(draw_basin(basin, Figure().subplots(), look).lines) for look in looks]
     assert counts == [0, 1]
     plain, laid = io.BytesIO(), io.BytesIO()
     save_figure(basin_figure(store.location, Look(overlays=())), plain, PictureFormat.PNG)

@@ -15,15 +15,15 @@ from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import DamagedChunk, StoreFailed
 from worker.jobs.basin_job import BasinJob
-from worker.pictures.panel_picture import Look
-from worker.pictures.picture import figure_of_store
+from worker.results.figure import figure_of_store
+from worker.results.panel import Look
+from worker.results.summary import summarise
+from worker.results.viewer import read_tile_labels
 from worker.storage.location import storage_at
 from worker.storage.protocol import whole
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import SOLUTION
 from worker.stores.opening import open_group
-from worker.stores.summary import summarise
-from worker.views.tile_labels import read_tile_labels
 
 POINTS = ("attractor_time", "attractor_velocity")
 JOB = BasinJob(grid=CellGrid(time_cells=100, velocity_cells=100), iterations=101)
@@ -117,7 +117,7 @@ def test_every_reader_names_store_array_and_tile(store, reader):
 
 
 @pytest.mark.parametrize("content", ["{", '{"zarr_format": 3, "node_type": "array"}'])
-@pytest.mark.parametrize("reader", ["picture", "tile", "store"])
+@pytest.mark.parametrize("reader", ["tile", "store"])
 def test_readers_name_metadata_that_cannot_be_read(store, reader, content):
     (store / "solution" / "zarr.json").write_text(content)
     with pytest.raises(StoreFailed) as caught:

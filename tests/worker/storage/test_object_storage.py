@@ -15,12 +15,12 @@ from tests.worker.basins.test_pipeline import JOB, run
 from worker.errors import JobCancelled, LeaseLost, StoreConflict, StoreFailed, as_store_failure
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
+from worker.results.opening import open_basin
+from worker.results.summary import summarise
 from worker.storage.location import read_file_of_store, remove_result
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import holds_store
-from worker.stores.summary import summarise
-from worker.views.reading import open_basin
 
 SMALL = BasinJob(grid=CellGrid(time_cells=24, velocity_cells=20), iterations=7)
 SWEEP = SweepJob(grid=SMALL.grid, iterations=499, vary=(SweptParameter("damping", (0.575, 0.6, 0.7)),))

@@ -20,13 +20,12 @@ from worker.cluster.driver import Driver
 from worker.errors import InvalidJob, JobCancelled, StoreFailed
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
-from worker.pictures.panel_picture import Look
-from worker.pictures.picture import basin_figure
 from worker.pictures.window import Window
+from worker.results.figure import basin_figure
+from worker.results.panel import Look
+from worker.results.viewer import outline_basin, read_tile_labels
 from worker.stores.basin_store import BasinStore
 from worker.stores.pyramid import LABELS
-from worker.views.outline import outline_basin
-from worker.views.tile_labels import read_tile_labels
 
 LONG = BasinJob(grid=CellGrid(time_cells=4100, velocity_cells=20), iterations=7)
 NAMES = [each.name for each in LABELS]

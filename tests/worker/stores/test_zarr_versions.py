@@ -10,9 +10,9 @@ from tests.worker.stores.zarr_stores.write import GRAZING, HERE, SWEEP, write_st
 from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.kinds import KINDS
+from worker.results.opening import open_basin
+from worker.results.summary import summarise
 from worker.rounding import FUSED
-from worker.stores.summary import summarise
-from worker.views.reading import open_basin
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_a_store_of_another_zarr_holds_what_is_computed_here(there, here, name):
 
 
 def test_a_store_of_another_zarr_is_summed_up(there, here):
-    names = [[each.name for each in summarise(str(folder / "sweep")).attractors] for folder in (there, here)]
+    names = [[each.name for each in summarise(str(folder / "sweep")).solutions] for folder in (there, here)]
     assert names[0] == names[1] != []
     assert KINDS[GRAZING.kind].summarise(str(there / "grazing")).complete
 

@@ -14,8 +14,7 @@ from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState, Variable
 from worker.stores.new_store import ATTRACTORS_A_CHUNK
-from worker.stores.solution_table import SolutionTable
-from worker.stores.summary import WITHOUT_POINTS
+from worker.stores.solution_table import WITHOUT_POINTS, SolutionTable
 
 NEXT_STEP = f"put back a copy of its {METADATA}, or remove the store and compute it anew"
 """Where nothing tells any more what a store holds."""

@@ -3,17 +3,19 @@
 from collections.abc import Sequence
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rattle_kernels import Attractor, ExpectedLoudness
-from worker.errors import InvalidJob
+from worker.errors import InvalidJob, as_store_failure
 from worker.jobs.basin_job import BasinJob
 from worker.pictures.colours import colours_of
 from worker.pictures.figure_file import new_figure
 from worker.pictures.symbols import in_words
+from worker.results.measures import expected_of
+from worker.results.opening import attractors_of, basin_at, job_of, open_store
 from worker.stores.basin_store import BasinStore
-from worker.stores.summary import expected_in, representatives
 
 # Shares over two parameters are mapped for the solutions with the largest shares only.
 _MOST_MAPS = 9
@@ -24,12 +26,10 @@ _MEASURES = {
     "impact_power": "power",
 }
 _HEIGHTS = 4.0, 1.0, 1.0, 1.0
+_SIZE = 10.0, 8.5
 
-SHARES_SIZE = 10.0, 8.5
-"""Inches of a figure of shares."""
-
-Expected = Sequence[ExpectedLoudness | None]
-"""Mean loudness of each basin, by number; None where it is not complete."""
+Expected = Sequence[ExpectedLoudness]
+"""Mean loudness of each basin, by number; NaN where it is not complete."""
 
 
 def _largest(share: np.ndarray, most: int) -> list[int]:
@@ -37,7 +37,7 @@ def _largest(share: np.ndarray, most: int) -> list[int]:
     return sorted(np.argsort(-total, kind="stable")[:most].tolist())
 
 
-def draw_lines(
+def _draw_lines(
     axes: Axes, job: BasinJob, share: np.ndarray, error: np.ndarray | None, solutions: tuple[Attractor, ...]
 ) -> None:
     """Draw one line per solution, broken where it does not exist, with standard errors if points were sampled."""
@@ -56,7 +56,7 @@ def draw_lines(
 
 
 def _measured(expected: Expected, field: str) -> np.ndarray:
-    return np.array([np.nan if basin is None else getattr(basin, field) for basin in expected])
+    return np.array([getattr(basin, field) for basin in expected])
 
 
 def _draw_loudness(places: Sequence[Axes], job: BasinJob, expected: Expected) -> None:
@@ -95,12 +95,12 @@ def _draw_maps(
 
 
 def shares_figure(location: str) -> Figure:
-    """Draw the shares of a sweep's solutions, and the expected loudness: lines over one parameter, maps over two.
+    """Draw the shares in a sweep's store; see `draw_shares`.
 
     Parameters
     ----------
     location : str
-        The store, complete or not. Incomplete basins are gaps.
+        The store, complete or not.
 
     Returns
     -------
@@ -113,31 +113,49 @@ def shares_figure(location: str) -> Figure:
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
-    store = BasinStore(location)
-    table = store.solutions.read()
-    if not store.job.vary:
-        raise InvalidJob(f"{location} holds a single basin: there is no parameter to draw shares over")
-    if not table.complete.any():
-        raise InvalidJob(f"{location} holds no complete basin yet")
-    solutions = representatives(store, table)
-    share, error = (each.reshape(*store.job.sweep_shape, len(solutions)) for each in (table.share, table.share_error))
-    figure = new_figure(*SHARES_SIZE)
-    expected = [expected_in(store, table, basin) for basin in range(store.job.basins)]
-    draw_shares(figure, store.job, share, error if store.job.sample else None, solutions, expected)
+    BasinStore(location)  # refuses what is none
+    figure = new_figure()
+    with as_store_failure(location), open_store(location) as dataset:
+        draw_shares(dataset, figure)
     return figure
 
 
-def draw_shares(
-    figure: Figure, job: BasinJob, share: np.ndarray, error: np.ndarray | None, solutions: tuple[Attractor, ...],
-    expected: Expected,
-) -> None:  # fmt: skip
-    """Draw shares and their errors, of shape (*swept values, solutions), and the expected loudness of each basin."""
-    if len(job.vary) == 1:
-        shares, *below = figure.subplots(len(_HEIGHTS), sharex=True, height_ratios=_HEIGHTS)
-        draw_lines(shares, job, share, error, solutions)
-        _draw_loudness(below, job, expected)
-        shares.set_xlabel("")
-        below[-1].set_xlabel(in_words(job.vary[0].parameter))
-        figure.legend(*shares.get_legend_handles_labels(), loc="outside right upper", frameon=False)
-    else:
+def draw_shares(dataset: xr.Dataset, figure: Figure | Axes) -> None:
+    """Draw the shares of a sweep's solutions, and the expected loudness: lines over one parameter, maps over two.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a sweep, complete or not. Incomplete basins are gaps.
+    figure : matplotlib.figure.Figure or matplotlib.axes.Axes
+        An empty figure, whose size this sets; or axes, for lines of shares alone, without a legend.
+
+    Raises
+    ------
+    InvalidJob
+        If nothing is swept, no basin is complete yet, or maps would need more than the axes.
+    """
+    job = job_of(dataset)
+    if not job.vary:
+        raise InvalidJob("this is a single basin: there is no parameter to draw shares over")
+    share = dataset.share.values if "share" in dataset else np.empty(0)
+    if not np.isfinite(share).any():
+        raise InvalidJob("no basin of the sweep is complete yet")
+    solutions = attractors_of(basin_at(dataset, job, 0))
+    share, error = share[..., : len(solutions)], dataset.share_error.values if job.sample else None
+    if isinstance(figure, Axes):
+        if len(job.vary) > 1:
+            raise InvalidJob("shares over two parameters are maps on a figure of their own: leave out ax")
+        _draw_lines(figure, job, share, error, solutions)
+        return
+    figure.set_size_inches(_SIZE)
+    expected = expected_of(dataset)
+    if len(job.vary) > 1:
         _draw_maps(figure, job, share, solutions, expected)
+        return
+    shares, *below = figure.subplots(len(_HEIGHTS), sharex=True, height_ratios=_HEIGHTS)
+    _draw_lines(shares, job, share, error, solutions)
+    _draw_loudness(below, job, expected)
+    shares.set_xlabel("")
+    below[-1].set_xlabel(in_words(job.vary[0].parameter))
+    figure.legend(*shares.get_legend_handles_labels(), loc="outside right upper", frameon=False)

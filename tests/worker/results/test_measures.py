@@ -19,9 +19,9 @@ from worker.errors import InvalidJob
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
+from worker.results.measures import measure_basins
+from worker.results.opening import attractors_of, basin_of, open_basin
 from worker.stores.layout import TileState
-from worker.views.measures import measure_basins
-from worker.views.reading import attractors_of, basin_of, open_basin
 
 DAMPINGS = (0.575, 0.6, 0.7)
 JOB = SweepJob(grid=CellGrid(time_cells=48, velocity_cells=40), vary=(SweptParameter("damping", DAMPINGS),))

@@ -6,13 +6,13 @@
     least_disturbance(job_of(basin).oscillator, attractors_of(basin), basin.solution, job_of(basin).grid)
     basin_of(sweep, damping=0.6)                # one basin of a sweep, for any of the above
 
-`worker.views.basin_plot` draws it.
+`worker.results.figure` draws it.
 """
 
 import contextlib
+import itertools
 import json
 from collections.abc import Iterable, Iterator
-from itertools import repeat
 from pathlib import Path
 from typing import Any
 
@@ -26,14 +26,18 @@ from worker.jobs.basin_job import BasinJob, basin_job
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures.symbols import in_words
 from worker.storage.location import files_at, storage_at
-from worker.stores.layout import ENDS, LAYOUT_VERSION, MEASURED, MOTIONS, READABLE_LAYOUTS
+from worker.stores.layout import ENDS, LAYOUT_VERSION, MAPPED, MEASURED, MOTIONS, READABLE_LAYOUTS
+from worker.stores.new_store import tiling_of
+from worker.stores.pyramid import ATTRIBUTE, LABELS, Level, levels_of
 from worker.stores.solution_table import ends_in
 
 # Largest result, in bytes, whose arrays are read in one piece. A larger one has Dask arrays, whose library takes a
 # fifth of a second to load.
 _ONE_PIECE = 200_000_000
-# Most cells shown each way: a picture in a notebook is smaller than one in a file.
+# Most cells each way of what is shown in a notebook.
 _MOST_CELLS = 1000
+LEVEL = "level"
+"""Attribute of a dataset of a level: its number."""
 
 
 def open_basin(location: str | Path) -> xr.Dataset:
@@ -170,7 +174,7 @@ def _opened(store: Any, group: str | None, chunks: dict[str, int] | None) -> xr.
 
 def job_of(dataset: xr.Dataset) -> BasinJob:
     """Job of a dataset from `open_basin`: its oscillator, grid and iterations."""
-    return basin_job(json.loads(dataset.attrs["request"]), stored=True)
+    return basin_job(json.loads(dataset.attrs["request"]))
 
 
 def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
@@ -204,6 +208,11 @@ def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
     return dataset.isel(place).assign_attrs(request | at)
 
 
+def basin_at(dataset: xr.Dataset, job: BasinJob, number: int) -> xr.Dataset:
+    """The arrays of one basin of a job's dataset, by its number."""
+    return dataset.isel({each.parameter: at for each, at in zip(job.vary, job.place_of(number), strict=True)})
+
+
 def _index_of(swept: SweptParameter, value: float) -> int:
     near = np.flatnonzero(np.isclose(swept.values, value, rtol=1e-9, atol=0.0))
     if not near.size:
@@ -219,10 +228,12 @@ def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
     if "kind" not in dataset:
         return ()
     names = [variable.name for variable in (*MOTIONS[:4], *MEASURED[1:])]
-    numbers = zip(*(dataset[name].values.tolist() for name in names), strict=True)
+    rows = zip(*(dataset[name].values.tolist() for name in names), strict=True)
+    # Those at the end may have their place, and not yet their motions.
+    numbers = itertools.takewhile(lambda row: row[0] != MOTIONS[0].fill, rows)
     points = zip(dataset.attractor_time.values, dataset.attractor_velocity.values, strict=True)
     ends: Iterable[tuple[tuple[int, float], ...]]
-    ends = map(ends_in, dataset[ENDS.name].values) if ENDS.name in dataset else repeat(())
+    ends = map(ends_in, dataset[ENDS.name].values) if ENDS.name in dataset else itertools.repeat(())
     return tuple(
         Attractor(
             AttractorKind(kind), m, upper, lower, exponent, error, t[np.isfinite(t)], v[np.isfinite(v)], life, end
@@ -246,3 +257,82 @@ def thinned(dataset: xr.Dataset) -> xr.Dataset:
     """
     every = slice(None, None, max(1, -(-max(dataset.solution.shape) // _MOST_CELLS)))
     return dataset.isel(time=every, velocity=every) if "velocity" in dataset.dims else dataset
+
+
+def levels_in(dataset: xr.Dataset) -> tuple[Level, ...]:
+    """Levels of a basin or a sweep, the basin itself first.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a basin's store.
+
+    Returns
+    -------
+    tuple of Level
+    """
+    if "tile_state" not in dataset:
+        return ()
+    job = job_of(dataset)
+    levels = levels_of(job, tiling_of(job))
+    return levels if ATTRIBUTE in dataset.attrs else levels[:1]
+
+
+def _demand_level(dataset: xr.Dataset, level: int) -> Level:
+    if ATTRIBUTE not in dataset.attrs:
+        raise InvalidJob(f"there is no level {level}: only basins of more than 4,000 cells a side have levels")
+    levels = levels_in(dataset)
+    if not 0 < level < len(levels):
+        raise InvalidJob(f"there is no level {level}: this result has levels from 0 to {len(levels) - 1}")
+    return levels[level]
+
+
+def open_level(location: str | Path, level: int, storage_options: dict[str, Any] | None = None) -> xr.Dataset:
+    """Open one level of a large basin, or of a sweep of such.
+
+    Parameters
+    ----------
+    location : str or path
+    level : int
+        0 is the result itself, as from `open_store`.
+    storage_options : dict, optional
+        Both as for `open_store`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Without images and landing points, which levels do not have. Shares remain those of all cells.
+
+    Raises
+    ------
+    InvalidJob
+        If there is no such level.
+    StoreConflict, StoreFailed, OSError
+        As for `open_store`.
+    """
+    dataset = open_store(location, storage_options)
+    if level == 0:
+        return dataset
+    own = _demand_level(dataset, level)
+    labels = open_group_of(str(location), storage_options, own.group)
+    every = slice(None, None, own.every)
+    rest = dataset.drop_vars([variable.name for variable in MAPPED]).isel(time=every, velocity=every)
+    cells = {variable.name: labels[variable.name].variable for variable in LABELS}
+    return rest.assign(cells).assign_attrs({LEVEL: level})
+
+
+def demand_all_cells(dataset: xr.Dataset) -> None:
+    """Refuse a dataset of a level, whose cells are not those that the request names.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+
+    Raises
+    ------
+    InvalidJob
+    """
+    if LEVEL in dataset.attrs:
+        raise InvalidJob(
+            f"a measure needs all cells, and this is level {dataset.attrs[LEVEL]}: open the result without a level"
+        )

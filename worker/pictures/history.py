@@ -1,4 +1,4 @@
-"""Picture of one time history: Phi(t) between the backlash boundaries, as in the paper's Figs. 1 and 7."""
+"""Pictures of one time history: Phi(t) between the backlash boundaries, as in the paper's Figs. 1 and 7."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,6 +8,8 @@ from rattle_kernels import Direction, Oscillator, TimeHistory
 from worker.pictures.figure_file import new_figure
 from worker.pictures.symbols import oscillator_text
 
+# Free space above and below in a panel, as a fraction of the span drawn.
+_MARGIN = 0.15
 # Most contacts marked. More would hide the curve.
 _MOST_MARKS = 400
 # Most points of the curve: more than a picture has columns, and fewer than Agg's rasteriser overflows at.
@@ -114,3 +116,40 @@ def draw_history(figure: Figure, oscillator: Oscillator, history: TimeHistory) -
     axes.set_xlabel("time t (forcing periods)")
     axes.set_ylabel("displacement Φ")
     axes.set_title(_title(oscillator, history))
+
+
+def draw_history_panel(axes: Axes, oscillator: Oscillator, history: TimeHistory, label: str) -> None:
+    """Draw a time history from its beginning, with the label above it.
+
+    A motion that stays in the upper half of the backlash is enlarged, and the label says so.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    oscillator : Oscillator
+        The oscillator that made the history.
+    history : TimeHistory
+        Of `rattle_kernels.time_history`.
+    label : str
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from rattle_kernels import Oscillator, time_history
+    >>> axes = Figure().subplots()
+    >>> history = time_history(Oscillator(), 0.25, 0.6, -4.0, periods=5.0)
+    >>> draw_history_panel(axes, Oscillator(), history, "from +beta at 4.0")
+    >>> axes.get_xlim()
+    (np.float64(0.0), np.float64(5.0))
+    """
+    beta, phi = oscillator.half_backlash, history.displacement
+    enlarged = phi.min() > 0.0
+    draw_boundaries(axes, oscillator, walls=(1,) if enlarged else (1, -1))
+    axes.plot(history.time - history.time[0], phi, color="tab:blue", linewidth=1.0)
+    axes.set_xlim(0.0, max(history.time[-1] - history.time[0], 1e-9))
+    lowest, highest = min(phi.min(), beta if enlarged else -beta), max(phi.max(), beta)
+    margin = _MARGIN * (highest - lowest)
+    axes.set_ylim(lowest - margin, highest + margin)
+    axes.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
+    axes.set_ylabel("Φ(t)")
+    axes.set_title(f"{label} (enlarged)" if enlarged else label, fontsize="medium", loc="left", pad=3)

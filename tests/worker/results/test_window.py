@@ -8,16 +8,16 @@ from matplotlib.figure import Figure
 
 from rattle_kernels import CellGrid
 from worker.errors import InvalidJob
-from worker.pictures.panel_picture import Layer, Look, PanelPicture
-from worker.pictures.picture import basin_figure
 from worker.pictures.window import Window, parse_window
+from worker.results.figure import basin_figure
+from worker.results.opening import open_basin
+from worker.results.panel import Basins, Layer, Look, Panel
 from worker.stores.layout import TileState
-from worker.stores.summary import representatives
 
 
 def panel(store, look, most_cells=1000):
-    table = store.solutions.read()
-    return PanelPicture(store, table, representatives(store, table), 0, most_cells, look)
+    with open_basin(store.location) as basin:
+        return Panel(Basins(basin), 0, look, most_cells)
 
 
 def colour(axes, t, v):
@@ -45,11 +45,8 @@ def colour(axes, t, v):
 def test_a_window_shows_the_cells_that_are_there(store, window, layer, most_cells):
     axes, whole = Figure().subplots(), Figure().subplots()
     shown = panel(store, Look(layer, window=window), most_cells)
-    draw = "draw_solutions" if layer == Layer.SOLUTION else "draw_numbers"
-    arguments = () if layer == Layer.SOLUTION else (layer,)
-    getattr(shown, draw)(axes, *arguments)
-    shown.draw_overlays(axes)
-    getattr(panel(store, Look(layer)), draw)(whole, *arguments)
+    shown.draw(axes)
+    panel(store, Look(layer)).draw(whole)
     assert axes.get_xlim() == window[:2] and axes.get_ylim() == window[2:]
     width, height = 1.0 / 128, 7.0 / 128
     for part in np.random.default_rng(1).random((50, 2)):

@@ -4,6 +4,7 @@ import io
 
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.image import imread
 
 from rattle_kernels import AttractorKind, CellGrid
@@ -11,11 +12,15 @@ from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE, motion, near
 from worker.errors import InvalidJob, StoreConflict
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
+from worker.kinds import KINDS
 from worker.pictures import colours
-from worker.pictures.figure_file import PictureFormat, save_figure
-from worker.pictures.panel_picture import Layer, Look
-from worker.pictures.picture import basin_figure
-from worker.pictures.share_chart import shares_figure
+from worker.pictures.colours import Palette
+from worker.pictures.figure_file import PictureFormat, new_figure, save_figure
+from worker.pictures.window import Window
+from worker.results.figure import basin_figure
+from worker.results.opening import open_basin
+from worker.results.panel import Basins, Layer, Look, Panel
+from worker.results.shares import shares_figure
 from worker.stores import layout
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import LABELLED, SOLUTION, TileState
@@ -27,6 +32,32 @@ def drawn(store, layer=Layer.SOLUTION):
     save_figure(basin_figure(store.location, Look(layer)), buffer, PictureFormat.PNG)
     buffer.seek(0)
     return imread(buffer)[..., :3]
+
+
+@pytest.mark.parametrize("tiles", ["all", "some"])
+@pytest.mark.parametrize(
+    "look", [Look(), Look(Layer.STEP, overlays=()), Look(window=Window(0.75, 1.25, 1.0, 6.0), palette=Palette.PAPER)]
+)
+def test_a_dataset_is_drawn_as_its_store_is(store, look, tiles):
+    if tiles == "some":
+        store.write_ledger(np.array([TileState.ASSEMBLED, TileState.PENDING] * (store.tiling.tiles // 2)))
+    figure, one, other = new_figure(), io.BytesIO(), io.BytesIO()
+    with open_basin(store.location) as basin:
+        KINDS["basin"].draw(basin, figure, look)
+    save_figure(figure, one, PictureFormat.PNG)
+    save_figure(KINDS["basin"].figure(store.location, look), other, PictureFormat.PNG)
+    assert one.getvalue() == other.getvalue()
+
+
+def test_only_tiles_that_are_there_are_read_of_an_unfinished_basin(store):
+    whole = Panel(Basins(xr.open_zarr(store.location)), 0)._read("step", (0, 128), (0, 128))
+    store.write_ledger(np.array([TileState.ASSEMBLED, TileState.PENDING] * (store.tiling.tiles // 2)))
+    with open_basin(store.location) as basin:
+        panel = Panel(Basins(basin), 0, most_cells=10)
+    part, size = panel._read("step", (0, 130), (0, 130)), store.tiling.tile_columns
+    there = np.arange(0, 128, 13) // size % 2 == 0
+    np.testing.assert_array_equal(part[:, there], whole[::13, ::13][:, there])
+    assert (part[:, ~there] == layout.MISSING).all()
 
 
 def orange(picture):

@@ -66,7 +66,7 @@ def add_motion_names(dataset: xr.Dataset, table: pd.DataFrame) -> pd.DataFrame:
     Parameters
     ----------
     dataset : xarray.Dataset
-        A diagram, of `worker.views.reading.open_store`.
+        A diagram, of `worker.results.opening.open_store`.
     table : pandas.DataFrame
         Its table ``impact_period``.
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from worker.results.summary import summarise
+from worker.results.viewer import outline_basin
 from worker.stores import layout
-from worker.stores.summary import summarise
-from worker.views.outline import outline_basin
 
 
 @pytest.mark.parametrize("which", [0, 1])
@@ -14,7 +14,7 @@ def test_points_of_which_half_is_written_are_not_there_yet(store, which):
     outline = outline_basin(store.location, 0)
     assert [attractor.name for attractor in outline.solutions] == ["permanent contact", "P(1,1,0)", "chaotic"]
     assert all(attractor.time.size == attractor.velocity.size == 0 for attractor in outline.solutions)
-    assert [attractor.time.size for attractor in summarise(store.location).attractors] == [0, 0, 0]
+    assert [solution.points for solution in summarise(store.location).solutions] == [[], [], []]
 
 
 @pytest.mark.parametrize("which", [0, 1])

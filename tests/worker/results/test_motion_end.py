@@ -6,7 +6,7 @@ import pytest
 from rattle_kernels import AttractorKind, Oscillator, next_impacts, time_history
 from worker.errors import InvalidJob
 from worker.jobs.trajectory_request import TrajectoryRequest
-from worker.views.motion_end import FOLLOWED_PERIODS, end_of, motion_end
+from worker.results.motion_end import FOLLOWED_PERIODS, end_of, motion_end
 
 PLACES = 100
 OSCILLATORS = [

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from rattle_kernels import Attractor, AttractorKind, ExpectedLoudness
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.swept_parameter import SweptParameter
-from worker.pictures.share_chart import draw_shares
+from worker.results.shares import _draw_maps
 
 FIRST, LAST = (0.55, 0.6), (0.08, 0.09, 0.1)
 JOB = SweepJob(vary=(SweptParameter("damping", FIRST), SweptParameter("eccentricity", LAST)))
@@ -26,7 +26,7 @@ def figure():
         ExpectedLoudness(**dict.fromkeys(fields, 0.0) | {"impact_power": 10.0 + basin}) for basin in range(JOB.basins)
     ]
     drawn = Figure()
-    draw_shares(drawn, JOB, np.stack([quiet, 1.0 - quiet], axis=-1), None, MOTIONS, expected)
+    _draw_maps(drawn, JOB, np.stack([quiet, 1.0 - quiet], axis=-1), MOTIONS, expected)
     return drawn, quiet
 
 

@@ -1,7 +1,5 @@
 """The loudness of a store's motions and basins is the same in every view, and is what its catalogue says."""
 
-import json
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -12,14 +10,14 @@ from tests.worker.basins.test_pipeline import run
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
-from worker.pictures.share_chart import shares_figure
+from worker.results.measures import measure_loudness
+from worker.results.opening import attractors_of, basin_of, open_basin
+from worker.results.shares import shares_figure
+from worker.results.summary import summarise
+from worker.results.tables import table_of
+from worker.results.viewer import outline_basin
 from worker.stores.basin_store import BasinStore
 from worker.stores.solution_table import SolutionTable, motion_of
-from worker.stores.summary import summarise
-from worker.views.loudness import measure_loudness
-from worker.views.outline import outline_basin
-from worker.views.reading import attractors_of, basin_of, open_basin
-from worker.views.tables import table_of
 
 MEASURES = ["impacts_per_period", "largest_impact_speed", "impact_power"]
 DAMPINGS = (0.575, 0.6, 0.7)
@@ -61,7 +59,7 @@ def test_motions_are_as_loud_as_their_catalogue_says_and_basins_as_their_shares(
 
 def test_summaries_outlines_and_charts_have_the_same_expectations(location, sweep):
     heard = measure_loudness(sweep)
-    result = json.loads(json.dumps(summarise(location).as_json()))
+    result = summarise(location).model_dump(mode="json")
     axes = shares_figure(location).axes
     assert [each.get_ylabel() for each in axes] == ["share", "impacts\na period", "largest\nspeed", "power"]
     for measure, place in zip(MEASURES, axes[1:], strict=True):
@@ -139,5 +137,5 @@ def test_undecided_cells_are_named_and_count_as_silent(tmp_path):
     assert expected.impact_power == pytest.approx(0.25 * known[0] + 0.125 * known[1], rel=1e-14)
     with open_basin(store.location) as dataset:
         assert measure_loudness(dataset).undecided_share == [0.125]
-    told = summarise(store.location).as_json()["solutions"][3]
-    assert told["kind"] == "undecided" and told["impact_power"] is None
+    told = summarise(store.location).solutions[3]
+    assert told.kind == "undecided" and told.impact_power is None

@@ -16,9 +16,10 @@ from worker.errors import InvalidJob, StoreConflict
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
 from worker.pictures import colours
-from worker.views import reading
-from worker.views.basin_plot import plot_basin
-from worker.views.reading import attractors_of, basin_of, job_of, open_basin
+from worker.results import opening
+from worker.results.figure import draw_basin
+from worker.results.opening import attractors_of, basin_of, job_of, open_basin
+from worker.results.panel import Look
 
 
 @pytest.fixture(autouse=True)
@@ -62,7 +63,7 @@ def test_arrays_of_a_large_result_are_read_tile_by_tile(store, monkeypatch):
     with open_basin(store.location) as basin:
         assert basin.solution.chunks is None
         whole = basin.load()
-    monkeypatch.setattr(reading, "_ONE_PIECE", whole.drop_vars("attractor").nbytes - 1)
+    monkeypatch.setattr(opening, "_ONE_PIECE", whole.drop_vars("attractor").nbytes - 1)
     with open_basin(store.location) as basin:
         assert basin.solution.chunks is not None
         assert basin.load().identical(whole)
@@ -77,7 +78,7 @@ def drawn(axes):
 
 def test_it_is_drawn_in_the_projects_colours(store):
     with open_basin(store.location) as basin:
-        axes = plot_basin(basin)
+        axes = draw_basin(basin, plt.figure(layout="constrained").add_subplot())
     picture = drawn(axes)
     assert near(picture, colours.PERMANENT_CONTACT) > 0.2
     assert near(picture, colours.colours_of((RATTLE,))[0]) > 0.1
@@ -90,7 +91,7 @@ def test_a_part_of_a_basin_is_drawn_on_the_axes_it_is_given(store):
     _, (left, right) = plt.subplots(1, 2)
     with open_basin(store.location) as basin:
         part = basin.sel(time=slice(0.0, 0.5), velocity=slice(3.5, 7.0))
-        assert plot_basin(part, right, legend=False) is right
+        assert draw_basin(part, right, Look(legend=False)) is right
     assert not left.images and right.get_legend() is None
     assert right.get_xlim() == pytest.approx((0.0, 0.5)) and right.get_ylim() == pytest.approx((3.5, 7.0))
     image, expected = right.images[0].get_array(), colours.colours_of((RATTLE,))[0]
@@ -99,7 +100,7 @@ def test_a_part_of_a_basin_is_drawn_on_the_axes_it_is_given(store):
 
 def test_what_is_not_computed_yet_is_grey(store):
     with open_basin(store.location) as basin:
-        axes = plot_basin(basin.assign(solution=basin.solution.where(basin.time > 0.5, -9)))
+        axes = draw_basin(basin.assign(solution=basin.solution.where(basin.time > 0.5, -9)), plt.figure().add_subplot())
     assert (axes.images[0].get_array()[:, :64] == colours.MISSING).all()
 
 
@@ -138,11 +139,10 @@ def test_a_basin_of_a_sweep_is_read_like_one_computed_alone(sweep, client, tmp_p
 
 def test_a_panel_is_drawn_with_its_own_solutions_in_the_colours_of_the_sweep(sweep):
     quiet, rattle = (basin_of(sweep, damping=0.575, eccentricity=value) for value in (0.05, 0.1))
-    listed = [text.get_text() for text in plot_basin(quiet).get_legend().get_texts()]
+    listed = [text.get_text() for text in draw_basin(quiet, plt.figure().add_subplot()).get_legend().get_texts()]
     assert listed == ["permanent contact   100.00 %", "grazing curve"]
     assert [motion.time.size for motion in attractors_of(quiet)] == [0] * sweep.sizes["attractor"]
-    plt.figure()
-    axes = plot_basin(rattle)
+    axes = draw_basin(rattle, plt.figure().add_subplot())
     listed = {text.get_text().split("  ")[0] for text in axes.get_legend().get_texts()}
     assert listed == {"permanent contact", "P(1,1,0)", "P(1,2,0)", "P(2,2,1)", "grazing curve"}
     assert near(np.asarray(axes.images[0].get_array()), PALE_BLUE) > 0.02
@@ -163,7 +163,7 @@ def test_a_value_that_is_not_swept_is_refused(sweep):
 
 def test_the_legend_names_the_curves_and_is_whole_in_a_file(store):
     with open_basin(store.location) as basin:
-        axes = plot_basin(basin)
+        axes = draw_basin(basin, plt.figure(layout="constrained").add_subplot())
     listed = [text.get_text() for text in axes.get_legend().get_texts()]
     assert "grazing curve" in listed and "chaos" in axes.get_legend().get_title().get_text()
     axes.figure.canvas.draw()

@@ -1,4 +1,4 @@
-"""The data with which a viewer draws one basin, except its cells, which come tile by tile."""
+"""What a viewer draws a basin from: the basin without its cells, their labels tile by tile, and overlays."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,15 +9,20 @@ from rattle_kernels import Attractor, ExpectedLoudness, Loudness, Oscillator, gr
 from rattle_kernels.basins.tiles import Tiling
 from worker.additions import additions
 from worker.errors import InvalidJob
+from worker.pictures.overlay import Overlay
+from worker.pictures.overlay_kind import OverlayKind, masks_among, overlays_for
+from worker.results.summary import expected_in, representatives
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
-from worker.stores.pyramid import Level
+from worker.stores.pyramid import LABELS, Level
 from worker.stores.solution_table import SolutionTable
-from worker.stores.summary import expected_in, representatives
 
 _CURVE_POINTS = 512
 # Most points of an attractor: enough to see its shape on a screen, few enough for a network.
 _MOST_POINTS = 3000
+_BY_NAME = {variable.name: variable for variable in LABELS}
+# Wider types first, so that each array is aligned.
+_ORDER = tuple(_BY_NAME[name] for name in ("step", "group", "period", "solution"))
 
 
 @dataclass(frozen=True)
@@ -27,9 +32,8 @@ class PanelOutline:
     ``solutions`` are those of the whole store, by number, with this basin's own points (none if it lacks the solution)
     and ``shares`` (NaN until the basin is complete), and their ``loudness`` here. ``expected`` is its mean over the
     window, None until the basin is complete. ``states`` are `TileState` codes of the basin's tiles, numbered from
-    ``first_tile``. ``levels`` are the coarser ones that can be read. ``added`` has what packages say of
-    it. ``curve`` holds phases and speeds of the grazing
-    curve.
+    ``first_tile``. ``levels`` are the coarser ones that can be read. ``added`` has what packages say of it.
+    ``curve`` holds phases and speeds of the grazing curve.
     """
 
     basin: int
@@ -116,3 +120,89 @@ def _thinned(attractor: Attractor) -> Attractor:
 
 def _without_points(attractor: Attractor) -> Attractor:
     return attractor._replace(time=np.empty(0), velocity=np.empty(0), ends=())
+
+
+def overlay_basin(location: str, basin: int, kind: OverlayKind) -> tuple[Overlay, ...]:
+    """Overlays of one kind for a basin of the store at a location.
+
+    Parameters
+    ----------
+    location : str
+    basin : int
+    kind : OverlayKind
+
+    Returns
+    -------
+    tuple of Overlay
+        From speed zero to the highest of the window, so curves are not cut where the window begins.
+
+    Raises
+    ------
+    InvalidJob
+        If there is no such basin, or its model lacks the overlay; or if cells have it, which come tile by tile.
+    StoreConflict, StoreFailed
+        If there is no basin's store, or it cannot be read.
+    """
+    if masks_among((kind,)):
+        raise InvalidJob(f"what is {kind} comes with the cells, tile by tile: see tiles")
+    store = open_cells(location, basin)
+    catalogue = catalogue_of(store, store.solutions.read(), basin)
+    attractors = tuple(catalogue[number] for number in sorted(catalogue))
+    return overlays_for((kind,), store.job.oscillator_of(basin), attractors, (0.0, store.job.grid.velocity_stop))
+
+
+@dataclass(frozen=True)
+class TileLabels:
+    """Step, group and period as int32, then solution as int16: little endian, row by row from the lowest speed.
+
+    What packages add to the tile follows. ``final`` is true if it will never change, because the job is complete.
+    """
+
+    content: bytes
+    rows: int
+    columns: int
+    final: bool
+
+
+def read_tile_labels(location: str, number: int, every: int = 1, level: int = 0) -> TileLabels | None:
+    """Labels of a tile; None if it is not labelled yet or does not exist.
+
+    Parameters
+    ----------
+    location : str
+        The store.
+    number : int
+        Number of the tile in its level, counted through all basins.
+    every : int
+        Keep only cells whose row and column in the level are multiples of this; labels are not averaged.
+    level : int
+        Which level; 0 is the basin itself.
+
+    Raises
+    ------
+    InvalidJob
+        If the store holds a sample, which has no cells, or there is no such level.
+    StoreConflict, StoreFailed
+        If there is no basin's store, or it cannot be read.
+    """
+    store = open_cells(location)
+    final = store.complete
+    if not 0 <= level < len(store.levels):
+        raise InvalidJob(f"there is no level {level}: this basin has levels up to {len(store.levels) - 1}")
+    shown = store.levels[level]
+    if not _is_there(store, shown, number):
+        return None
+    tile = shown.tiling.tile(number)
+    kept = tuple(slice(-start % every, None, every) for start in (tile.rows[0], tile.columns[0]))
+    added = [values for addition in additions() for values in addition.read_tile(store, tile)]
+    labels = [values[kept] for values in (*store.tiles.read(tuple(map(shown.own, _ORDER)), tile), *added)]
+    content = b"".join(values.astype(values.dtype.newbyteorder("<")).tobytes() for values in labels)
+    rows, columns = labels[0].shape
+    return TileLabels(content, rows, columns, final)
+
+
+def _is_there(store: BasinStore, level: Level, number: int) -> bool:
+    """Whether there is a tile of this number, with its labels. Levels come last, when the basin is whole."""
+    if not 0 <= number < level.tiling.tiles:
+        return False
+    return store.complete if level.number else bool(store.read_ledger()[number] == TileState.ASSEMBLED)

@@ -5,8 +5,8 @@ import pytest
 
 import rattle
 from rattle_kernels import Oscillator, find_attractors
-from worker.views.motion_names import NO_PERIOD, itinerary
-from worker.views.tables import table_of
+from worker.results.motion_names import NO_PERIOD, itinerary
+from worker.results.tables import table_of
 
 
 @pytest.fixture(scope="module")

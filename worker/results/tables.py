@@ -11,11 +11,11 @@ import xarray as xr
 from worker.errors import InvalidJob
 from worker.kinds import KINDS, kind_of
 from worker.motion_words import ends_in_words
+from worker.results.measures import measure_loudness
+from worker.results.motion_names import add_motion_names
+from worker.results.opening import job_of
 from worker.stores.layout import ENDS
 from worker.stores.solution_table import ends_in
-from worker.views.loudness import measure_loudness
-from worker.views.motion_names import add_motion_names
-from worker.views.reading import job_of
 
 _OF_A_TRAJECTORY = "time"
 _LEADING = ("name", "share", "kind")
@@ -68,7 +68,7 @@ def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of `worker.views.reading.open_store`.
+        Of `worker.results.opening.open_store`.
     name : str, optional
         A dimension, for all that is listed along it; or an array, for one row for each of its values. By default the
         attractors, the shares of a sweep, the departures of a diagram, the orbits, the orders, or the samples of Phi.

@@ -8,7 +8,7 @@ from matplotlib.image import imread
 
 from rattle_kernels import Oscillator, time_history
 from worker.pictures.figure_file import PictureFormat, save_figure
-from worker.pictures.history_picture import history_figure
+from worker.pictures.history import history_figure
 
 
 def drawn(oscillator, **options):
