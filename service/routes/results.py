@@ -185,7 +185,7 @@ def get_certificate(job_id: JobId, jobs: JobsHere, settings: SettingsHere) -> Re
     Where `counts` are missing the proof is under way.
     """
     require_kind(jobs.get(job_id), "a certificate", "basin")
-    certificate = BasinStore(location_of(job_id, jobs, settings)).proof.certificate
+    certificate = BasinStore.open(location_of(job_id, jobs, settings)).proof.certificate
     if certificate is None:
         raise NotReady(f"job {job_id} has no certificate: no proof was asked for, or it has not begun")
     return JSONResponse(certificate)

@@ -318,13 +318,15 @@ class SweepJob(BasinJob):
         return [swept for each, swept in zip(self.vary_, self.vary, strict=True) if each.values is None]
 
 
-def basin_job(request: dict[str, Any]) -> BasinJob:
+def basin_job(request: dict[str, Any], digest: str | None = None) -> BasinJob:
     """Job of a basin, or of a sweep if the request has ``vary``.
 
     Parameters
     ----------
     request : dict
         As JSON, of either kind.
+    digest : str, optional
+        That it was stored with; see `Job.trusted`.
 
     Returns
     -------
@@ -335,4 +337,5 @@ def basin_job(request: dict[str, Any]) -> BasinJob:
     InvalidJob, OutsideDomain
         Naming the field at fault.
     """
-    return (SweepJob if "vary" in request else BasinJob).from_request(request)
+    job_class = SweepJob if "vary" in request else BasinJob
+    return job_class.from_request(request) if digest is None else job_class.trusted(request, digest)

@@ -1,7 +1,8 @@
 """What jobs of every kind have in common. A job is its own request: checked once, then in canonical form.
 
 A request may be written in several ways: values listed or spaced, defaults given or left out. A job holds the canonical
-form, so `Job.request` and the digest are the same for all of them.
+form, so `Job.request` and the digest are the same for all of them. What was stored in this form is not checked again:
+its digest vouches for it.
 
 A field whose name ends with an underscore is a part of the request in its JSON shape; the property of the same name
 without it is the value that the worker uses. In JSON and as an argument it has the name without the underscore.
@@ -20,6 +21,7 @@ from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_v
 from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_impacting, check_quiet
 from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
 from worker.decidable import check_decidable, check_fastest, fastest_resolved
+from worker.errors import InvalidJob
 from worker.jobs.oscillator_request import (
     ImpactingOscillator,
     OscillatorRequest,
@@ -29,8 +31,11 @@ from worker.jobs.oscillator_request import (
 from worker.jobs.request import Request, refusal
 from worker.jobs.swept_parameter import SweptParameter, values_as_json, without_stiffness
 
+Check = Callable[["Job"], object]
 Sizes = tuple[tuple[str, float, str], ...]
 """Sizes of a request: for each, what is counted, the number, and the name of the setting that limits it."""
+# Stands for the checks of a request that was checked when it came in.
+_CHECKED = object()
 # Stands for the values of a range: no text of a canonical request holds this character.
 _A_RANGE = "\0"
 
@@ -63,7 +68,7 @@ class Job(Request, ABC):
         self._validate(fields, None)
 
     @classmethod
-    def from_request(cls, request: dict[str, Any], check_size: Callable[["Job"], object] | None = None) -> Self:
+    def from_request(cls, request: dict[str, Any], check_size: Check | None = None) -> Self:
         """Job that a request describes.
 
         Parameters
@@ -87,7 +92,33 @@ class Job(Request, ABC):
         job._validate(request, check_size)
         return job
 
-    def _validate(self, fields: dict[str, Any], check_size: Callable[["Job"], object] | None) -> None:
+    @classmethod
+    def trusted(cls, request: dict[str, Any], digest: str) -> Self:
+        """Job of a stored request. It was checked when it came in, and its digest vouches that it is still that one.
+
+        Parameters
+        ----------
+        request : dict
+            As JSON, in canonical form.
+        digest : str
+            That it was stored with.
+
+        Returns
+        -------
+        Job
+
+        Raises
+        ------
+        InvalidJob
+            If it does not have this digest.
+        """
+        job = cls.__new__(cls)
+        job._validate(request, _CHECKED)
+        if job.digest != digest:
+            raise InvalidJob("it does not have the digest that was stored with it")
+        return job
+
+    def _validate(self, fields: dict[str, Any], check_size: Check | object | None) -> None:
         try:
             self.__pydantic_validator__.validate_python(fields, self_instance=self, context=check_size)
         except ValidationError as error:
@@ -97,6 +128,8 @@ class Job(Request, ABC):
 
     @model_validator(mode="after")
     def _check(self, info: ValidationInfo) -> Self:
+        if info.context is _CHECKED:
+            return self
         if info.context is not None:
             info.context(self)
         allowed = self.oscillator_.allow_no_quiet_solution
@@ -233,7 +266,10 @@ class AnalysisJob(Job):
         """Highest speed of the window, or of the seeds."""
 
     @model_validator(mode="after")
-    def _is_decidable(self) -> Self:
+    def _is_decidable(self, info: ValidationInfo) -> Self:
+        if info.context is _CHECKED:
+            return self
+
         def check(oscillator: Oscillator) -> Oscillator:
             limit = fastest_resolved(check_decidable(oscillator))
             why = f"at half backlash {oscillator.half_backlash:g} double precision does not resolve shorter flights"

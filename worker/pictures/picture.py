@@ -188,7 +188,7 @@ def basin_figure(location: str, look: Look = USUAL_LOOK) -> Figure:
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
-    store = BasinStore(location)
+    store = BasinStore.open(location)
     if store.job.sample is not None and look.layer != Layer.SOLUTION:
         raise InvalidJob(f"a sample has no cells, and so no {look.layer}: its solutions can be drawn")
     if look.window is not None:

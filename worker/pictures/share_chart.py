@@ -113,7 +113,7 @@ def shares_figure(location: str) -> Figure:
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
-    store = BasinStore(location)
+    store = BasinStore.open(location)
     table = store.solutions.read()
     if not store.job.vary:
         raise InvalidJob(f"{location} holds a single basin: there is no parameter to draw shares over")

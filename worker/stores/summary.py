@@ -2,13 +2,14 @@
 
 import dataclasses
 import math
-from collections import OrderedDict
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
+from cachetools import FIFOCache
 
 from rattle_kernels import Attractor, AttractorKind, ExpectedLoudness, Loudness, expected_loudness, loudness
 from rattle_kernels.attractors.attractor import ENSEMBLE
@@ -19,7 +20,8 @@ from worker.stores.solution_table import SolutionTable, share_error, shares_of_s
 
 _EXPECTATIONS_KEPT = 1 << 14
 WITHOUT_POINTS = AttractorKind.PERMANENT_CONTACT, AttractorKind.UNDECIDED
-_expectations: OrderedDict[tuple[str, int, bytes], ExpectedLoudness] = OrderedDict()
+_expectations: FIFOCache[tuple[str, int, bytes], ExpectedLoudness] = FIFOCache(_EXPECTATIONS_KEPT)
+_lock = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -141,7 +143,7 @@ def summarise(location: str) -> BasinSummary:
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
-    store = BasinStore(location)
+    store = BasinStore.open(location)
     states = store.read_ledger()
     table = store.solutions.read()
     whole = bool(table.complete.all())
@@ -173,7 +175,7 @@ def fingerprint(location: str) -> bytes:
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
-    store = BasinStore(location)
+    store = BasinStore.open(location)
     table = store.solutions.read()
     return b"".join(
         (bytes([store.complete]), store.read_ledger().tobytes(), repr(table.motions).encode(), table.share.tobytes())
@@ -201,8 +203,9 @@ def expected_in(store: BasinStore, table: SolutionTable, basin: int) -> Expected
     numbers = table.numbers_in(basin)
     if not numbers:
         return None
-    key = store.location, basin, table.share[basin].tobytes()
-    expected = _expectations.get(key)
+    key = store.digest, basin, table.share[basin].tobytes()
+    with _lock:
+        expected = _expectations.get(key)
     if expected is None:
         oscillator, catalogue = store.job.oscillator_of(basin), store.solutions.read_catalogue(basin, table, numbers)
         if not all(each.time.size or each.kind in WITHOUT_POINTS for each in catalogue):
@@ -214,9 +217,8 @@ def expected_in(store: BasinStore, table: SolutionTable, basin: int) -> Expected
         if sample is not None and sample.scramblings > 1:
             of_sets = shares_of_sets(store.read_solution(basin), numbers, sample)
         expected = expected_loudness(table.share[basin, numbers], heard, points, of_sets)
-        _expectations[key] = expected
-        while len(_expectations) > _EXPECTATIONS_KEPT:
-            _expectations.popitem(last=False)
+        with _lock:
+            _expectations[key] = expected
     return expected
 
 
