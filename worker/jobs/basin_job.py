@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
@@ -12,15 +12,13 @@ from rattle_kernels.cell_mapping.cell_grid import check_grid
 from rattle_kernels.cell_mapping.iterations import check_iterations
 from worker.decidable import check_window
 from worker.errors import InvalidJob, SweptOutsideDomain
-from worker.jobs.budget import spend
-from worker.jobs.first_refused import first_refused
-from worker.jobs.grid_request import Grid, GridRequest, grid_request
+from worker.jobs.first_refused import first_fault
+from worker.jobs.grid_request import Grid, GridRequest
 from worker.jobs.job import Job, Sizes
-from worker.jobs.pressed_for_sure import pressed_for_sure
 from worker.jobs.proof_request import Prove, check_proof
 from worker.jobs.request import Count, told
 from worker.jobs.sample import Sample
-from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, Vary, axes_of, check_swept
+from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, check_swept
 
 _BASIN_EXAMPLE: dict[str, Any] = {
     "oscillator": {"model": "impacting", "damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6},
@@ -84,13 +82,17 @@ class BasinJob(Job):
         """Swept parameters: none. One basin is the sweep of no parameter."""
         return ()
 
+    @property
+    def _swept(self) -> tuple[SweptParameter, ...]:
+        return self.vary
+
     @cached_property
     def grid(self) -> CellGrid:
         """Grid of the kernels. A sample is one row of as many cells as there are points."""
-        grid = self.grid_.to_grid()
+        grid = self.grid_.value
         if self.sample is not None:
             grid = grid._replace(time_cells=self.sample.points, velocity_cells=1)
-        return check_grid(grid)
+        return grid
 
     @cached_property
     def iterations(self) -> int:
@@ -140,13 +142,13 @@ class BasinJob(Job):
             if self.sample and "cells" in window.model_fields_set:
                 raise InvalidJob(f"a sample has no cells: leave out grid.{name}.cells", ("grid", name, "cells"))
         try:
-            grid = self.grid
+            check_grid(self.grid)
             check_iterations(self.iterations)
         except ValueError as error:
             raise InvalidJob(str(error)) from error
         self.check_oscillators(check_domain)
-        self.check_oscillators(lambda oscillator: check_window(oscillator, grid, self.iterations))
-        settled = {"grid_": grid_request(grid, names_cells=self.sample is None), "iterations_": self.iterations}
+        self.check_oscillators(lambda oscillator: check_window(oscillator, self.grid, self.iterations))
+        settled = {"grid_": self.grid_.settled(with_cells=self.sample is None), "iterations_": self.iterations}
         if self.prove is not None:
             settled["prove"] = check_proof(self.prove, self.oscillator, self.vary, self.sample, self.has_levels)
         return settled if self.sample is None else settled | {"sample": self.sample}
@@ -168,30 +170,17 @@ class BasinJob(Job):
         OutsideDomain, SweptOutsideDomain
             The latter names the first swept value at fault.
         """
-        errors: dict[tuple[int, ...], OutsideDomain | InvalidJob] = {}
-        oscillator, vary = self.oscillator_.to_oscillator(), self.vary
-
-        def values_at(place: tuple[int, ...]) -> dict[str, float]:
-            return {swept.parameter: swept.values[at] for swept, at in zip(vary, place, strict=True)}
-
-        def refused(place: tuple[int, ...]) -> bool:
-            spend()
-            try:
-                check(oscillator.at(**values_at(place)))
-            except (OutsideDomain, InvalidJob) as error:
-                errors[place] = error
-            return place in errors
-
-        surely = partial(pressed_for_sure, oscillator, vary, quiet=convex is not None)
-        place = first_refused(axes_of(vary, convex), refused, surely)
-        if place is None:
+        fault = first_fault(self.oscillator_.value, self.vary, check, convex)
+        if fault is None:
             return
-        error = errors[place]
-        if not vary or not isinstance(error, OutsideDomain):
+        place, error = fault
+        if not self.vary or not isinstance(error, OutsideDomain):
             raise error
         axis = self._at_fault(error.parameter)
-        values = ", ".join(f"{name} = {value:g}" for name, value in values_at(place).items())
-        where = f"value {place[axis]} of {vary[axis].parameter} (at {values})"
+        values = ", ".join(
+            f"{swept.parameter} = {swept.values[at]:g}" for swept, at in zip(self.vary, place, strict=True)
+        )
+        where = f"value {place[axis]} of {self.vary[axis].parameter} (at {values})"
         raise SweptOutsideDomain(error, ("vary", axis, "values", place[axis]), where) from error
 
     def _at_fault(self, parameter: str) -> int:
@@ -266,7 +255,7 @@ class BasinJob(Job):
         -------
         Oscillator
         """
-        return check_domain(self.oscillator_.to_oscillator().at(**self.values_of(basin)))
+        return check_domain(self.oscillator_.value.at(**self.values_of(basin)))
 
 
 class SweepJob(BasinJob):
@@ -285,7 +274,7 @@ class SweepJob(BasinJob):
     )
 
     kind_: Literal["sweep"] = "sweep"  # type: ignore[assignment]
-    vary_: Annotated[list[Vary], Field(min_length=1, max_length=MOST_SWEPT)] = Field(
+    vary_: Annotated[list[SweptParameter], Field(min_length=1, max_length=MOST_SWEPT)] = Field(
         description="Swept parameters; the last one runs fastest"
     )
 
@@ -297,8 +286,8 @@ class SweepJob(BasinJob):
     @cached_property
     def vary(self) -> tuple[SweptParameter, ...]:
         """Swept parameters with their values, checked."""
-        swept = [each.to_swept(("vary", axis)) for axis, each in enumerate(self.vary_)]
-        return check_swept(swept, self.oscillator_.to_oscillator())
+        check_swept(self.vary_, self.oscillator_.value)
+        return tuple(self.vary_)
 
     @property
     def sweep_shape(self) -> tuple[int, ...]:
@@ -310,12 +299,8 @@ class SweepJob(BasinJob):
         return min((each.least for each in self.vary_ if each.parameter == "damping"), default=super()._least_damping)
 
     def _settled(self) -> dict[str, Any]:
-        settled = {"vary_": [each.settled(swept) for each, swept in zip(self.vary_, self.vary, strict=True)]}
+        settled = {"vary_": [swept.settled() for swept in self.vary]}
         return super()._settled() | settled
-
-    def _ranges(self) -> list[SweptParameter]:
-        """Swept parameters whose values the request gives as a rule."""
-        return [swept for each, swept in zip(self.vary_, self.vary, strict=True) if each.values is None]
 
 
 def basin_job(request: dict[str, Any], digest: str | None = None) -> BasinJob:

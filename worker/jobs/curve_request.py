@@ -1,8 +1,9 @@
 """How fine the curves of a request are."""
 
-from typing import Annotated
+from functools import cached_property
+from typing import Annotated, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from rattle_kernels import CurveResolution, ManifoldLimits
 from rattle_kernels.manifolds.polyline import check_resolution
@@ -24,32 +25,19 @@ class ResolutionRequest(Request):
         _DEFAULT.finest, description="Chords shorter than this are not divided to make an angle smaller"
     )
 
-    def to_resolution(self) -> CurveResolution:
-        """Resolution of the kernels, checked.
-
-        Raises
-        ------
-        InvalidJob
-        """
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
         try:
-            return check_resolution(CurveResolution(self.chord, self.angle, self.finest))
+            check_resolution(self.value)
         except ValueError as error:
-            raise InvalidJob(str(error), ("resolution",)) from error
+            raise InvalidJob(str(error)) from error
+        return self
+
+    @cached_property
+    def value(self) -> CurveResolution:
+        """Resolution of the kernels."""
+        return CurveResolution(self.chord, self.angle, self.finest)
 
 
-def resolution_request(resolution: CurveResolution) -> ResolutionRequest:
-    """Resolution of the kernels as requests describe it, unchecked.
-
-    Parameters
-    ----------
-    resolution : CurveResolution
-
-    Returns
-    -------
-    ResolutionRequest
-    """
-    return ResolutionRequest.model_construct(**resolution._asdict())
-
-
-Resolution = Annotated[ResolutionRequest, BeforeValidator(accepting(CurveResolution, resolution_request))]
+Resolution = Annotated[ResolutionRequest, BeforeValidator(accepting(CurveResolution, CurveResolution._asdict))]
 """From Python also a `CurveResolution`."""

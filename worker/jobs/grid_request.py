@@ -1,11 +1,12 @@
 """The window of a request, cut into cells."""
 
+from functools import cached_property
 from typing import Annotated, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from rattle_kernels import CellGrid
-from worker.jobs.request import Count, Real, Request, accepting, without_sign_of_zero
+from worker.jobs.request import Count, Real, Request, accepting, as_real
 
 _DEFAULT = CellGrid()
 # Rounding: 1.001 - 0.001 is not 1.
@@ -54,33 +55,27 @@ class GridRequest(Request):
     time: TimeWindow = Field(default_factory=TimeWindow)
     velocity: VelocityWindow = Field(default_factory=VelocityWindow)
 
-    def to_grid(self) -> CellGrid:
+    @cached_property
+    def value(self) -> CellGrid:
         """Grid of the kernels, which check it."""
         time, velocity = self.time, self.velocity
         return CellGrid(time.start, time.stop, time.cells, velocity.start, velocity.stop, velocity.cells)
 
+    def settled(self, *, with_cells: bool) -> Self:
+        """The window in canonical form. It has no cells if a sample takes their place."""
+        names = ("start", "stop", "cells") if with_cells else ("start", "stop")
+        return self.model_construct(time=self.time.settled_to(names), velocity=self.velocity.settled_to(names))
 
-def grid_request(grid: CellGrid, *, names_cells: bool = False) -> GridRequest:
-    """Grid of the kernels as requests describe it, unchecked.
 
-    Parameters
-    ----------
-    grid : CellGrid
-    names_cells : bool
-        Whether the numbers of cells are part of the request. They are not if a sample takes the place of cells.
-
-    Returns
-    -------
-    GridRequest
-    """
-    grid = CellGrid(*map(without_sign_of_zero, grid))
-    named = {"start", "stop", "cells"} if names_cells else {"start", "stop"}
-    time = TimeWindow.model_construct(named, start=grid.time_start, stop=grid.time_stop, cells=grid.time_cells)
-    velocity = VelocityWindow.model_construct(
-        named, start=grid.velocity_start, stop=grid.velocity_stop, cells=grid.velocity_cells
+def grid_of(grid: CellGrid) -> GridRequest:
+    """A grid that Python gives, unchecked. Its cells are no part of the request where a sample takes their place."""
+    named = {"start", "stop"}
+    time, velocity = (
+        window.model_construct(named, start=as_real(start), stop=as_real(stop), cells=int(cells))
+        for window, start, stop, cells in ((TimeWindow, *grid[:3]), (VelocityWindow, *grid[3:]))
     )
     return GridRequest.model_construct(time=time, velocity=velocity)
 
 
-Grid = Annotated[GridRequest, BeforeValidator(accepting(CellGrid, grid_request))]
+Grid = Annotated[GridRequest, BeforeValidator(accepting(CellGrid, grid_of))]
 """From Python also a `CellGrid`."""

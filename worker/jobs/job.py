@@ -25,8 +25,7 @@ from worker.errors import InvalidJob
 from worker.jobs.oscillator_request import (
     ImpactingOscillator,
     OscillatorRequest,
-    demand_quiet,
-    oscillator_request,
+    check_quiet_unless_allowed,
 )
 from worker.jobs.request import Request, refusal
 from worker.jobs.swept_parameter import SweptParameter, values_as_json, without_stiffness
@@ -134,8 +133,9 @@ class Job(Request, ABC):
             info.context(self)
         allowed = self.oscillator_.allow_no_quiet_solution
         settled, oscillator = self._settled(), self.oscillator
-        demand_quiet(self.demand_quiet, unless=allowed)
-        settled["oscillator_"] = oscillator_request(oscillator, quiet=not allowed or self.quiet)
+        check_quiet_unless_allowed(self.check_quiet, allowed=allowed)
+        first = {swept.parameter: oscillator.value_of(swept.parameter) for swept in self._swept}
+        settled["oscillator_"] = self.oscillator_.settled(first, quiet=not allowed or self.quiet)
         fields = type(self).model_fields.items()
         unused = {name: field.get_default(call_default_factory=True) for name, field in fields if name not in settled}
         self.__dict__.update(unused | settled)
@@ -161,7 +161,7 @@ class Job(Request, ABC):
     @cached_property
     def oscillator(self) -> Oscillator:
         """Oscillator of the kernels, checked."""
-        asked = self.oscillator_.to_oscillator()
+        asked = self.oscillator_.value
         return check_impacting(asked, INVERSE_OF_IMPACTS) if self.impacting_only else check_domain(asked)
 
     def check_oscillators(
@@ -182,7 +182,7 @@ class Job(Request, ABC):
         """
         check(self.oscillator)
 
-    def demand_quiet(self) -> None:
+    def check_quiet(self) -> None:
         """Refuse a job that has an oscillator without a quiet solution (Eq. 3).
 
         Raises
@@ -197,7 +197,7 @@ class Job(Request, ABC):
     def quiet(self) -> bool:
         """Whether every oscillator of the job has a quiet solution."""
         try:
-            self.demand_quiet()
+            self.check_quiet()
         except OutsideDomain:
             return False
         return True
@@ -237,12 +237,13 @@ class Job(Request, ABC):
 
     def _hashed_text(self) -> Iterator[str]:
         """The request with all its values as JSON, in pieces: a range and its values have the same digest."""
-        request, ranges = self.request(), self._ranges()
-        for swept in ranges:
-            places = [request["vary"]] if isinstance(request["vary"], dict) else request["vary"]
-            rule = next(each for each in places if each["parameter"] == swept.parameter)
-            rule.clear()
-            rule.update(parameter=swept.parameter, values=_A_RANGE)
+        request, ranges = self.request(), []
+        rules = request.get("vary", [])
+        for rule, swept in zip(rules if isinstance(rules, list) else [rules], self._swept, strict=False):
+            if "values" not in rule:
+                ranges.append(swept)
+                rule.clear()
+                rule.update(parameter=swept.parameter, values=_A_RANGE)
         text = json.dumps({"request": request, "version": self.result_version}, sort_keys=True)
         first, *others = text.split(json.dumps(_A_RANGE))
         yield first
@@ -250,9 +251,10 @@ class Job(Request, ABC):
             yield from values_as_json(swept.values)
             yield other
 
-    def _ranges(self) -> list[SweptParameter]:
-        """Swept parameters whose values the request gives as a rule."""
-        return []
+    @property
+    def _swept(self) -> tuple[SweptParameter, ...]:
+        """Swept parameters with their values, checked."""
+        return ()
 
 
 class AnalysisJob(Job):

@@ -1,8 +1,8 @@
 """Base of all requests: strict numbers, no unknown fields, and errors that name the field at fault."""
 
 import difflib
-from collections.abc import Callable
-from typing import Annotated, Any
+from collections.abc import Callable, Iterable
+from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
@@ -13,6 +13,11 @@ from worker.errors import InvalidFields, InvalidJob, Place
 def without_sign_of_zero(value: Any) -> Any:
     """The same number: -0.0 and 0.0 are one, and so are the requests that they stand in. Others stay as they are."""
     return value + 0.0 if isinstance(value, float) else value
+
+
+def as_real(value: Any) -> float:
+    """The same number as a float of Python's own, without a sign of zero. What is none raises what `float` does."""
+    return float(value) + 0.0
 
 
 def _as_integer(value: Any) -> Any:
@@ -38,6 +43,20 @@ class Request(BaseModel):
     """A request, or a part of one. An unknown field is an error, so that a misspelt option is not ignored."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    def settled_to(self, names: Iterable[str] | None = None) -> Self:
+        """The same value, of which its canonical form has some fields, by default all. The others have their defaults.
+
+        Parameters
+        ----------
+        names : iterable of str, optional
+
+        Returns
+        -------
+        Request
+        """
+        named = type(self).model_fields if names is None else names
+        return self.model_construct(**{name: getattr(self, name) for name in named})
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
