@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from worker.jobs.basin_job import BasinJob
-from worker.jobs.grid_request import GridRequest
+from worker.jobs.basin_job import BasinJob, GridRequest
 from worker.jobs.oscillator_request import HarmonicRequest, ImpactingOscillator, PiecewiseLinearOscillator
 from worker.jobs.proof_request import ProofRequest
 

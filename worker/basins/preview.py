@@ -18,7 +18,7 @@ from rattle_kernels.cell_mapping.iterations import check_iterations, is_prime, n
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from worker.decidable import check_window
 from worker.errors import InvalidJob
-from worker.jobs.grid_request import GridRequest, TimeWindow, VelocityWindow, grid_of
+from worker.jobs.basin_job import GridRequest, TimeWindow, VelocityWindow, grid_of
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, check_quiet_unless_allowed
 from worker.jobs.request import Count, Request, accepting, told
 

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Callable, Collection
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import ConfigDict, Field
+from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from rattle_kernels import CellGrid, Oscillator, OutsideDomain, check_domain, expected_applications, settled_iterations
 from rattle_kernels.cell_mapping.cell_grid import check_grid
@@ -13,10 +13,9 @@ from rattle_kernels.cell_mapping.iterations import check_iterations
 from worker.decidable import check_window
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.first_refused import first_fault
-from worker.jobs.grid_request import Grid, GridRequest
 from worker.jobs.job import Job, Sizes
 from worker.jobs.proof_request import Prove, check_proof
-from worker.jobs.request import Count, told
+from worker.jobs.request import Count, Real, Request, accepting, as_real, told
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, check_swept
 
@@ -34,6 +33,77 @@ _SWEEP_EXAMPLE: dict[str, Any] = {
 _BYTES_OF_LABELS, _BYTES_OF_A_CELL = 3 * 4 + 2, 8 + 2 * 8 + 3 * 4 + 2
 # Longest side of a basin that is shown without levels of fewer cells.
 _LONGEST_ALONE = 4000
+_WINDOW = CellGrid()
+# Rounding: 1.001 - 0.001 is not 1.
+_PERIOD = 1.0 + 1e-12
+
+
+class _Window(Request):
+    start: Real
+    stop: Real
+
+    @model_validator(mode="after")
+    def _ascends(self) -> Self:
+        if not self.start < self.stop:
+            raise ValueError(f"stop must be above start = {self.start:g}, not {self.stop:g}")
+        return self
+
+
+class TimeWindow(_Window):
+    """Cells along time, in forcing periods; the window may cross phase 0 (from 0.9 to 1.1)."""
+
+    start: Real = Field(_WINDOW.time_start, ge=0, lt=1)
+    stop: Real = Field(_WINDOW.time_stop, gt=0, le=2)
+    cells: Count = _WINDOW.time_cells
+
+    @model_validator(mode="after")
+    def _spans_at_most_a_period(self) -> Self:
+        if self.stop - self.start > _PERIOD:
+            raise ValueError(
+                f"stop must be above start = {self.start:g} by at most one period, so {self.start + 1.0:g} or less, "
+                f"not {self.stop:g}"
+            )
+        return self
+
+
+class VelocityWindow(_Window):
+    """Cells along velocity, nondimensional."""
+
+    start: Real = Field(_WINDOW.velocity_start, ge=0)
+    stop: Real = Field(_WINDOW.velocity_stop, gt=0)
+    cells: Count = _WINDOW.velocity_cells
+
+
+class GridRequest(Request):
+    """Window of the (t, v) plane, cut into equal cells."""
+
+    time: TimeWindow = Field(default_factory=TimeWindow)
+    velocity: VelocityWindow = Field(default_factory=VelocityWindow)
+
+    @cached_property
+    def value(self) -> CellGrid:
+        """Grid of the kernels, which check it."""
+        time, velocity = self.time, self.velocity
+        return CellGrid(time.start, time.stop, time.cells, velocity.start, velocity.stop, velocity.cells)
+
+    def settled(self, *, with_cells: bool) -> Self:
+        """The window in canonical form. It has no cells if a sample takes their place."""
+        names = ("start", "stop", "cells") if with_cells else ("start", "stop")
+        return self.model_construct(time=self.time.settled_to(names), velocity=self.velocity.settled_to(names))
+
+
+def grid_of(grid: CellGrid) -> GridRequest:
+    """A grid that Python gives, unchecked. Its cells are no part of the request where a sample takes their place."""
+    named = {"start", "stop"}
+    time, velocity = (
+        window.model_construct(named, start=as_real(start), stop=as_real(stop), cells=int(cells))
+        for window, start, stop, cells in ((TimeWindow, *grid[:3]), (VelocityWindow, *grid[3:]))
+    )
+    return GridRequest.model_construct(time=time, velocity=velocity)
+
+
+Grid = Annotated[GridRequest, BeforeValidator(accepting(CellGrid, grid_of))]
+"""From Python also a `CellGrid`."""
 
 
 # Points take the place of cells.

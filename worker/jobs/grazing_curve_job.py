@@ -7,9 +7,8 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import CurveResolution
 from worker.errors import InvalidJob
-from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
-from worker.jobs.region import SPEEDS, Interval, check_speeds, papers_speeds
+from worker.jobs.region import MOST_POINTS, SPEEDS, Interval, Resolution, ResolutionRequest, check_speeds, papers_speeds
 from worker.jobs.request import Count, Whole, told
 
 _EXAMPLE: dict[str, Any] = {

@@ -12,10 +12,19 @@ from rattle_kernels import CurveResolution, ManifoldLimits
 from rattle_kernels.manifolds.stable_manifold import check_limits
 from rattle_kernels.orbits.periodic_orbit import orbit_name
 from worker.errors import InvalidJob, Place
-from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
 from worker.jobs.orbits_job import PERIODS, OrbitSeed, search_impacts
-from worker.jobs.region import SEARCH_CELLS, SPEEDS, Interval, Region, check_speeds, papers_speeds
+from worker.jobs.region import (
+    MOST_POINTS,
+    SEARCH_CELLS,
+    SPEEDS,
+    Interval,
+    Region,
+    Resolution,
+    ResolutionRequest,
+    check_speeds,
+    papers_speeds,
+)
 from worker.jobs.request import Count, Real, Request, Whole, accepting, told
 
 _EXAMPLE: dict[str, Any] = {

@@ -62,10 +62,8 @@ class HarmonicRequest(Request):
 
     def at(self, values: Mapping[str, float]) -> "HarmonicRequest":
         """The harmonic with all fields named, at values of parameters of the oscillator."""
-        amplitude, phase = (
-            values.get(f"{name}_{self.order}", own)
-            for name, own in (("amplitude", self.amplitude), ("phase", self.phase))
-        )
+        amplitude = values.get(f"amplitude_{self.order}", self.amplitude)
+        phase = values.get(f"phase_{self.order}", self.phase)
         return HarmonicRequest.model_construct(order=self.order, amplitude=amplitude, phase=phase)
 
 

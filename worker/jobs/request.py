@@ -10,13 +10,8 @@ from rattle_kernels import OutsideDomain
 from worker.errors import InvalidFields, InvalidJob, Place
 
 
-def without_sign_of_zero(value: Any) -> Any:
-    """The same number: -0.0 and 0.0 are one, and so are the requests that they stand in. Others stay as they are."""
-    return value + 0.0 if isinstance(value, float) else value
-
-
 def as_real(value: Any) -> float:
-    """The same number as a float of Python's own, without a sign of zero. What is none raises what `float` does."""
+    """A number as a float of Python's own: -0.0 and 0.0 are one, and so are the requests that they stand in."""
     return float(value) + 0.0
 
 
@@ -26,7 +21,7 @@ def _as_integer(value: Any) -> Any:
 
 
 # Strict: the JSON value true is not a number. An integer is accepted where a real number is expected.
-Real = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(without_sign_of_zero)]
+Real = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(as_real)]
 INTEGRAL = BeforeValidator(_as_integer)
 """In JSON and in its schemas 4.0 is the integer 4. It comes after the bounds, or the schema lacks them."""
 Whole = Annotated[int, Field(strict=True), INTEGRAL]
@@ -61,7 +56,7 @@ class Request(BaseModel):
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
         """Note the fields of each request: what is misspelt may have been meant to be one of them."""
-        _FIELDS.update(cls.model_fields)
+        _FIELDS.update(name.rstrip("_") for name in cls.model_fields)
 
 
 def values_config(title: str) -> ConfigDict:

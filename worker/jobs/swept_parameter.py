@@ -3,7 +3,7 @@
 import itertools
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from enum import StrEnum
 from functools import cached_property
 from typing import Annotated, Any, Self
@@ -22,6 +22,7 @@ MOST_SWEPT = 2
 MOST_LISTED = 10_000
 """A range of more values stays a rule in records and answers: its values would be most of them."""
 _PIECE = 4096
+_MISSING: Any = object()
 _MODELS = "piecewise linear", "impacting"
 _OF_HARMONICS = re.compile("(amplitude|phase)_[1-9][0-9]*")
 _ORDERS = "amplitude_n and phase_n of the harmonic of order n"
@@ -165,8 +166,11 @@ class SweptParameter(Request):
     count: Annotated[int, Field(strict=True, ge=2), INTEGRAL] | None = None
     spacing: Spacing = Spacing.LINEAR
 
-    def __init__(self, *given: Any, **fields: Any) -> None:
-        super().__init__(**dict(zip(("parameter", "values"), given, strict=False)), **fields)
+    # pydantic makes one of JSON in this way, too: what is not given is said to be missing.
+    def __init__(self, parameter: str = _MISSING, values: Iterable[float] | None = _MISSING, **rule: Any) -> None:
+        listed = values.tolist() if isinstance(values, np.ndarray) else values
+        given = {"parameter": parameter, "values": listed}
+        super().__init__(**{name: value for name, value in given.items() if value is not _MISSING}, **rule)
 
     @classmethod
     def spaced(cls, parameter: str, start: float, stop: float, count: int, spacing: Spacing) -> "SweptParameter":
@@ -189,14 +193,17 @@ class SweptParameter(Request):
             If values cannot be spaced in this way.
         """
         try:
-            return cls(parameter=parameter, start=start, stop=stop, count=count, spacing=spacing).settled()
+            rule = cls(parameter, start=start, stop=stop, count=count, spacing=spacing)
         except ValidationError as error:
             raise refusal(error) from error
+        return cls.listed(parameter, rule.values)
 
     @classmethod
     def listed(cls, parameter: str, values: tuple[float, ...]) -> "SweptParameter":
         """Values that are checked already."""
         return cls.model_construct(parameter=parameter, values_=values)
+
+    __str__ = Request.__repr__
 
     def __repr_args__(self) -> Iterator[tuple[str, Any]]:
         yield from (("parameter", self.parameter), ("values", self.values))

@@ -8,7 +8,7 @@ from rattle_kernels import Oscillator, OutsideDomain, TimeHistory, check_domain,
 from worker.decidable import check_decidable, check_fastest, fastest_resolved
 from worker.errors import InvalidJob
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, check_quiet_unless_allowed
-from worker.jobs.request import Count, Real, Request, without_sign_of_zero
+from worker.jobs.request import Count, Real, Request, as_real
 
 
 def initial_state(
@@ -42,9 +42,7 @@ def initial_state(
 
 
 # Bounds stand before the validator, or the schema lacks them.
-_Displacement = Annotated[
-    float, Field(strict=True, allow_inf_nan=False, ge=-1e6, le=1e6), AfterValidator(without_sign_of_zero)
-]
+_Displacement = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1e6, le=1e6), AfterValidator(as_real)]
 # Without a displacement the velocity is the speed of a departure.
 _DEPARTURE: dict[str, Any] = {
     "if": {"properties": {"displacement": {"type": "number"}}, "required": ["displacement"]},

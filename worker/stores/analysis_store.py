@@ -25,8 +25,8 @@ from worker.stores.layout import Columns, Variable
 from worker.stores.new_store import consolidate
 from worker.stores.opening import (
     attributes_of,
+    check_same_request,
     create_unless_there,
-    demand_same_request,
     open_store_at,
     opened_for_tasks,
     opened_once,
@@ -87,7 +87,7 @@ class AnalysisStore:
         """
         create_unless_there(location, "store", lambda: _create(location, title, job, fence), fence)
         store = cls(location, fence)
-        demand_same_request(location, job.digest, store.digest, store.request)
+        check_same_request(location, job.digest, store.digest, store.request)
         if not store.complete:
             demand_same_rounding(location, store.attributes)
         return store

@@ -27,8 +27,8 @@ from worker.stores.layout import Variable
 from worker.stores.new_store import consolidate, create_store, places_of, tiling_of, write_coordinates
 from worker.stores.open_arrays import OpenArrays
 from worker.stores.opening import (
+    check_same_request,
     create_unless_there,
-    demand_same_request,
     open_group,
     open_store_at,
     opened_for_tasks,
@@ -94,7 +94,7 @@ class BasinStore:
         self.solutions = SolutionArrays(self._arrays, self.places.solution)
         self.proof = ProofArrays(self._arrays, self.tiles)
         if not as_found:
-            self._demand_own_arrays()
+            self._check_own_arrays()
 
     @classmethod
     def open(cls, location: str, digest: str | None = None) -> "BasinStore":
@@ -128,7 +128,7 @@ class BasinStore:
         """
         create_unless_there(location, "basin store", lambda: create_store(location, job, fence), fence)
         store = cls(location, fence)
-        demand_same_request(location, job.digest, store.digest, store.job.request())
+        check_same_request(location, job.digest, store.digest, store.job.request())
         if not store.complete:
             demand_same_rounding(location, store.attributes)
         return store
@@ -140,7 +140,7 @@ class BasinStore:
         yield self.places.ledger, (*self.job.sweep_shape, *tiles)
         yield self.places.solution, (*self.job.sweep_shape, *cells)
 
-    def _demand_own_arrays(self) -> None:
+    def _check_own_arrays(self) -> None:
         """Refuse arrays that were made for another request. Those whose metadata are damaged are refused when read."""
         with as_store_failure(self.location):
             for variable, own in self.own_shapes():

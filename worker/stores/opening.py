@@ -192,7 +192,7 @@ def create_unless_there(location: str, what: str, create: Callable[[], None], fe
         create()
 
 
-def demand_same_request(location: str, digest: str, there: str, request: dict[str, Any]) -> None:
+def check_same_request(location: str, digest: str, there: str, request: dict[str, Any]) -> None:
     """Refuse a store of another request. `there` and `request` are the store's digest and request.
 
     Raises
