@@ -86,19 +86,19 @@ class GridRequest(Request):
         time, velocity = self.time, self.velocity
         return CellGrid(time.start, time.stop, time.cells, velocity.start, velocity.stop, velocity.cells)
 
-    def settled(self, *, with_cells: bool) -> Self:
+    def settled(self, *, with_cells: bool) -> "GridRequest":
         """The window in canonical form. It has no cells if a sample takes their place."""
         names = ("start", "stop", "cells") if with_cells else ("start", "stop")
-        return self.model_construct(time=self.time.settled_to(names), velocity=self.velocity.settled_to(names))
+        return GridRequest.model_construct(time=self.time.settled_to(names), velocity=self.velocity.settled_to(names))
 
 
 def grid_of(grid: CellGrid) -> GridRequest:
     """A grid that Python gives, unchecked. Its cells are no part of the request where a sample takes their place."""
     named = {"start", "stop"}
-    time, velocity = (
-        window.model_construct(named, start=as_real(start), stop=as_real(stop), cells=int(cells))
-        for window, start, stop, cells in ((TimeWindow, *grid[:3]), (VelocityWindow, *grid[3:]))
-    )
+    start, stop = map(as_real, grid[:2])
+    time = TimeWindow.model_construct(named, start=start, stop=stop, cells=int(grid.time_cells))
+    start, stop = map(as_real, grid[3:5])
+    velocity = VelocityWindow.model_construct(named, start=start, stop=stop, cells=int(grid.velocity_cells))
     return GridRequest.model_construct(time=time, velocity=velocity)
 
 

@@ -160,8 +160,11 @@ class _Common(Request):
         fields["harmonics"] = tuple(each.at(at) for each in sorted(self.harmonics, key=lambda each: each.order))
         if quiet:
             fields.pop("allow_no_quiet_solution", None)
-        usual = {name for name in _WIDER if fields.get(name) == getattr(_DEFAULT, name)}
-        return self.model_construct(**{name: value for name, value in fields.items() if name not in usual})
+        for name in _WIDER:
+            if fields.get(name) == getattr(_DEFAULT, name):
+                del fields[name]
+        settled: Any = type(self).model_construct(**fields)
+        return settled
 
 
 class ImpactingOscillator(_Common):

@@ -51,7 +51,8 @@ class Request(BaseModel):
         Request
         """
         named = type(self).model_fields if names is None else names
-        return self.model_construct(**{name: getattr(self, name) for name in named})
+        settled: Any = type(self).model_construct(**{name: getattr(self, name) for name in named})
+        return settled
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
