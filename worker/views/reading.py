@@ -12,6 +12,7 @@
 import contextlib
 import json
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
 from itertools import repeat
 from pathlib import Path
 from typing import Any
@@ -181,7 +182,12 @@ def _with_proof(dataset: xr.Dataset, store: Any) -> xr.Dataset:
 
 def job_of(dataset: xr.Dataset) -> BasinJob:
     """Job of a dataset from `open_basin`: its oscillator, grid and iterations."""
-    return basin_job(json.loads(dataset.attrs["request"]))
+    return _checked_once(dataset.attrs["request"])
+
+
+@lru_cache(maxsize=16)
+def _checked_once(request: str) -> BasinJob:
+    return basin_job(json.loads(request))
 
 
 def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
