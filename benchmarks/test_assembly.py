@@ -12,7 +12,7 @@ import pytest
 from rattle_kernels import CellGrid, CellGroups, Oscillator, find_groups, label_cells, map_cells
 from rattle_kernels.cell_mapping.image_set import mark_images, members_of, place_images, unite
 from worker.basins.assembly import assemble_groups, groups_of
-from worker.basins.tasks import map_tile, open_store
+from worker.basins.tasks import map_tile
 from worker.cluster.calls import Task
 from worker.cluster.connection import local_cluster
 from worker.cluster.driver import Driver
@@ -113,12 +113,12 @@ def _peak():
 
 def find_groups_in_store(location: str, digest: str, basin: int) -> None:
     """Run Hsu's algorithm on the image set in a store."""
-    assemble_groups(open_store(location, digest), basin)
+    assemble_groups(BasinStore.open(location, digest), basin)
 
 
 def label_groups(location: str, digest: str, number: int) -> None:
     """Label one tile by the image set in its store, without naming solutions."""
-    store = open_store(location, digest)
+    store = BasinStore.open(location, digest)
     groups = groups_of(store, 0)
     tile = store.tiling.tile(number)
     (image,) = store.tiles.read(MAPPED[:1], tile)

@@ -16,7 +16,6 @@ from rattle_kernels import TransmissionError
 from rattle_kernels.model.oscillator import PARAMETERS
 from worker.additions import Addition, additions
 from worker.errors import InvalidFields, InvalidJob, Place
-from worker.jobs.curve_request import ResolutionRequest
 from worker.jobs.job import Job
 from worker.jobs.oscillator_request import (
     BOTH_FORCINGS,
@@ -24,6 +23,7 @@ from worker.jobs.oscillator_request import (
     ImpactingOscillator,
     PiecewiseLinearOscillator,
 )
+from worker.jobs.region import ResolutionRequest
 from worker.jobs.request import refusal
 from worker.jobs.swept_parameter import is_of_harmonic, is_parameter
 from worker.jobs.trajectory_request import TrajectoryRequest

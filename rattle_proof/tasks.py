@@ -22,8 +22,8 @@ from rattle_proof.enclosures.machine import Machine, centre_of, parts_of
 from rattle_proof.enclosures.targets import Certificate, Targets, prove_targets
 from rattle_proof.layout import PROVEN, UNPROVEN_REASON, Unproven
 from rattle_proof.request import LEVELS, asked_of, first_columns, machine_asked_of
-from worker.basins.tasks import open_store
 from worker.cluster.calls import stop_if_cancelled
+from worker.stores.basin_store import BasinStore
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class _Known(NamedTuple):
 
 def find_targets(location: str, digest: str, number: int, attractors: tuple[Attractor, ...]) -> Certificate:
     """Prove targets: the quiet core, discs around orbits, a set that rattles for ever."""
-    job = open_store(location, digest).job
+    job = BasinStore.open(location, digest).job
     machine = machine_asked_of(job)
     fastest, columns = job.grid.velocity_stop, first_columns(job.grid, len(parts_of(machine)))
     return prove_targets(machine, job.oscillator, attractors, stop_if_cancelled, fastest, columns)
@@ -72,7 +72,7 @@ def _known(location: str, digest: str, level: int) -> _Known:
 
     Kept once a process: the last lattice has 235 MB, and serves all tiles.
     """
-    store = open_store(location, digest)
+    store = BasinStore.open(location, digest)
     ends, rounds = proof_of(store).read_lattice(level, level == LEVELS)
     stop_if_cancelled()
     certificate = proof_of(store).certificate
@@ -91,7 +91,7 @@ def _known(location: str, digest: str, level: int) -> _Known:
 
 def follow_part(location: str, digest: str, part: int, level: int) -> float:
     """Follow one part of the boxes that are not proven, and write where they come to. Return the seconds it took."""
-    store, known = open_store(location, digest), _known(location, digest, level)
+    store, known = BasinStore.open(location, digest), _known(location, digest, level)
     stop_if_cancelled()
     begin = time.perf_counter()
     boxes = known.boxes[part * BOXES_A_PART : (part + 1) * BOXES_A_PART]
@@ -111,7 +111,7 @@ def follow_part(location: str, digest: str, part: int, level: int) -> float:
 
 def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
     """Let the lattice grow from what is found of its boxes, and write it as it is after one more level."""
-    store, known = open_store(location, digest), _known(location, digest, level)
+    store, known = BasinStore.open(location, digest), _known(location, digest, level)
     followed, trails = proof_of(store).read_followed()
     begin = time.perf_counter()
     ends, rounds = known.targets.lattice.ends.copy(), known.rounds.copy()
@@ -127,7 +127,7 @@ def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
 
 def prove_tile(location: str, digest: str, number: int) -> ProofReceipt:
     """Prove the cells of one tile, unless that has been done, and count what is proven."""
-    store = open_store(location, digest)
+    store = BasinStore.open(location, digest)
     tile = store.tiling.tile(number)
     (colours,) = store.tiles.read((store.places.solution,), tile)
     seconds = 0.0

@@ -61,7 +61,7 @@ def trajectory(
         give_up("; ".join(f"{place[-1]}: {message}" for place, message in error.faults), 2)
     except ValueError as error:
         give_up(str(error), 2)
-    oscillator = request.oscillator.to_oscillator()
+    oscillator = request.oscillator.value
     _write(oscillator, history, out_)
     _print_contacts(history)
     ends = f", truncated at {history.contacts.time.size} contacts" if history.truncated else ""

@@ -126,7 +126,8 @@ class Result:
         """
         if self.kind == TRAJECTORY:
             raise InvalidJob("a trajectory is no job: it is computed at once")
-        return KINDS[self.kind].job_class.of_store(self.request)
+        job_class, digest = KINDS[self.kind].job_class, self._dataset.attrs.get("request_sha256")
+        return job_class.from_request(self.request) if digest is None else job_class.trusted(self.request, digest)
 
     @property
     def oscillator(self) -> Oscillator:

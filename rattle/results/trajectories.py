@@ -60,7 +60,7 @@ def history_of(dataset: xr.Dataset) -> tuple[Oscillator, TimeHistory]:
     """
     request: dict[str, Any] = json.loads(dataset.attrs["request"])
     del request["kind"]
-    oscillator = TrajectoryRequest.model_validate(request).oscillator.to_oscillator()
+    oscillator = TrajectoryRequest.model_validate(request).oscillator.value
     contacts = Contacts(*(np.asarray(dataset[f"contact_{name}"].values) for name in Contacts._fields))
     history = TimeHistory(
         dataset.time.values, dataset.displacement.values, dataset.velocity.values, contacts,

@@ -195,7 +195,7 @@ class Runner:
         try:
             kind = KINDS[record.kind]
             location = result_location(self.results, record.store or record.id)
-            job = kind.job_class.from_request(record.request)
+            job = kind.job_class.trusted(record.request, record.digest)
             lease.check()
             remove_rootless(location)
             kind.run(job, location, driver, report=report, cancel=lease.cancel, fence=lease.check)

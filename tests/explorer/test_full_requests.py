@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from rattle_proof.request import ProofRequest
-from worker.jobs.basin_job import BasinJob
-from worker.jobs.grid_request import GridRequest
+from worker.jobs.basin_job import BasinJob, GridRequest
 from worker.jobs.oscillator_request import HarmonicRequest, ImpactingOscillator, PiecewiseLinearOscillator
 
 IMPACTING, STIFF = json.loads((Path(__file__).parent / "full_requests.json").read_text())

@@ -15,8 +15,8 @@ from rattle.arguments import job_of
 from rattle.cli.options import LEAST, options_of, texts_of
 from rattle.verbs import VERBS
 from rattle_proof.request import ProofRequest
-from worker.jobs.curve_request import ResolutionRequest
 from worker.jobs.oscillator_request import ImpactingOscillator, PiecewiseLinearOscillator
+from worker.jobs.region import ResolutionRequest
 from worker.jobs.sample import Sample
 from worker.jobs.trajectory_request import StartRequest, TrajectoryRequest
 from worker.kinds import KINDS

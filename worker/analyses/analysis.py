@@ -21,10 +21,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from pydantic import BaseModel, Field
 
-from rattle_kernels import OutsideDomain
 from worker.cluster.calls import Task, stop_if_cancelled
 from worker.cluster.driver import Driver
-from worker.errors import InvalidJob, StoreFailed
+from worker.errors import InvalidJob, StoreConflict, StoreFailed
 from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob
 from worker.pictures.figure_file import new_figure
@@ -32,7 +31,6 @@ from worker.progress import Progress, Report, Stage
 from worker.results.panel import USUAL_LOOK, Look
 from worker.stores.analysis_store import AnalysisStore, StoredParts
 from worker.stores.layout import Columns, Variable
-from worker.stores.opening import demand_own_request, demand_same_digest
 
 Parts = Mapping[str, Columns]
 """Columns of the finished pieces, by name."""
@@ -147,27 +145,24 @@ class Analysis:
         ------
         StoreConflict, StoreFailed
         """
-        store = AnalysisStore(location)
-        job = self._job_of(store)
+        store = self._opened(location)
+        job = store.job
         if not store.complete:
             columns, failure = self._from_parts(job, store)
             # A driver marks the store complete before it removes the parts. If it is still unmarked, they were whole.
-            store = AnalysisStore(location)
+            store = AnalysisStore.open(location)
             if not store.complete:
                 if failure is not None:
                     raise StoreFailed(f"the store {location} has lost a part of what was found: {failure}") from failure
                 return job, columns, store
         return job, store.read_tables(), store
 
-    def _job_of(self, store: AnalysisStore) -> Any:
-        """The job of a store; refused if its request was changed since the store was made, when it was accepted."""
-        try:
-            job = self.job.from_request(store.request)
-        except (InvalidJob, OutsideDomain) as error:
-            told = f"the request of the store {store.location} cannot be read: {error}"
-            raise StoreFailed(f"{told}; `rattle check` tells whether it is what was stored") from error
-        demand_own_request(store.location, job.digest, store.digest)
-        return job
+    def _opened(self, location: str) -> AnalysisStore:
+        """The store at a location; refused if it is another kind's."""
+        store = AnalysisStore.open(location)
+        if not isinstance(store.job, self.job):
+            raise StoreConflict(f"{location} holds an analysis of kind {store.job.kind}")
+        return store
 
     def _from_parts(self, job: Any, store: AnalysisStore) -> tuple[Columns, Exception | None]:
         """Columns assembled from the parts, or the error that prevents it."""
@@ -197,8 +192,7 @@ class Analysis:
         ------
         StoreConflict, StoreFailed
         """
-        store = AnalysisStore(location)
-        self._job_of(store)
+        store = self._opened(location)
         return " ".join([str(store.complete), *sorted(store.parts())]).encode()
 
     def figure(self, location: str, look: Look = USUAL_LOOK) -> Figure:
@@ -238,8 +232,7 @@ def compute_piece(
     location: str, digest: str, number: int, name: str, compute: Callable[..., Columns], arguments: tuple[Any, ...]
 ) -> float:
     """Compute one piece and write its part. Return the time that it took, in seconds."""
-    store = AnalysisStore(location)
-    demand_same_digest(location, store.digest, digest)
+    store = AnalysisStore.open(location, digest)
     begin = time.perf_counter()
     columns = compute(*arguments, pause=stop_if_cancelled)
     stop_if_cancelled()

@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from functools import partial
 
-from worker.basins.tasks import open_store
 from worker.cluster.calls import Task, stop_if_cancelled
 from worker.stores.basin_store import BasinStore
 from worker.stores.pyramid import LABELS
@@ -11,7 +10,7 @@ from worker.stores.pyramid import LABELS
 
 def coarsen_tile(location: str, digest: str, number: int, level: int) -> None:
     """Write one tile of a level: every second cell, each way, of the level before."""
-    store = open_store(location, digest)
+    store = BasinStore.open(location, digest)
     finer, coarser = store.levels[level - 1], store.levels[level]
     tile = coarser.tiling.tile(number)
     cells = zip((tile.rows, tile.columns), finer.tiling.grid.shape, strict=True)

@@ -4,25 +4,23 @@ Of n workers each labels about one in n of the tiles that it has mapped. Threads
 """
 
 import threading
-from collections import OrderedDict
+from contextlib import suppress
+
+from cachetools import FIFOCache
 
 from rattle_kernels import CellImages
 
 _MOST_BYTES = 32 * 2**20
-_kept: OrderedDict[tuple[str, str, int], CellImages] = OrderedDict()
+_kept: FIFOCache[tuple[str, str, int], CellImages] = FIFOCache(
+    _MOST_BYTES, getsizeof=lambda images: sum(each.nbytes for each in images[:3])
+)
 _lock = threading.Lock()
-
-
-def _bytes(images: CellImages) -> int:
-    return images.image_cell.nbytes + images.landing_time.nbytes + images.landing_velocity.nbytes
 
 
 def keep(location: str, digest: str, number: int, images: CellImages) -> None:
     """Keep the images of a tile until they are taken, or until later ones need their 32 MB."""
-    with _lock:
+    with _lock, suppress(ValueError):  # too large to be kept
         _kept[location, digest, number] = images
-        while sum(map(_bytes, _kept.values())) > _MOST_BYTES:
-            _kept.popitem(last=False)
 
 
 def take(location: str, digest: str, number: int) -> CellImages | None:

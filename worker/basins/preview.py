@@ -18,8 +18,8 @@ from rattle_kernels.cell_mapping.iterations import check_iterations, is_prime, n
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from worker.decidable import check_window
 from worker.errors import InvalidJob
-from worker.jobs.grid_request import GridRequest, TimeWindow, VelocityWindow, grid_request
-from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, demand_quiet
+from worker.jobs.basin_job import GridRequest, TimeWindow, VelocityWindow, grid_of
+from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, check_quiet_unless_allowed
 from worker.jobs.request import Count, Request, accepting, told
 
 PREVIEW_CELLS = 128
@@ -72,9 +72,7 @@ class PreviewRequest(Request):
     )
 
     oscillator: OscillatorRequest = Field(default_factory=ImpactingOscillator)
-    grid: Annotated[PreviewGrid, BeforeValidator(accepting(CellGrid, grid_request))] = Field(
-        default_factory=PreviewGrid
-    )
+    grid: Annotated[PreviewGrid, BeforeValidator(accepting(CellGrid, grid_of))] = Field(default_factory=PreviewGrid)
     iterations: Annotated[Count, told(maximum=10**12)] | None = Field(
         None, description="k: 1 or a prime. By default 127 where damping is 0.5 or more, else about 76/damping"
     )
@@ -96,10 +94,10 @@ class PreviewRequest(Request):
         OutsideDomain, InvalidJob
             Naming the field at fault.
         """
-        oscillator = check_domain(self.oscillator.to_oscillator())
-        demand_quiet(lambda: check_quiet(oscillator), unless=self.oscillator.allow_no_quiet_solution)
+        oscillator = check_domain(self.oscillator.value)
+        check_quiet_unless_allowed(lambda: check_quiet(oscillator), allowed=self.oscillator.allow_no_quiet_solution)
         try:
-            grid = check_grid(self.grid.to_grid())
+            grid = check_grid(self.grid.value)
             k = check_iterations(self.iterations or _few(oscillator.damping))
         except ValueError as error:
             raise InvalidJob(str(error)) from error

@@ -6,7 +6,6 @@ Each returns a receipt, never the arrays. The worker itself writes those to the 
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -22,7 +21,6 @@ from worker.basins.assembly import assemble_groups, groups_of
 from worker.basins.weights import weigh
 from worker.cluster.calls import stop_if_cancelled
 from worker.stores.basin_store import BasinStore
-from worker.stores.opening import demand_same_digest
 
 
 @dataclass(frozen=True)
@@ -78,7 +76,7 @@ def _map(store: BasinStore, tile: Tile) -> CellImages:
 
 def map_tile(location: str, digest: str, number: int) -> MapReceipt:
     """Compute the images of one tile and write them."""
-    store = open_store(location, digest)
+    store = BasinStore.open(location, digest)
     tile = store.tiling.tile(number)
     begin = time.perf_counter()
     images = _map(store, tile)
@@ -90,7 +88,7 @@ def map_tile(location: str, digest: str, number: int) -> MapReceipt:
 
 def weigh_tiles(location: str, digest: str, basin: int, numbers: Sequence[int]) -> list[int]:
     """How long each of some tiles of a basin will take, beside the others."""
-    store = open_store(location, digest)
+    store = BasinStore.open(location, digest)
     return [weigh(store, store.tiling.tile(number), stop_if_cancelled) for number in numbers]
 
 
@@ -104,28 +102,20 @@ def _images(location: str, digest: str, number: int) -> CellImages:
     images = image_cache.take(location, digest, number)
     if images is not None:
         return images
-    store = open_store(location, digest)
+    store = BasinStore.open(location, digest)
     return _read_images(store, store.tiling.tile(number))
 
 
 def survey_tile(location: str, digest: str, number: int) -> MapReceipt:
     """Receipt of a tile that is already in the store."""
-    store = open_store(location, digest)
+    store = BasinStore.open(location, digest)
     tile = store.tiling.tile(number)
     return _receipt(store, tile.basin, _read_images(store, tile), 0.0)
 
 
-@lru_cache(maxsize=4)
-def open_store(location: str, digest: str) -> BasinStore:
-    """Store of the job with this digest, opened once per process. The same digest means the same layout."""
-    store = BasinStore(location)
-    demand_same_digest(location, store.digest, digest)
-    return store
-
-
 def assemble_basin(location: str, digest: str, basin: int, seeds: Seeds, lost: bool) -> CatalogueReceipt:
     """Run Hsu's algorithm on a basin's image set, and find the attractors that its seeds end in."""
-    store = open_store(location, digest)
+    store = BasinStore.open(location, digest)
     begin = time.perf_counter()
     oscillator = store.job.oscillator_of(basin)
     if store.job.sample is None:
@@ -140,7 +130,7 @@ def extend_catalogue(
 ) -> CatalogueReceipt:
     """Extend a basin's catalogue by the attractors that unassigned landing points end in, unless it is final."""
     begin = time.perf_counter()
-    oscillator = open_store(location, digest).job.oscillator_of(basin)
+    oscillator = BasinStore.open(location, digest).job.oscillator_of(basin)
     attractors = next_catalogue(oscillator, known, unassigned, rounds, stop_if_cancelled)
     return CatalogueReceipt(attractors, time.perf_counter() - begin)
 
@@ -151,7 +141,7 @@ def label_tile(location: str, digest: str, number: int, attractors: Catalogue, n
     Solutions are indices into the basin's own catalogue. They are written beside the basin's image set, unless the
     indices are already the numbers.
     """
-    store = open_store(location, digest)
+    store = BasinStore.open(location, digest)
     tile = store.tiling.tile(number)
     stop_if_cancelled()
     images = _images(location, digest, number)
@@ -176,7 +166,7 @@ def _counts(store: BasinStore, tile: Tile, solution: np.ndarray, attractors: int
 
 def number_tile(location: str, digest: str, number: int, numbers: tuple[int, ...]) -> None:
     """Write one tile's solutions under the numbers that all basins share."""
-    store = open_store(location, digest)
+    store = BasinStore.open(location, digest)
     tile = store.tiling.tile(number)
     (own,) = store.tiles.read((store.places.own_solution,), tile)
     store.tiles.write((store.places.solution,), tile, (np.array(numbers, np.int16)[own],))
@@ -184,7 +174,7 @@ def number_tile(location: str, digest: str, number: int, numbers: tuple[int, ...
 
 def write_points(location: str, digest: str, basin: int, numbers: tuple[int, ...], attractors: Catalogue) -> None:
     """Write the points of a basin's attractors under their numbers."""
-    open_store(location, digest).solutions.write_points(basin, numbers, attractors)
+    BasinStore.open(location, digest).solutions.write_points(basin, numbers, attractors)
 
 
 def number_basin(
@@ -192,5 +182,5 @@ def number_basin(
 ) -> None:
     """Write everything of a small basin that needs numbers. The first `own` of them are those of its own catalogue."""
     write_points(location, digest, basin, numbers, attractors)
-    for tile in open_store(location, digest).tiling.numbers_of(basin):
+    for tile in BasinStore.open(location, digest).tiling.numbers_of(basin):
         number_tile(location, digest, tile, numbers[:own])

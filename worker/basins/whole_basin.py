@@ -10,8 +10,8 @@ import numpy as np
 
 from rattle_kernels import Attractor
 from worker.basins.basin_run import BasinRun
-from worker.basins.tasks import open_store
 from worker.cluster.calls import stop_if_cancelled
+from worker.stores.basin_store import BasinStore
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class BasinReceipt:
 
 def solve_basin(location: str, digest: str, number: int, mapped: bool, numbered: bool) -> BasinReceipt:
     """Map, assemble and label the only tile of a basin. `mapped` says whether its images are in the store."""
-    store = open_store(location, digest)
+    store = BasinStore.open(location, digest)
     basin = BasinRun(store, number, store.tiling.numbers_of(number) if mapped else (), numbered=numbered)
     ready = basin.begin()
     while ready:

@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Callable, Collection
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import ConfigDict, Field
+from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from rattle_kernels import CellGrid, Oscillator, OutsideDomain, check_domain, expected_applications, settled_iterations
 from rattle_kernels.cell_mapping.cell_grid import check_grid
@@ -13,14 +13,11 @@ from rattle_kernels.cell_mapping.iterations import check_iterations
 from worker.additions import additions, asked_of, with_fields
 from worker.decidable import check_window
 from worker.errors import InvalidJob, SweptOutsideDomain
-from worker.jobs.budget import spend
-from worker.jobs.first_refused import first_refused
-from worker.jobs.grid_request import Grid, GridRequest, grid_request
+from worker.jobs.first_refused import first_fault
 from worker.jobs.job import Job, Sizes
-from worker.jobs.pressed_for_sure import pressed_for_sure
-from worker.jobs.request import Count, told
+from worker.jobs.request import Count, Real, Request, accepting, as_real, told
 from worker.jobs.sample import Sample
-from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, Vary, axes_of, check_swept
+from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, check_swept
 
 _BASIN_EXAMPLE: dict[str, Any] = {
     "oscillator": {"model": "impacting", "damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6},
@@ -36,6 +33,77 @@ _SWEEP_EXAMPLE: dict[str, Any] = {
 _BYTES_OF_LABELS, _BYTES_OF_A_CELL = 3 * 4 + 2, 8 + 2 * 8 + 3 * 4 + 2
 # Longest side of a basin that is shown without levels of fewer cells.
 _LONGEST_ALONE = 4000
+_WINDOW = CellGrid()
+# Rounding: 1.001 - 0.001 is not 1.
+_PERIOD = 1.0 + 1e-12
+
+
+class _Window(Request):
+    start: Real
+    stop: Real
+
+    @model_validator(mode="after")
+    def _ascends(self) -> Self:
+        if not self.start < self.stop:
+            raise ValueError(f"stop must be above start = {self.start:g}, not {self.stop:g}")
+        return self
+
+
+class TimeWindow(_Window):
+    """Cells along time, in forcing periods; the window may cross phase 0 (from 0.9 to 1.1)."""
+
+    start: Real = Field(_WINDOW.time_start, ge=0, lt=1)
+    stop: Real = Field(_WINDOW.time_stop, gt=0, le=2)
+    cells: Count = _WINDOW.time_cells
+
+    @model_validator(mode="after")
+    def _spans_at_most_a_period(self) -> Self:
+        if self.stop - self.start > _PERIOD:
+            raise ValueError(
+                f"stop must be above start = {self.start:g} by at most one period, so {self.start + 1.0:g} or less, "
+                f"not {self.stop:g}"
+            )
+        return self
+
+
+class VelocityWindow(_Window):
+    """Cells along velocity, nondimensional."""
+
+    start: Real = Field(_WINDOW.velocity_start, ge=0)
+    stop: Real = Field(_WINDOW.velocity_stop, gt=0)
+    cells: Count = _WINDOW.velocity_cells
+
+
+class GridRequest(Request):
+    """Window of the (t, v) plane, cut into equal cells."""
+
+    time: TimeWindow = Field(default_factory=TimeWindow)
+    velocity: VelocityWindow = Field(default_factory=VelocityWindow)
+
+    @cached_property
+    def value(self) -> CellGrid:
+        """Grid of the kernels, which check it."""
+        time, velocity = self.time, self.velocity
+        return CellGrid(time.start, time.stop, time.cells, velocity.start, velocity.stop, velocity.cells)
+
+    def settled(self, *, with_cells: bool) -> "GridRequest":
+        """The window in canonical form. It has no cells if a sample takes their place."""
+        names = ("start", "stop", "cells") if with_cells else ("start", "stop")
+        return GridRequest.model_construct(time=self.time.settled_to(names), velocity=self.velocity.settled_to(names))
+
+
+def grid_of(grid: CellGrid) -> GridRequest:
+    """A grid that Python gives, unchecked. Its cells are no part of the request where a sample takes their place."""
+    named = {"start", "stop"}
+    start, stop = map(as_real, grid[:2])
+    time = TimeWindow.model_construct(named, start=start, stop=stop, cells=int(grid.time_cells))
+    start, stop = map(as_real, grid[3:5])
+    velocity = VelocityWindow.model_construct(named, start=start, stop=stop, cells=int(grid.velocity_cells))
+    return GridRequest.model_construct(time=time, velocity=velocity)
+
+
+Grid = Annotated[GridRequest, BeforeValidator(accepting(CellGrid, grid_of))]
+"""From Python also a `CellGrid`."""
 
 
 # Points take the place of cells.
@@ -90,13 +158,17 @@ class BasinJob(_AllFields):
         """Swept parameters: none. One basin is the sweep of no parameter."""
         return ()
 
+    @property
+    def _swept(self) -> tuple[SweptParameter, ...]:
+        return self.vary
+
     @cached_property
     def grid(self) -> CellGrid:
         """Grid of the kernels. A sample is one row of as many cells as there are points."""
-        grid = self.grid_.to_grid()
+        grid = self.grid_.value
         if self.sample is not None:
             grid = grid._replace(time_cells=self.sample.points, velocity_cells=1)
-        return check_grid(grid)
+        return grid
 
     @cached_property
     def iterations(self) -> int:
@@ -146,13 +218,13 @@ class BasinJob(_AllFields):
             if self.sample and "cells" in window.model_fields_set:
                 raise InvalidJob(f"a sample has no cells: leave out grid.{name}.cells", ("grid", name, "cells"))
         try:
-            grid = self.grid
+            check_grid(self.grid)
             check_iterations(self.iterations)
         except ValueError as error:
             raise InvalidJob(str(error)) from error
         self.check_oscillators(check_domain)
-        self.check_oscillators(lambda oscillator: check_window(oscillator, grid, self.iterations))
-        settled = {"grid_": grid_request(grid, names_cells=self.sample is None), "iterations_": self.iterations}
+        self.check_oscillators(lambda oscillator: check_window(oscillator, self.grid, self.iterations))
+        settled = {"grid_": self.grid_.settled(with_cells=self.sample is None), "iterations_": self.iterations}
         settled |= {each.name: each.check(self, self.has_levels) for each in asked_of(self)}
         return settled if self.sample is None else settled | {"sample": self.sample}
 
@@ -173,30 +245,17 @@ class BasinJob(_AllFields):
         OutsideDomain, SweptOutsideDomain
             The latter names the first swept value at fault.
         """
-        errors: dict[tuple[int, ...], OutsideDomain | InvalidJob] = {}
-        oscillator, vary = self.oscillator_.to_oscillator(), self.vary
-
-        def values_at(place: tuple[int, ...]) -> dict[str, float]:
-            return {swept.parameter: swept.values[at] for swept, at in zip(vary, place, strict=True)}
-
-        def refused(place: tuple[int, ...]) -> bool:
-            spend()
-            try:
-                check(oscillator.at(**values_at(place)))
-            except (OutsideDomain, InvalidJob) as error:
-                errors[place] = error
-            return place in errors
-
-        surely = partial(pressed_for_sure, oscillator, vary, quiet=convex is not None)
-        place = first_refused(axes_of(vary, convex), refused, surely)
-        if place is None:
+        fault = first_fault(self.oscillator_.value, self.vary, check, convex)
+        if fault is None:
             return
-        error = errors[place]
-        if not vary or not isinstance(error, OutsideDomain):
+        place, error = fault
+        if not self.vary or not isinstance(error, OutsideDomain):
             raise error
         axis = self._at_fault(error.parameter)
-        values = ", ".join(f"{name} = {value:g}" for name, value in values_at(place).items())
-        where = f"value {place[axis]} of {vary[axis].parameter} (at {values})"
+        values = ", ".join(
+            f"{swept.parameter} = {swept.values[at]:g}" for swept, at in zip(self.vary, place, strict=True)
+        )
+        where = f"value {place[axis]} of {self.vary[axis].parameter} (at {values})"
         raise SweptOutsideDomain(error, ("vary", axis, "values", place[axis]), where) from error
 
     def _at_fault(self, parameter: str) -> int:
@@ -271,7 +330,7 @@ class BasinJob(_AllFields):
         -------
         Oscillator
         """
-        return check_domain(self.oscillator_.to_oscillator().at(**self.values_of(basin)))
+        return check_domain(self.oscillator_.value.at(**self.values_of(basin)))
 
 
 class SweepJob(BasinJob):
@@ -290,7 +349,7 @@ class SweepJob(BasinJob):
     )
 
     kind_: Literal["sweep"] = "sweep"  # type: ignore[assignment]
-    vary_: Annotated[list[Vary], Field(min_length=1, max_length=MOST_SWEPT)] = Field(
+    vary_: Annotated[list[SweptParameter], Field(min_length=1, max_length=MOST_SWEPT)] = Field(
         description="Swept parameters; the last one runs fastest"
     )
 
@@ -302,8 +361,8 @@ class SweepJob(BasinJob):
     @cached_property
     def vary(self) -> tuple[SweptParameter, ...]:
         """Swept parameters with their values, checked."""
-        swept = [each.to_swept(("vary", axis)) for axis, each in enumerate(self.vary_)]
-        return check_swept(swept, self.oscillator_.to_oscillator())
+        check_swept(self.vary_, self.oscillator_.value)
+        return tuple(self.vary_)
 
     @property
     def sweep_shape(self) -> tuple[int, ...]:
@@ -315,23 +374,19 @@ class SweepJob(BasinJob):
         return min((each.least for each in self.vary_ if each.parameter == "damping"), default=super()._least_damping)
 
     def _settled(self) -> dict[str, Any]:
-        settled = {"vary_": [each.settled(swept) for each, swept in zip(self.vary_, self.vary, strict=True)]}
+        settled = {"vary_": [swept.settled() for swept in self.vary]}
         return super()._settled() | settled
 
-    def _ranges(self) -> list[SweptParameter]:
-        """Swept parameters whose values the request gives as a rule."""
-        return [swept for each, swept in zip(self.vary_, self.vary, strict=True) if each.values is None]
 
-
-def basin_job(request: dict[str, Any], *, stored: bool = False) -> BasinJob:
+def basin_job(request: dict[str, Any], digest: str | None = None) -> BasinJob:
     """Job of a basin, or of a sweep if the request has ``vary``.
 
     Parameters
     ----------
     request : dict
         As JSON, of either kind.
-    stored : bool
-        Whether it is a store's own, as in `Job.of_store`.
+    digest : str, optional
+        That it was stored with; see `Job.trusted`.
 
     Returns
     -------
@@ -343,4 +398,4 @@ def basin_job(request: dict[str, Any], *, stored: bool = False) -> BasinJob:
         Naming the field at fault.
     """
     job_class = SweepJob if "vary" in request else BasinJob
-    return job_class.of_store(request) if stored else job_class.from_request(request)
+    return job_class.from_request(request) if digest is None else job_class.trusted(request, digest)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection
 from enum import StrEnum
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -10,13 +10,11 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import Oscillator, OutsideDomain, check_domain
 from worker.errors import InvalidJob, SweptOutsideDomain
-from worker.jobs.budget import spend
-from worker.jobs.first_refused import first_refused
+from worker.jobs.first_refused import first_fault
 from worker.jobs.job import AnalysisJob, Sizes
-from worker.jobs.pressed_for_sure import pressed_for_sure
 from worker.jobs.region import Departure, Region
 from worker.jobs.request import INTEGRAL, Count
-from worker.jobs.swept_parameter import SweptParameter, Vary, axes_of, check_swept
+from worker.jobs.swept_parameter import SweptParameter, check_swept
 
 _EXAMPLE: dict[str, Any] = {
     "kind": "bifurcation",
@@ -59,7 +57,7 @@ class BifurcationJob(AnalysisJob):
     model_config = ConfigDict(title="BifurcationRequest", json_schema_extra={"examples": [_EXAMPLE]} | _SEEDS_OR_REGION)
 
     kind_: Literal["bifurcation"] = "bifurcation"
-    vary_: Vary = Field(description="The parameter and its values")
+    vary_: SweptParameter = Field(description="The parameter and its values")
     seeds: Annotated[list[Departure], Field(min_length=1, max_length=100)] | None = Field(
         None, description="Departures to begin with; without them, the attractors found at the first value visited"
     )
@@ -101,21 +99,21 @@ class BifurcationJob(AnalysisJob):
             raise InvalidJob("give seeds, or a region to look for attractors in, not both", ("region",))
         self.check_oscillators(check_domain)
         names = ("direction", "transient", "kept")
-        settled = {"kind_": self.kind_, "vary_": self.vary_.settled(self.vary)} | {
-            name: getattr(self, name) for name in names
-        }
+        vary = self.vary_.settled()
+        settled = {"kind_": self.kind_, "vary_": vary if vary.is_rule else self.vary}
+        settled |= {name: getattr(self, name) for name in names}
         return settled | ({"seeds": self.seeds} if self.seeds else {"region": self.region or Region()})
 
     @cached_property
     def vary(self) -> SweptParameter:
         """The parameter and its values in ascending order, checked."""
-        swept = self.vary_.to_swept(("vary",))
-        ascending = SweptParameter(swept.parameter, _ascending(swept.values))
+        ascending = SweptParameter.listed(self.vary_.parameter, _ascending(self.vary_.values))
         try:
-            return check_swept((ascending,), self.oscillator_.to_oscillator())[0]
+            check_swept((ascending,), self.oscillator_.value)
         except InvalidJob as error:
             # Here `vary` is not a list.
             raise InvalidJob(str(error), tuple(part for part in error.place if part != 0)) from error
+        return ascending
 
     @cached_property
     def oscillator(self) -> Oscillator:
@@ -133,11 +131,11 @@ class BifurcationJob(AnalysisJob):
         -------
         Oscillator
         """
-        return self.oscillator_.to_oscillator().at(**{self.vary.parameter: value})
+        return self.oscillator_.value.at(**{self.vary.parameter: value})
 
-    def _ranges(self) -> list[SweptParameter]:
-        """The parameter, if the request gives its values as a rule."""
-        return [] if self.vary_.values is not None else [self.vary]
+    @property
+    def _swept(self) -> tuple[SweptParameter, ...]:
+        return (self.vary,)
 
     def check_oscillators(
         self, check: Callable[[Oscillator], Oscillator], *, convex: Collection[str] | None = None
@@ -156,26 +154,14 @@ class BifurcationJob(AnalysisJob):
         SweptOutsideDomain
             Naming the first value at fault.
         """
-        errors: dict[tuple[int, ...], OutsideDomain | InvalidJob] = {}
-        oscillator, swept = self.oscillator_.to_oscillator(), self.vary
-
-        def refused(place: tuple[int, ...]) -> bool:
-            spend()
-            try:
-                check(oscillator.at(**{swept.parameter: swept.values[place[0]]}))
-            except (OutsideDomain, InvalidJob) as error:
-                errors[place] = error
-            return place in errors
-
-        surely = partial(pressed_for_sure, oscillator, [swept], quiet=convex is not None)
-        place = first_refused(axes_of([swept], convex), refused, surely)
-        if place is None:
+        fault = first_fault(self.oscillator_.value, [self.vary], check, convex)
+        if fault is None:
             return
-        error = errors[place]
+        (place,), error = fault
         if not isinstance(error, OutsideDomain):
             raise error
-        where = f"{swept.parameter} = {swept.values[place[0]]:g}"
-        raise SweptOutsideDomain(error, ("vary", "values", place[0]), where) from error
+        where = f"{self.vary.parameter} = {self.vary.values[place]:g}"
+        raise SweptOutsideDomain(error, ("vary", "values", place), where) from error
 
     @property
     def visits(self) -> np.ndarray:

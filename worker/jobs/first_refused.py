@@ -6,14 +6,66 @@ values between them, and the first refused one is found by halving.
 The domain of the map is convex in each number of the oscillator but the phases of harmonics: the acceleration at rest
 (Eq. 8) is linear in the damping and in each amplitude at every phase, and all other bounds are monotonic or have one
 maximum. The reaction of contact without ringing (Eq. 3) is linear in the amplitudes alone where the stiffness is
-finite: it has a resonance. In the other parameters `worker.jobs.pressed_for_sure` decides most values at once, and the
-rest is checked one by one.
+finite: it has a resonance. In the other parameters `pressed_for_sure` decides most values at once, and the rest is
+checked one by one.
 """
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+import math
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
+
+from rattle_kernels import Oscillator, OutsideDomain
+from worker.errors import InvalidJob
+from worker.jobs.budget import spend
+from worker.jobs.swept_parameter import SweptParameter, as_array, is_of_harmonic, is_phase
+
+Fault = OutsideDomain | InvalidJob
+_TWO_PI = 2.0 * math.pi
+# What lies as close to a bound as rounding is decided one by one.
+_ROUNDING = 1e-9
+
+
+def first_fault(
+    oscillator: Oscillator,
+    vary: Sequence[SweptParameter],
+    check: Callable[[Oscillator], Oscillator],
+    convex: Iterable[str] | None,
+) -> tuple[tuple[int, ...], Fault] | None:
+    """The first of the oscillators of a sweep that a check refuses.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+    vary : sequence of SweptParameter
+        None of them for one oscillator.
+    check : callable
+        Raises `OutsideDomain` or `InvalidJob`.
+    convex : iterable of str, optional
+        Parameters in which the check is convex; by default all but phases.
+
+    Returns
+    -------
+    place : tuple of int
+        Index of each parameter's value.
+    error : OutsideDomain or InvalidJob
+    """
+    errors: dict[tuple[int, ...], Fault] = {}
+
+    def refused(place: tuple[int, ...]) -> bool:
+        spend()
+        values = {swept.parameter: swept.values[at] for swept, at in zip(vary, place, strict=True)}
+        try:
+            check(oscillator.at(**values))
+        except (OutsideDomain, InvalidJob) as error:
+            errors[place] = error
+        return place in errors
+
+    surely = partial(pressed_for_sure, oscillator, vary, quiet=convex is not None)
+    place = first_refused(axes_of(vary, convex), refused, surely)
+    return None if place is None else (place, errors[place])
 
 
 class Axis(NamedTuple):
@@ -82,3 +134,73 @@ def _first(
         else:
             high, last = middle, found_there
     return last
+
+
+def axes_of(vary: Iterable[SweptParameter], convex: Iterable[str] | None) -> list[Axis]:
+    """Axes of swept parameters for `first_refused`.
+
+    Parameters
+    ----------
+    vary : iterable of SweptParameter
+    convex : iterable of str, optional
+        Parameters in which the check is convex, beside half backlash, eccentricity and amplitudes; by default all.
+
+    Returns
+    -------
+    list of Axis
+    """
+    return [Axis(len(swept.values), _is_convex(swept.parameter, convex)) for swept in vary]
+
+
+def _is_convex(parameter: str, convex: Iterable[str] | None) -> bool:
+    if is_of_harmonic(parameter):
+        return not is_phase(parameter)
+    return convex is None or parameter in ("eccentricity", "half_backlash", *convex)
+
+
+def pressed_for_sure(oscillator: Oscillator, vary: Sequence[SweptParameter], *, quiet: bool) -> np.ndarray:
+    """Whether each combination of values is within Eq. (8) for sure, and with `quiet` within Eq. (3), too.
+
+    Both say that a trigonometric polynomial is positive at every phase: the acceleration at rest, and the reaction in
+    contact without ringing. It is where its mean exceeds the amplitudes of its harmonics. With one harmonic that is the
+    bound itself, with several it is stricter.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+    vary : sequence of SweptParameter
+        Values that are each within their own bounds.
+    quiet : bool
+
+    Returns
+    -------
+    ndarray of bool
+        One axis for each parameter. False says nothing.
+
+    Examples
+    --------
+    >>> stiffness = SweptParameter("stiffness", (10.0, 20.0, 1e3))
+    >>> pressed_for_sure(Oscillator(eccentricity=0.15, stiffness=10.0), [stiffness], quiet=True).tolist()
+    [True, False, True]
+    """
+    shape = tuple(len(swept.values) for swept in vary)
+    grid = np.meshgrid(*(as_array(swept.values) for swept in vary), indexing="ij", sparse=True)
+    values = dict(zip((swept.parameter for swept in vary), grid, strict=True))
+
+    def value(name: str) -> Any:
+        return values[name] if name in values else oscillator.value_of(name)
+
+    with np.errstate(all="ignore"):  # what cannot be computed is not for sure
+        damping, square = value("damping"), 2.0 * value("stiffness")
+        mean, felt, pressed = 2.0 * _TWO_PI * damping, 0.0, 0.0
+        for order, _, _ in oscillator.all_harmonics:
+            spend()
+            rate = _TWO_PI * order
+            amplitude = np.abs(value("eccentricity" if order == 1.0 else f"amplitude_{order:g}"))
+            of_order = amplitude * rate * np.hypot(rate, damping)
+            felt = felt + of_order
+            if quiet:
+                drag = damping / square + 2.0 * value("contact_damping") / np.sqrt(square)
+                pressed = pressed + of_order / np.hypot(1.0 - rate * rate / square, rate * drag)
+        most = np.maximum(felt, pressed)
+        return np.broadcast_to(mean - most > _ROUNDING * (mean + most), shape)

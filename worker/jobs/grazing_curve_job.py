@@ -7,9 +7,8 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import CurveResolution
 from worker.errors import InvalidJob
-from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest, resolution_request
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
-from worker.jobs.region import SPEEDS, Interval, check_speeds, papers_speeds
+from worker.jobs.region import MOST_POINTS, SPEEDS, Interval, Resolution, ResolutionRequest, check_speeds, papers_speeds
 from worker.jobs.request import Count, Whole, told
 
 _EXAMPLE: dict[str, Any] = {
@@ -73,9 +72,9 @@ class GrazingCurveJob(AnalysisJob):
             raise InvalidJob(f"most_points must be {_LEAST_POINTS} or more, not {self.most_points}", ("most_points",))
         check_speeds(self.velocity)
         settled = {name: getattr(self, name) for name in ("kind_", "order", "velocity", "most_points")}
-        return settled | {"resolution_": resolution_request(self.resolution)}
+        return settled | {"resolution_": self.resolution_.settled_to()}
 
     @cached_property
     def resolution(self) -> CurveResolution:
         """How fine the curves are, checked."""
-        return self.resolution_.to_resolution()
+        return self.resolution_.value

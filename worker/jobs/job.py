@@ -1,7 +1,8 @@
 """What jobs of every kind have in common. A job is its own request: checked once, then in canonical form.
 
 A request may be written in several ways: values listed or spaced, defaults given or left out. A job holds the canonical
-form, so `Job.request` and the digest are the same for all of them.
+form, so `Job.request` and the digest are the same for all of them. What was stored in this form is not checked again:
+its digest vouches for it.
 
 A field whose name ends with an underscore is a part of the request in its JSON shape; the property of the same name
 without it is the value that the worker uses. In JSON and as an argument it has the name without the underscore.
@@ -20,17 +21,20 @@ from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_v
 from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_impacting, check_quiet
 from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
 from worker.decidable import check_decidable, check_fastest, fastest_resolved
+from worker.errors import InvalidJob
 from worker.jobs.oscillator_request import (
     ImpactingOscillator,
     OscillatorRequest,
-    demand_quiet,
-    oscillator_request,
+    check_quiet_unless_allowed,
 )
 from worker.jobs.request import Request, refusal
 from worker.jobs.swept_parameter import SweptParameter, values_as_json, without_stiffness
 
+Check = Callable[["Job"], object]
 Sizes = tuple[tuple[str, float, str], ...]
 """Sizes of a request: for each, what is counted, the number, and the name of the setting that limits it."""
+# Stands for the checks of a request that was checked when it came in.
+_CHECKED = object()
 # Stands for the values of a range: no text of a canonical request holds this character.
 _A_RANGE = "\0"
 
@@ -63,7 +67,7 @@ class Job(Request, ABC):
         self._validate(fields, None)
 
     @classmethod
-    def from_request(cls, request: dict[str, Any], check_size: Callable[["Job"], object] | None = None) -> Self:
+    def from_request(cls, request: dict[str, Any], check_size: Check | None = None) -> Self:
         """Job that a request describes.
 
         Parameters
@@ -88,8 +92,8 @@ class Job(Request, ABC):
         return job
 
     @classmethod
-    def of_store(cls, request: dict[str, Any]) -> Self:
-        """Job of a store's own request.
+    def trusted(cls, request: dict[str, Any], digest: str) -> Self:
+        """Job of a stored request. It was checked when it came in, and its digest vouches that it is still that one.
 
         Fields that a package adds which is not installed are kept in the request, and so in the digest. The rest of the
         store can be read; computing it is refused.
@@ -97,7 +101,9 @@ class Job(Request, ABC):
         Parameters
         ----------
         request : dict
-            As it was stored.
+            As JSON, in canonical form.
+        digest : str
+            That it was stored with.
 
         Returns
         -------
@@ -105,11 +111,15 @@ class Job(Request, ABC):
 
         Raises
         ------
-        InvalidJob, OutsideDomain
+        InvalidJob
+            If it does not have this digest.
         """
         known = {field.alias for field in cls.model_fields.values()}
-        job = cls.from_request({name: value for name, value in request.items() if name in known})
+        job = cls.__new__(cls)
+        job._validate({name: value for name, value in request.items() if name in known}, _CHECKED)
         job.__dict__["unread"] = {name: value for name, value in request.items() if name not in known}
+        if job.digest != digest:
+            raise InvalidJob("it does not have the digest that was stored with it")
         return job
 
     @cached_property
@@ -117,7 +127,7 @@ class Job(Request, ABC):
         """What a stored request asks for that nothing here knows."""
         return {}
 
-    def _validate(self, fields: dict[str, Any], check_size: Callable[["Job"], object] | None) -> None:
+    def _validate(self, fields: dict[str, Any], check_size: Check | object | None) -> None:
         try:
             self.__pydantic_validator__.validate_python(fields, self_instance=self, context=check_size)
         except ValidationError as error:
@@ -127,12 +137,15 @@ class Job(Request, ABC):
 
     @model_validator(mode="after")
     def _check(self, info: ValidationInfo) -> Self:
+        if info.context is _CHECKED:
+            return self
         if info.context is not None:
             info.context(self)
         allowed = self.oscillator_.allow_no_quiet_solution
         settled, oscillator = self._settled(), self.oscillator
-        demand_quiet(self.demand_quiet, unless=allowed)
-        settled["oscillator_"] = oscillator_request(oscillator, quiet=not allowed or self.quiet)
+        check_quiet_unless_allowed(self.check_quiet, allowed=allowed)
+        first = {swept.parameter: oscillator.value_of(swept.parameter) for swept in self._swept}
+        settled["oscillator_"] = self.oscillator_.settled(first, quiet=not allowed or self.quiet)
         fields = type(self).model_fields.items()
         unused = {name: field.get_default(call_default_factory=True) for name, field in fields if name not in settled}
         self.__dict__.update(unused | settled)
@@ -158,7 +171,7 @@ class Job(Request, ABC):
     @cached_property
     def oscillator(self) -> Oscillator:
         """Oscillator of the kernels, checked."""
-        asked = self.oscillator_.to_oscillator()
+        asked = self.oscillator_.value
         return check_impacting(asked, INVERSE_OF_IMPACTS) if self.impacting_only else check_domain(asked)
 
     def check_oscillators(
@@ -179,7 +192,7 @@ class Job(Request, ABC):
         """
         check(self.oscillator)
 
-    def demand_quiet(self) -> None:
+    def check_quiet(self) -> None:
         """Refuse a job that has an oscillator without a quiet solution (Eq. 3).
 
         Raises
@@ -194,7 +207,7 @@ class Job(Request, ABC):
     def quiet(self) -> bool:
         """Whether every oscillator of the job has a quiet solution."""
         try:
-            self.demand_quiet()
+            self.check_quiet()
         except OutsideDomain:
             return False
         return True
@@ -234,12 +247,13 @@ class Job(Request, ABC):
 
     def _hashed_text(self) -> Iterator[str]:
         """The request with all its values as JSON, in pieces: a range and its values have the same digest."""
-        request, ranges = self.request(), self._ranges()
-        for swept in ranges:
-            places = [request["vary"]] if isinstance(request["vary"], dict) else request["vary"]
-            rule = next(each for each in places if each["parameter"] == swept.parameter)
-            rule.clear()
-            rule.update(parameter=swept.parameter, values=_A_RANGE)
+        request, ranges = self.request(), []
+        rules = request.get("vary", [])
+        for rule, swept in zip(rules if isinstance(rules, list) else [rules], self._swept, strict=False):
+            if "values" not in rule:
+                ranges.append(swept)
+                rule.clear()
+                rule.update(parameter=swept.parameter, values=_A_RANGE)
         text = json.dumps({"request": request, "version": self.result_version}, sort_keys=True)
         first, *others = text.split(json.dumps(_A_RANGE))
         yield first
@@ -247,9 +261,10 @@ class Job(Request, ABC):
             yield from values_as_json(swept.values)
             yield other
 
-    def _ranges(self) -> list[SweptParameter]:
-        """Swept parameters whose values the request gives as a rule."""
-        return []
+    @property
+    def _swept(self) -> tuple[SweptParameter, ...]:
+        """Swept parameters with their values, checked."""
+        return ()
 
 
 class AnalysisJob(Job):
@@ -263,7 +278,10 @@ class AnalysisJob(Job):
         """Highest speed of the window, or of the seeds."""
 
     @model_validator(mode="after")
-    def _is_decidable(self) -> Self:
+    def _is_decidable(self, info: ValidationInfo) -> Self:
+        if info.context is _CHECKED:
+            return self
+
         def check(oscillator: Oscillator) -> Oscillator:
             limit = fastest_resolved(check_decidable(oscillator))
             why = f"at half backlash {oscillator.half_backlash:g} double precision does not resolve shorter flights"

@@ -12,10 +12,19 @@ from rattle_kernels import CurveResolution, ManifoldLimits
 from rattle_kernels.manifolds.stable_manifold import check_limits
 from rattle_kernels.orbits.periodic_orbit import orbit_name
 from worker.errors import InvalidJob, Place
-from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest, resolution_request
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
 from worker.jobs.orbits_job import PERIODS, OrbitSeed, search_impacts
-from worker.jobs.region import SEARCH_CELLS, SPEEDS, Interval, Region, check_speeds, papers_speeds
+from worker.jobs.region import (
+    MOST_POINTS,
+    SEARCH_CELLS,
+    SPEEDS,
+    Interval,
+    Region,
+    Resolution,
+    ResolutionRequest,
+    check_speeds,
+    papers_speeds,
+)
 from worker.jobs.request import Count, Real, Request, Whole, accepting, told
 
 _EXAMPLE: dict[str, Any] = {
@@ -108,10 +117,14 @@ class SaddleRequest(Request):
         other = {"time", "velocity", "period"} & self.model_fields_set
         if (self.itinerary is None) != by_seed or (self.itinerary is not None and other):
             raise ValueError('give {"time": 0.6, "velocity": 3.77, "period": 1}, or {"itinerary": "P(1,1,0)"}')
-        self.to_saddle()
+        # In canonical form: the itinerary as an orbit's name, the phase within a period.
+        settled = _saddle_of(self.value)
+        self.__dict__.update(settled)
+        object.__setattr__(self, "__pydantic_fields_set__", set(settled))
         return self
 
-    def to_saddle(self) -> OrbitSeed | Itinerary:
+    @cached_property
+    def value(self) -> OrbitSeed | Itinerary:
         """Starting point of Newton's method, or itinerary of the saddle.
 
         Raises
@@ -124,23 +137,14 @@ class SaddleRequest(Request):
         return OrbitSeed(self.time, self.velocity, self.period)
 
 
-def saddle_request(saddle: OrbitSeed | Itinerary) -> SaddleRequest:
-    """Saddle as requests describe it, unchecked.
-
-    Parameters
-    ----------
-    saddle : OrbitSeed or Itinerary
-
-    Returns
-    -------
-    SaddleRequest
-    """
+def _saddle_of(saddle: OrbitSeed | Itinerary) -> dict[str, Any]:
+    """A saddle that Python gives, as JSON."""
     if isinstance(saddle, Itinerary):
-        return SaddleRequest.model_construct(itinerary=saddle.name)
-    return SaddleRequest.model_construct(time=saddle.time, velocity=saddle.velocity, period=saddle.period)
+        return {"itinerary": saddle.name}
+    return {"time": saddle.time, "velocity": saddle.velocity, "period": saddle.period}
 
 
-Saddle = Annotated[SaddleRequest, BeforeValidator(accepting((OrbitSeed, Itinerary), saddle_request))]
+Saddle = Annotated[SaddleRequest, BeforeValidator(accepting((OrbitSeed, Itinerary), _saddle_of))]
 """From Python also an `OrbitSeed` or an `Itinerary`."""
 
 
@@ -215,14 +219,13 @@ class ManifoldJob(AnalysisJob):
         names = ["kind_", "side", "arclength", "velocity", "most_points"]
         if any(isinstance(saddle, Itinerary) for saddle in self.saddles):
             names += ["region", "cells"]
-        settled = {name: getattr(self, name) for name in names}
-        settled["saddles_"] = [saddle_request(saddle) for saddle in self.saddles]
-        return settled | {"resolution_": resolution_request(self.resolution)}
+        settled = {name: getattr(self, name) for name in ("saddles_", *names)}
+        return settled | {"resolution_": self.resolution_.settled_to()}
 
     @cached_property
     def saddles(self) -> tuple[OrbitSeed | Itinerary, ...]:
         """Starting points of Newton's method, or itineraries of the saddles."""
-        return tuple(saddle.to_saddle() for saddle in self.saddles_)
+        return tuple(saddle.value for saddle in self.saddles_)
 
     @cached_property
     def limits(self) -> ManifoldLimits:
@@ -232,4 +235,4 @@ class ManifoldJob(AnalysisJob):
     @cached_property
     def resolution(self) -> CurveResolution:
         """How fine the curves are, checked."""
-        return self.resolution_.to_resolution()
+        return self.resolution_.value

@@ -11,7 +11,7 @@ from rattle_kernels.model.domain import closed_edges
 from worker.errors import InvalidJob
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import SEARCH_CELLS, Departure, Region
-from worker.jobs.request import Count, Real, Whole, told, values_config, without_sign_of_zero
+from worker.jobs.request import Count, Real, Whole, as_real, told, values_config
 from worker.jobs.swept_parameter import Parameter, is_phase
 
 _EXAMPLE: dict[str, Any] = {
@@ -77,8 +77,8 @@ class Continuation:
     most_points: Annotated[Count, Field(description="Most points each way"), told(minimum=2)] = 2000
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "start", without_sign_of_zero(float(self.start)))
-        object.__setattr__(self, "stop", without_sign_of_zero(float(self.stop)))
+        object.__setattr__(self, "start", as_real(self.start))
+        object.__setattr__(self, "stop", as_real(self.stop))
 
     def check(self, oscillator: Oscillator, place: str) -> None:
         """Check the bounds against the oscillator's own value.

@@ -1,8 +1,9 @@
 """The oscillator of a request: one of two models, chosen by ``model``, with the paper's parameters by default."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from enum import StrEnum
+from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag, model_validator
@@ -18,11 +19,13 @@ from rattle_kernels import (
     transmission_error,
 )
 from worker.errors import InvalidJob
-from worker.jobs.request import INTEGRAL, Real, Request, accepting, told, without_sign_of_zero
+from worker.jobs.request import INTEGRAL, Real, Request, accepting, as_real, told
 
 IMPACTING: Literal["impacting"] = "impacting"
 PIECEWISE_LINEAR: Literal["piecewise_linear"] = "piecewise_linear"
 _DEFAULT = Oscillator()
+# What goes beyond the paper's model. Requests without it are what they were, and so are their digests.
+_WIDER = ("restitution", "contact_damping", "harmonics")
 _HIGHEST_ORDER = 1000
 _MOST_HARMONICS = 32
 _MOST_SAMPLES = 10_000
@@ -57,13 +60,17 @@ class HarmonicRequest(Request):
     amplitude: Real = Field(ge=0, description="as the eccentricity, which is that of the first order")
     phase: Real = Field(0.0, description="in periods of this harmonic")
 
+    def at(self, values: Mapping[str, float]) -> "HarmonicRequest":
+        """The harmonic with all fields named, at values of parameters of the oscillator."""
+        amplitude = values.get(f"amplitude_{self.order}", self.amplitude)
+        phase = values.get(f"phase_{self.order}", self.phase)
+        return HarmonicRequest.model_construct(order=self.order, amplitude=amplitude, phase=phase)
 
-def harmonic_requests(harmonics: tuple[Harmonic, ...]) -> tuple[HarmonicRequest, ...]:
-    """Harmonics of the kernels as requests describe them, unchecked."""
+
+def _harmonics_of(harmonics: tuple[Harmonic, ...]) -> tuple[HarmonicRequest, ...]:
+    """Harmonics that Python gives, unchecked."""
     return tuple(
-        HarmonicRequest.model_construct(
-            order=int(order), amplitude=without_sign_of_zero(amplitude), phase=without_sign_of_zero(phase)
-        )
+        HarmonicRequest.model_construct(order=int(order), amplitude=as_real(amplitude), phase=as_real(phase))
         for order, amplitude, phase in harmonics
     )
 
@@ -124,7 +131,7 @@ class _Common(Request):
         if self.model_fields_set & {"eccentricity", "harmonics"}:
             raise InvalidJob(BOTH_FORCINGS, ("transmission_error",))
         forcing = self.transmission_error.to_forcing()
-        harmonics = harmonic_requests(forcing["harmonics"])
+        harmonics = _harmonics_of(forcing["harmonics"])
         self.__dict__.update(eccentricity=forcing["eccentricity"], harmonics=harmonics, transmission_error=None)
         given = self.model_fields_set - {"transmission_error"} | {"eccentricity", "harmonics"}
         object.__setattr__(self, "__pydantic_fields_set__", given)
@@ -133,6 +140,31 @@ class _Common(Request):
     @property
     def _harmonics(self) -> tuple[Harmonic, ...]:
         return tuple(Harmonic(float(each.order), each.amplitude, each.phase) for each in self.harmonics)
+
+    def settled(self, at: Mapping[str, float], *, quiet: bool) -> Self:
+        """The oscillator in canonical form.
+
+        Parameters
+        ----------
+        at : mapping of str to float
+            Values of parameters that are swept.
+        quiet : bool
+            Whether it has a quiet solution (Eq. 3). If it has none, the request says that this is allowed.
+
+        Returns
+        -------
+        ImpactingOscillator or PiecewiseLinearOscillator
+        """
+        fields = {name: at.get(name, getattr(self, name)) for name in type(self).model_fields}
+        del fields["transmission_error"]
+        fields["harmonics"] = tuple(each.at(at) for each in sorted(self.harmonics, key=lambda each: each.order))
+        if quiet:
+            fields.pop("allow_no_quiet_solution", None)
+        for name in _WIDER:
+            if fields.get(name) == getattr(_DEFAULT, name):
+                del fields[name]
+        settled: Any = type(self).model_construct(**fields)
+        return settled
 
 
 class ImpactingOscillator(_Common):
@@ -156,7 +188,8 @@ class ImpactingOscillator(_Common):
                 raise ValueError(f'{name} belongs to the piecewise linear model: add "model": "piecewise_linear"')
         return value
 
-    def to_oscillator(self) -> Oscillator:
+    @cached_property
+    def value(self) -> Oscillator:
         """Oscillator of the kernels, which check the bound of Eq. (8)."""
         return Oscillator(
             self.damping, self.eccentricity, self.half_backlash, restitution=self.restitution, harmonics=self._harmonics
@@ -185,7 +218,8 @@ class PiecewiseLinearOscillator(_Common):
             raise ValueError("restitution belongs to the impacting model: give contact_damping, or leave out the model")
         return value
 
-    def to_oscillator(self) -> Oscillator:
+    @cached_property
+    def value(self) -> Oscillator:
         """Oscillator of the kernels, which check its bounds."""
         return Oscillator(
             self.damping, self.eccentricity, self.half_backlash, self.stiffness, self.permanent_contact.permanent_after,
@@ -193,42 +227,17 @@ class PiecewiseLinearOscillator(_Common):
         )  # fmt: skip
 
 
-def oscillator_request(
-    oscillator: Oscillator, *, quiet: bool = False
-) -> ImpactingOscillator | PiecewiseLinearOscillator:
-    """Oscillator of the kernels as requests describe it, unchecked.
-
-    Parameters
-    ----------
-    oscillator : Oscillator
-    quiet : bool
-        Whether it has a quiet solution (Eq. 3). If it has none, the request says that this is allowed.
-
-    Returns
-    -------
-    ImpactingOscillator or PiecewiseLinearOscillator
-    """
-    fields: dict[str, Any] = {
-        name: without_sign_of_zero(getattr(oscillator, name)) for name in ("damping", "eccentricity", "half_backlash")
-    } | _of_wider_model(oscillator)
+def _oscillator_of(oscillator: Oscillator) -> ImpactingOscillator | PiecewiseLinearOscillator:
+    """An oscillator that Python gives, unchecked. It need not have a quiet solution."""
+    names = ("damping", "eccentricity", "half_backlash", "stiffness", "restitution", "contact_damping")
+    fields: dict[str, Any] = {name: as_real(getattr(oscillator, name)) for name in names}
+    fields["harmonics"] = _harmonics_of(oscillator.harmonics)
     if math.isinf(oscillator.stiffness):
-        return ImpactingOscillator.model_construct(model=IMPACTING, **fields)
+        return ImpactingOscillator.model_construct(**fields)
     exact = math.isinf(oscillator.permanent_after)
     rule = PermanentContact.ENVELOPE if exact else PermanentContact.ONE_ROTATION
-    fields |= {"model": PIECEWISE_LINEAR, "stiffness": oscillator.stiffness, "permanent_contact": rule}
-    if not quiet:
-        fields["allow_no_quiet_solution"] = True
+    fields |= {"model": PIECEWISE_LINEAR, "permanent_contact": rule, "allow_no_quiet_solution": True}
     return PiecewiseLinearOscillator.model_construct(**fields)
-
-
-def _of_wider_model(oscillator: Oscillator) -> dict[str, Any]:
-    """What goes beyond the paper's model. Requests without it are what they were, and so are their digests."""
-    fields = {
-        "restitution": oscillator.restitution,
-        "contact_damping": without_sign_of_zero(oscillator.contact_damping),
-        "harmonics": harmonic_requests(oscillator.harmonics),
-    }
-    return {name: value for name, value in fields.items() if value != getattr(_DEFAULT, name)}
 
 
 def with_swept_stiffness(oscillator: Any) -> Any:
@@ -249,7 +258,7 @@ def with_swept_stiffness(oscillator: Any) -> Any:
     return oscillator
 
 
-def demand_quiet(check: Callable[[], object], *, unless: bool) -> None:
+def check_quiet_unless_allowed(check: Callable[[], object], *, allowed: bool) -> None:
     """Refuse an oscillator without a quiet solution (Eq. 3), unless the request allows it.
 
     Between epsilon_crit1 and epsilon_crit2 everything is defined, but no motion stays quiet. Beyond epsilon_crit2
@@ -259,7 +268,7 @@ def demand_quiet(check: Callable[[], object], *, unless: bool) -> None:
     ----------
     check : callable
         Raises `OutsideDomain` if there is no quiet solution.
-    unless : bool
+    allowed : bool
         Whether the request allows that.
 
     Raises
@@ -267,7 +276,7 @@ def demand_quiet(check: Callable[[], object], *, unless: bool) -> None:
     OutsideDomain
         The error of `check`; its message names the option that allows it.
     """
-    if unless:
+    if allowed:
         return
     try:
         check()
@@ -288,6 +297,6 @@ OscillatorRequest = Annotated[
         custom_error_type="oscillator_model",
         custom_error_message="send an object whose model is 'impacting' (the default) or 'piecewise_linear'",
     ),
-    BeforeValidator(accepting(Oscillator, oscillator_request)),
+    BeforeValidator(accepting(Oscillator, _oscillator_of)),
 ]
 """Either model. From Python also an `Oscillator` of the kernels, which need not have a quiet solution."""

@@ -1,16 +1,21 @@
-"""Parts of the (t, v) plane that requests name: points to start from, intervals and regions to search."""
+"""What requests of analyses name of the (t, v) plane: departures, intervals, regions, and how fine curves in it are."""
 
 import math
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar
+from functools import cached_property
+from typing import Annotated, ClassVar, Self
 
-from pydantic import ConfigDict, Field
+from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
-from rattle_kernels import CellGrid
+from rattle_kernels import CellGrid, CurveResolution, ManifoldLimits
+from rattle_kernels.manifolds.polyline import check_resolution
 from worker.errors import InvalidJob, Place
-from worker.jobs.request import Real, told, values_config, without_sign_of_zero
+from worker.jobs.request import Real, Request, accepting, as_real, told, values_config
 
 _WINDOW = CellGrid()
+_RESOLUTION = CurveResolution()
+MOST_POINTS = ManifoldLimits().points
+"""Most points of a curve by default."""
 SEARCH_CELLS = 40
 """Default number of cells each way in a search for orbits."""
 
@@ -53,8 +58,8 @@ class Interval:
     stop: Real
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "start", without_sign_of_zero(float(self.start)))
-        object.__setattr__(self, "stop", without_sign_of_zero(float(self.stop)))
+        object.__setattr__(self, "start", as_real(self.start))
+        object.__setattr__(self, "stop", as_real(self.stop))
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -120,3 +125,33 @@ class Region:
             message = f"phases of the region must ascend within 0 and 1, not run from {start:g} to {stop:g}"
             raise InvalidJob(message, ("time",))
         check_speeds(self.velocity)
+
+
+Positive = Annotated[Real, told(exclusiveMinimum=0)]
+
+
+class ResolutionRequest(Request):
+    """How fine curves are, with speeds in units of the largest v*."""
+
+    chord: Positive = Field(_RESOLUTION.chord, description="Longest distance between neighbouring points")
+    angle: Positive = Field(_RESOLUTION.angle, description="Largest angle between chords, radians")
+    finest: Positive = Field(
+        _RESOLUTION.finest, description="Chords shorter than this are not divided to make an angle smaller"
+    )
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        try:
+            check_resolution(self.value)
+        except ValueError as error:
+            raise InvalidJob(str(error)) from error
+        return self
+
+    @cached_property
+    def value(self) -> CurveResolution:
+        """Resolution of the kernels."""
+        return CurveResolution(self.chord, self.angle, self.finest)
+
+
+Resolution = Annotated[ResolutionRequest, BeforeValidator(accepting(CurveResolution, CurveResolution._asdict))]
+"""From Python also a `CurveResolution`."""

@@ -1,8 +1,8 @@
 """Base of all requests: strict numbers, no unknown fields, and errors that name the field at fault."""
 
 import difflib
-from collections.abc import Callable
-from typing import Annotated, Any
+from collections.abc import Callable, Iterable
+from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
@@ -10,9 +10,9 @@ from rattle_kernels import OutsideDomain
 from worker.errors import InvalidFields, InvalidJob, Place
 
 
-def without_sign_of_zero(value: Any) -> Any:
-    """The same number: -0.0 and 0.0 are one, and so are the requests that they stand in. Others stay as they are."""
-    return value + 0.0 if isinstance(value, float) else value
+def as_real(value: Any) -> float:
+    """A number as a float of Python's own: -0.0 and 0.0 are one, and so are the requests that they stand in."""
+    return float(value) + 0.0
 
 
 def _as_integer(value: Any) -> Any:
@@ -21,7 +21,7 @@ def _as_integer(value: Any) -> Any:
 
 
 # Strict: the JSON value true is not a number. An integer is accepted where a real number is expected.
-Real = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(without_sign_of_zero)]
+Real = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(as_real)]
 INTEGRAL = BeforeValidator(_as_integer)
 """In JSON and in its schemas 4.0 is the integer 4. It comes after the bounds, or the schema lacks them."""
 Whole = Annotated[int, Field(strict=True), INTEGRAL]
@@ -39,10 +39,25 @@ class Request(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    def settled_to(self, names: Iterable[str] | None = None) -> Self:
+        """The same value, of which its canonical form has some fields, by default all. The others have their defaults.
+
+        Parameters
+        ----------
+        names : iterable of str, optional
+
+        Returns
+        -------
+        Request
+        """
+        named = type(self).model_fields if names is None else names
+        settled: Any = type(self).model_construct(**{name: getattr(self, name) for name in named})
+        return settled
+
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
         """Note the fields of each request: what is misspelt may have been meant to be one of them."""
-        _FIELDS.update(cls.model_fields)
+        _FIELDS.update(name.rstrip("_") for name in cls.model_fields)
 
 
 def values_config(title: str) -> ConfigDict:

@@ -4,25 +4,25 @@ import itertools
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
-from typing import Annotated, Any
+from functools import cached_property
+from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import AfterValidator, ConfigDict, Field, ValidationError, WithJsonSchema, model_validator
 
 from rattle_kernels import Oscillator
 from rattle_kernels.model.oscillator import PARAMETERS
-from worker.errors import InvalidJob, Place
+from worker.errors import InvalidJob
 from worker.jobs.budget import spend
-from worker.jobs.first_refused import Axis
 from worker.jobs.oscillator_request import with_swept_stiffness
-from worker.jobs.request import INTEGRAL, Real, Request, accepting, told, without_sign_of_zero
+from worker.jobs.request import INTEGRAL, Real, Request, as_real, refusal, told
 
 MOST_SWEPT = 2
 MOST_LISTED = 10_000
 """A range of more values stays a rule in records and answers: its values would be most of them."""
 _PIECE = 4096
+_MISSING: Any = object()
 _MODELS = "piecewise linear", "impacting"
 _OF_HARMONICS = re.compile("(amplitude|phase)_[1-9][0-9]*")
 _ORDERS = "amplitude_n and phase_n of the harmonic of order n"
@@ -79,57 +79,6 @@ class Spacing(StrEnum):
     GEOMETRIC = "geometric"
 
 
-@dataclass(frozen=True)
-class SweptParameter:
-    """A parameter of the oscillator and its values, in the order in which basins follow one another.
-
-    Parameters
-    ----------
-    parameter : str
-        One of `Oscillator.parameters`.
-    values : tuple of float
-        Ascending or descending.
-
-    Examples
-    --------
-    >>> SweptParameter.spaced("stiffness", 1e2, 1e4, 3, Spacing.GEOMETRIC)
-    SweptParameter(parameter='stiffness', values=(100.0, 1000.0, 10000.0))
-    """
-
-    parameter: str
-    values: tuple[float, ...]
-
-    @classmethod
-    def spaced(cls, parameter: str, start: float, stop: float, count: int, spacing: Spacing) -> "SweptParameter":
-        """Two values or more from start to stop, both included.
-
-        Parameters
-        ----------
-        parameter : str
-        start, stop : float
-        count : int
-        spacing : Spacing
-
-        Returns
-        -------
-        SweptParameter
-
-        Raises
-        ------
-        InvalidJob
-            If values cannot be spaced in this way.
-        """
-        if spacing == Spacing.GEOMETRIC and not (start > 0.0 and stop > 0.0):
-            raise InvalidJob(f"{parameter} can only be spaced geometrically from and to values above 0")
-        if count < 2:
-            raise InvalidJob(f"{parameter} takes at least two values from start to stop, not {count}")
-        space = np.geomspace if spacing == Spacing.GEOMETRIC else np.linspace
-        # Rounded to 15 digits: 0.6 and 0.6000000000000001 are two different oscillators.
-        spaced = space(start, stop, count)
-        between = (float(f"{value:.15g}") for piece in _in_pieces(spaced[1:-1]) for value in piece.tolist())
-        return cls(parameter, tuple(itertools.chain([float(start)], between, [float(stop)])))
-
-
 def _in_pieces(values: Any) -> Iterator[Any]:
     """Slices of values, none of which takes long."""
     for begin in range(0, len(values), _PIECE):
@@ -173,6 +122,7 @@ def values_as_json(values: Sequence[float]) -> Iterator[str]:
 _NUMBERS = {"start": {"type": "number"}, "stop": {"type": "number"}, "count": {"type": "integer"}}
 _ABOVE_ZERO = {"exclusiveMinimum": 0}
 _LISTED_OR_SPACED: dict[str, Any] = {
+    "description": "Values of one swept parameter: all of them, or how many from a start to a stop, both included.",
     "if": {"properties": {"values": {"type": "array"}}, "required": ["values"]},
     "then": {"properties": {name: {"type": "null"} for name in _NUMBERS} | {"spacing": False}},
     "else": {
@@ -184,13 +134,31 @@ _LISTED_OR_SPACED: dict[str, Any] = {
 }
 
 
-class VaryRequest(Request):
-    """Values of one swept parameter: all of them, or how many from a start to a stop, both included."""
+class SweptParameter(Request):
+    """A parameter of the oscillator and its values, in the order in which basins follow one another.
 
-    model_config = ConfigDict(json_schema_extra=_LISTED_OR_SPACED)
+    Parameters
+    ----------
+    parameter : str
+        One of `Oscillator.parameters`.
+    values : iterable of float
+        Ascending or descending. In their place ``start``, ``stop``, ``count`` and ``spacing`` may be given by name.
+
+    Examples
+    --------
+    >>> SweptParameter.spaced("stiffness", 1e2, 1e4, 3, Spacing.GEOMETRIC)
+    SweptParameter(parameter='stiffness', values=(100.0, 1000.0, 10000.0))
+    """
+
+    model_config = ConfigDict(
+        title="VaryRequest",
+        alias_generator=lambda name: name.rstrip("_"),
+        serialize_by_alias=True,
+        json_schema_extra=_LISTED_OR_SPACED,
+    )
 
     parameter: Parameter
-    values: Annotated[tuple[Real, ...], Field(fail_fast=True), told(minItems=1)] | None = Field(
+    values_: Annotated[tuple[Real, ...], Field(fail_fast=True), told(minItems=1)] | None = Field(
         None, description="Ascending or descending"
     )
     start: Real | None = None
@@ -198,24 +166,22 @@ class VaryRequest(Request):
     count: Annotated[int, Field(strict=True, ge=2), INTEGRAL] | None = None
     spacing: Spacing = Spacing.LINEAR
 
-    @property
-    def size(self) -> int:
-        """Number of values."""
-        return len(self.values) if self.values is not None else self.count or 0
+    # pydantic makes one of JSON in this way, too: what is not given is said to be missing.
+    def __init__(self, parameter: str = _MISSING, values: Iterable[float] | None = _MISSING, **rule: Any) -> None:
+        listed = values.tolist() if isinstance(values, np.ndarray) else values
+        given = {"parameter": parameter, "values": listed}
+        super().__init__(**{name: value for name, value in given.items() if value is not _MISSING}, **rule)
 
-    @property
-    def least(self) -> float:
-        """Least value above 0, or 1 if there is none; values of 0 and below are refused elsewhere."""
-        ends = [end for end in (self.start, self.stop) if end is not None]
-        return min((value for value in self.values or ends if value > 0.0), default=1.0)
-
-    def to_swept(self, place: Place) -> SweptParameter:
-        """Swept parameter that this describes.
+    @classmethod
+    def spaced(cls, parameter: str, start: float, stop: float, count: int, spacing: Spacing) -> "SweptParameter":
+        """Two values or more from start to stop, both included.
 
         Parameters
         ----------
-        place : tuple of str and int
-            Its location in the request.
+        parameter : str
+        start, stop : float
+        count : int
+        spacing : Spacing
 
         Returns
         -------
@@ -224,56 +190,69 @@ class VaryRequest(Request):
         Raises
         ------
         InvalidJob
-            If neither or both descriptions are given, or they are contradictory.
+            If values cannot be spaced in this way.
         """
-        spaced = self.start, self.stop, self.count
-        if self.values is not None and spaced == (None, None, None) and "spacing" not in self.model_fields_set:
-            return SweptParameter(self.parameter, self.values)
-        if self.values is not None or self.start is None or self.stop is None or self.count is None:
-            raise InvalidJob(f"give {self.parameter} either values, or start, stop and count", place)
         try:
-            return SweptParameter.spaced(self.parameter, self.start, self.stop, self.count, self.spacing)
-        except InvalidJob as error:
-            raise InvalidJob(str(error), (*place, "spacing")) from error
+            rule = cls(parameter, start=start, stop=stop, count=count, spacing=spacing)
+        except ValidationError as error:
+            raise refusal(error) from error
+        return cls.listed(parameter, rule.values)
 
-    def settled(self, swept: SweptParameter) -> "VaryRequest":
-        """The same values in canonical form: listed, or as a rule where that would be long.
+    @classmethod
+    def listed(cls, parameter: str, values: tuple[float, ...]) -> "SweptParameter":
+        """Values that are checked already."""
+        return cls.model_construct(parameter=parameter, values_=values)
 
-        Parameters
-        ----------
-        swept : SweptParameter
-            What this describes, checked.
+    __str__ = Request.__repr__
 
-        Returns
-        -------
-        VaryRequest
-        """
-        if self.values is not None or self.size <= MOST_LISTED:
-            return vary_request(swept)
-        assert self.start is not None and self.stop is not None
-        rule: dict[str, Any] = {"start": float(self.start), "stop": float(self.stop), "count": self.count}
-        if self.spacing != Spacing.LINEAR:
-            rule["spacing"] = self.spacing
-        return VaryRequest.model_construct(parameter=self.parameter, **rule)
+    def __repr_args__(self) -> Iterator[tuple[str, Any]]:
+        yield from (("parameter", self.parameter), ("values", self.values))
 
+    @model_validator(mode="after")
+    def _listed_or_spaced(self) -> Self:
+        ends, named = (self.start, self.stop, self.count), self.model_fields_set
+        listed = self.values_ is not None and ends == (None, None, None) and "spacing" not in named
+        if not listed and (self.values_ is not None or None in ends):
+            raise InvalidJob(f"give {self.parameter} either values, or start, stop and count")
+        if self.spacing == Spacing.GEOMETRIC and not ((self.start or 0.0) > 0.0 and (self.stop or 0.0) > 0.0):
+            message = f"{self.parameter} can only be spaced geometrically from and to values above 0"
+            raise InvalidJob(message, ("spacing",))
+        return self
 
-def vary_request(swept: SweptParameter) -> VaryRequest:
-    """Swept parameter as requests describe it, unchecked.
+    @property
+    def is_rule(self) -> bool:
+        """Whether the values are given by start, stop and count."""
+        return self.values_ is None
 
-    Parameters
-    ----------
-    swept : SweptParameter
+    @cached_property
+    def values(self) -> tuple[float, ...]:
+        """All values."""
+        if self.values_ is not None:
+            return self.values_
+        assert self.start is not None and self.stop is not None and self.count is not None
+        space = np.geomspace if self.spacing == Spacing.GEOMETRIC else np.linspace
+        # Rounded to 15 digits: 0.6 and 0.6000000000000001 are two different oscillators.
+        inner = space(self.start, self.stop, self.count)[1:-1]
+        between = (as_real(f"{value:.15g}") for piece in _in_pieces(inner) for value in piece.tolist())
+        return tuple(itertools.chain([self.start], between, [self.stop]))
 
-    Returns
-    -------
-    VaryRequest
-    """
-    fields: dict[str, Any] = {"parameter": swept.parameter, "values": tuple(map(without_sign_of_zero, swept.values))}
-    return VaryRequest.model_construct(**fields)
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return len(self.values_) if self.values_ is not None else self.count or 0
 
+    @property
+    def least(self) -> float:
+        """Least value above 0, or 1 if there is none; values of 0 and below are refused elsewhere."""
+        ends = [end for end in (self.start, self.stop) if end is not None]
+        return min((value for value in self.values_ or ends if value > 0.0), default=1.0)
 
-Vary = Annotated[VaryRequest, BeforeValidator(accepting(SweptParameter, vary_request))]
-"""From Python also a `SweptParameter`."""
+    def settled(self) -> "SweptParameter":
+        """The same values in canonical form: listed, or as a rule where that would be long."""
+        if not self.is_rule or self.size <= MOST_LISTED:
+            return self.listed(self.parameter, self.values)
+        rule = "parameter", "start", "stop", "count"
+        return self.settled_to(rule if self.spacing == Spacing.LINEAR else (*rule, "spacing"))
 
 
 def without_stiffness(request: Any) -> Any:
@@ -298,40 +277,14 @@ def without_stiffness(request: Any) -> Any:
     return request | {"oscillator": with_swept_stiffness(request["oscillator"])}
 
 
-def axes_of(vary: Iterable[SweptParameter], convex: Iterable[str] | None) -> list[Axis]:
-    """Axes of swept parameters for `first_refused`.
-
-    Parameters
-    ----------
-    vary : iterable of SweptParameter
-    convex : iterable of str, optional
-        Parameters in which the check is convex, beside half backlash, eccentricity and amplitudes; by default all.
-
-    Returns
-    -------
-    list of Axis
-    """
-    return [Axis(len(swept.values), _is_convex(swept.parameter, convex)) for swept in vary]
-
-
-def _is_convex(parameter: str, convex: Iterable[str] | None) -> bool:
-    if is_of_harmonic(parameter):
-        return not is_phase(parameter)
-    return convex is None or parameter in ("eccentricity", "half_backlash", *convex)
-
-
-def check_swept(vary: Sequence[SweptParameter], oscillator: Oscillator) -> tuple[SweptParameter, ...]:
-    """Return swept parameters with plain float values, or raise an error that says what is wrong.
+def check_swept(vary: Sequence[SweptParameter], oscillator: Oscillator) -> None:
+    """Refuse swept parameters that the oscillator does not have, and values that do not follow one another.
 
     Parameters
     ----------
     vary : sequence of SweptParameter
     oscillator : Oscillator
         Whose parameters they are, unchecked.
-
-    Returns
-    -------
-    tuple of SweptParameter
 
     Raises
     ------
@@ -350,11 +303,12 @@ def check_swept(vary: Sequence[SweptParameter], oscillator: Oscillator) -> tuple
             raise InvalidJob("stiffness cannot be swept in the impacting model, where it is infinite", place)
         if _OF_MODELS.get(name, impacting) != impacting:
             raise InvalidJob(f"{name} cannot be swept in the {_MODELS[impacting]} model, which has none", place)
-    return tuple(SweptParameter(swept.parameter, _checked_values(axis, swept)) for axis, swept in enumerate(vary))
+    for axis, swept in enumerate(vary):
+        _check_values(axis, swept)
 
 
-def _checked_values(axis: int, swept: SweptParameter) -> tuple[float, ...]:
-    values = tuple(float(value) + 0.0 for piece in _in_pieces(swept.values) for value in piece)
+def _check_values(axis: int, swept: SweptParameter) -> None:
+    values = swept.values
     if not values:
         raise InvalidJob(f"{swept.parameter} needs at least one value", ("vary", axis, "values"))
     numbers = as_array(values)
@@ -369,4 +323,3 @@ def _checked_values(axis: int, swept: SweptParameter) -> tuple[float, ...]:
         index = int(astray[0]) + 1
         message = f"values of {swept.parameter} must ascend or descend; number {index} is {values[index]:g}"
         raise InvalidJob(f"{message} after {values[index - 1]:g}", ("vary", axis, "values", index))
-    return values

@@ -7,8 +7,8 @@ from pydantic import AfterValidator, ConfigDict, Field
 from rattle_kernels import Oscillator, OutsideDomain, TimeHistory, check_domain, check_quiet, time_history
 from worker.decidable import check_decidable, check_fastest, fastest_resolved
 from worker.errors import InvalidJob
-from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, demand_quiet
-from worker.jobs.request import Count, Real, Request, without_sign_of_zero
+from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, check_quiet_unless_allowed
+from worker.jobs.request import Count, Real, Request, as_real
 
 
 def initial_state(
@@ -42,9 +42,7 @@ def initial_state(
 
 
 # Bounds stand before the validator, or the schema lacks them.
-_Displacement = Annotated[
-    float, Field(strict=True, allow_inf_nan=False, ge=-1e6, le=1e6), AfterValidator(without_sign_of_zero)
-]
+_Displacement = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1e6, le=1e6), AfterValidator(as_real)]
 # Without a displacement the velocity is the speed of a departure.
 _DEPARTURE: dict[str, Any] = {
     "if": {"properties": {"displacement": {"type": "number"}}, "required": ["displacement"]},
@@ -105,10 +103,10 @@ class TrajectoryRequest(Request):
         OutsideDomain, InvalidJob
             Naming what is wrong.
         """
-        oscillator = check_decidable(check_domain(self.oscillator.to_oscillator()))
+        oscillator = check_decidable(check_domain(self.oscillator.value))
         why = f"at half backlash {oscillator.half_backlash:g} double precision does not resolve shorter flights"
         check_fastest(abs(self.start.velocity), fastest_resolved(oscillator), why, ("start", "velocity"))
-        demand_quiet(lambda: check_quiet(oscillator), unless=self.oscillator.allow_no_quiet_solution)
+        check_quiet_unless_allowed(lambda: check_quiet(oscillator), allowed=self.oscillator.allow_no_quiet_solution)
         state = initial_state(oscillator, self.start.time, self.start.velocity, self.start.displacement)
         try:
             return time_history(

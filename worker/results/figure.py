@@ -133,7 +133,7 @@ def basin_figure(location: str, look: Look = USUAL_LOOK) -> Figure:
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
-    levels = BasinStore(location).whole_levels
+    levels = BasinStore.open(location).whole_levels
     figure = new_figure()
     with as_store_failure(location), open_store(location) as dataset:
         _draw_basins(Basins(dataset, location, levels), figure, look)

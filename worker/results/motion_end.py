@@ -144,4 +144,4 @@ def end_of(request: TrajectoryRequest, most_contacts: int) -> MotionEnd:
         raise InvalidJob("the end is told of departures from +beta only: leave the displacement out", ("start",))
     longer = request.model_copy(update={"periods": FOLLOWED_PERIODS, "samples_per_period": 1})
     start = request.start.time, request.start.velocity
-    return motion_end(request.oscillator.to_oscillator(), longer.follow(most_contacts), start)
+    return motion_end(request.oscillator.value, longer.follow(most_contacts), start)

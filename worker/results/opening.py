@@ -13,6 +13,7 @@ import contextlib
 import itertools
 import json
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -174,7 +175,12 @@ def _opened(store: Any, group: str | None, chunks: dict[str, int] | None) -> xr.
 
 def job_of(dataset: xr.Dataset) -> BasinJob:
     """Job of a dataset from `open_basin`: its oscillator, grid and iterations."""
-    return basin_job(json.loads(dataset.attrs["request"]))
+    return _job(dataset.attrs["request"], dataset.attrs.get("request_sha256"))
+
+
+@lru_cache(maxsize=16)
+def _job(request: str, digest: str | None) -> BasinJob:
+    return basin_job(json.loads(request), digest)
 
 
 def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:

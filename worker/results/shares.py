@@ -113,7 +113,7 @@ def shares_figure(location: str) -> Figure:
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
-    BasinStore(location)  # refuses what is none
+    BasinStore.open(location)  # refuses what is none
     figure = new_figure()
     with as_store_failure(location), open_store(location) as dataset:
         draw_shares(dataset, figure)

@@ -1,12 +1,13 @@
 """Summaries of results: models that are made once, from a store, and are JSON for a service, the shell and Python."""
 
 import math
-from collections import OrderedDict
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
+from cachetools import FIFOCache
 from pydantic import BaseModel, BeforeValidator, Field
 
 from rattle_kernels import Attractor, ExpectedLoudness, Loudness, loudness
@@ -19,7 +20,8 @@ from worker.stores.layout import ChangeKind, TileState
 from worker.stores.solution_table import WITHOUT_POINTS, SolutionTable, share_error
 
 _EXPECTATIONS_KEPT = 1 << 14
-_expectations: OrderedDict[tuple[str, int, bytes], ExpectedLoudness] = OrderedDict()
+_expectations: FIFOCache[tuple[str, int, bytes], ExpectedLoudness] = FIFOCache(_EXPECTATIONS_KEPT)
+_lock = threading.Lock()
 # Points of a solution that a summary lists.
 _MOST_POINTS = 100
 _PROPERTIES = (
@@ -156,7 +158,7 @@ def summarise(location: str, zarr: str | None = None) -> ResultView:
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
-    store = BasinStore(location)
+    store = BasinStore.open(location)
     states = store.read_ledger()
     table = store.solutions.read()
     return ResultView(
@@ -215,7 +217,7 @@ def fingerprint(location: str) -> bytes:
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
-    store = BasinStore(location)
+    store = BasinStore.open(location)
     table = store.solutions.read()
     return b"".join(
         (bytes([store.complete]), store.read_ledger().tobytes(), repr(table.motions).encode(), table.share.tobytes())
@@ -243,17 +245,17 @@ def expected_in(store: BasinStore, table: SolutionTable, basin: int) -> Expected
     numbers = table.numbers_in(basin)
     if not numbers:
         return None
-    key = store.location, basin, table.share[basin].tobytes()
-    expected = _expectations.get(key)
+    key = store.digest, basin, table.share[basin].tobytes()
+    with _lock:
+        expected = _expectations.get(key)
     if expected is None:
         catalogue = store.solutions.read_catalogue(basin, table, numbers)
         if not all(each.time.size or each.kind in WITHOUT_POINTS for each in catalogue):
             return None  # points are still being written
         motions, shares = dict(zip(numbers, catalogue, strict=True)), table.share[basin, numbers]
         expected = heard_in(store.job, basin, motions, shares, partial(store.read_solution, basin))[1]
-        _expectations[key] = expected
-        while len(_expectations) > _EXPECTATIONS_KEPT:
-            _expectations.popitem(last=False)
+        with _lock:
+            _expectations[key] = expected
     return expected
 
 

@@ -62,7 +62,7 @@ def open_cells(location: str, basin: int = 0) -> BasinStore:
     StoreConflict, StoreFailed
         If there is no basin's store, or it cannot be read.
     """
-    store = BasinStore(location)
+    store = BasinStore.open(location)
     if store.job.sample is not None:
         raise InvalidJob("a sample has no cells, and so no tiles: picture.png draws its points")
     if not 0 <= basin < store.job.basins:

@@ -7,6 +7,7 @@ stopped. A complete store has no parts, and the same bytes however often the wor
 
 import json
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ import zarr
 from worker.errors import StoreConflict, StoreFailed, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.job import AnalysisJob
+from worker.kinds import KINDS
 from worker.rounding import demand_same_rounding
 from worker.storage.chunks import CODECS, CONFIG
 from worker.storage.folder import synced_together
@@ -22,11 +24,13 @@ from worker.storage.location import storage_at
 from worker.stores.layout import Columns, Variable
 from worker.stores.new_store import consolidate
 from worker.stores.opening import (
+    attributes_of,
+    check_same_request,
     create_unless_there,
-    demand_same_request,
-    holds_store,
-    open_group,
     open_store_at,
+    opened_for_tasks,
+    opened_once,
+    trusted_job,
 )
 from worker.stores.provenance import birth_certificate, now
 
@@ -40,7 +44,7 @@ _LONGEST_CHUNK = 1 << 20
 
 
 class AnalysisStore:
-    """Store of one analysis, open for reading and writing.
+    """Store of one analysis, open for reading and writing. Those who only read, and tasks, share one: see `open`.
 
     Parameters
     ----------
@@ -66,6 +70,11 @@ class AnalysisStore:
             raise StoreConflict(f"{location} is no analysis of layout {ANALYSIS_LAYOUT_VERSION}")
 
     @classmethod
+    def open(cls, location: str, digest: str | None = None) -> "AnalysisStore":
+        """The store at a location, opened once in each process; parameters and errors as of `BasinStore.open`."""
+        return opened_once(cls, location) if digest is None else opened_for_tasks(cls, location, digest)
+
+    @classmethod
     def create_or_resume(cls, location: str, title: str, job: AnalysisJob, fence: Fence = unfenced) -> "AnalysisStore":
         """Store of `job` at `location`: the existing one, or a new one.
 
@@ -78,7 +87,7 @@ class AnalysisStore:
         """
         create_unless_there(location, "store", lambda: _create(location, title, job, fence), fence)
         store = cls(location, fence)
-        demand_same_request(location, job.digest, store.digest, store.request)
+        check_same_request(location, job.digest, store.digest, store.request)
         if not store.complete:
             demand_same_rounding(location, store.attributes)
         return store
@@ -92,6 +101,20 @@ class AnalysisStore:
     def digest(self) -> str:
         """Hash of the request."""
         return str(self._group.attrs["request_sha256"])
+
+    @cached_property
+    def job(self) -> AnalysisJob:
+        """The job whose store this is.
+
+        Raises
+        ------
+        StoreConflict
+            If no package here has its kind.
+        StoreFailed
+            If its request is not the one that it was made for.
+        """
+        kind = KINDS[str(self._group.attrs["kind"])]
+        return trusted_job(kind.job_class.trusted, self.location, self._group.attrs)  # type: ignore[return-value]
 
     @property
     def request(self) -> dict[str, Any]:
@@ -219,10 +242,10 @@ def kind_of_store(location: str) -> str:
     StoreConflict
         If there is no store.
     """
-    if not holds_store(location):
+    attributes = attributes_of(location)
+    if not attributes:
         raise StoreConflict(f"{location} is no basin store, and none of an analysis: nothing there that Zarr can open")
-    with as_store_failure(location):
-        return str(open_group(location, "r").attrs.get("kind", "basin"))
+    return str(attributes.get("kind", "basin"))
 
 
 def _create(location: str, title: str, job: AnalysisJob, fence: Fence) -> None:

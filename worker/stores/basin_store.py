@@ -7,7 +7,6 @@ consolidated whenever they change (when solutions are added). So readers that re
 over HTTP, which cannot list a folder, always see everything.
 """
 
-import json
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
@@ -15,17 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from rattle_kernels import CellGroups, OutsideDomain
+from rattle_kernels import CellGroups
 from rattle_kernels.cell_mapping.image_set import ImageSet, with_counts
 from worker.additions import asked_of
-from worker.errors import (
-    DamagedMetadata,
-    InvalidJob,
-    OtherArrays,
-    StoreConflict,
-    StoreFailed,
-    as_store_failure,
-)
+from worker.errors import DamagedMetadata, OtherArrays, StoreConflict, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.rounding import demand_same_rounding
@@ -36,11 +28,13 @@ from worker.stores.layout import Variable
 from worker.stores.new_store import consolidate, create_store, places_of, tiling_of, write_coordinates
 from worker.stores.open_arrays import OpenArrays
 from worker.stores.opening import (
+    check_same_request,
     create_unless_there,
-    demand_own_request,
-    demand_same_request,
     open_group,
     open_store_at,
+    opened_for_tasks,
+    opened_once,
+    trusted_job,
 )
 from worker.stores.provenance import now
 from worker.stores.pyramid import ATTRIBUTE, Level, levels_of
@@ -51,17 +45,8 @@ from worker.stores.tile_arrays import TileArrays
 _WRITERS = 3
 
 
-def _job_of(location: str, request: dict[str, Any]) -> BasinJob:
-    """The job of a store. Its request was accepted when the store was made."""
-    try:
-        return basin_job(request, stored=True)
-    except (InvalidJob, OutsideDomain) as error:
-        told = f"the request of the store {location} cannot be read: {error}"
-        raise StoreFailed(f"{told}; `rattle check` tells whether it is what was stored") from error
-
-
 class BasinStore:
-    """A job's store, open for reading and writing.
+    """A job's store, open for reading and writing. Those who only read, and tasks, share one: see `open`.
 
     Parameters
     ----------
@@ -96,9 +81,8 @@ class BasinStore:
             raise StoreConflict(f"{location} is no basin store: it is one of kind {self._group.attrs['kind']}")
         if self._group.attrs.get("layout_version") not in layout.READABLE_LAYOUTS:
             raise StoreConflict(f"{location} is no basin store of layout {layout.LAYOUT_VERSION}")
-        self.job = _job_of(location, json.loads(str(self._group.attrs["request"])))
+        self.job = trusted_job(basin_job, location, self._group.attrs)
         self.digest = self.job.digest
-        demand_own_request(location, self.digest, self._group.attrs.get("request_sha256"))
         self.tiling = tiling_of(self.job)
         self.places = places_of(self.job)
         levels = levels_of(self.job, self.tiling)
@@ -109,7 +93,26 @@ class BasinStore:
         self.tiles = TileArrays(self.arrays, self._storage)
         self.solutions = SolutionArrays(self.arrays, self.places.solution)
         if not as_found:
-            self._demand_own_arrays()
+            self._check_own_arrays()
+
+    @classmethod
+    def open(cls, location: str, digest: str | None = None) -> "BasinStore":
+        """The store at a location, opened once in each process.
+
+        Parameters
+        ----------
+        location : str
+        digest : str, optional
+            Of the job that a task belongs to. Its store is then the one that this process has opened for it.
+
+        Raises
+        ------
+        StoreConflict
+            If the location holds no basin's store, or that of another job.
+        StoreFailed
+            If it cannot be read.
+        """
+        return opened_once(cls, location) if digest is None else opened_for_tasks(cls, location, digest)
 
     @classmethod
     def create_or_resume(cls, location: str, job: BasinJob, fence: Fence = unfenced) -> "BasinStore":
@@ -124,7 +127,7 @@ class BasinStore:
         """
         create_unless_there(location, "basin store", lambda: create_store(location, job, fence), fence)
         store = cls(location, fence)
-        demand_same_request(location, job.digest, store.digest, store.job.request())
+        check_same_request(location, job.digest, store.digest, store.job.request())
         if not store.complete:
             demand_same_rounding(location, store.attributes)
         return store
@@ -136,7 +139,7 @@ class BasinStore:
         yield self.places.ledger, (*self.job.sweep_shape, *tiles)
         yield self.places.solution, (*self.job.sweep_shape, *cells)
 
-    def _demand_own_arrays(self) -> None:
+    def _check_own_arrays(self) -> None:
         """Refuse arrays that were made for another request. Those whose metadata are damaged are refused when read."""
         with as_store_failure(self.location):
             for variable, own in self.own_shapes():

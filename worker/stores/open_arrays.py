@@ -14,6 +14,8 @@ from worker.stores.layout import Variable
 class OpenArrays:
     """Handles on the arrays of a store. Opening one costs half as much as a tile, so each is opened once.
 
+    Threads may share them.
+
     Parameters
     ----------
     location : str
@@ -31,7 +33,10 @@ class OpenArrays:
         self._handles: dict[str, Any] = {}
 
     def fresh(self, variable: Variable) -> Any:
-        """An array as it is now. Its handle is not kept."""
+        """An array as it is now; of a finished store, where nothing grows any more, as it was first opened."""
+        return self.array(variable) if self.group.attrs["complete"] else self._opened(variable)
+
+    def _opened(self, variable: Variable) -> Any:
         try:
             return self.group[variable.path].with_config(CONFIG)
         except (KeyError, TypeError, ValueError) as error:  # they are missing, or JSON that Zarr does not take
@@ -39,14 +44,15 @@ class OpenArrays:
 
     def array(self, variable: Variable) -> Any:
         """An array as it was when it was first opened. Those of cells never change their shape."""
-        if variable.path not in self._handles:
-            self._handles[variable.path] = self.fresh(variable)
-        return self._handles[variable.path]
+        handle = self._handles.get(variable.path)
+        if handle is None:
+            handle = self._handles[variable.path] = self._opened(variable)
+        return handle
 
     def array_with_room(self, variable: Variable, shape: tuple[int, ...]) -> Any:
         """An array that the driver extends along its last dimensions, reopened if the known one is too short."""
         if any(there < needed for there, needed in zip(self.array(variable).shape[-len(shape) :], shape, strict=True)):
-            del self._handles[variable.path]
+            self._handles.pop(variable.path, None)
         return self.array(variable)
 
     def forget_handles(self) -> None:

@@ -10,8 +10,7 @@ from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_quiet
 from worker.errors import SweptOutsideDomain
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.bifurcation_job import BifurcationJob
-from worker.jobs.first_refused import Axis, first_refused
-from worker.jobs.pressed_for_sure import pressed_for_sure
+from worker.jobs.first_refused import Axis, first_refused, pressed_for_sure
 from worker.jobs.swept_parameter import SweptParameter
 
 STIFF = Oscillator(0.6, 0.1, 0.6, 1e3)

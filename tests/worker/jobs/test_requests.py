@@ -113,6 +113,6 @@ def test_the_oscillators_of_requests_have_the_fields_and_defaults_of_the_kernels
     assert set(PiecewiseLinearOscillator.model_fields) - others == common | {"stiffness", "contact_damping"}
     of_either = {"restitution", "stiffness", "contact_damping", "permanent_after"}
     assert common | of_either == set(Oscillator._fields)
-    assert ImpactingOscillator().to_oscillator() == Oscillator()
+    assert ImpactingOscillator().value == Oscillator()
     stiff = PiecewiseLinearOscillator(model="piecewise_linear", stiffness=100.0)
-    assert stiff.to_oscillator() == Oscillator(stiffness=100.0)
+    assert stiff.value == Oscillator(stiffness=100.0)
