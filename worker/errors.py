@@ -8,7 +8,7 @@ WorkerError
     StoreFailed      the store could not be read or written: the message holds the system's reason; resume when mended
     TileFailed       a tile kept failing: the message names it and its last error
     ClusterFailed    no scheduler or no worker answered: what had been computed is in the store; resume when they do
-    UnlikeWorkers    a worker rounds otherwise than the driver: the message names it; use processors of one kind
+    UnlikeWorkers    a worker rounds in another way than a store was begun: use processors of one kind
     LeaseLost        another driver has taken the job over: leave it alone
     JobCancelled     somebody asked for it
 """
@@ -241,7 +241,7 @@ class ClusterFailed(WorkerError):
 
 
 class UnlikeWorkers(WorkerError):
-    """A worker computes with fused multiply-add and the driver without it, or the other way round."""
+    """A worker computes without fused multiply-add for a store that was begun with it, or the other way round."""
 
 
 class LeaseLost(WorkerError):

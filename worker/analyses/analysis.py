@@ -28,6 +28,7 @@ from worker.jobs.job import AnalysisJob
 from worker.pictures.figure_file import new_figure
 from worker.pictures.panel_picture import USUAL_LOOK, Look
 from worker.progress import Progress, Report, Stage
+from worker.rounding import demand_same_rounding
 from worker.stores.analysis_store import AnalysisStore, StoredParts
 from worker.stores.layout import Columns, Variable
 from worker.stores.opening import demand_own_request, demand_same_digest
@@ -256,6 +257,7 @@ def compute_piece(
     """Compute one piece and write its part. Return the time that it took, in seconds."""
     store = AnalysisStore(location)
     demand_same_digest(location, store.digest, digest)
+    demand_same_rounding(location, store.attributes)
     begin = time.perf_counter()
     columns = compute(*arguments, pause=stop_if_cancelled)
     stop_if_cancelled()

@@ -21,6 +21,7 @@ from worker.basins import image_cache
 from worker.basins.assembly import assemble_groups, groups_of
 from worker.basins.weights import weigh
 from worker.cluster.calls import stop_if_cancelled
+from worker.rounding import demand_same_rounding
 from worker.stores.basin_store import BasinStore
 from worker.stores.opening import demand_same_digest
 
@@ -120,6 +121,7 @@ def open_store(location: str, digest: str) -> BasinStore:
     """Store of the job with this digest, opened once per process. The same digest means the same layout."""
     store = BasinStore(location)
     demand_same_digest(location, store.digest, digest)
+    demand_same_rounding(location, store.attributes)
     return store
 
 

@@ -80,7 +80,7 @@ class AnalysisStore:
         store = cls(location, fence)
         demand_same_request(location, job.digest, store.digest, store.request)
         if not store.complete:
-            demand_same_rounding(location, store.attributes)
+            demand_same_rounding(location, store.attributes, StoreConflict)
         return store
 
     @property

@@ -127,7 +127,7 @@ class BasinStore:
         store = cls(location, fence)
         demand_same_request(location, job.digest, store.digest, store.job.request())
         if not store.complete:
-            demand_same_rounding(location, store.attributes)
+            demand_same_rounding(location, store.attributes, StoreConflict)
         return store
 
     def own_shapes(self) -> Iterator[tuple[Variable, tuple[int, ...]]]:
