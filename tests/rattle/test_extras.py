@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-SERVICE = ("fastapi", "starlette", "uvicorn", "sqlalchemy", "alembic", "cachetools", "prometheus_client")
+SERVICE = ("fastapi", "starlette", "uvicorn", "sqlalchemy", "alembic", "prometheus_client")
 BASE_ONLY = (*SERVICE, "psycopg", "obstore")
 
 

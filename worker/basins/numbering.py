@@ -17,7 +17,6 @@ A phase comes around: 0 and 1 are the same machine. Its only neighbour is then t
 that both have the same numbers, whatever happened on the way.
 """
 
-from collections import OrderedDict
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -58,7 +57,7 @@ class Numbering:
         self.job, self.table, self._read = job, table, read
         # The previous basin along the first parameter lies a whole row of basins back.
         self._kept = 1 if len(job.vary) < 2 else job.sweep_shape[-1]
-        self._recent: OrderedDict[int, Numbered] = OrderedDict()
+        self._recent: dict[int, Numbered] = {}
         self._seen = table.last_seen()
         self._earlier_twin = _earlier_twins(job)
         self._twins: dict[int, Numbered] = {}

@@ -8,8 +8,8 @@ from worker.basins import image_cache
 
 
 @pytest.fixture(autouse=True)
-def nothing_kept(monkeypatch):
-    monkeypatch.setattr(image_cache, "_kept", type(image_cache._kept)())
+def nothing_kept():
+    image_cache._cache.clear()
 
 
 def _images(cells):
