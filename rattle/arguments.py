@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from rattle.measured_curve import transmission_error
 from rattle_kernels import TransmissionError
 from rattle_kernels.model.oscillator import PARAMETERS
-from worker.errors import InvalidFields, InvalidJob, Place
+from worker.errors import FieldPath, InvalidFields, InvalidJob
 from worker.jobs.curve_request import ResolutionRequest
 from worker.jobs.job import Job
 from worker.jobs.oscillator_request import (
@@ -117,7 +117,7 @@ def _with_middles(values: Values) -> Values:
     return values | middles | ({"tolerances": tolerances} if tolerances else {})
 
 
-def _argument_at(place: Place) -> Place:
+def _argument_at(place: FieldPath) -> FieldPath:
     """Argument that a field of the request comes from."""
     if place[:1] == ("grid",) and place[-1:] == ("cells",):
         return ("cells",)

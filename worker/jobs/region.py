@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 from pydantic import ConfigDict, Field
 
 from rattle_kernels import CellGrid
-from worker.errors import InvalidJob, Place
+from worker.errors import FieldPath, InvalidJob
 from worker.jobs.request import Real, told, values_config, without_sign_of_zero
 
 _WINDOW = CellGrid()
@@ -79,7 +79,7 @@ SPEEDS = told(properties={"start": {"minimum": 0}, "stop": {"exclusiveMinimum": 
 """What the schema says of intervals of phases, and of speeds."""
 
 
-def check_speeds(speeds: Interval, place: Place = ("velocity",)) -> None:
+def check_speeds(speeds: Interval, place: FieldPath = ("velocity",)) -> None:
     """Check a window of speeds.
 
     Parameters

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from rattle_kernels import OutsideDomain
-from worker.errors import InvalidFields, InvalidJob, Place
+from worker.errors import FieldPath, InvalidFields, InvalidJob
 
 
 def without_sign_of_zero(value: Any) -> Any:
@@ -93,7 +93,7 @@ def accepting(value_type: type, convert: Callable[[Any], Any]) -> Callable[[Any]
     return lambda given: convert(given) if isinstance(given, value_type) else given
 
 
-def fault_of(item: Any) -> tuple[Place, str]:
+def fault_of(item: Any) -> tuple[FieldPath, str]:
     """Field at fault, and what is wrong with it.
 
     Parameters

@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJso
 
 from rattle_kernels import Oscillator
 from rattle_kernels.model.oscillator import PARAMETERS
-from worker.errors import InvalidJob, Place
+from worker.errors import FieldPath, InvalidJob
 from worker.jobs.budget import spend
 from worker.jobs.first_refused import Axis
 from worker.jobs.oscillator_request import with_swept_stiffness
@@ -209,7 +209,7 @@ class VaryRequest(Request):
         ends = [end for end in (self.start, self.stop) if end is not None]
         return min((value for value in self.values or ends if value > 0.0), default=1.0)
 
-    def to_swept(self, place: Place) -> SweptParameter:
+    def to_swept(self, place: FieldPath) -> SweptParameter:
         """Swept parameter that this describes.
 
         Parameters
