@@ -65,7 +65,7 @@ test-slow: $(READY)  ## run the slow tests as well, and small tests of the kerne
 test-faults: $(READY)  ## kill and fill things from outside (minutes; as root also full and read-only disks)
 	$(BIN)/python -m pytest -m faults
 
-test-load: $(READY)  ## 300 requests a second for a minute while tiles compute; on a quiet machine
+test-load: $(READY)  ## 100 requests a second for a minute while tiles compute; on a quiet machine
 	RATTLE_LOAD_SECONDS=60 $(BIN)/python -m pytest -m faults -s tests/faults/test_load.py
 
 test-backends: $(READY)  ## the tests of service and worker once more, on PostgreSQL and S3

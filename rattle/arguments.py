@@ -15,7 +15,7 @@ from rattle.measured_curve import transmission_error
 from rattle_kernels import TransmissionError
 from rattle_kernels.model.oscillator import PARAMETERS
 from worker.additions import Addition, additions
-from worker.errors import InvalidFields, InvalidJob, Place
+from worker.errors import FieldPath, InvalidFields, InvalidJob
 from worker.jobs.job import Job
 from worker.jobs.oscillator_request import (
     BOTH_FORCINGS,
@@ -108,7 +108,7 @@ def _taken(values: Values, *names: str) -> Values:
     return {name: values.pop(name) for name in names if name in values}
 
 
-def _argument_at(place: Place) -> Place:
+def _argument_at(place: FieldPath) -> FieldPath:
     """Argument that a field of the request comes from."""
     if place[:1] == ("grid",) and place[-1:] == ("cells",):
         return ("cells",)

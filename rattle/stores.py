@@ -95,9 +95,9 @@ def check(
 
 
 def _mend(found: "Findings", workers: int | None, scheduler: str | None, computing: "Report") -> None:
-    from worker.stores.checking.taking_back import take_back
+    from worker.stores.checking.damage import invalidate
 
-    take_back(found)
+    invalidate(found)
     if not found.complete:
         return
     from rattle.local import run_here  # loads Dask, which a store without damage does without

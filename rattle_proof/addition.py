@@ -50,17 +50,12 @@ class _Proof(Addition):
         proof = proof_of(store)
         return (proof.read_tile(tile) if proof.wanted else None) or ()
 
-    def expected_chunks(self, store: Any, arrays: Mapping[str, Any]) -> Iterator[tuple[str, tuple[int, ...]]]:
-        from rattle_proof.arrays import expected_chunks
-
-        return expected_chunks(store, arrays)
-
     def owns(self, path: str) -> bool:
         from rattle_proof.layout import PROOF, PROVEN, UNPROVEN_REASON
 
         return path in (PROVEN.path, UNPROVEN_REASON.path) or path.split("/")[0] == PROOF
 
-    def take_back(self, store: Any, paths: Sequence[str]) -> None:
+    def invalidate(self, store: Any, paths: Sequence[str]) -> None:
         from rattle_proof.arrays import proof_of
         from rattle_proof.layout import PROOF
 

@@ -5,8 +5,6 @@ arrays of its own, and the group's attribute ``levels_grown`` counts those that 
 them lies in the group ``proof/growing``, which is removed once the lattice has grown.
 """
 
-from collections.abc import Iterator, Mapping
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -176,14 +174,6 @@ class ProofArrays:
 def proof_of(store: BasinStore) -> ProofArrays:
     """The proof in a store."""
     return ProofArrays(store.arrays, store.tiles)
-
-
-def expected_chunks(store: BasinStore, arrays: Mapping[str, Any]) -> Iterator[tuple[str, tuple[int, ...]]]:
-    """Chunks of a proof that is complete; of one under way every task demands what it reads."""
-    if store.complete and asked_of(store.job) is not None:
-        paths = [each.path for each in (PROVEN, UNPROVEN_REASON, LATTICE_ENDS, LATTICE_ROUNDS, RATTLING)]
-        there = [path for path in paths if path in arrays]
-        yield from ((path, chunk) for path in there for chunk in product(*map(range, arrays[path].cdata_shape)))
 
 
 def _lattice(level: int, last: bool) -> tuple[Variable, Variable]:

@@ -14,7 +14,6 @@ from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddle
 from rattle_kernels import warm_up_curves
 from rattle_kernels.numerics.compiled_apart import compiled_apart
 from service.answers.event_feed import EventFeed
-from service.answers.job_views import JobViews
 from service.answers.large_answers import LargeAnswers
 from service.answers.previews import Previews
 from service.answers.readiness import Probe, Probes
@@ -30,14 +29,11 @@ from service.records.engine import open_database
 from service.records.events import Events
 from service.records.jobs import Jobs
 from service.records.keys import KeyRing, Keys
-from service.records.revisions import Revisions
-from service.records.threads import DatabaseThreads
 from service.routes import (
     checks,
     events,
     health,
     jobs,
-    metrics,
     pages,
     previews,
     results,
@@ -46,7 +42,7 @@ from service.routes import (
 )
 from service.routes.dependencies import refuse_unknown_parameters
 from service.routes.plain_json import HeldBodies
-from service.routes.submissions import submission_router
+from service.routes.submit import submit_router
 from service.runner.process import RunnerProcess
 from service.settings import Settings
 from worker.additions import additions
@@ -94,12 +90,10 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         engine, sessions = open_database(settings.database)
         app.state.jobs = Jobs(sessions, settings.quotas)
-        app.state.views = JobViews(Revisions(engine), app.state.jobs)
         app.state.previews = Previews()
         app.state.checks = RequestChecks()
         app.state.bodies = HeldBodies()
         app.state.large_answers = LargeAnswers()
-        app.state.threads = DatabaseThreads(near=engine.dialect.name == "sqlite")
         app.state.key_ring = KeyRing(Keys(sessions), settings.keys_required)
         app.state.events = Events(sessions)
         app.state.feed = EventFeed(app.state.events)
@@ -136,12 +130,10 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)
     install_error_handlers(app)
-    others = [
-        each.router for each in (checks, previews, trajectories, jobs, events, results, viewer, health, metrics, pages)
-    ]
+    others = [each.router for each in (checks, previews, trajectories, jobs, events, results, viewer, health, pages)]
     others += [addition.routes() for addition in additions()]
     taken = {route.path for router in others for route in router.routes if isinstance(route, APIRoute)}
-    for router in (submission_router(taken), *others):
+    for router in (submit_router(taken), *others):
         app.include_router(router)
     app.mount("/explorer", pages.explorer_files)
     app.mount("/docs", pages.api_page_files)

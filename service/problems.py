@@ -17,11 +17,11 @@ from service.errors import JobNotFound, LimitExceeded, NotReady, NotYours, TooMu
 from service.records.engine import DatabaseError, DatabaseGone
 from worker.errors import (
     ClusterFailed,
+    FieldPath,
     InvalidFields,
     InvalidJob,
     JobCancelled,
     NotFound,
-    Place,
     StoreConflict,
     StoreFailed,
     SweptOutsideDomain,
@@ -70,7 +70,7 @@ class MalformedBody(HTTPException):
         Where; by default the body as a whole.
     """
 
-    def __init__(self, status_code: int, message: str, place: Place = ()) -> None:
+    def __init__(self, status_code: int, message: str, place: FieldPath = ()) -> None:
         self.errors = [_fault(place, message)]
         super().__init__(status_code, _in_words(self.errors))
 

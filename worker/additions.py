@@ -105,16 +105,12 @@ class Addition(ABC):
         """Read its arrays of a tile; nothing until all are written, or where it was not asked for."""
 
     @abstractmethod
-    def expected_chunks(self, store: Any, arrays: Mapping[str, Any]) -> Iterator[tuple[str, tuple[int, ...]]]:
-        """Chunks that a store must have, as `worker.stores.checking.expected` says them."""
-
-    @abstractmethod
     def owns(self, path: str) -> bool:
         """Whether an array or a group of a store is its own."""
 
     @abstractmethod
-    def take_back(self, store: Any, paths: Sequence[str]) -> None:
-        """Make a store unfinished where its own arrays are damaged."""
+    def invalidate(self, store: Any, paths: Sequence[str]) -> None:
+        """Forget what rests on its own arrays that are damaged; the store is made unfinished."""
 
     @abstractmethod
     def opened(self, dataset: Any, open_group: Callable[[str], Any]) -> Any:

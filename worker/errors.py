@@ -8,7 +8,7 @@ WorkerError
     StoreFailed      the store could not be read or written: the message holds the system's reason; resume when mended
     TileFailed       a tile kept failing: the message names it and its last error
     ClusterFailed    no scheduler or no worker answered: what had been computed is in the store; resume when they do
-    UnlikeWorkers    a worker rounds otherwise than the driver: the message names it; use processors of one kind
+    UnlikeWorkers    a worker rounds in another way than a store was begun: use processors of one kind
     LeaseLost        another driver has taken the job over: leave it alone
     JobCancelled     somebody asked for it
 """
@@ -20,7 +20,7 @@ from collections.abc import Iterator
 
 from rattle_kernels import OutsideDomain
 
-Place = tuple[str | int, ...]
+FieldPath = tuple[str | int, ...]
 """Where something stands in a request: names of fields and numbers of items, from the outside in."""
 
 
@@ -56,7 +56,7 @@ class InvalidJob(WorkerError, ValueError):
     cells: Input should be greater than or equal to 1
     """
 
-    def __init__(self, message: str, place: Place = ()) -> None:
+    def __init__(self, message: str, place: FieldPath = ()) -> None:
         super().__init__(message)
         self.place = place
 
@@ -70,11 +70,11 @@ class InvalidFields(InvalidJob):
         Each field at fault, and what is wrong with it.
     """
 
-    def __init__(self, faults: list[tuple[Place, str]]) -> None:
+    def __init__(self, faults: list[tuple[FieldPath, str]]) -> None:
         super().__init__("; ".join(f"{'.'.join(map(str, place))}: {message}" for place, message in faults))
         self.faults = faults
 
-    def __reduce__(self) -> tuple[type, tuple[list[tuple[Place, str]]]]:
+    def __reduce__(self) -> tuple[type, tuple[list[tuple[FieldPath, str]]]]:
         return type(self), (self.faults,)
 
 
@@ -91,7 +91,7 @@ class SweptOutsideDomain(OutsideDomain):
         Which value, in the request.
     """
 
-    def __init__(self, error: OutsideDomain, place: Place, where: str) -> None:
+    def __init__(self, error: OutsideDomain, place: FieldPath, where: str) -> None:
         super().__init__(error.parameter, error.value, error.bound, error.limit, f"{where}: {error}")
         self.place = place
 
@@ -241,7 +241,7 @@ class ClusterFailed(WorkerError):
 
 
 class UnlikeWorkers(WorkerError):
-    """A worker computes with fused multiply-add and the driver without it, or the other way round."""
+    """A worker computes without fused multiply-add for a store that was begun with it, or the other way round."""
 
 
 class LeaseLost(WorkerError):

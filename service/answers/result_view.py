@@ -1,21 +1,11 @@
 """Results of jobs of every kind: summaries and pictures."""
 
-import threading
-
-from cachetools import TTLCache, cached
-
 from service.answers.conditional import JsonAnswer, json_answer
 from service.errors import NotReady
 from service.records.job_record import JobRecord, JobState
 from worker.kinds import KINDS
 from worker.storage.location import holds_root, result_location
 from worker.stores.opening import holds_store
-
-# A driver writes its progress this often. Reading a summary costs as much as ten reads of a job's status.
-_SUMMARY_SECONDS, _SUMMARY_BYTES = 0.5, 1 << 25
-_SUMMARIES: TTLCache[tuple[str, int], JsonAnswer] = TTLCache(
-    _SUMMARY_BYTES, _SUMMARY_SECONDS, getsizeof=lambda answer: len(answer.body)
-)
 
 
 def location_of_result(record: JobRecord, results: str) -> str:
@@ -43,10 +33,8 @@ def result_is_gone(record: JobRecord, results: str) -> bool:
     return not holds_root(result_location(results, record.store or record.id))
 
 
-# Each change of state raises the revision, so a summary read before the end is never returned as the result.
-@cached(_SUMMARIES, key=lambda record, results: (record.id, record.revision), condition=threading.Condition())
 def summary_of_result(record: JobRecord, results: str) -> JsonAnswer:
-    """Summary of a job's result, at most half a second old. If many threads need it at once, one reads it.
+    """Summary of a job's result.
 
     Raises
     ------

@@ -44,11 +44,6 @@ def to_read(session: Session) -> Session:
     return session
 
 
-def only_reads(engine: Engine) -> Engine:
-    """The same engine with read-only connections, as `to_read` makes read-only sessions."""
-    return engine.execution_options(**{_ONLY_READS: True})
-
-
 def _tune_sqlite(engine: Engine) -> None:
     """Use write-ahead logging, transactions that take the write lock at once, and only the file that was opened first.
 

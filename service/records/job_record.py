@@ -16,7 +16,7 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, DateTime, Enum, Float, Index, String, text
+from sqlalchemy import JSON, BigInteger, DateTime, Enum, Float, Index, String
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 
@@ -79,8 +79,6 @@ class JobRecord(Base):
     lease_until: Mapped[float | None] = mapped_column(Float)
     # Cells or points to compute, which quotas count.
     places: Mapped[int] = mapped_column(BigInteger, server_default="0")
-    # Counts the changes of this row, whatever statement makes them.
-    revision: Mapped[int] = mapped_column(default=0, server_default="0", onupdate=text("revision + 1"))
     # Name of the store of its result: its own id, or that of the failed or cancelled job that it continues; NULL while
     # it is being deleted.
     store: Mapped[str | None] = mapped_column(String(32), index=True)

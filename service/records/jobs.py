@@ -2,7 +2,7 @@
 
 import uuid
 from collections.abc import Callable, Collection
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from enum import Enum
 from typing import Any
 
@@ -10,11 +10,10 @@ from sqlalchemy import ColumnElement, and_, bindparam, delete, func, or_, select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session, aliased
 
-from service.errors import JobNotFound
+from service.errors import JobNotFound, LimitExceeded, TooMuch
 from service.records.engine import DatabaseError, database_time, to_read
 from service.records.events import delete_events, note_event
 from service.records.job_record import LIVE, SMALL_PLACES, JobRecord, JobState
-from service.records.quotas import check_quotas
 from service.records.reads import Reads
 from service.records.replica import is_dead
 from service.settings import Quotas
@@ -22,8 +21,10 @@ from worker.jobs.job import Job
 
 LEASE_SECONDS = 20.0
 """Time without a renewal after which a job may be taken over."""
+# Ends of jobs over so long say when there is room again.
+_PACE_SECONDS = 60
 _HELD = (JobState.RUNNING, JobState.CANCELLING)
-# Statements that run hundreds of times a second are built once.
+# Statements that run most often are built once.
 _BY_ID = select(JobRecord).where(JobRecord.id == bindparam("job_id"))
 _ANSWERING = select(JobRecord).where(JobRecord.answering == bindparam("digest"))
 # Any number will do; every replica uses the same one.
@@ -79,7 +80,7 @@ class Jobs:
                 known = session.scalar(_ANSWERING, {"digest": job.digest})
                 if known is not None:
                     return known, False
-                check_quotas(self._quotas, session, submitter, job.places)
+                _check_quotas(self._quotas, session, submitter, job.places)
                 job_id = uuid.uuid4().hex
                 record = JobRecord(
                     id=job_id, kind=job.kind, digest=job.digest, answering=job.digest, state=JobState.QUEUED,
@@ -108,10 +109,20 @@ class Jobs:
             raise JobNotFound(f"there is no job {job_id}")
         return record
 
-    def records(self, ids: Collection[str]) -> list[JobRecord]:
-        """Existing records with these ids, in any order."""
+    def answering(self, job: Job) -> JobRecord | None:
+        """Record of the job that answers a request, if there is one."""
         with to_read(self._sessions()) as session:
-            return list(session.scalars(select(JobRecord).where(JobRecord.id.in_(ids))))
+            return session.scalar(_ANSWERING, {"digest": job.digest})
+
+    def page(self, before: int | None, size: int, state: JobState | None) -> list[JobRecord]:
+        """Up to `size` records, newest first; optionally older than number `before` or in one state."""
+        query = select(JobRecord).order_by(JobRecord.number.desc()).limit(size)
+        if before is not None:
+            query = query.where(JobRecord.number < before)
+        if state is not None:
+            query = query.where(JobRecord.state == state)
+        with to_read(self._sessions()) as session:
+            return list(session.scalars(query))
 
     def claim(
         self, owner: str, *, exclude: Collection[str] = (), large: LargeJobsOf = LargeJobsOf.ANYONE
@@ -259,6 +270,48 @@ class Jobs:
         except DatabaseError:
             return False
         return True
+
+
+def _check_quotas(quotas: Quotas, session: Session, submitter: str, places: int) -> None:
+    """Refuse a job that would exceed a quota, in the transaction that would record it.
+
+    Raises
+    ------
+    TooMuch
+        With the name of the quota, and the time after which to try again.
+    LimitExceeded
+        If the job alone exceeds a quota.
+    """
+    if places > quotas.places_each:
+        raise LimitExceeded(
+            f"{places} cells or points over all basins are more than one client may have queued and running: "
+            f"{quotas.places_each} (RATTLE_MAX_PLACES_EACH)"
+        )
+    mine = JobRecord.submitter == submitter
+    queued = select(func.count()).where(JobRecord.state == JobState.QUEUED)
+    under_way = select(func.coalesce(func.sum(JobRecord.places), 0)).where(JobRecord.state.in_(LIVE), mine)
+    for size, most, message in (
+        (session.scalar(queued) or 0, quotas.queued - 1, f"{quotas.queued} jobs are queued (RATTLE_MAX_QUEUED)"),
+        (
+            session.scalar(queued.where(mine)) or 0, quotas.queued_each - 1,
+            f"{quotas.queued_each} jobs of {submitter} are queued (RATTLE_MAX_QUEUED_EACH)",
+        ),
+        (
+            session.scalar(under_way) or 0, quotas.places_each - places,
+            f"queued and running jobs of {submitter} would have more than {quotas.places_each} cells or points "
+            "together (RATTLE_MAX_PLACES_EACH)",
+        ),
+    ):  # fmt: skip
+        if size > most:
+            seconds = _seconds_to_the_next_end(session)
+            raise TooMuch(f"{message}: try again in {seconds} s", seconds)
+
+
+def _seconds_to_the_next_end(session: Session) -> int:
+    """Mean time between ends of jobs over the last minute; a minute if none has ended in it."""
+    since = datetime.now(UTC) - timedelta(seconds=_PACE_SECONDS)
+    ended = session.scalar(select(func.count()).where(JobRecord.finished >= since)) or 0
+    return max(1, round(_PACE_SECONDS / max(1, ended)))
 
 
 def _lock_submissions(session: Session) -> None:

@@ -1,7 +1,6 @@
 """Dependencies of routes: the settings, the job records, the runner.
 
-Dependencies that only look something up are `async`: FastAPI runs every other function in a thread, which costs more
-than a read of the database.
+Dependencies that only look something up are `async`: FastAPI runs every other function in a thread.
 """
 
 import re
@@ -13,7 +12,6 @@ from fastapi.exceptions import RequestValidationError
 from pydantic import AfterValidator
 
 from service.answers.event_feed import EventFeed
-from service.answers.job_views import JobViews
 from service.answers.large_answers import LargeAnswers
 from service.answers.readiness import Probes
 from service.answers.request_checks import RequestChecks
@@ -22,7 +20,6 @@ from service.records.events import Events
 from service.records.job_record import JobRecord
 from service.records.jobs import Jobs
 from service.records.keys import Caller, KeyScope
-from service.records.threads import DatabaseThreads
 from service.runner.process import RunnerProcess
 from service.settings import Settings
 
@@ -112,11 +109,9 @@ ChecksHere = Annotated[RequestChecks, Depends(_from_state("checks"))]
 FeedHere = Annotated[EventFeed, Depends(_from_state("feed"))]
 CallerHere = Annotated[Caller, Depends(_caller)]
 SettingsHere = Annotated[Settings, Depends(_from_state("settings"))]
-ViewsHere = Annotated[JobViews, Depends(_from_state("views"))]
 LARGE = Depends(_large_answer)
 """For routes whose answer grows with a job: a few of them are answered at a time."""
 JobsHere = Annotated[Jobs, Depends(_from_state("jobs"))]
-ThreadsHere = Annotated[DatabaseThreads, Depends(_from_state("threads"))]
 RunnerHere = Annotated[RunnerProcess, Depends(_from_state("runner"))]
 SubmitterHere = Annotated[str, Depends(_submitter)]
 

@@ -1,11 +1,12 @@
-"""Liveness and readiness."""
+"""Liveness, readiness, and metrics for Prometheus."""
 
 from importlib.metadata import version
 
 from fastapi import APIRouter, Response
 from pydantic import BaseModel
 
-from service.routes.dependencies import ProbesHere
+from service.middleware import metrics
+from service.routes.dependencies import JobsHere, ProbesHere, RunnerHere
 
 router = APIRouter(tags=["health"])
 
@@ -40,3 +41,14 @@ async def readyz(response: Response, probes: ProbesHere) -> Readiness:
     ready = database and workers > 0
     response.status_code = 200 if ready else 503
     return Readiness(ready=ready, database=database, workers=workers)
+
+
+@router.get(
+    "/metrics",
+    response_class=Response,
+    summary="Metrics",
+    responses={200: {"description": "Prometheus' text format", "content": {"text/plain": {}}}},
+)
+def get_metrics(jobs: JobsHere, runner: RunnerHere) -> Response:
+    """Metrics of this process, of the runner process, and of the jobs in the database."""
+    return Response(metrics.exposition(jobs.count(), runner.metrics()), media_type=metrics.CONTENT_TYPE)

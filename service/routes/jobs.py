@@ -6,6 +6,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 
 from service.answers.conditional import NOT_MODIFIED, IfNoneMatch, json_or_not_modified
+from service.answers.job_views import page_of, view_of
 from service.errors import Unstoppable
 from service.models.jobs import JobPage, JobView
 from service.records.job_record import JobState
@@ -16,8 +17,6 @@ from service.routes.dependencies import (
     JobsHere,
     RunnerHere,
     SettingsHere,
-    ThreadsHere,
-    ViewsHere,
     problems,
     require_ownership,
 )
@@ -32,30 +31,29 @@ _NO_JOB = problems(s404="there is no such job")
 
 
 @router.get("", response_model=JobPage, summary="List jobs", responses=problems(s422="a parameter is out of range"))
-async def list_jobs(
-    views: ViewsHere,
-    threads: ThreadsHere,
+def list_jobs(
+    jobs: JobsHere,
     size: Annotated[int, Query(ge=1, le=200, description="Jobs a page")] = 50,
     before: Annotated[int | None, Query(ge=1, le=2**62, description="Cursor of a `next` link")] = None,
     state: JobState | None = None,
 ) -> Response:
     """Jobs, newest first."""
-    return Response(await threads.read_many(views.page, before, size, state), media_type="application/json")
+    return Response(page_of(jobs, before, size, state), media_type="application/json")
 
 
 @router.get("/{job_id}", response_model=JobView, summary="State of a job", responses=_NO_JOB | NOT_MODIFIED)
-async def get_job(job_id: JobId, views: ViewsHere, threads: ThreadsHere, if_none_match: IfNoneMatch = None) -> Response:
+def get_job(job_id: JobId, jobs: JobsHere, if_none_match: IfNoneMatch = None) -> Response:
     """State, progress and links of a job."""
-    return json_or_not_modified(await threads.read(views.of, job_id), if_none_match)
+    return json_or_not_modified(view_of(jobs.get(job_id)), if_none_match)
 
 
 @router.post("/{job_id}/cancel", response_model=JobView, status_code=202, summary="Cancel a job", responses=_NO_JOB)
-def cancel_job(job_id: JobId, jobs: JobsHere, views: ViewsHere, runner: RunnerHere, caller: CallerHere) -> Response:
+def cancel_job(job_id: JobId, jobs: JobsHere, runner: RunnerHere, caller: CallerHere) -> Response:
     """Stop a job. What it has computed stays readable; a job that has ended is not changed."""
     require_ownership(jobs.get(job_id), caller)
     record = jobs.request_cancel(job_id)
     runner.cancel(job_id)
-    return Response(views.of_record(record).body, 202, media_type="application/json")
+    return Response(view_of(record).body, 202, media_type="application/json")
 
 
 @router.post(

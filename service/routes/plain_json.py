@@ -13,7 +13,7 @@ from fastapi.routing import APIRoute
 
 from service.answers.request_checks import RequestChecks
 from service.problems import MalformedBody
-from worker.errors import Place
+from worker.errors import FieldPath
 
 _MOST_KEYS = 1000
 # Larger bodies are parsed in a thread.
@@ -41,7 +41,7 @@ def _whole(text: str) -> int | float:
     return int(text) if len(text) <= _MOST_DIGITS else float(text)
 
 
-def _place_of_half(value: Any) -> Place | None:
+def _place_of_half(value: Any) -> FieldPath | None:
     """Place of the first text that cannot be encoded. A name that cannot be is not told: its object is the place."""
     if isinstance(value, str):
         return None if _is_whole(value) else ()

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from rattle import cli
 from rattle.cli import app
 from service.records.job_record import JobRecord
-from service.routes.submissions import submission_router
+from service.routes.submit import submit_router
 from tests.running_service import running_service
 from tests.service.idle_service import idle_service
 from worker.errors import UnknownKind
@@ -196,7 +196,7 @@ def test_a_command_or_a_route_of_another_door_is_refused(monkeypatch):
     with pytest.raises(ImportError, match="asks for the command plot, which there is already"):
         cli.command_line()
     with pytest.raises(ImportError, match="the kind orbits asks for the route /v1/orbits"):
-        submission_router({"/v1/orbits"})
+        submit_router({"/v1/orbits"})
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,7 @@ def test_a_driver_of_an_analysis_that_has_lost_its_lease_writes_nothing(root):
     for write in (
         lambda: store.publish((), {}),
         lambda: store.finish({}),
-        store.take_back,
+        store.invalidate,
         store.remove_parts,
         lambda: AnalysisStore.create_or_resume(f"{root}/new.zarr", "a diagram", job, fence),
     ):

@@ -44,8 +44,8 @@ class BasinRun:
         Tiles whose images are in the store. They are surveyed, not computed again.
     numbered : bool
         Whether the numbers of the basin's own catalogue are those that all basins share. True of the first basin.
-    reach : callable
-        ``reach(tile, state)`` is called when a tile reaches a state.
+    set_state : callable
+        ``set_state(tile, state)`` is called when a tile reaches a state.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class BasinRun:
 
     def __init__(
         self, store: BasinStore, number: int, mapped: Container[int], *, numbered: bool,
-        reach: Callable[[int, TileState], None] = lambda tile, state: None,
+        set_state: Callable[[int, TileState], None] = lambda tile, state: None,
     ) -> None:  # fmt: skip
         self.store, self.number, self.numbered = store, number, numbered
         self.attractors: tuple[Attractor, ...] = ()
@@ -71,7 +71,7 @@ class BasinRun:
         self.reserved = np.zeros(3, np.int64)
         self.solved = False
         self._tiles = store.tiling.numbers_of(number)
-        self._mapped, self._reach = mapped, reach
+        self._mapped, self._set_state = mapped, set_state
         self.seconds: dict[str, float] = defaultdict(float)
         self._task = partial(Task, priority=number)
         self._words = np.zeros(-(-store.job.grid.cells // 64), np.uint64)
@@ -101,7 +101,7 @@ class BasinRun:
         weight_of = dict(zip(tiles, weights, strict=True))
         return self._map(sorted(tiles, key=weight_of.__getitem__, reverse=True))
 
-    def adopt(
+    def take_over(
         self, attractors: tuple[Attractor, ...], counts: np.ndarray, reserved: np.ndarray, seconds: dict[str, float]
     ) -> None:
         """Take over the results of a basin that a single task has solved."""
@@ -124,7 +124,7 @@ class BasinRun:
 
     def _take_images(self, tile: int, receipt: MapReceipt) -> list[Task]:
         self.seconds["map_kernels"] += receipt.seconds
-        self._reach(tile, TileState.COMPUTED)
+        self._set_state(tile, TileState.COMPUTED)
         self._words[receipt.survey.image_set.number] |= receipt.survey.image_set.word
         self._seeds[tile] = receipt.survey.seeds
         self.reserved += receipt.survey.reserved
@@ -153,7 +153,7 @@ class BasinRun:
     def _take_labels(self, tile: int, receipt: LabelReceipt) -> list[Task]:
         self.seconds["label_kernels"] += receipt.seconds
         if self.numbered:
-            self._reach(tile, TileState.ASSEMBLED)
+            self._set_state(tile, TileState.ASSEMBLED)
         self._labels[tile] = receipt
         if len(self._labels) < len(self._tiles):
             return []

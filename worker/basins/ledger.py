@@ -48,7 +48,7 @@ class Ledger:
         tiles = np.array(self._store.tiling.numbers_of(basin))
         return frozenset(tiles[self.states[tiles] >= TileState.COMPUTED].tolist())
 
-    def reach(self, tiles: int | range, state: TileState) -> None:
+    def set_state(self, tiles: int | range, state: TileState) -> None:
         """Record that tiles have reached a state."""
         self.states[tiles] = np.maximum(self.states[tiles], state)
 
@@ -57,7 +57,7 @@ class Ledger:
         numbers = self.table.numbers_in(basin)
         return Numbered(self._store.solutions.read_catalogue(basin, self.table, numbers), numbers)
 
-    def announce(self, basin: BasinRun, numbered: Numbered) -> None:
+    def add_attractors(self, basin: BasinRun, numbered: Numbered) -> None:
         """Record the attractors of a basin before their shares are known, and make room for them in the store."""
         self._image_counts[basin.number] = basin.reserved
         unknown = np.full(len(numbered.numbers), np.nan)
@@ -72,7 +72,7 @@ class Ledger:
         shares = counts.sum(axis=0) / cells
         errors = share_error(counts, cells) if self._store.job.sample else np.full(shares.shape, np.nan)
         self._enter(basin.number, numbered, shares, errors)
-        self.reach(self._store.tiling.numbers_of(basin.number), TileState.ASSEMBLED)
+        self.set_state(self._store.tiling.numbers_of(basin.number), TileState.ASSEMBLED)
         self.basins += 1
 
     def _enter(self, basin: int, numbered: Numbered, shares: np.ndarray, errors: np.ndarray) -> None:

@@ -16,11 +16,11 @@ from rattle_kernels.basins.preview import Preview, preview
 from rattle_kernels.cell_mapping.cell_grid import check_grid
 from rattle_kernels.cell_mapping.iterations import check_iterations, is_prime, nearest_primes
 from rattle_kernels.numerics.pausing import Pause, never_stopped
-from worker.decidable import check_window
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import GridRequest, TimeWindow, VelocityWindow, grid_of
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, check_quiet_unless_allowed
 from worker.jobs.request import Count, Request, accepting, told
+from worker.precision_limits import check_window
 
 PREVIEW_CELLS = 128
 """Cells each way, unless a request says otherwise."""

@@ -75,7 +75,7 @@ class Schedule:
 
     def _begin(self, number: int) -> None:
         mapped, numbered = self._ledger.mapped(number), number == 0
-        basin = BasinRun(self._store, number, mapped, numbered=numbered, reach=self._ledger.reach)
+        basin = BasinRun(self._store, number, mapped, numbered=numbered, set_state=self._ledger.set_state)
         self.basins[number] = basin
         if self.small:
             self._push([Task(solve_basin, number, (bool(mapped), numbered), self._solved, priority=number)])
@@ -89,8 +89,8 @@ class Schedule:
         self._push(task.then(task.number, receipt))
 
     def _solved(self, number: int, receipt: BasinReceipt) -> Iterable[Task]:
-        self._ledger.reach(number, TileState.COMPUTED)
-        self.basins[number].adopt(receipt.attractors, receipt.counts, receipt.reserved, receipt.seconds)
+        self._ledger.set_state(number, TileState.COMPUTED)
+        self.basins[number].take_over(receipt.attractors, receipt.counts, receipt.reserved, receipt.seconds)
         return ()
 
     def _catch_up(self) -> None:
@@ -122,7 +122,7 @@ class Schedule:
         if basin.numbered:
             self._ledger.table.forget_after(0)
         numbered = self._numbering.assign(basin.number, basin.attractors)
-        self._ledger.announce(basin, numbered)
+        self._ledger.add_attractors(basin, numbered)
         self._numbered[basin.number] = numbered
         numbers, own = tuple(numbered.numbers), len(basin.attractors)
         task = partial(Task, then=partial(self._written, basin.number), priority=basin.number)

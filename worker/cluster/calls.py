@@ -1,9 +1,5 @@
 """Calls of a worker: the tasks that they carry, and what a worker does with them.
 
-A worker runs tasks only if it computes as the driver does: both with fused multiply-add (FMA), or both without. The
-driver also computes: it continues attractors from basin to basin. So every call carries the driver's setting, and the
-worker checks it. A check of the list of workers would miss those that join after the job has begun.
-
 A worker tells the driver, by an event of Dask's, before it compiles the first kernel for a job. Kernels for one, two
 and more harmonics are compiled when a job first needs them, and nothing else happens for a minute or so.
 """
@@ -19,10 +15,8 @@ from typing import Any, NamedTuple
 from distributed import Client, get_worker, secede
 
 from rattle_kernels.numerics.compiled_apart import compiled_apart
-from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 from rattle_kernels.numerics.jit import watch_compiling
-from worker.errors import JobCancelled, UnlikeWorkers
-from worker.rounding import with_or_without
+from worker.errors import JobCancelled
 
 Address = tuple[str, str]
 """Location of a job's store, and digest of the job."""
@@ -137,11 +131,9 @@ class Compiling:
 class Call(NamedTuple):
     """Tasks of one function that travel to a worker together.
 
-    ``fused`` is whether the driver computes with FMA. Each of ``tasks`` holds a number and further arguments. All run
-    inside ``within()``.
+    Each of ``tasks`` holds a number and further arguments. All run inside ``within()``.
     """
 
-    fused: bool
     function: Callable[..., Any]
     location: str
     digest: str
@@ -156,8 +148,8 @@ class Receipts(NamedTuple):
     seconds: float
 
 
-def compute_alike(call: Call) -> Receipts:
-    """Run the tasks of a call on a worker, one after another, if the worker computes as the driver does.
+def run_call(call: Call) -> Receipts:
+    """Run the tasks of a call on a worker, one after another.
 
     Parameters
     ----------
@@ -166,17 +158,7 @@ def compute_alike(call: Call) -> Receipts:
     Returns
     -------
     Receipts
-
-    Raises
-    ------
-    UnlikeWorkers
     """
-    if fuses_multiply_add() != call.fused:
-        raise UnlikeWorkers(
-            f"worker {get_worker().address} computes {with_or_without(not call.fused)} fused multiply-add (FMA), and "
-            f"the driver {with_or_without(call.fused)} it, so their results differ: the cluster needs processors of "
-            "one kind, or one NUMBA_CPU_NAME for all"
-        )
     begin = time.perf_counter()
     values = []
     address = call.location, call.digest

@@ -26,8 +26,7 @@ from typing import Any, NamedTuple, cast
 
 from distributed import Client, Future
 
-from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
-from worker.cluster.calls import Call, Compiling, Receipts, Task, compute_alike
+from worker.cluster.calls import Call, Compiling, Receipts, Task, run_call
 from worker.errors import ClusterFailed, JobCancelled, StoreFailed, TileFailed, WorkerError
 
 _log = logging.getLogger("rattle.driver")
@@ -221,8 +220,8 @@ class _Window:
             first = tasks[0]
             keys.append(f"{first.function.__name__}-{self.run}-{first.number}-{self.submitted}-a{attempt}")
             own = [(task.number, *task.arguments) for task in tasks]
-            arguments.append(Call(fuses_multiply_add(), first.function, *self.address, own, self.within))
-        futures = self.client.map(compute_alike, arguments, key=keys, pure=False)
+            arguments.append(Call(first.function, *self.address, own, self.within))
+        futures = self.client.map(run_call, arguments, key=keys, pure=False)
         for future, each in zip(futures, calls, strict=True):
             self.calls[future] = each
             future.add_done_callback(self.ended.put)

@@ -11,13 +11,13 @@ from rattle_kernels import CellGrid, Oscillator, OutsideDomain, check_domain, ex
 from rattle_kernels.cell_mapping.cell_grid import check_grid
 from rattle_kernels.cell_mapping.iterations import check_iterations
 from worker.additions import additions, asked_of, with_fields
-from worker.decidable import check_window
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.first_refused import first_fault
 from worker.jobs.job import Job, Sizes
 from worker.jobs.request import Count, Real, Request, accepting, as_real, told
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, check_swept
+from worker.precision_limits import check_window
 
 _BASIN_EXAMPLE: dict[str, Any] = {
     "oscillator": {"model": "impacting", "damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6},

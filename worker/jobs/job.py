@@ -20,7 +20,6 @@ from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_v
 
 from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_impacting, check_quiet
 from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
-from worker.decidable import check_decidable, check_fastest, fastest_resolved
 from worker.errors import InvalidJob
 from worker.jobs.oscillator_request import (
     ImpactingOscillator,
@@ -29,6 +28,7 @@ from worker.jobs.oscillator_request import (
 )
 from worker.jobs.request import Request, refusal
 from worker.jobs.swept_parameter import SweptParameter, values_as_json, without_stiffness
+from worker.precision_limits import check_decidable, check_fastest, fastest_resolved
 
 Check = Callable[["Job"], object]
 Sizes = tuple[tuple[str, float, str], ...]

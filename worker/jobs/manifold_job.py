@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 from rattle_kernels import CurveResolution, ManifoldLimits
 from rattle_kernels.manifolds.stable_manifold import check_limits
 from rattle_kernels.orbits.periodic_orbit import orbit_name
-from worker.errors import InvalidJob, Place
+from worker.errors import FieldPath, InvalidJob
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
 from worker.jobs.orbits_job import PERIODS, OrbitSeed, search_impacts
 from worker.jobs.region import (
@@ -71,7 +71,7 @@ class Itinerary(NamedTuple):
     lower_contacts: int
 
     @classmethod
-    def from_text(cls, text: str, place: Place = ()) -> "Itinerary":
+    def from_text(cls, text: str, place: FieldPath = ()) -> "Itinerary":
         """Itinerary written as P(m, n+, n-).
 
         Parameters

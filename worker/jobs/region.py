@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from rattle_kernels import CellGrid, CurveResolution, ManifoldLimits
 from rattle_kernels.manifolds.polyline import check_resolution
-from worker.errors import InvalidJob, Place
+from worker.errors import FieldPath, InvalidJob
 from worker.jobs.request import Real, Request, accepting, as_real, told, values_config
 
 _WINDOW = CellGrid()
@@ -84,7 +84,7 @@ SPEEDS = told(properties={"start": {"minimum": 0}, "stop": {"exclusiveMinimum": 
 """What the schema says of intervals of phases, and of speeds."""
 
 
-def check_speeds(speeds: Interval, place: Place = ("velocity",)) -> None:
+def check_speeds(speeds: Interval, place: FieldPath = ("velocity",)) -> None:
     """Check a window of speeds.
 
     Parameters

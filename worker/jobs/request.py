@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from rattle_kernels import OutsideDomain
-from worker.errors import InvalidFields, InvalidJob, Place
+from worker.errors import FieldPath, InvalidFields, InvalidJob
 
 
 def as_real(value: Any) -> float:
@@ -108,7 +108,7 @@ def accepting(value_type: type, convert: Callable[[Any], Any]) -> Callable[[Any]
     return lambda given: convert(given) if isinstance(given, value_type) else given
 
 
-def fault_of(item: Any) -> tuple[Place, str]:
+def fault_of(item: Any) -> tuple[FieldPath, str]:
     """Field at fault, and what is wrong with it.
 
     Parameters

@@ -5,10 +5,10 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, ConfigDict, Field
 
 from rattle_kernels import Oscillator, OutsideDomain, TimeHistory, check_domain, check_quiet, time_history
-from worker.decidable import check_decidable, check_fastest, fastest_resolved
 from worker.errors import InvalidJob
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, check_quiet_unless_allowed
 from worker.jobs.request import Count, Real, Request, as_real
+from worker.precision_limits import check_decidable, check_fastest, fastest_resolved
 
 
 def initial_state(

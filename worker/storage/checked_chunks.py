@@ -21,7 +21,7 @@ METADATA = "zarr.json"
 CHUNKS = "c"
 """Folder of an array's chunks."""
 # Arrays whose length is found while computing, and which are not filled up. Most basins have no chaotic transient.
-_SOME_CHUNKS = ("assembly/", "attractor_", "transient_ends")
+SOME_CHUNKS = ("assembly/", "attractor_", "transient_ends")
 
 
 async def checked(read: Callable[..., Awaitable[Any]], name: str, key: str, prototype: Any, byte_range: Any) -> Any:
@@ -63,7 +63,7 @@ async def checked(read: Callable[..., Awaitable[Any]], name: str, key: str, prot
 
 async def _has_all_chunks(read: Callable[..., Awaitable[Any]], array: str) -> bool:
     """Whether this is a finished store, which has every chunk of an array: Zarr takes a missing one for empty."""
-    if array.startswith(_SOME_CHUNKS):
+    if array.startswith(SOME_CHUNKS):
         return False
     prototype = default_buffer_prototype()
     files = [await read(path, prototype) for path in (METADATA, f"{array}/{METADATA}")]

@@ -9,6 +9,9 @@ file systems would otherwise be left with an empty one after a power cut. And me
 reads those of every array that has a name, claimed or not.
 
 So a power cut may leave an empty or partial chunk that nothing claims. `write_over` takes it for none.
+
+obstore writes the files of S3, and could write these; but its files in a folder are not synced: `LocalStore` of version
+0.12.1 has no option for it, though object_store 0.14.2 within has (`docs/decisions/0039-power-cuts.md`).
 """
 
 import asyncio

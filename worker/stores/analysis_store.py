@@ -32,7 +32,7 @@ from worker.stores.opening import (
     opened_once,
     trusted_job,
 )
-from worker.stores.provenance import birth_certificate, now
+from worker.stores.provenance import new_store_attributes, now
 
 ANALYSIS_LAYOUT_VERSION = 2
 # Chunks of layout 1 have no checksums.
@@ -89,7 +89,7 @@ class AnalysisStore:
         store = cls(location, fence)
         check_same_request(location, job.digest, store.digest, store.request)
         if not store.complete:
-            demand_same_rounding(location, store.attributes)
+            demand_same_rounding(location, store.attributes, StoreConflict)
         return store
 
     @property
@@ -190,7 +190,7 @@ class AnalysisStore:
             self._group.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
         self.remove_parts()
 
-    def take_back(self) -> None:
+    def invalidate(self) -> None:
         """Make the store unfinished again, so that the same job computes its tables anew."""
         self._fence()
         with as_store_failure(self.location):
@@ -251,7 +251,7 @@ def kind_of_store(location: str) -> str:
 def _create(location: str, title: str, job: AnalysisJob, fence: Fence) -> None:
     """Create a new store with attributes only. The length of its tables is not known yet."""
     group = zarr.create_group(storage_at(location, fence).zarr, zarr_format=3, overwrite=True)
-    born = birth_certificate(title, job.request(), job.digest)
+    born = new_store_attributes(title, job.request(), job.digest)
     group.update_attributes(born | {"kind": job.kind, "layout_version": ANALYSIS_LAYOUT_VERSION})
     consolidate(location, fence)
 

@@ -129,14 +129,18 @@ class BasinStore:
         store = cls(location, fence)
         check_same_request(location, job.digest, store.digest, store.job.request())
         if not store.complete:
-            demand_same_rounding(location, store.attributes)
+            demand_same_rounding(location, store.attributes, StoreConflict)
         return store
+
+    @property
+    def ledger_shape(self) -> tuple[int, ...]:
+        """Number of tiles along each dimension of the ledger. A sample is one row of points."""
+        return *self.job.sweep_shape, *self.tiling.shape[0 if self.job.sample is None else 1 :]
 
     def own_shapes(self) -> Iterator[tuple[Variable, tuple[int, ...]]]:
         """The arrays whose lengths the request gives from the start, and what they are."""
-        first = 0 if self.job.sample is None else 1  # a sample is one row of points
-        cells, tiles = self.job.grid.shape[first:], self.tiling.shape[first:]
-        yield self.places.ledger, (*self.job.sweep_shape, *tiles)
+        cells = self.job.grid.shape[0 if self.job.sample is None else 1 :]
+        yield self.places.ledger, self.ledger_shape
         yield self.places.solution, (*self.job.sweep_shape, *cells)
 
     def _check_own_arrays(self) -> None:
@@ -253,24 +257,21 @@ class BasinStore:
             whole = open_group(self.location, "r+", consolidated=True, fence=self._fence)
             whole.update_attributes({"complete": True, "finished": now(), "seconds": seconds})
 
-    def take_back(self, states: np.ndarray, *, tables: bool) -> None:
+    def invalidate(self, states: np.ndarray) -> None:
         """Make the store unfinished again, so that the same job computes anew what the ledger no longer claims.
 
         Parameters
         ----------
         states : ndarray of uint8
-            The new ledger.
-        tables : bool
-            Whether the tables of solutions are emptied, too. No basin may be assembled then.
+            The new ledger. No tile is assembled: the tables of solutions are emptied.
         """
         self._fence()
         with as_store_failure(self.location):
             self._group.update_attributes({"complete": False, "finished": None})
             self.write_ledger(states)
             write_coordinates(self._group, self.job, self.levels)
-            if tables:
-                self.solutions.empty()
-                self.arrays.write(layout.IMAGE_COUNTS, np.array(layout.IMAGE_COUNTS.fill), ...)
+            self.solutions.empty()
+            self.arrays.write(layout.IMAGE_COUNTS, np.array(layout.IMAGE_COUNTS.fill), ...)
             consolidate(self.location, self._fence)
 
     @property

@@ -1,6 +1,7 @@
 """Layout of a new store: every array at full length, except those of solutions, whose number is not known yet."""
 
 import asyncio
+import json
 import warnings
 from collections.abc import Sequence
 from itertools import product
@@ -24,7 +25,7 @@ from worker.storage.folder import synced_together
 from worker.storage.location import storage_at
 from worker.stores import layout
 from worker.stores.layout import Places, TileState, Variable
-from worker.stores.provenance import birth_certificate
+from worker.stores.provenance import new_store_attributes
 from worker.stores.pyramid import Level, levels_of, multiscales
 
 # Consolidated metadata are Zarr-Python's own, not yet in the specification. Other readers ignore them. Silenced for the
@@ -82,6 +83,23 @@ def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
 
     Zarr makes its arrays in memory, and their files are then written all at once: one by one they took twice as long.
     """
+    planned = _planned(job)
+    begun = zarr.create_group(storage_at(location, fence).zarr, zarr_format=3, overwrite=True)
+    with synced_together(location):
+        sync(_copy_all_but(METADATA, planned, begun.store))
+        write_coordinates(begun, job, levels_of(job, tiling_of(job)))
+    sync(_copy(METADATA, planned, begun.store))
+
+
+def new_metadata(job: BasinJob) -> dict[str, Any]:
+    """Metadata of every array and group of a new store, by path."""
+    root = sync(_planned(job).get(METADATA, default_buffer_prototype()))
+    nodes: dict[str, Any] = json.loads(root.to_bytes())["consolidated_metadata"]["metadata"]
+    return nodes
+
+
+def _planned(job: BasinJob) -> MemoryStore:
+    """A new store without coordinates, in memory."""
     planned = MemoryStore()
     group = zarr.create_group(planned, zarr_format=3)
     levels = levels_of(job, tiling_of(job))
@@ -89,15 +107,11 @@ def create_store(location: str, job: BasinJob, fence: Fence = unfenced) -> None:
     for level in levels[1:]:
         _create_level(group, job, level)
     title = "Basins of attraction of a rattling gear pair"
-    born = birth_certificate(title, job.request(), job.digest)
+    born = new_store_attributes(title, job.request(), job.digest)
     # In one write: `attrs.update` writes once per attribute.
     group.update_attributes(born | {"tile_cells": list(tile)} | multiscales(levels, len(job.vary)))
     zarr.consolidate_metadata(planned, zarr_format=3)
-    begun = zarr.create_group(storage_at(location, fence).zarr, zarr_format=3, overwrite=True)
-    with synced_together(location):
-        sync(_copy_all_but(METADATA, planned, begun.store))
-        write_coordinates(begun, job, levels)
-    sync(_copy(METADATA, planned, begun.store))
+    return planned
 
 
 async def _copy_all_but(last: str, source: MemoryStore, target: Store) -> None:

@@ -17,6 +17,7 @@ from cachetools import LRUCache, cached
 from worker.errors import InvalidJob, OutsideDomain, StoreConflict, StoreFailed, as_store_failure
 from worker.fence import Fence, unfenced
 from worker.jobs.job import Job
+from worker.rounding import demand_same_rounding
 from worker.storage.checked_chunks import METADATA
 from worker.storage.location import storage_at
 from worker.storage.protocol import whole
@@ -86,10 +87,13 @@ def opened_for_tasks(open_at: Callable[[str], Any], location: str, digest: str) 
     ------
     StoreConflict
         If the store was replaced by another request's since the job began.
+    UnlikeWorkers
+        If it was begun by processors that round otherwise.
     """
     store = open_at(location)
     if store.digest != digest:
         raise StoreConflict(f"{location} holds the store of another request by now")
+    demand_same_rounding(location, store.attributes)
     return store
 
 

@@ -27,7 +27,7 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
-def birth_certificate(title: str, request: dict[str, Any], digest: str) -> dict[str, Any]:
+def new_store_attributes(title: str, request: dict[str, Any], digest: str) -> dict[str, Any]:
     """Attributes of every new store: title, request, where it comes from, and time of creation.
 
     Only ``history``, the times, and what depends on versions and processor differ from one run of a request to another.

@@ -68,7 +68,7 @@ def test_a_job_is_changed_by_its_owner_and_by_administrators_alone(service, keys
             answer = asked(service, method, path, job.id, keys.get(name))
             assert (answer.status_code, answer.json()["type"]) == (status, f"/problems/{kind}"), (method, path, name)
             left = service.jobs.get(job.id)
-            assert (left.state, left.revision) == (JobState.QUEUED, job.revision), (method, path, name)
+            assert (left.state, left.store) == (JobState.QUEUED, job.store), (method, path, name)
         for name in ("owner", "admin"):
             job = service.add_job(cells, "owner")
             answer = asked(service, method, path, job.id, keys[name])

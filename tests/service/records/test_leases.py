@@ -12,7 +12,7 @@ from service.records.engine import open_database
 from service.records.job_record import JobState
 from service.records.jobs import LEASE_SECONDS, Jobs
 from service.records.lease import _MARGIN_SECONDS, Lease
-from service.records.quotas import Quotas
+from service.settings import Quotas
 from tests.store_content import content
 from worker.errors import LeaseLost
 from worker.jobs.basin_job import BasinJob

@@ -9,7 +9,7 @@ from worker.basins import image_cache
 
 @pytest.fixture(autouse=True)
 def nothing_kept():
-    image_cache._kept.clear()
+    image_cache._cache.clear()
 
 
 def _images(cells):

@@ -7,8 +7,8 @@ from worker.stores.layout import TileState
 def test_no_tile_goes_back(store):
     ledger = Ledger(store)
     assert ledger.basins == 1 and ledger.mapped(0) == {0, 1, 2, 3}
-    ledger.reach(0, TileState.COMPUTED)
-    ledger.reach(range(1, 3), TileState.PENDING)
+    ledger.set_state(0, TileState.COMPUTED)
+    ledger.set_state(range(1, 3), TileState.PENDING)
     assert (ledger.states == TileState.ASSEMBLED).all()
 
 
@@ -19,6 +19,6 @@ def test_a_basin_is_complete_if_ledger_and_table_say_so(store):
     ledger = Ledger(store)
     assert ledger.basins == 0 and ledger.mapped(0) == {0, 1, 2}
     assert ledger.table.motions == []
-    ledger.reach(3, TileState.COMPUTED)
+    ledger.set_state(3, TileState.COMPUTED)
     ledger.save()
     assert store.read_ledger().tolist() == [3, 3, 3, 2]

@@ -13,7 +13,9 @@ from rattle_kernels import CellGrid
 from tests.processors import NATIVE, ROOT, V2, environment_for, reason_against
 from tests.worker.analyses.test_analyses import GRAZING
 from worker import rounding
+from worker.analyses.analysis import compute_piece
 from worker.analyses.grazing_curves import GRAZING_CURVE
+from worker.basins.tasks import open_store
 from worker.cluster import connection
 from worker.cluster.calls import Task
 from worker.cluster.driver import Driver
@@ -23,15 +25,16 @@ from worker.stores.analysis_store import AnalysisStore
 from worker.stores.basin_store import BasinStore
 
 
-def be_busy(location, digest, number):
+def open_for_a_while(location, digest, number):
     """Long enough for every worker to get one."""
+    open_store(location, digest)
     time.sleep(0.05)
     return number
 
 
-def run(client):
-    tasks = iter([Task(be_busy, number) for number in range(20)])
-    done = Driver(client).run_tasks(("store", "digest"), lambda: next(tasks, None), threading.Event())
+def run(client, store):
+    tasks = iter([Task(open_for_a_while, number) for number in range(20)])
+    done = Driver(client).run_tasks((store.location, store.digest), lambda: next(tasks, None), threading.Event())
     return sorted(receipt for _, receipt in done)
 
 
@@ -53,21 +56,20 @@ def odd_worker():
 
 
 @pytest.mark.timeout(600)
-def test_a_cluster_of_both_kinds_is_refused_for_as_long_as_it_is_one(odd_worker):
+def test_a_cluster_of_both_kinds_is_refused_for_as_long_as_it_is_one(odd_worker, tmp_path):
+    store = create_basin(str(tmp_path / "store"))
     options = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
     with LocalCluster(processes=True, **options) as alike, Client(alike, set_as_default=False) as client:
-        good = set(client.scheduler_info()["workers"])
-        assert run(client) == list(range(20))
+        assert run(client, store) == list(range(20))
         process = odd_worker(alike.scheduler_address)
         client.wait_for_workers(2, timeout=120)
-        (odd,) = set(client.scheduler_info()["workers"]) - good
-        with pytest.raises(UnlikeWorkers, match=f"^worker {odd} computes without .* and the driver with it"):
-            run(client)
+        with pytest.raises(UnlikeWorkers, match=f"was begun with .* and process {process.pid} on .* without it"):
+            run(client, store)
         process.kill()
         process.wait(20)
         while len(client.scheduler_info()["workers"]) > 1:
             time.sleep(0.1)
-        assert run(client) == list(range(20))
+        assert run(client, store) == list(range(20))
 
 
 def create_basin(place):
@@ -76,6 +78,25 @@ def create_basin(place):
 
 def create_analysis(place):
     return AnalysisStore.create_or_resume(place, GRAZING_CURVE.title, GRAZING)
+
+
+def open_basin(store):
+    open_store.cache_clear()
+    open_store(store.location, store.digest)
+
+
+def open_analysis(store):
+    compute_piece(store.location, store.digest, 1, "none", lambda pause: {}, ())
+
+
+@pytest.mark.parametrize(("create", "open_"), [(create_basin, open_basin), (create_analysis, open_analysis)])
+def test_a_task_refuses_a_store_that_was_begun_otherwise(create, open_, tmp_path, monkeypatch):
+    store = create(str(tmp_path / "store"))
+    open_(store)
+    fused = store.attributes[rounding.FUSED]
+    monkeypatch.setattr(rounding, "fuses_multiply_add", lambda: not fused)
+    with pytest.raises(UnlikeWorkers, match="was begun with.* fused multiply-add"):
+        open_(store)
 
 
 @pytest.mark.parametrize("create", [create_basin, create_analysis])

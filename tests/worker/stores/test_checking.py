@@ -134,7 +134,7 @@ def _replaced_in_copy(store, array, old, new):
 @pytest.mark.parametrize(
     "array, old, new, wrong",
     [
-        ("solution", "100", "500", "solution/zarr.json"),
+        ("solution", "100", "500", "zarr.json"),
         ("landing_time", "float64", "gloat64", "zarr.json"),  # such a root cannot be opened
         ("assembly", "group", "grouq", "zarr.json"),
     ],

@@ -7,9 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from worker.stores.summary import summarise
-from worker.views.outline import outline_basin
-from worker.views.tile_labels import read_tile_labels
+from worker.results.viewer import outline_basin, read_tile_labels
 
 from rattle_kernels import CellGrid
 from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE
@@ -17,6 +15,7 @@ from worker.errors import InvalidJob, StoreConflict, StoreFailed
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.grazing_curve_job import GrazingCurveJob
 from worker.kinds import KINDS
+from worker.results.summary import summarise
 from worker.stores import layout, opening
 from worker.stores.analysis_store import AnalysisStore, kind_of_store
 from worker.stores.basin_store import BasinStore
@@ -83,7 +82,7 @@ def test_a_store_that_is_removed_is_gone(location):
 
 
 def test_solutions_that_are_added_are_seen(store):
-    assert len(summarise(store.location).attractors) == 3
+    assert len(summarise(store.location).solutions) == 3
     table = store.solutions.read()
     numbers = [0, 1, 2, table.append(motion_of(RATTLE))]
     found = QUIET, RATTLE, CHAOS, RATTLE
@@ -111,22 +110,22 @@ def test_a_store_that_ends_or_is_taken_back_is_seen_so(store):
     assert not read_tile_labels(store.location, 0).final
     store.finish({})
     assert read_tile_labels(store.location, 0).final and is_complete(store.location, store.digest)
-    BasinStore(store.location).take_back(np.full(store.tiling.tiles, layout.TileState.PENDING, np.uint8), tables=True)
+    BasinStore(store.location).invalidate(np.full(store.tiling.tiles, layout.TileState.PENDING, np.uint8))
     assert read_tile_labels(store.location, 0) is None and not is_complete(store.location, store.digest)
-    assert summarise(store.location).attractors == () and not outline_basin(store.location, 0).complete
+    assert summarise(store.location).solutions == [] and not outline_basin(store.location, 0).complete
 
 
 def test_arrays_of_a_finished_store_are_opened_anew_once_it_is_taken_back_and_has_grown(store):
     store.finish({})
-    assert len(summarise(store.location).attractors) == 3  # with all arrays open
+    assert len(summarise(store.location).solutions) == 3  # with all arrays open
     again = BasinStore(store.location)
-    again.take_back(np.full(store.tiling.tiles, layout.TileState.ASSEMBLED, np.uint8), tables=False)
+    again.invalidate(np.full(store.tiling.tiles, layout.TileState.ASSEMBLED, np.uint8))
     table = again.solutions.read()
     table.append(motion_of(RATTLE))
     again.solutions.make_room(table, 90)
     again.solutions.write(table)
     again.finish({})
-    assert len(summarise(store.location).attractors) == 4
+    assert len(summarise(store.location).solutions) == 1
 
 
 def test_a_request_that_was_changed_is_refused_although_the_store_was_open(store):

@@ -3,7 +3,6 @@
 import copy
 import json
 from collections.abc import Mapping
-from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 from zarr import Array
@@ -20,11 +19,11 @@ from worker.storage.checked_chunks import METADATA
 from worker.storage.location import storage_at
 from worker.storage.protocol import whole
 from worker.stores.analysis_store import PARTS
-from worker.stores.new_store import consolidate, create_store
+from worker.stores.new_store import consolidate, new_metadata
 
 MISSING = "they are missing"
 OTHERS = "they are not those that the root has"
-COPY_IS_WRONG = "those that the root has are others, and not of such a store"
+COPY_IS_WRONG = "what they say once more of the arrays is not so"
 ROOT_IS_WRONG = "they cannot be read as those of a store"
 
 _DEMANDED = ("request", "request_sha256", "layout_version", "complete")
@@ -45,10 +44,15 @@ class Root(NamedTuple):
 
 
 class Metadata(NamedTuple):
-    """The right metadata of every array and group by path, and what is damaged: paths with what is wrong."""
+    """The right metadata of every array and group by path, and what is damaged.
+
+    ``lost`` has the paths of those that are not right in their own place, with what is wrong there. ``copy_is_wrong``
+    if the root says others once more.
+    """
 
     nodes: dict[str, Any]
-    damages: list[tuple[str, str]]
+    lost: dict[str, str]
+    copy_is_wrong: bool
 
 
 def read_root(location: str) -> Root:
@@ -110,52 +114,48 @@ def right_metadata(location: str, job: Job, root: Root, paths: list[str]) -> Met
         If those of an array are damaged in both places, and no new store has them.
     """
     complete = bool(root.attributes["complete"])
-    own_paths = {path.removesuffix(f"/{METADATA}") for path in paths if path.endswith(f"/{METADATA}")}
-    own_paths = {path for path in own_paths if path.split("/")[0] != PARTS}
-    unlisted = own_paths - root.nodes.keys() if complete else set()
-    fresh = _FreshNodes(job)
-    found = Metadata({}, [])
-    for path in [*root.nodes, *sorted(own_paths - root.nodes.keys() if complete or root.damaged else ())]:
-        if path not in own_paths and unlisted and not fresh.knows(path) and not _has_files(paths, path):
-            found.damages.append((path, COPY_IS_WRONG))  # a name that no array of the store has
+    files = {path.removesuffix(f"/{METADATA}") for path in paths if path.endswith(f"/{METADATA}")}
+    files = {path for path in files if path.split("/")[0] != PARTS}
+    unlisted = files - root.nodes.keys() if complete or root.damaged else set()
+    fresh = {path: _own(node) for path, node in new_metadata(job).items()} if isinstance(job, BasinJob) else {}
+    nodes, lost, copy_is_wrong = dict[str, Any](), dict[str, str](), False
+    for path in [*root.nodes, *sorted(unlisted)]:
+        own, copied = _sound(_read(location, path) if path in files else None), _sound(root.nodes.get(path))
+        known = not fresh or path in fresh or any(addition.owns(path) for addition in additions())
+        if own is None and complete and unlisted and path not in fresh and not _has_files(paths, path):
+            copy_is_wrong = True  # by a name that no array of the store has
             continue
-        file = _read(location, path) if path in own_paths else None
-        own, copied = _sound(file), _sound(root.nodes.get(path))
         if own is None and copied is None:
-            known = _sound(fresh.nodes.get(path))
-            if known is None or 0 in known.get("shape", ()):
-                if not fresh.knows(path):
+            copied = _sound(fresh.get(path))
+            if copied is None or 0 in copied.get("shape", ()):
+                if not known:
                     continue  # a name that is none of the store, or another program's
                 raise DamagedMetadata(location, path)
-            own, copied = None, known
-        if own is None:
-            found.damages.append((path, MISSING if path not in own_paths else OTHERS))
-        elif own != copied and not root.damaged and complete:
-            ahead = _fits(own, fresh.nodes.get(path)) > _fits(copied, fresh.nodes.get(path))
-            found.damages.append((path, COPY_IS_WRONG if copied is None or ahead else OTHERS))
-            copied = None if copied is None or ahead else copied
-            own = own if copied is None else None
-        found.nodes[path] = copied if own is None else own
-    return found
+        ahead = _agreement(own, fresh.get(path)) > _agreement(copied, fresh.get(path))
+        if own is None or (copied not in (None, own) and complete and not ahead):
+            lost[path] = OTHERS if path in files else MISSING
+            own = copied
+        copy_is_wrong |= complete and own != copied
+        nodes[path] = own
+    return Metadata(nodes, lost, copy_is_wrong)
 
 
-def restore_metadata(location: str, root: Root, metadata: Metadata, lost: list[str]) -> None:
-    """Write damaged metadata anew; of a damaged root, collect those of all arrays at it again.
+def restore_metadata(location: str, root: Root, metadata: Metadata) -> None:
+    """Write damaged metadata anew, and collect those of all arrays at the root again.
 
     Parameters
     ----------
     location : str
     root : Root
     metadata : Metadata
-    lost : list of str
-        Paths of the arrays and groups whose own metadata are damaged.
     """
     with as_store_failure(location):
         place = storage_at(location)
-        for path in lost:
+        for path in metadata.lost:
             place.write(f"{path}/{METADATA}", _written(metadata.nodes[path]))
         if root.damaged:
             place.write(METADATA, _written({"attributes": root.attributes, **_OF_ROOTS}))
+        if root.damaged or metadata.copy_is_wrong:
             consolidate(location)
 
 
@@ -216,34 +216,7 @@ def _has_files(paths: list[str], folder: str) -> bool:
     return any(path.startswith(f"{folder}/") for path in paths)
 
 
-class _FreshNodes:
-    """Metadata of a new store, made once they are asked for.
-
-    Tables of an analysis are made when it ends, and made anew when one is damaged.
-    """
-
-    def __init__(self, job: Job) -> None:
-        self._job = job
-        self._nodes: dict[str, Any] | None = None
-
-    @property
-    def nodes(self) -> dict[str, Any]:
-        if self._nodes is None:
-            self._nodes = {}
-            if isinstance(self._job, BasinJob):
-                with TemporaryDirectory() as folder:
-                    create_store(f"{folder}/store", self._job)
-                    self._nodes = read_root(f"{folder}/store").nodes
-        return self._nodes
-
-    def knows(self, path: str) -> bool:
-        """Whether a store of the job has such an array or group."""
-        if not isinstance(self._job, BasinJob) or path in self.nodes:
-            return True
-        return any(addition.owns(path) for addition in additions())
-
-
-def _fits(node: Mapping[str, Any] | None, fresh: Mapping[str, Any] | None) -> int:
+def _agreement(node: Mapping[str, Any] | None, fresh: Mapping[str, Any] | None) -> int:
     """How much of metadata is as in a new store. Lengths of solutions, and attributes, are found while computing."""
     if fresh is None or node is None:
         return 0

@@ -6,7 +6,7 @@ Decision 33 derives the bounds. Each one is generous: what it refuses could only
 import math
 
 from rattle_kernels import CellGrid, Oscillator, OutsideDomain
-from worker.errors import InvalidJob, Place
+from worker.errors import FieldPath, InvalidJob
 
 SHORTEST_FLIGHT = 2.0**-40
 """Phases are stored to 2^-53 of a period. A flight of 2^-40 is then known to four digits."""
@@ -118,7 +118,7 @@ def check_window(oscillator: Oscillator, grid: CellGrid, iterations: int) -> Osc
     return oscillator
 
 
-def check_fastest(speed: float, limit: float, why: str, place: Place = ()) -> None:
+def check_fastest(speed: float, limit: float, why: str, place: FieldPath = ()) -> None:
     """Refuse a request that reaches up to a speed beyond a limit.
 
     Parameters

@@ -4,13 +4,13 @@ import pytest
 
 from rattle_kernels import CellGrid, Oscillator, OutsideDomain
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
-from worker.decidable import FOLLOWED, check_decidable
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.jobs.grazing_curve_job import GrazingCurveJob
 from worker.jobs.orbits_job import OrbitsJob
 from worker.jobs.trajectory_request import TrajectoryRequest
+from worker.precision_limits import FOLLOWED, check_decidable
 
 
 @pytest.mark.parametrize(
