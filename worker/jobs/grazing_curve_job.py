@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field
 
 from rattle_kernels import CurveResolution
+from rattle_kernels.manifolds.grazing_preimages import STRETCHES
 from worker.errors import InvalidJob
 from worker.jobs.curve_request import MOST_POINTS, Resolution, ResolutionRequest, resolution_request
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
@@ -60,6 +61,11 @@ class GrazingCurveJob(AnalysisJob):
     def impacts(self) -> int:
         """Most applications of P: each point is the pre-image of one of the order before."""
         return self.order * self.most_points
+
+    @property
+    def tasks_at_once(self) -> int:
+        """As many as there are stretches of the curve."""
+        return STRETCHES
 
     @property
     def bytes(self) -> int:
