@@ -81,10 +81,14 @@ def _known(location: str, digest: str, level: int) -> _Known:
     parts = parts_of(machine)
     if level == LEVELS:
         ends = common_ends(ends, len(parts))
+    # Each of these takes tenths of a second of a large lattice.
+    stop_if_cancelled()
     targets = targets_of(certificate, ends, proof_of(store).read_rattling())
     if 0 < level < LEVELS:
         targets = targets._replace(lattice=refined(targets.lattice))
+        stop_if_cancelled()
         rounds = rounds.repeat(2, 0).repeat(2, 1)
+    stop_if_cancelled()
     unproven = targets.lattice.ends == UNPROVEN if level < LEVELS else np.zeros((1, 1), np.bool_)
     return _Known(machine, parts, targets, rounds, np.argwhere(unproven).astype(np.int32))
 
@@ -113,6 +117,7 @@ def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
     """Let the lattice grow from what is found of its boxes, and write it as it is after one more level."""
     store, known = BasinStore.open(location, digest), _known(location, digest, level)
     followed, trails = proof_of(store).read_followed()
+    stop_if_cancelled()
     begin = time.perf_counter()
     ends, rounds = known.targets.lattice.ends.copy(), known.rounds.copy()
     # What comes to a target at once, or to what the lattice knew before, is proven in a round of its own.
@@ -121,6 +126,7 @@ def grow_lattice(location: str, digest: str, level: int) -> GrowthReceipt:
     rounds[rows, columns] = rounds.max() + 1
     grow_all(ends, rounds, known.boxes, trails, stop_if_cancelled, len(known.parts))
     seconds = time.perf_counter() - begin
+    stop_if_cancelled()
     proof_of(store).write_lattice(level + 1, level + 1 == LEVELS, ends, rounds)
     return GrowthReceipt(ends.size, int(np.count_nonzero(ends)), int(rounds.max()), seconds)
 

@@ -97,15 +97,20 @@ def estimate(job: Job, cores: int = 1, *, measuring: bool = True) -> Estimate:
     >>> estimate(BasinJob(iterations=1)).bytes
     38000000
     """
-    stiff, together = not math.isinf(job.oscillator.stiffness), job.places > 0
-    known = measuring or (stiff, together) in _measured
-    speed = measured_speed(stiff, together) if known else _USUAL[together]
+    stiff = not math.isinf(job.oscillator.stiffness)
+    shared = {True: job.impacts_together, False: job.impacts - job.impacts_together}
+    flying = sum(impacts / _speed(stiff, together, measuring) for together, impacts in shared.items() if impacts)
     basins = job.basins if isinstance(job, BasinJob) else 0
     at_once = max(min(basins, cores), 1)
     added = [each.cost(job) for each in asked_of(job)]
-    seconds = _OF_A_JOB + basins * _OF_A_BASIN / at_once
-    seconds += (job.impacts / speed + sum(each.seconds for each in added)) / cores
+    seconds = _OF_A_JOB + basins * _OF_A_BASIN / at_once + flying / min(cores, job.tasks_at_once)
+    seconds += sum(each.seconds for each in added) / cores
     return Estimate(seconds, job.bytes + sum(each.bytes for each in added))
+
+
+def _speed(stiff: bool, together: bool, measuring: bool) -> float:
+    known = measuring or (stiff, together) in _measured
+    return measured_speed(stiff, together) if known else _USUAL[together]
 
 
 def _in_words(seconds: float) -> str:

@@ -25,8 +25,8 @@ ENDS_ELSEWHERE = 4
 """Reason why not all of a cell is proven, beside those of `following`: some of it is proven to end otherwise."""
 IMPACTS = 12
 """How many impacts a cell is followed at most."""
-# Parts of cells that are followed between two pauses.
-_PIECES_AT_A_TIME = 32768
+# Parts of cells that are followed between two pauses: some tenth of a second, even where each takes all its images.
+_PIECES_AT_A_TIME = 2048
 _ROUNDED = 2.0**-50
 
 

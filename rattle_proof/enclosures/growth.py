@@ -26,7 +26,7 @@ NUMBERS = 7
 
 # Rows of boxes that are missing: none would help, and not known yet.
 _HOPELESS, _NOT_LOOKED_UP = -1, -2
-# Boxes between two pauses: some tenths of a second of images, or of looking trails up.
+# Boxes between two pauses: some tenth of a second, of 32,768 images or of looking trails up.
 _FOLLOWED_AT_A_TIME, _GROWN_AT_A_TIME = 8192, 65536
 _OUTWARDS = 2.0**-22
 _LEAST = 2.0**-100

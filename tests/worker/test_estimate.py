@@ -9,8 +9,11 @@ import pytest
 import xarray as xr
 
 from rattle_kernels import CellGrid, Oscillator
+from rattle_kernels.lanes import run as lanes_run
+from rattle_kernels.orbits import bifurcation_diagram
 from tests.watched_run import Watch, run_watched
 from worker import estimate as estimates
+from worker.analyses.bifurcation import plan
 from worker.estimate import Estimate, estimate, measured_speed
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.bifurcation_job import BifurcationJob
@@ -133,6 +136,81 @@ def test_a_diagram_takes_the_impacts_of_every_seed_at_every_value_each_way(direc
     counted = ways * 3 * 2 * (300 + 20)
     assert job.impacts == counted
     assert estimate(job).seconds - estimates._OF_A_JOB == pytest.approx(counted / SPEED)
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """What is counted by kind of kernel: impacts of lanes in the search for seeds, and of motions one by one."""
+    counts = {"together": 0, "alone": 0}
+
+    def counting(module, name, kind, impacts):
+        function = getattr(module, name)
+
+        def count(*arguments):
+            result = function(*arguments)
+            counts[kind] += int(impacts(result, *arguments))
+            return result
+
+        monkeypatch.setattr(module, name, count)
+
+    for name in ("run_short", "run_long"):
+        counting(lanes_run, name, "together", lambda run, *_: run.applications)
+    settle, leg = bifurcation_diagram._settle_leg, bifurcation_diagram._IMPACTS_A_LEG
+
+    def settled(oscillator, search, transient):
+        before = search.counts[0]
+        outcome = settle(oscillator, search, transient)
+        counts["alone"] += int(min(search.counts[0] - before, leg))  # beyond a leg, turns were skipped
+        return outcome
+
+    monkeypatch.setattr(bifurcation_diagram, "_settle_leg", settled)
+    counting(bifurcation_diagram, "_keep_leg", "alone", lambda _, _o, _t, _v, times, speeds: times.size)
+    return counts
+
+
+# How many motions there are is guessed: these have four, three (one of them chaotic), and one.
+@pytest.mark.parametrize(
+    ("fields", "values"),
+    [({"damping": 0.502, "eccentricity": 0.0958, "half_backlash": 0.597}, [0.502, 0.503]), ({}, [0.55, 0.56, 0.57]),
+     ({"damping": 0.661, "eccentricity": 0.0759, "half_backlash": 0.773}, [0.661, 0.663])],
+)  # fmt: skip
+@pytest.mark.parametrize("direction", ["up", "both"])
+def test_a_diagram_without_seeds_takes_the_impacts_of_a_search_and_of_its_motions_within_a_factor(
+    counted, monkeypatch, fields, values, direction
+):
+    oscillator = Oscillator(**fields)
+    job = BifurcationJob(
+        oscillator=oscillator, vary=SweptParameter("damping", tuple(values)), direction=direction, transient=150, kept=8
+    )  # fmt: skip
+    parts = {}
+    while (planned := plan(job, parts)).ready:
+        for name, compute, arguments in planned.ready:
+            parts[name] = compute(*arguments, pause=lambda: None)
+    assert counted["together"] <= job.impacts_together * 1.1 <= 2 * counted["together"]
+    assert counted["alone"] <= job.impacts - job.impacts_together <= 4 * counted["alone"]
+    kept = sum(columns["time"].size for name, columns in parts.items() if name != "seeds")
+    assert 17 * kept <= job.bytes <= 4 * 17 * kept
+    # The search flies many at once; motions are followed one by one.
+    monkeypatch.setattr(estimates, "measured_speed", lambda stiff, together: 30 * SPEED if together else SPEED)
+    impacts = job.impacts_together / 30 + job.impacts - job.impacts_together
+    assert estimate(job).seconds - estimates._OF_A_JOB == pytest.approx(impacts / SPEED)
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "tasks"),
+    [
+        ("bifurcation", {"seeds": [{"time": 0.76, "velocity": 4.0}] * 3}, 3),
+        ("bifurcation", {}, 4),
+        ("orbits", {"seeds": [{"time": 0.6, "velocity": 3.77}]}, 1),
+        ("manifold", {"saddles": [{"time": 0.6, "velocity": 3.77}], "side": "both"}, 4),
+        ("grazing_curve", {}, 8),
+    ],
+)
+def test_no_more_cores_are_counted_than_there_are_tasks_at_once(kind, fields, tasks):
+    vary = {"vary": {"parameter": "damping", "start": 0.5, "stop": 0.6, "count": 1000}} if kind == "bifurcation" else {}
+    job = KINDS[kind].job_class.from_request(fields | vary)
+    seconds = {cores: estimate(job, cores).seconds - estimates._OF_A_JOB for cores in (1, tasks, 64)}
+    assert seconds[64] == seconds[tasks] == pytest.approx(seconds[1] / tasks)
 
 
 # Kernels that are not compiled are functions whose calls can be counted, wherever they are called.

@@ -20,7 +20,7 @@ from rattle_kernels.numerics.pausing import Pause
 from rattle_kernels.orbits.bifurcation_diagram import Motions, follow_values
 from worker.analyses.analysis import Analysis, AnalysisView, Parts, Piece, Plan
 from worker.errors import NotFound
-from worker.jobs.bifurcation_job import BifurcationJob, Direction
+from worker.jobs.bifurcation_job import SETTLING, STARTS, BifurcationJob, Direction
 from worker.jobs.region import Region
 from worker.jobs.swept_parameter import Parameter
 from worker.pictures.colours import paints_of_names
@@ -31,9 +31,6 @@ from worker.stores.layout import MISSING, PERIODS, SPEED, Columns, Variable, fla
 
 # Applications of P in a stretch, about two seconds.
 _APPLICATIONS = 1_000_000
-# Departures along each axis in the search for attractors, and impacts until their motions have settled.
-_STARTS = 48
-_SETTLING = 1499
 # Most stretches per seed in the summary. A diagram through chaos has thousands.
 _MOST_STRETCHES = 200
 # Motions in the legend of a picture.
@@ -80,11 +77,11 @@ def find_seeds(oscillator: Oscillator, region: Region, *, pause: Pause) -> Colum
     NotFound
         If all motions become quiet.
     """
-    middles = (np.arange(_STARTS) + 0.5) / _STARTS
+    middles = (np.arange(STARTS) + 0.5) / STARTS
     t, v = np.meshgrid(
         *(axis.start + (axis.stop - axis.start) * middles for axis in (region.time, region.velocity)),
     )
-    landed, _ = run_lanes(oscillator, t.ravel(), v.ravel(), _SETTLING, shortcuts=False, pause=pause)
+    landed, _ = run_lanes(oscillator, t.ravel(), v.ravel(), SETTLING, shortcuts=False, pause=pause)
     seeds = choose_seeds(oscillator, landed.t, landed.v)
     found = find_attractors(oscillator, seeds.time, seeds.velocity, pause=pause)
     moving = [each for each in found if each.kind == AttractorKind.PERIODIC or each.is_chaotic]

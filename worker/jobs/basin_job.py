@@ -202,6 +202,11 @@ class BasinJob(_AllFields):
         return round(self.places * expected_applications(self._least_damping, self.iterations))
 
     @property
+    def impacts_together(self) -> int:
+        """All of them: cells fly side by side."""
+        return self.impacts
+
+    @property
     def bytes(self) -> int:
         """Most bytes of the store before compression."""
         # Levels have a quarter, a sixteenth ... of the cells, so a third of them or, at the edges, little more.

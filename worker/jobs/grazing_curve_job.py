@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field
 
 from rattle_kernels import CurveResolution
+from rattle_kernels.manifolds.grazing_preimages import STRETCHES
 from worker.errors import InvalidJob
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
 from worker.jobs.region import MOST_POINTS, SPEEDS, Interval, Resolution, ResolutionRequest, check_speeds, papers_speeds
@@ -59,6 +60,11 @@ class GrazingCurveJob(AnalysisJob):
     def impacts(self) -> int:
         """Most applications of P: each point is the pre-image of one of the order before."""
         return self.order * self.most_points
+
+    @property
+    def tasks_at_once(self) -> int:
+        """As many as there are stretches of the curve."""
+        return STRETCHES
 
     @property
     def bytes(self) -> int:

@@ -199,6 +199,11 @@ class ManifoldJob(AnalysisJob):
         return searched + self._points * _IMAGES_OF_A_POINT
 
     @property
+    def tasks_at_once(self) -> int:
+        """As many as there are branches."""
+        return 2 * len(self.side.each) * len(self.saddles_)
+
+    @property
     def bytes(self) -> int:
         """Usual number of bytes: phase and speed of each point."""
         return self._points * 16
@@ -206,7 +211,7 @@ class ManifoldJob(AnalysisJob):
     @property
     def _points(self) -> int:
         branch = math.ceil(min(self.most_points, self.arclength / self.resolution_.chord))
-        return 2 * len(self.side.each) * len(self.saddles_) * branch
+        return self.tasks_at_once * branch
 
     def _settled(self) -> dict[str, Any]:
         if self.arclength <= 0.0:

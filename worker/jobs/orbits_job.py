@@ -174,6 +174,11 @@ class OrbitsJob(AnalysisJob):
         return searched + _NEWTON_STEPS * 2 * points * turns
 
     @property
+    def tasks_at_once(self) -> float:
+        """As many as there are seeds; a region has bands enough."""
+        return len(self.seeds) if self.seeds else super().tasks_at_once
+
+    @property
     def bytes(self) -> int:
         """Usual number of bytes: those of branches, if there are any."""
         points = sum(each.most_points for each in (self.continuation, self.curves) if each)

@@ -1,6 +1,7 @@
 """Names of the motions of a bifurcation diagram, at each value: a branch keeps neither period nor contacts."""
 
 import json
+from functools import lru_cache
 
 import numpy as np
 import pandas as pd
@@ -14,11 +15,13 @@ from worker.stores.layout import Columns
 NO_PERIOD = "no period seen"
 """Chaos, a period of more impacts than half of those kept, or a motion that has not settled yet."""
 MOST_NAMED = 10_000
-"""Most motions that are named: each is followed once around."""
+"""Most motions that are named: each is followed once around, which takes some seconds for all of them."""
 _QUIET = "permanent contact"
 _CONTACTS_A_DEPARTURE = 64
 
 
+# A picture, its formats and tables name the same motions, and a diagram that grows those of before. Some 10 MB.
+@lru_cache(maxsize=2 * MOST_NAMED)
 def itinerary(oscillator: Oscillator, t: float, v: float, impact_period: int) -> str:
     """Name P(m,n+,n-) of a motion that repeats itself, from one of its departures and its impact period."""
     beta = oscillator.half_backlash

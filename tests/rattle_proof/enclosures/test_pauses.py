@@ -113,6 +113,29 @@ def test_cells_are_proven_with_pauses(counted, monkeypatch, levels, pieces):
     assert pieces / 2 < counted.most <= pieces
 
 
+# An image takes some three microseconds, so a proof looks ten times a second whether it is cancelled.
+MOST_IMAGES = 32768
+
+
+@pytest.mark.parametrize("levels", range(cells.MOST_LEVELS + 1))
+def test_cells_take_no_more_images_between_two_pauses_than_a_tenth_of_a_second(counted, monkeypatch, levels):
+    monkeypatch.setattr(cells, "_prove_all", lambda *_: None)
+    counted.count(cells, "_prove_all", lambda *arguments: arguments[5].size * 4**levels * cells.IMPACTS)
+    grid, colours = CellGrid(time_cells=300, velocity_cells=200), np.zeros((200, 300), np.int16)
+    nowhere = _nowhere(Lattice(1.0, 0, np.zeros((1, 1), np.uint16)))
+    cells.prove_cells(_machine(), FIG_7, nowhere, grid, (0, 200), (0, 300), colours, levels, counted.pause)
+    assert MOST_IMAGES / 4 < counted.most <= MOST_IMAGES
+
+
+def test_boxes_take_no_more_images_between_two_pauses_than_a_tenth_of_a_second(counted, monkeypatch):
+    monkeypatch.setattr(growth, "follow_boxes", lambda *_: None)
+    counted.count(growth, "follow_boxes", lambda *arguments: len(arguments[3]) * growth.IMPACTS)
+    boxes, lattice = np.zeros((100_000, 2), np.int32), Lattice(1.0, 0, np.zeros((1, 1), np.uint16))
+    ends, trails = np.zeros(len(boxes), np.uint16), growth.empty_trails(len(boxes))
+    growth.follow_all(_machine(), FIG_7, _nowhere(lattice), boxes, ends, trails, counted.pause)
+    assert MOST_IMAGES / 4 < counted.most <= MOST_IMAGES
+
+
 def test_targets_are_proven_with_pauses(counted, monkeypatch):
     """One box of actions, one disc, one impact of the attractor, or so many boxes of a set, between two pauses."""
     attractors = find_attractors(FIG_7, [0.89829, 0.553], [3.76991, 4.703])

@@ -5,6 +5,7 @@ import pytest
 
 import rattle
 from rattle_kernels import Oscillator, find_attractors
+from worker.results import motion_names
 from worker.results.motion_names import NO_PERIOD, itinerary
 from worker.results.tables import table_of
 
@@ -38,3 +39,20 @@ def test_a_name_counts_periods_and_contacts_of_both_walls():
             t, v = float(motion.time[0]), float(motion.velocity[0])
             assert itinerary(Oscillator(0.55, 0.1, 0.6), t, v, motion.upper_contacts) == name
     assert any(name.startswith("P(") for name in found)
+
+
+def test_motions_are_followed_once_whatever_reads_their_names(diagram, monkeypatch):
+    followed = []
+    follow = motion_names.time_history
+
+    def counting(*arguments, **options):
+        followed.append(arguments)
+        return follow(*arguments, **options)
+
+    monkeypatch.setattr(motion_names, "time_history", counting)
+    itinerary.cache_clear()
+    tables = [table_of(diagram, "impact_period") for _ in range(2)]
+    assert tables[0]["name"].tolist() == tables[1]["name"].tolist()
+    assert len(followed) == sum(name.startswith("P(") for name in tables[0]["name"]) > 0
+    # One diagram of as many motions as are named at all finds room.
+    assert itinerary.cache_info().maxsize >= motion_names.MOST_NAMED

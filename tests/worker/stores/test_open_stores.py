@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from worker.results.viewer import outline_basin, read_tile_labels
 
 from rattle_kernels import CellGrid
 from tests.worker.basins.made_up import CHAOS, QUIET, RATTLE
@@ -16,6 +15,7 @@ from worker.jobs.basin_job import BasinJob
 from worker.jobs.grazing_curve_job import GrazingCurveJob
 from worker.kinds import KINDS
 from worker.results.summary import summarise
+from worker.results.viewer import outline_basin, read_tile_labels
 from worker.stores import layout, opening
 from worker.stores.analysis_store import AnalysisStore, kind_of_store
 from worker.stores.basin_store import BasinStore
