@@ -27,9 +27,8 @@ class PanelOutline:
     ``solutions`` are those of the whole store, by number, with this basin's own points (none if it lacks the solution)
     and ``shares`` (NaN until the basin is complete), and their ``loudness`` here. ``expected`` is its mean over the
     window, None until the basin is complete. ``states`` are `TileState` codes of the basin's tiles, numbered from
-    ``first_tile``. ``levels`` are the coarser ones that can be read. ``added`` has what packages say of
-    it. ``curve`` holds phases and speeds of the grazing
-    curve.
+    ``first_tile``. ``levels`` are the coarser ones that can be read. ``added`` has what packages say of the basin.
+    ``curve`` holds phases and speeds of the grazing curve.
     """
 
     basin: int
