@@ -239,9 +239,9 @@ def attractors_of(dataset: xr.Dataset) -> tuple[Attractor, ...]:
     if "kind" not in dataset:
         return ()
     names = [variable.name for variable in (*MOTIONS[:4], *MEASURED[1:])]
-    numbers = zip(*(dataset[name].values.tolist() for name in names), strict=True)
+    rows = zip(*(dataset[name].values.tolist() for name in names), strict=True)
     # Those at the end may have their place, and not yet their motions.
-    numbers = itertools.takewhile(lambda row: row[0] != MOTIONS[0].fill, numbers)
+    numbers = itertools.takewhile(lambda row: row[0] != MOTIONS[0].fill, rows)
     points = zip(dataset.attractor_time.values, dataset.attractor_velocity.values, strict=True)
     ends: Iterable[tuple[tuple[int, float], ...]]
     ends = map(ends_in, dataset[ENDS.name].values) if ENDS.name in dataset else itertools.repeat(())
