@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 from numpydoc.validate import validate
-from worker.jobs.proofs.request import ProofRequest
 
 import rattle
 from rattle.arguments import job_of
@@ -17,6 +16,7 @@ from rattle.cli.options import LEAST, options_of, texts_of
 from rattle.verbs import VERBS
 from worker.jobs.curve_request import ResolutionRequest
 from worker.jobs.oscillator_request import ImpactingOscillator, PiecewiseLinearOscillator
+from worker.jobs.proof_request import ProofRequest
 from worker.jobs.sample import Sample
 from worker.jobs.trajectory_request import StartRequest, TrajectoryRequest
 from worker.kinds import KINDS
