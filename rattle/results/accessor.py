@@ -568,25 +568,22 @@ class Result:
         import matplotlib.pyplot as plt
 
         look, kind = self._look(overlays, legend, colors, palette), self._kind
-        if ax is not None:
+        if ax is None:
+            figure = plt.figure(figsize=_SIZE, layout="constrained")
+            kind.draw(self._dataset, figure, look)
             if kind.draw_on is None:
-                over = "or lay it over a basin with .rattle.overlay(ax=ax)" if kind.overlays is not None else ""
-                raise InvalidJob(
-                    f"a result of kind {self.kind} is drawn on a figure of its own: leave out ax {over}".rstrip()
-                )
+                if title is not None:
+                    figure.suptitle(title)
+                return figure
+            ax = figure.axes[0]
+        elif kind.draw_on is not None:
             kind.draw_on(self._dataset, ax, look)
-            if title is not None:
-                ax.set_title(title)
-            return ax
-        figure = plt.figure(figsize=_SIZE, layout="constrained")
-        kind.draw(self._dataset, figure, look)
-        if kind.draw_on is None:
-            if title is not None:
-                figure.suptitle(title)
-            return figure
+        else:
+            over = " or lay it over a basin with .rattle.overlay(ax=ax)" if kind.overlays is not None else ""
+            raise InvalidJob(f"a result of kind {self.kind} is drawn on a figure of its own: leave out ax{over}")
         if title is not None:
-            figure.axes[0].set_title(title)
-        return figure.axes[0]
+            ax.set_title(title)
+        return ax
 
     def _look(
         self, overlays: Collection[str] | None, legend: bool, colors: Mapping[str, Any] | None, palette: str | None
