@@ -1,7 +1,6 @@
 """What to compute: a basin, or one for each combination of swept parameters, on a grid of cells or on a sample."""
 
 import math
-from collections.abc import Callable, Collection
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
@@ -12,7 +11,6 @@ from rattle_kernels.cell_mapping.cell_grid import check_grid
 from rattle_kernels.cell_mapping.iterations import check_iterations
 from worker.additions import additions, asked_of, with_fields
 from worker.errors import InvalidJob, SweptOutsideDomain
-from worker.jobs.first_refused import first_fault
 from worker.jobs.job import Job, Sizes
 from worker.jobs.request import Count, Real, Request, accepting, as_real, told
 from worker.jobs.sample import Sample
@@ -175,11 +173,6 @@ class BasinJob(_AllFields):
         """k: as requested, or large enough for a settled picture at the lowest damping."""
         return self.iterations_ or settled_iterations(self._least_damping)
 
-    @cached_property
-    def oscillator(self) -> Oscillator:
-        """Oscillator of the first basin, checked."""
-        return self.oscillator_of(0)
-
     def sizes(self) -> Sizes:
         """Sizes of the request, for limits."""
         cells = self.places // self.basins if self.basins else 0
@@ -233,35 +226,12 @@ class BasinJob(_AllFields):
         settled |= {each.name: each.check(self, self.has_levels) for each in asked_of(self)}
         return settled if self.sample is None else settled | {"sample": self.sample}
 
-    def check_oscillators(
-        self, check: Callable[[Oscillator], Oscillator], *, convex: Collection[str] | None = None
-    ) -> None:
-        """Check the oscillators of all basins.
-
-        Parameters
-        ----------
-        check : callable
-            Raises `OutsideDomain`.
-        convex : collection of str, optional
-            Parameters in which the check is convex; by default all but phases.
-
-        Raises
-        ------
-        OutsideDomain, SweptOutsideDomain
-            The latter names the first swept value at fault.
-        """
-        fault = first_fault(self.oscillator_.value, self.vary, check, convex)
-        if fault is None:
-            return
-        place, error = fault
-        if not self.vary or not isinstance(error, OutsideDomain):
-            raise error
+    def _swept_error(self, place: tuple[int, ...], error: OutsideDomain) -> SweptOutsideDomain:
         axis = self._at_fault(error.parameter)
-        values = ", ".join(
-            f"{swept.parameter} = {swept.values[at]:g}" for swept, at in zip(self.vary, place, strict=True)
-        )
+        pairs = zip(self.vary, place, strict=True)
+        values = ", ".join(f"{swept.parameter} = {swept.values[at]:g}" for swept, at in pairs)
         where = f"value {place[axis]} of {self.vary[axis].parameter} (at {values})"
-        raise SweptOutsideDomain(error, ("vary", axis, "values", place[axis]), where) from error
+        return SweptOutsideDomain(error, ("vary", axis, "values", place[axis]), where)
 
     def _at_fault(self, parameter: str) -> int:
         """Which swept parameter puts a basin outside the domain by one of its oscillator's parameters."""

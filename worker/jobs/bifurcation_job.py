@@ -1,6 +1,5 @@
 """What to compute: a bifurcation diagram, by following motions from value to value of one parameter."""
 
-from collections.abc import Callable, Collection
 from enum import StrEnum
 from functools import cached_property
 from typing import Annotated, Any, Literal
@@ -10,7 +9,6 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import Oscillator, OutsideDomain, check_domain
 from worker.errors import InvalidJob, SweptOutsideDomain
-from worker.jobs.first_refused import first_fault
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import Departure, Region
 from worker.jobs.request import INTEGRAL, Count
@@ -138,11 +136,6 @@ class BifurcationJob(AnalysisJob):
             raise InvalidJob(str(error), tuple(part for part in error.place if part != 0)) from error
         return ascending
 
-    @cached_property
-    def oscillator(self) -> Oscillator:
-        """Oscillator at the lowest value, checked."""
-        return check_domain(self.oscillator_at(self.vary.values[0]))
-
     def oscillator_at(self, value: float) -> Oscillator:
         """Oscillator with a value of the parameter.
 
@@ -160,31 +153,9 @@ class BifurcationJob(AnalysisJob):
     def _swept(self) -> tuple[SweptParameter, ...]:
         return (self.vary,)
 
-    def check_oscillators(
-        self, check: Callable[[Oscillator], Oscillator], *, convex: Collection[str] | None = None
-    ) -> None:
-        """Check the oscillators at all values.
-
-        Parameters
-        ----------
-        check : callable
-            Raises `OutsideDomain`.
-        convex : collection of str, optional
-            Parameters in which the check is convex; by default all but phases.
-
-        Raises
-        ------
-        SweptOutsideDomain
-            Naming the first value at fault.
-        """
-        fault = first_fault(self.oscillator_.value, [self.vary], check, convex)
-        if fault is None:
-            return
-        (place,), error = fault
-        if not isinstance(error, OutsideDomain):
-            raise error
-        where = f"{self.vary.parameter} = {self.vary.values[place]:g}"
-        raise SweptOutsideDomain(error, ("vary", "values", place), where) from error
+    def _swept_error(self, place: tuple[int, ...], error: OutsideDomain) -> SweptOutsideDomain:
+        where = f"{self.vary.parameter} = {self.vary.values[place[0]]:g}"
+        return SweptOutsideDomain(error, ("vary", "values", place[0]), where)
 
     @property
     def visits(self) -> np.ndarray:

@@ -40,7 +40,6 @@ def first_fault(
     ----------
     oscillator : Oscillator
     vary : sequence of SweptParameter
-        None of them for one oscillator.
     check : callable
         Raises `OutsideDomain` or `InvalidJob`.
     convex : iterable of str, optional
@@ -64,7 +63,7 @@ def first_fault(
         return place in errors
 
     surely = partial(pressed_for_sure, oscillator, vary, quiet=convex is not None)
-    place = first_refused(axes_of(vary, convex), refused, surely)
+    place = first_refused(_axes_of(vary, convex), refused, surely)
     return None if place is None else (place, errors[place])
 
 
@@ -136,19 +135,8 @@ def _first(
     return last
 
 
-def axes_of(vary: Iterable[SweptParameter], convex: Iterable[str] | None) -> list[Axis]:
-    """Axes of swept parameters for `first_refused`.
-
-    Parameters
-    ----------
-    vary : iterable of SweptParameter
-    convex : iterable of str, optional
-        Parameters in which the check is convex, beside half backlash, eccentricity and amplitudes; by default all.
-
-    Returns
-    -------
-    list of Axis
-    """
+def _axes_of(vary: Iterable[SweptParameter], convex: Iterable[str] | None) -> list[Axis]:
+    """Axes of swept parameters: a check is always convex in half backlash, eccentricity and amplitudes."""
     return [Axis(len(swept.values), _is_convex(swept.parameter, convex)) for swept in vary]
 
 

@@ -20,7 +20,8 @@ from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_v
 
 from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_impacting, check_quiet
 from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
-from worker.errors import InvalidJob
+from worker.errors import InvalidJob, SweptOutsideDomain
+from worker.jobs.first_refused import first_fault
 from worker.jobs.oscillator_request import (
     ImpactingOscillator,
     OscillatorRequest,
@@ -170,9 +171,14 @@ class Job(Request, ABC):
 
     @cached_property
     def oscillator(self) -> Oscillator:
-        """Oscillator of the kernels, checked."""
-        asked = self.oscillator_.value
+        """Oscillator of the kernels, at the first values of what is swept, checked."""
+        asked = self.oscillator_.value.at(**{swept.parameter: swept.values[0] for swept in self._swept})
         return check_impacting(asked, INVERSE_OF_IMPACTS) if self.impacting_only else check_domain(asked)
+
+    @property
+    def _swept(self) -> tuple[SweptParameter, ...]:
+        """Swept parameters with their values, checked."""
+        return ()
 
     def check_oscillators(
         self, check: Callable[[Oscillator], Oscillator], *, convex: Collection[str] | None = None
@@ -188,9 +194,23 @@ class Job(Request, ABC):
 
         Raises
         ------
-        OutsideDomain
+        OutsideDomain, SweptOutsideDomain
+            The latter names the first swept value at fault.
         """
-        check(self.oscillator)
+        if not self._swept:
+            check(self.oscillator)
+            return
+        fault = first_fault(self.oscillator_.value, self._swept, check, convex)
+        if fault is None:
+            return
+        place, error = fault
+        if isinstance(error, OutsideDomain):
+            raise self._swept_error(place, error) from error
+        raise error
+
+    def _swept_error(self, place: tuple[int, ...], error: OutsideDomain) -> SweptOutsideDomain:
+        """The error of the oscillator at a place of the swept values."""
+        raise NotImplementedError
 
     def check_quiet(self) -> None:
         """Refuse a job that has an oscillator without a quiet solution (Eq. 3).
@@ -270,11 +290,6 @@ class Job(Request, ABC):
         for swept, other in zip(ranges, others, strict=True):
             yield from values_as_json(swept.values)
             yield other
-
-    @property
-    def _swept(self) -> tuple[SweptParameter, ...]:
-        """Swept parameters with their values, checked."""
-        return ()
 
 
 class AnalysisJob(Job):

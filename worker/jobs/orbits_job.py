@@ -11,7 +11,7 @@ from rattle_kernels.model.domain import closed_edges
 from worker.errors import InvalidJob
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import SEARCH_CELLS, Departure, Region
-from worker.jobs.request import Count, Real, Whole, as_real, told, values_config
+from worker.jobs.request import Count, Real, Whole, as_real, told
 from worker.jobs.swept_parameter import Parameter, is_phase
 
 _EXAMPLE: dict[str, Any] = {
@@ -50,7 +50,7 @@ class OrbitSeed(Departure):
     InvalidJob
     """
 
-    __pydantic_config__: ClassVar[ConfigDict] = values_config("OrbitSeedRequest")
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", title="OrbitSeedRequest")
 
     period: Annotated[Whole, Field(description="Impact period: n+ of P(m, n+, n-), or a multiple of it"), PERIODS] = 1
 
@@ -69,7 +69,7 @@ class OrbitSeed(Departure):
 class Continuation:
     """A parameter to follow something in, from where to where, and the most points each way."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = values_config("ContinuationRequest")
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", title="ContinuationRequest")
 
     parameter: Parameter
     start: Annotated[Real, Field(description="Lowest value")]

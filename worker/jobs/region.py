@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 from rattle_kernels import CellGrid, CurveResolution, ManifoldLimits
 from rattle_kernels.manifolds.polyline import check_resolution
 from worker.errors import FieldPath, InvalidJob
-from worker.jobs.request import Real, Request, accepting, as_real, told, values_config
+from worker.jobs.request import Real, Request, accepting, as_real, told
 
 _WINDOW = CellGrid()
 _RESOLUTION = CurveResolution()
@@ -30,7 +30,7 @@ class Departure:
         If it does not lie in the section of departures from +beta.
     """
 
-    __pydantic_config__: ClassVar[ConfigDict] = values_config("SeedRequest")
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", title="SeedRequest")
 
     time: Annotated[Real, Field(description="Phase t, forcing periods")]
     velocity: Annotated[Real, Field(description="Speed v of the departure, above 0"), told(exclusiveMinimum=0)]
@@ -52,7 +52,7 @@ class Departure:
 class Interval:
     """An interval from ``start`` to ``stop``."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = values_config("Interval")
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", title="Interval")
 
     start: Real
     stop: Real
@@ -112,7 +112,7 @@ class Region:
         If phases do not ascend within [0, 1], or speeds do not ascend from 0 or more.
     """
 
-    __pydantic_config__: ClassVar[ConfigDict] = values_config("RegionRequest")
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", title="RegionRequest")
 
     time: Annotated[Interval, Field(description="Phases within 0 and 1"), PHASES] = field(default_factory=papers_phases)
     velocity: Annotated[Interval, Field(description="Speeds of departure"), SPEEDS] = field(

@@ -60,21 +60,6 @@ class Request(BaseModel):
         _FIELDS.update(name.rstrip("_") for name in cls.model_fields)
 
 
-def values_config(title: str) -> ConfigDict:
-    """Configuration of a dataclass that is part of a request.
-
-    Parameters
-    ----------
-    title : str
-        Its name in the OpenAPI document.
-
-    Returns
-    -------
-    ConfigDict
-    """
-    return ConfigDict(extra="forbid", title=title)
-
-
 def told(**keywords: Any) -> Any:
     """Keywords of JSON Schema for what a request's own check demands: its message tells more than pydantic's.
 

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import CellGrid
 from worker.errors import InvalidJob
-from worker.jobs.request import INTEGRAL, Count, told, values_config
+from worker.jobs.request import INTEGRAL, Count, told
 
 _BITS = 30
 _MOST_SCRAMBLINGS = 1000
@@ -39,7 +39,7 @@ class Sample:
     Sample(points=512, seed=0, scramblings=1)
     """
 
-    __pydantic_config__: ClassVar[ConfigDict] = values_config("SampleRequest")
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", title="SampleRequest")
 
     points: Annotated[Count, Field(description="Number of points"), told(maximum=1 << _BITS)]
     seed: Annotated[int, Field(strict=True, ge=0, description="The same seed gives the same points"), INTEGRAL] = 0

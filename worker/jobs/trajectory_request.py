@@ -10,37 +10,6 @@ from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorReques
 from worker.jobs.request import Count, Real, Request, as_real
 from worker.precision_limits import check_decidable, check_fastest, fastest_resolved
 
-
-def initial_state(
-    oscillator: Oscillator, time: float, velocity: float, displacement: float | None
-) -> tuple[float, float, float]:
-    """Initial t, Phi, Phi'; without a displacement, those of a departure from +beta with speed `velocity`.
-
-    Parameters
-    ----------
-    oscillator : Oscillator
-    time, velocity : float
-    displacement : float or None
-
-    Returns
-    -------
-    tuple of float
-
-    Raises
-    ------
-    InvalidJob
-        If a departure's speed is not positive.
-    """
-    if displacement is not None:
-        return time, displacement, velocity
-    if not velocity > 0.0:
-        raise InvalidJob(
-            f"velocity must be positive, not {velocity:g}: without a displacement it is the speed of a departure "
-            "from +beta"
-        )
-    return time, oscillator.half_backlash, -velocity
-
-
 # Bounds stand before the validator, or the schema lacks them.
 _Displacement = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1e6, le=1e6), AfterValidator(as_real)]
 # Without a displacement the velocity is the speed of a departure.
@@ -62,6 +31,23 @@ class StartRequest(Request):
     velocity: Real = Field(
         ge=-1e6, le=1e6, description="Signed velocity Phi'; without a displacement, the speed v > 0 of the departure"
     )
+
+    def state(self, oscillator: Oscillator) -> tuple[float, float, float]:
+        """Initial t, Phi and Phi' of the kernels.
+
+        Raises
+        ------
+        InvalidJob
+            If a departure's speed is not positive.
+        """
+        if self.displacement is not None:
+            return self.time, self.displacement, self.velocity
+        if not self.velocity > 0.0:
+            raise InvalidJob(
+                f"velocity must be positive, not {self.velocity:g}: without a displacement it is the speed of a "
+                "departure from +beta"
+            )
+        return self.time, oscillator.half_backlash, -self.velocity
 
 
 class TrajectoryRequest(Request):
@@ -107,7 +93,7 @@ class TrajectoryRequest(Request):
         why = f"at half backlash {oscillator.half_backlash:g} double precision does not resolve shorter flights"
         check_fastest(abs(self.start.velocity), fastest_resolved(oscillator), why, ("start", "velocity"))
         check_quiet_unless_allowed(lambda: check_quiet(oscillator), allowed=self.oscillator.allow_no_quiet_solution)
-        state = initial_state(oscillator, self.start.time, self.start.velocity, self.start.displacement)
+        state = self.start.state(oscillator)
         try:
             return time_history(
                 oscillator, *state, periods=self.periods, samples_per_period=self.samples_per_period,

@@ -97,13 +97,7 @@ class BasinStore:
 
     @classmethod
     def open(cls, location: str, digest: str | None = None) -> "BasinStore":
-        """The store at a location, opened once in each process.
-
-        Parameters
-        ----------
-        location : str
-        digest : str, optional
-            Of the job that a task belongs to. Its store is then the one that this process has opened for it.
+        """The store at a location, opened once in each process; for a task that of its job, which has this digest.
 
         Raises
         ------

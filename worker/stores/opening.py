@@ -47,16 +47,7 @@ _LOCK = threading.Lock()
 def opened_once(open_at: Callable[[str], _AnyStore], location: str) -> _AnyStore:
     """What `open_at` makes of a location, made once in each process for as long as the root there stays as it is.
 
-    Parameters
-    ----------
-    open_at : callable
-        Opens a store to read. What it raises is raised, and not kept.
-    location : str
-
-    Returns
-    -------
-    object
-        Shared by all threads.
+    All threads share it. What `open_at` raises is raised, and not kept.
     """
     root = _root_at(location)
     with _LOCK:
@@ -75,13 +66,6 @@ def opened_once(open_at: Callable[[str], _AnyStore], location: str) -> _AnyStore
 @cached(LRUCache(_MOST_JOBS), lock=threading.Lock())
 def opened_for_tasks(open_at: Callable[[str], Any], location: str, digest: str) -> Any:
     """Store of the job with this digest, for its tasks. The same digest means the same layout: no look at the root.
-
-    Parameters
-    ----------
-    open_at : callable
-        Opens a store.
-    location : str
-    digest : str
 
     Raises
     ------
@@ -105,16 +89,7 @@ def _root_at(location: str) -> bytes | None:
 
 
 def trusted_job(job_class: Callable[[dict[str, Any], str], _AnyJob], location: str, attributes: Any) -> _AnyJob:
-    """Job of a store, as `Job.trusted` has it.
-
-    Parameters
-    ----------
-    job_class : callable
-        Makes the job of its request and its digest.
-    location : str
-        The store, as errors name it.
-    attributes : mapping
-        Of the store.
+    """Job of a store with these attributes; `job_class` makes it of its request and its digest.
 
     Raises
     ------

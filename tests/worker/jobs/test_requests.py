@@ -3,6 +3,7 @@
 import json
 import pickle
 
+import numpy as np
 import pytest
 
 from rattle_kernels import CellGrid, Oscillator, OutsideDomain
@@ -15,7 +16,7 @@ from worker.jobs.orbits_job import Continuation, OrbitSeed, OrbitsJob
 from worker.jobs.oscillator_request import ImpactingOscillator, PiecewiseLinearOscillator
 from worker.jobs.region import Departure, Interval, Region
 from worker.jobs.sample import Sample
-from worker.jobs.swept_parameter import SweptParameter
+from worker.jobs.swept_parameter import Spacing, SweptParameter
 
 DAMPING = SweptParameter("damping", (0.5, 0.6))
 STIFF = Oscillator(stiffness=100.0, permanent_after=1.0)
@@ -116,3 +117,28 @@ def test_the_oscillators_of_requests_have_the_fields_and_defaults_of_the_kernels
     assert ImpactingOscillator().value == Oscillator()
     stiff = PiecewiseLinearOscillator(model="piecewise_linear", stiffness=100.0)
     assert stiff.value == Oscillator(stiffness=100.0)
+
+
+def test_swept_values_are_of_one_class_however_they_are_given():
+    listed = SweptParameter("damping", np.array([0.5, 0.55, 0.6]))
+    spaced = SweptParameter("damping", start=0.5, stop=0.6, count=3)
+    assert spaced.values == listed.values == (0.5, 0.55, 0.6) and spaced.settled() == listed
+    assert SweptParameter.spaced("damping", 0.5, 0.6, 3, Spacing.LINEAR) == listed == pickle.loads(pickle.dumps(listed))
+    assert repr(spaced) == str(listed) == "SweptParameter(parameter='damping', values=(0.5, 0.55, 0.6))"
+    assert SweepJob(vary=[spaced]) == SweepJob(vary=[listed])
+    with pytest.raises(InvalidJob, match="spaced geometrically from and to values above 0"):
+        SweptParameter.spaced("damping", 0.0, 0.6, 3, Spacing.GEOMETRIC)
+
+
+def test_the_value_of_a_part_of_a_request_is_made_once():
+    job = BasinJob.from_request({"oscillator": {"harmonics": [{"order": 3, "amplitude": 1e-3}]}})
+    assert job.oscillator_.value is job.oscillator_.value and job.grid_.value is job.grid_.value
+    assert job.oscillator == job.oscillator_.value and job.grid == job.grid_.value
+
+
+def test_harmonics_are_in_order_and_a_swept_one_has_its_first_value():
+    harmonics = [{"order": 3, "amplitude": 1e-3}, {"order": 2, "amplitude": 1e-4, "phase": 0.5}]
+    request = {"oscillator": {"harmonics": harmonics}, "vary": [{"parameter": "amplitude_3", "values": [2e-3, 3e-3]}]}
+    assert SweepJob.from_request(request).request()["oscillator"]["harmonics"] == [
+        {"order": 2, "amplitude": 1e-4, "phase": 0.5}, {"order": 3, "amplitude": 2e-3, "phase": 0.0},
+    ]  # fmt: skip
