@@ -47,6 +47,7 @@ __version__ = version("gear-rattle")
 __all__ = [
     "BasinJob",
     "BifurcationJob",
+    "GearPair",
     "GrazingCurveJob",
     "InvalidJob",
     "JobCancelled",
