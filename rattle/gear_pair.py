@@ -27,6 +27,7 @@ from worker.jobs.request import Real, Request, Whole, refusal
 
 if TYPE_CHECKING:
     import pint
+    import xarray as xr
 
     Quantity = float | str
     """A number in SI units, or a number with its unit, as in ``"3000 rpm"``."""
@@ -34,6 +35,21 @@ if TYPE_CHECKING:
 _TWO_PI = 2.0 * math.pi
 _FOUR_PI = 4.0 * math.pi
 _HIGHEST_ORDER = 1000
+MACHINE = "machine"
+"""Attribute of a result that says of which machine it is, as JSON."""
+# Variables of results and what they are called in SI. Those that have a value for each cell are left to their readers.
+_IN_SI = {
+    "time": ("time_s", "s"),
+    "velocity": ("speed_m_s", "m/s"),
+    "attractor_time": ("attractor_time_s", "s"),
+    "attractor_velocity": ("attractor_speed_m_s", "m/s"),
+    "grazing_velocity": ("grazing_speed_m_s", "m/s"),
+    "orbit_time": ("orbit_time_s", "s"),
+    "orbit_velocity": ("orbit_speed_m_s", "m/s"),
+    "displacement": ("displacement_m", "m"),
+    "contact_time": ("contact_time_s", "s"),
+    "contact_speed": ("contact_speed_m_s", "m/s"),
+}
 # No arithmetic: a text that comes over HTTP must not be a computation.
 _UNIT = r"[A-Za-z\u00b5\u03bc\u00b0]+(?:(?:\^|\*\*)-?[1-9])?"
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?"
@@ -415,6 +431,32 @@ class GearPair(Request):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if self.at_speed(middle).gamma < 1.0 else (low, middle)
         return low
+
+    def with_units(self, result: "xr.Dataset") -> "xr.Dataset":
+        """A result of this machine with SI units beside the numbers of the model.
+
+        Parameters
+        ----------
+        result : xarray.Dataset
+            Of its oscillator.
+
+        Returns
+        -------
+        xarray.Dataset
+            It has ``time_s`` and ``speed_m_s`` beside ``time`` and ``velocity``, the like of what else it holds, and
+            the machine as JSON among its attributes.
+        """
+        scales = self.scales
+        units = {"s": scales.time, "m/s": scales.speed, "m": scales.length}
+        added = {}
+        for name, (own, unit) in _IN_SI.items():
+            if name in result.variables:
+                variable = result.variables[name]
+                attributes = {"units": unit, "long_name": variable.attrs.get("long_name", name)}
+                added[own] = (variable.dims, variable.values * units[unit], attributes)
+        coordinates = {own: value for own, value in added.items() if own in ("time_s", "speed_m_s")}
+        others = {own: value for own, value in added.items() if own not in coordinates}
+        return result.assign_coords(coordinates).assign(others).assign_attrs({MACHINE: str(self)})
 
     def __str__(self) -> str:
         """The numbers in SI, as JSON."""

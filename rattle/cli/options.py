@@ -264,6 +264,10 @@ def _followed(option: str, argument: str) -> Callable[[str], Values]:
 
 _SEVERAL, _REQUIRED = list[str] | None, inspect.Parameter.empty
 _WRITTEN = {
+    "machine": _Written(
+        "machine", str | None, None, "TOML file of a machine in its own units, in place of its numbers in the model",
+        lambda path: {"machine": path},
+    ),
     "tolerances": _Written(
         "tolerance", _SEVERAL, None, "damping=0.59:0.61, of a proof: it holds for every machine within; several",
         _tolerances,
