@@ -48,6 +48,7 @@ __version__ = version("gear-rattle")
 __all__ = [
     "BasinJob",
     "BifurcationJob",
+    "GearPair",
     "GrazingCurveJob",
     "InvalidJob",
     "JobCancelled",

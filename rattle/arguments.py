@@ -4,15 +4,18 @@ Most arguments are fields of the job's class. Others are parts of a field, such 
 window of the grid: `_PARTS` has those fields, each with the function that makes it of its arguments.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from numbers import Integral
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
 
+from rattle.gear_pair import GearPair
 from rattle.measured_curve import transmission_error
-from rattle_kernels import TransmissionError
+from rattle_kernels import TransmissionError, largest_grazing_speed
 from rattle_kernels.model.oscillator import PARAMETERS
 from worker.additions import Addition, additions
 from worker.errors import FieldPath, InvalidFields, InvalidJob
@@ -40,6 +43,29 @@ _OF_OSCILLATOR = (ImpactingOscillator.model_fields | PiecewiseLinearOscillator.m
 _FLAT = ("grid", "oscillator", "resolution", "region", "sample", *(each.name for each in additions()))
 
 
+def machine_of(given: GearPair | str | Path | None) -> GearPair | None:
+    """Machine that an argument describes: itself, or that of a TOML file.
+
+    Raises
+    ------
+    InvalidJob
+        If it is none, or inertia torque reaches drag torque at its speed.
+    """
+    if given is None:
+        return None
+    pair = GearPair.read(given) if isinstance(given, str | Path) else given
+    if not isinstance(pair, GearPair):
+        raise InvalidJob(f"machine is a rattle.GearPair, or the path of a TOML file, not {pair!r}", ("machine",))
+    if pair.gamma >= 1.0:
+        turns = 60.0 / (2.0 * math.pi)
+        raise InvalidJob(
+            f"Gamma is {pair.gamma:.3g} at {pair.speed * turns:.6g} rpm: inertia torque reaches drag torque, and the "
+            f"teeth part in every turn. Eq. (8) holds below {pair.threshold_speed * turns:.6g} rpm",
+            ("machine",),
+        )
+    return pair
+
+
 def job_of(kind: str, given: Mapping[str, Any]) -> Job:
     """Job that arguments describe.
 
@@ -63,6 +89,7 @@ def job_of(kind: str, given: Mapping[str, Any]) -> Job:
     values = {name: _plain(value) for name, value in given.items()}
     for addition in additions():
         values = addition.with_values(values)
+    _read_machine(values, kind)
     fields = {field.alias for field in job_class.model_fields.values()}
     made = {name: make(values, kind) for name, make in _PARTS.items() if name in fields}
     request = {name: value for name, value in made.items() if value is not None}
@@ -91,6 +118,7 @@ def trajectory_of(given: Mapping[str, Any]) -> TrajectoryRequest:
         If a value has a wrong type or lies out of range.
     """
     values = {name: _plain(value) for name, value in given.items()}
+    _read_machine(values, "trajectory")
     start = _taken(values, "time", "velocity", "displacement")
     request: Values = {"oscillator": _oscillator(values, "trajectory"), "start": start}
     try:
@@ -134,6 +162,30 @@ def _oscillator(values: Values, kind: str) -> Values:
         if name in request or name in swept:
             raise InvalidJob(f"{name} belongs to the {foreign}", (name,))
     return request | harmonics | ({"model": PIECEWISE_LINEAR} if soft else {})
+
+
+_OF_WINDOWS = "basin", "sweep", "orbits", "manifold"
+
+
+def _read_machine(values: Values, kind: str) -> None:
+    """Replace a machine by its numbers in the model, and a window that is not given by one that follows it."""
+    machine = machine_of(values.pop("machine", None))
+    if machine is None:
+        return
+    oscillator = machine.oscillator
+    lossy = "restitution" if math.isinf(oscillator.stiffness) else "contact_damping"
+    names = "damping", "eccentricity", "half_backlash", lossy, *(("stiffness",) if lossy == "contact_damping" else ())
+    numbers: Values = {name: getattr(oscillator, name) for name in names}
+    if oscillator.harmonics:
+        numbers["harmonics"] = list(oscillator.harmonics)
+    for name in ("transmission_error", "harmonics", *PARAMETERS):
+        swept = name in PARAMETERS and isinstance(values.get(name), list | tuple | dict)
+        if name in values and not swept:
+            raise InvalidJob(f"{name} is given twice: the machine has its own", (name,))
+    if kind in _OF_WINDOWS and "velocity" not in values:
+        fastest = max(12.0 * oscillator.damping, 1.3 * largest_grazing_speed(oscillator))
+        values["velocity"] = (0.0, float(f"{fastest:.3g}"))
+    values.update(numbers | values)
 
 
 def _read_measured_curve(values: Values) -> None:

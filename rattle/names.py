@@ -1,5 +1,6 @@
 """The public names whose modules load Numba: `rattle` has them as well, and takes them from here on first use."""
 
+from rattle.gear_pair import GearPair
 from rattle_kernels import Oscillator, OutsideDomain, TransmissionError, eccentric_gears, torque_ripple
 from worker.errors import InvalidJob, JobCancelled, NotFound, StoreConflict, StoreFailed, WorkerError
 from worker.estimate import estimate
@@ -14,6 +15,7 @@ from worker.jobs.swept_parameter import Spacing, SweptParameter
 __all__ = [
     "BasinJob",
     "BifurcationJob",
+    "GearPair",
     "GrazingCurveJob",
     "InvalidJob",
     "JobCancelled",

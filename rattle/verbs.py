@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from rich.console import Console
 
+    from rattle.gear_pair import GearPair
     from rattle_kernels import TransmissionError
     from worker.jobs.job import Job
     from worker.progress import Report
@@ -160,7 +161,7 @@ def _differs(value: Any, default: Any) -> bool:
 
 def _computed(kind: str, arguments: dict[str, Any]) -> "xr.Dataset":
     """Compute the job that the arguments of a verb describe, or open its result."""
-    from rattle.arguments import job_of
+    from rattle.arguments import job_of, machine_of
 
     arguments |= arguments.pop("of_harmonics", {})
     written = {name: each for name, each in arguments.items() if isinstance(each, _Numbered)}
@@ -168,10 +169,13 @@ def _computed(kind: str, arguments: dict[str, Any]) -> "xr.Dataset":
         del arguments[name]
         arguments[name] = written[name].value
     where = {name: arguments.pop(name) for name in _WHERE}
-    return compute(job_of(kind, given_of(VERBS[kind], arguments)), **where)
+    machine = arguments["machine"] = machine_of(arguments["machine"])
+    result = compute(job_of(kind, given_of(VERBS[kind], arguments)), **where)
+    return result if machine is None else machine.with_units(result)
 
 
 def basin(
+    machine: "GearPair | str | Path | None" = None,
     *,
     damping: float | tuple[float, float] = 0.6,
     eccentricity: float | tuple[float, float] | None = None,
@@ -200,10 +204,13 @@ def basin(
 ) -> "xr.Dataset":
     """Compute a basin of attraction: which motion each departure ends in.
 
-    Times count forcing periods; everything else is nondimensional.
+    Times count forcing periods; everything else is nondimensional, unless a machine is given.
 
     Parameters
     ----------
+    machine : GearPair, str or path, optional
+        A machine in its own units, or a TOML file of it, in place of its numbers in the model. The result then has SI
+        units as well, and the window follows the machine
     damping : float or (float, float), default 0.6
         delta
     eccentricity : float or (float, float), optional
@@ -283,6 +290,7 @@ def basin(
 
 @_in_order
 def sweep(
+    machine: "GearPair | str | Path | None" = None,
     *,
     damping: "Swept" = 0.6,
     eccentricity: "Swept | None" = None,
@@ -309,10 +317,13 @@ def sweep(
 ) -> "xr.Dataset":
     """Compute basins over one or two parameters. A list or an array is swept, or (start, stop, count).
 
-    Times count forcing periods; everything else is nondimensional.
+    Times count forcing periods; everything else is nondimensional, unless a machine is given.
 
     Parameters
     ----------
+    machine : GearPair, str or path, optional
+        A machine in its own units, or a TOML file of it, in place of its numbers in the model. The result then has SI
+        units as well, and the window follows the machine
     damping : float or several, default 0.6
         delta
     eccentricity : float or several, optional
@@ -385,6 +396,7 @@ def sweep(
 
 
 def bifurcation(
+    machine: "GearPair | str | Path | None" = None,
     *,
     damping: "Swept" = 0.6,
     eccentricity: "Swept | None" = None,
@@ -410,10 +422,13 @@ def bifurcation(
 ) -> "xr.Dataset":
     """Compute a bifurcation diagram over the parameter that has several values.
 
-    Times count forcing periods; everything else is nondimensional.
+    Times count forcing periods; everything else is nondimensional, unless a machine is given.
 
     Parameters
     ----------
+    machine : GearPair, str or path, optional
+        A machine in its own units, or a TOML file of it, in place of its numbers in the model. The result then has SI
+        units as well, and the window follows the machine
     damping : float or several, default 0.6
         delta
     eccentricity : float or several, optional
@@ -483,6 +498,7 @@ def bifurcation(
 
 
 def orbits(
+    machine: "GearPair | str | Path | None" = None,
     *,
     damping: float = 0.6,
     eccentricity: float | None = None,
@@ -508,10 +524,13 @@ def orbits(
 ) -> "xr.Dataset":
     """Find periodic orbits, stable or not; follow them in a parameter and locate special points.
 
-    Times count forcing periods; everything else is nondimensional.
+    Times count forcing periods; everything else is nondimensional, unless a machine is given.
 
     Parameters
     ----------
+    machine : GearPair, str or path, optional
+        A machine in its own units, or a TOML file of it, in place of its numbers in the model. The result then has SI
+        units as well, and the window follows the machine
     damping : float, default 0.6
         delta
     eccentricity : float, optional
@@ -581,6 +600,7 @@ def orbits(
 
 
 def manifolds(
+    machine: "GearPair | str | Path | None" = None,
     *,
     damping: float = 0.6,
     eccentricity: float | None = None,
@@ -601,10 +621,13 @@ def manifolds(
 ) -> "xr.Dataset":
     """Grow stable and unstable manifolds of saddles of the impacting model.
 
-    Times count forcing periods; everything else is nondimensional.
+    Times count forcing periods; everything else is nondimensional, unless a machine is given.
 
     Parameters
     ----------
+    machine : GearPair, str or path, optional
+        A machine in its own units, or a TOML file of it, in place of its numbers in the model. The result then has SI
+        units as well, and the window follows the machine
     damping : float, default 0.6
         delta
     eccentricity : float, optional
@@ -664,6 +687,7 @@ def manifolds(
 
 
 def grazing_curve(
+    machine: "GearPair | str | Path | None" = None,
     *,
     damping: float = 0.6,
     eccentricity: float | None = None,
@@ -682,10 +706,13 @@ def grazing_curve(
 ) -> "xr.Dataset":
     """Compute the grazing curve of the impacting model and its pre-images.
 
-    Times count forcing periods; everything else is nondimensional.
+    Times count forcing periods; everything else is nondimensional, unless a machine is given.
 
     Parameters
     ----------
+    machine : GearPair, str or path, optional
+        A machine in its own units, or a TOML file of it, in place of its numbers in the model. The result then has SI
+        units as well, and the window follows the machine
     damping : float, default 0.6
         delta
     eccentricity : float, optional
@@ -741,6 +768,7 @@ def grazing_curve(
 
 
 def trajectory(
+    machine: "GearPair | str | Path | None" = None,
     *,
     damping: float = 0.6,
     eccentricity: float | None = None,
@@ -760,10 +788,13 @@ def trajectory(
 ) -> "xr.Dataset":
     """Follow one motion of either model.
 
-    Times count forcing periods; everything else is nondimensional.
+    Times count forcing periods; everything else is nondimensional, unless a machine is given.
 
     Parameters
     ----------
+    machine : GearPair, str or path, optional
+        A machine in its own units, or a TOML file of it, in place of its numbers in the model. The result then has SI
+        units as well, and the window follows the machine
     damping : float, default 0.6
         delta
     eccentricity : float, optional
@@ -818,11 +849,13 @@ def trajectory(
     5.0
     """
     arguments = given_of(trajectory, locals())
-    from rattle.arguments import trajectory_of
+    from rattle.arguments import machine_of, trajectory_of
     from rattle.results.trajectories import dataset_of
 
+    pair = arguments["machine"] = machine_of(machine)
     request = trajectory_of(arguments)
-    return dataset_of(request, request.follow())
+    result = dataset_of(request, request.follow())
+    return result if pair is None else pair.with_units(result)
 
 
 VERBS: "dict[str, Callable[..., xr.Dataset]]" = {

@@ -264,6 +264,10 @@ _WRITTEN = {
     for addition in additions()
     for argument, text in addition.text_options().items()
 } | {
+    "machine": _Written(
+        "machine", str | None, None, "TOML file of a machine in its own units, in place of its numbers in the model",
+        lambda path: {"machine": path},
+    ),
     "harmonics": _Written(
         "harmonic", _SEVERAL, None, "order:amplitude[:phase] of a harmonic of the forcing: 2:0.01:0.25; several",
         _harmonics,

@@ -67,36 +67,41 @@ class _There(Generic[_P]):
 
         @functools.wraps(self.verb)
         def call(*args: _P.args, **kwargs: _P.kwargs) -> "xr.Dataset":
-            inspect.signature(self.verb).bind(*args, **kwargs)
+            signature = inspect.signature(self.verb)
+            signature.bind(*args, **kwargs)
+            given = dict(zip(signature.parameters, args, strict=False)) | kwargs
             for name in _OF_WORK_HERE:
-                if kwargs.get(name) is not None:
+                if given.get(name) is not None:
                     raise TypeError(f"{self.verb.__name__}() of a service takes no {name}, which is of work here")
-            return self.ask(service, self.verb.__name__, verbs.given_of(self.verb, kwargs))
+            return self.ask(service, self.verb.__name__, verbs.given_of(self.verb, given))
 
         return call
 
 
 def _computed(service: "Service", name: str, given: dict[str, Any]) -> "xr.Dataset":
     """Let the service compute the job that arguments describe, and open its result."""
-    from rattle.arguments import job_of
+    from rattle.arguments import job_of, machine_of
 
+    machine = given["machine"] = machine_of(given.get("machine"))
     progress = given.pop("progress", True)
     if callable(progress):
         raise TypeError(f"{name}() of a service shows its progress or does not: give progress=True or False")
     (kind,) = (kind for kind, verb in verbs.VERBS.items() if verb.__name__ == name)
     job = service.submit(job_of(kind, given))
     job.wait(progress).demand_success()
-    return job.open()
+    return job.open() if machine is None else machine.with_units(job.open())
 
 
 def _followed(service: "Service", _: str, given: dict[str, Any]) -> "xr.Dataset":
     """Let the service follow a motion."""
-    from rattle.arguments import trajectory_of
+    from rattle.arguments import machine_of, trajectory_of
     from rattle.results.trajectories import dataset_of
 
+    machine = given["machine"] = machine_of(given.get("machine"))
     request = trajectory_of(given)
     answer = service.ask("POST", "/v1/trajectories", json=request.model_dump(mode="json", exclude_unset=True))
-    return dataset_of(request, _history_of(answer))
+    result = dataset_of(request, _history_of(answer))
+    return result if machine is None else machine.with_units(result)
 
 
 def _history_of(answer: dict[str, Any]) -> "TimeHistory":
