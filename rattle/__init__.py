@@ -11,6 +11,15 @@ Times count forcing periods; everything else is nondimensional. `rattle.pictures
 ``import rattle`` takes a quarter of a second. What loads Numba, Dask, Zarr or Matplotlib is imported by the functions
 that need it. The classes of `rattle.names` cannot do so, and are loaded when one is first used: type checkers and
 editors see them all the same. Packages that stand beside add functions by entry points of the group `rattle.names`.
+
+Floors, the highest first; each imports from lower ones alone ::
+
+    cli
+    remote
+    verbs | stores
+    arguments | crate
+    local | names | pictures | results
+    gear_pair | measured_curve | progress
 """
 
 # ruff: noqa: F403, F405 - the names of `rattle.names` are those of its `__all__`

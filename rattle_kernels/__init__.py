@@ -1,6 +1,19 @@
 """Flights, impact maps and cell mapping of a backlash oscillator, with NumPy and Numba alone.
 
 This is the public face. What else the folders hold is for the worker, and may change.
+
+Floors, the highest first; each imports from lower ones alone ::
+
+    warm_up
+    basins
+    basin_measures
+    manifolds
+    attractors
+    cell_mapping
+    lanes | orbits
+    impact_map
+    model
+    numerics
 """
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind

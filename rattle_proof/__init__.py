@@ -1,6 +1,18 @@
 """Proofs of basins, beside `rattle`: of each cell, that every departure in it ends as the cell is coloured.
 
 `enclosures` has the mathematics, `verification` proves again what a store claims, by other means.
+
+Floors, the highest first; each imports from lower ones alone ::
+
+    command
+    verifying | addition
+    verification
+    arguments | page | results | routes | run | unproven
+    tasks
+    certificate | stored_proof
+    arrays
+    layout | request
+    enclosures
 """
 
 from rattle_proof.verifying import verify

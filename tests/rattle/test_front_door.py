@@ -142,9 +142,7 @@ def test_a_trajectory_is_that_of_the_kernels():
 
 @pytest.mark.parametrize("verb", [rattle.basin, rattle.sweep, rattle.trajectory])
 def test_arguments_without_names_are_refused(verb):
-    with pytest.raises(
-        TypeError, match="takes from 0 to 1 positional arguments but 3 were given"
-    ):
+    with pytest.raises(TypeError, match="takes from 0 to 1 positional arguments but 3 were given"):
         verb(0.6, 0.1, 0.7)
 
 

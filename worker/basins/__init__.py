@@ -1,1 +1,13 @@
-"""From the job of a basin or a sweep to its finished store."""
+"""From the job of a basin or a sweep to its finished store.
+
+Floors, the highest first; each imports from lower ones alone ::
+
+    pipeline
+    pace
+    schedule
+    ledger
+    whole_basin | numbering
+    basin_run | coarsening
+    tasks | preview
+    assembly | image_cache | weights
+"""
