@@ -80,11 +80,11 @@ class Jobs:
                 known = session.scalar(_ANSWERING, {"digest": job.digest})
                 if known is not None:
                     return known, False
-                _check_quotas(self._quotas, session, submitter, job.places)
+                _check_quotas(self._quotas, session, submitter, job.cell_count)
                 job_id = uuid.uuid4().hex
                 record = JobRecord(
                     id=job_id, kind=job.kind, digest=job.digest, answering=job.digest, state=JobState.QUEUED,
-                    request=job.request(), submitter=submitter, created=_now(), places=job.places,
+                    request=job.request(), submitter=submitter, created=_now(), places=job.cell_count,
                     store=_store_left(session, job.digest) or job_id,
                 )  # fmt: skip
                 session.add(record)

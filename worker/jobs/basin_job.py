@@ -175,7 +175,7 @@ class BasinJob(_AllFields):
 
     def sizes(self) -> Sizes:
         """Sizes of the request, for limits."""
-        cells = self.places // self.basins if self.basins else 0
+        cells = self.cell_count // self.basins if self.basins else 0
         # At weak damping no cell takes all k iterations. A float cannot hold every integer.
         applications = round(
             min(cells, 10**18) * expected_applications(self._least_damping, min(self.iterations, 10**18))
@@ -192,7 +192,7 @@ class BasinJob(_AllFields):
     @property
     def impacts(self) -> int:
         """Most applications of P, those of all cells."""
-        return round(self.places * expected_applications(self._least_damping, self.iterations))
+        return round(self.cell_count * expected_applications(self._least_damping, self.iterations))
 
     @property
     def impacts_together(self) -> int:
@@ -203,8 +203,8 @@ class BasinJob(_AllFields):
     def bytes(self) -> int:
         """Most bytes of the store before compression."""
         # Levels have a quarter, a sixteenth ... of the cells, so a third of them or, at the edges, little more.
-        of_levels = self.places * _BYTES_OF_LABELS // 2 if self.has_levels else 0
-        return self.places * _BYTES_OF_A_CELL + of_levels
+        of_levels = self.cell_count * _BYTES_OF_LABELS // 2 if self.has_levels else 0
+        return self.cell_count * _BYTES_OF_A_CELL + of_levels
 
     @property
     def has_levels(self) -> bool:
@@ -258,7 +258,7 @@ class BasinJob(_AllFields):
         return math.prod(self.sweep_shape)
 
     @property
-    def places(self) -> int:
+    def cell_count(self) -> int:
         """Cells, or points of samples, of all basins."""
         time, velocity = self.grid_.time, self.grid_.velocity
         return (self.sample.points if self.sample else time.cells * velocity.cells) * self.basins

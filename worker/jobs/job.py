@@ -259,7 +259,7 @@ class Job(Request, ABC):
         """Most bytes of its store before compression; for searches and curves, a usual number."""
 
     @property
-    def places(self) -> int:
+    def cell_count(self) -> int:
         """Cells, or points of samples, that are computed; 0 for an analysis."""
         return 0
 
