@@ -104,6 +104,7 @@ def test_cells_are_proven_with_pauses(counted, monkeypatch, levels, pieces):
             _machine(), FIG_7, _nowhere(lattice), grid, (0, 8), (0, 32), colours, levels, counted.pause
         )
 
+    monkeypatch.setattr(cells, "_PIECES_AT_A_TIME", 1 << 20)
     at_once = prove()
     assert at_once.proven.any() and counted.pauses == 1
     counted.count(cells, "_prove_all", lambda *arguments: arguments[5].size * 4**levels)

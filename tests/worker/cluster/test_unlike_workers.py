@@ -15,7 +15,6 @@ from tests.worker.analyses.test_analyses import GRAZING
 from worker import rounding
 from worker.analyses.analysis import compute_piece
 from worker.analyses.grazing_curves import GRAZING_CURVE
-from worker.basins.tasks import open_store
 from worker.cluster import connection
 from worker.cluster.calls import Task
 from worker.cluster.driver import Driver
@@ -23,11 +22,12 @@ from worker.errors import StoreConflict, UnlikeWorkers
 from worker.jobs.basin_job import BasinJob
 from worker.stores.analysis_store import AnalysisStore
 from worker.stores.basin_store import BasinStore
+from worker.stores.opening import opened_for_tasks
 
 
 def open_for_a_while(location, digest, number):
     """Long enough for every worker to get one."""
-    open_store(location, digest)
+    BasinStore.open(location, digest)
     time.sleep(0.05)
     return number
 
@@ -81,11 +81,12 @@ def create_analysis(place):
 
 
 def open_basin(store):
-    open_store.cache_clear()
-    open_store(store.location, store.digest)
+    opened_for_tasks.cache.clear()
+    BasinStore.open(store.location, store.digest)
 
 
 def open_analysis(store):
+    opened_for_tasks.cache.clear()
     compute_piece(store.location, store.digest, 1, "none", lambda pause: {}, ())
 
 

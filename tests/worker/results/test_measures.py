@@ -75,7 +75,7 @@ def test_a_basin_that_is_not_complete_has_no_measures(sweep):
 def test_samples_and_small_pictures_are_refused(sweep):
     sample = SweepJob(oscillator=JOB.oscillator, grid=JOB.grid, vary=JOB.vary, sample=Sample(64))
     with pytest.raises(InvalidJob, match="no neighbouring cells"):
-        measure_basins(sweep.assign_attrs(request=json.dumps(sample.request())))
+        measure_basins(sweep.assign_attrs(request=json.dumps(sample.request()), request_sha256=sample.digest))
     small = SweepJob(grid=CellGrid(time_cells=20, velocity_cells=40), vary=JOB.vary)
     with pytest.raises(InvalidJob, match="33 x 33 cells"):
-        measure_basins(sweep.assign_attrs(request=json.dumps(small.request())))
+        measure_basins(sweep.assign_attrs(request=json.dumps(small.request()), request_sha256=small.digest))

@@ -90,7 +90,7 @@ def test_solutions_that_are_added_are_seen(store):
     store.solutions.make_room(table, 70)
     store.solutions.write(table)
     store.solutions.write_points(0, numbers, found)
-    assert len(summarise(store.location).attractors) == len(outline_basin(store.location, 0).solutions) == 4
+    assert len(summarise(store.location).solutions) == len(outline_basin(store.location, 0).solutions) == 4
 
 
 def test_labels_and_the_ledger_are_read_each_time(store):
