@@ -26,6 +26,7 @@ from worker.errors import InvalidFields, InvalidJob
 from worker.jobs.request import Real, Request, Whole, refusal
 
 if TYPE_CHECKING:
+    import pandas as pd
     import pint
     import xarray as xr
 
@@ -49,6 +50,13 @@ _IN_SI = {
     "displacement": ("displacement_m", "m"),
     "contact_time": ("contact_time_s", "s"),
     "contact_speed": ("contact_speed_m_s", "m/s"),
+    "largest_impact_speed": ("largest_impact_speed_m_s", "m/s"),
+    "impact_power": ("impact_power_w", "W"),
+    "impact_power_error": ("impact_power_error_w", "W"),
+    "expected_largest_impact_speed": ("expected_largest_impact_speed_m_s", "m/s"),
+    "expected_largest_impact_speed_error": ("expected_largest_impact_speed_error_m_s", "m/s"),
+    "expected_impact_power": ("expected_impact_power_w", "W"),
+    "expected_impact_power_error": ("expected_impact_power_error_w", "W"),
 }
 # No arithmetic: a text that comes over HTTP must not be a computation.
 _UNIT = r"[A-Za-z\u00b5\u03bc\u00b0]+(?:(?:\^|\*\*)-?[1-9])?"
@@ -446,9 +454,7 @@ class GearPair(Request):
             It has ``time_s`` and ``speed_m_s`` beside ``time`` and ``velocity``, the like of what else it holds, and
             the machine as JSON among its attributes.
         """
-        scales = self.scales
-        units = {"s": scales.time, "m/s": scales.speed, "m": scales.length}
-        added = {}
+        added, units = {}, self._units
         for name, (own, unit) in _IN_SI.items():
             if name in result.variables:
                 variable = result.variables[name]
@@ -457,6 +463,26 @@ class GearPair(Request):
         coordinates = {own: value for own, value in added.items() if own in ("time_s", "speed_m_s")}
         others = {own: value for own, value in added.items() if own not in coordinates}
         return result.assign_coords(coordinates).assign(others).assign_attrs({MACHINE: str(self)})
+
+    def with_columns(self, table: "pd.DataFrame") -> "pd.DataFrame":
+        """A table of a result of this machine with columns in SI units, after those of the model.
+
+        Parameters
+        ----------
+        table : pandas.DataFrame
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        known = {name: _IN_SI[name] for name in table.columns if name in _IN_SI}
+        return table.assign(**{own: table[name] * self._units[unit] for name, (own, unit) in known.items()})
+
+    @property
+    def _units(self) -> dict[str, float]:
+        """One unit of the model, by the unit in SI."""
+        scales = self.scales
+        return {"s": scales.time, "m": scales.length, "m/s": scales.speed, "W": scales.power}
 
     def __str__(self) -> str:
         """The numbers in SI, as JSON."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from rattle.gear_pair import MACHINE, GearPair
 from rattle.results.trajectories import TRAJECTORY, TRAJECTORY_RESULT, history_of
 from rattle_kernels import NOT_CONVERGED, PERMANENT_CONTACT, SINK, Attractor, Oscillator
 from worker.additions import additions
@@ -128,6 +129,18 @@ class Result:
             raise InvalidJob("a trajectory is no job: it is computed at once")
         job_class, digest = KINDS[self.kind].job_class, self._dataset.attrs.get("request_sha256")
         return job_class.from_request(self.request) if digest is None else job_class.trusted(self.request, digest)
+
+    @cached_property
+    def machine(self) -> GearPair | None:
+        """Machine that was given in its own units; None of a result in the model's alone.
+
+        Examples
+        --------
+        >>> rattle.basin(cells=20, progress=False).rattle.machine is None
+        True
+        """
+        given = self._dataset.attrs.get(MACHINE)
+        return None if given is None else GearPair(**json.loads(given))
 
     @property
     def oscillator(self) -> Oscillator:
@@ -360,7 +373,7 @@ class Result:
         Returns
         -------
         xarray.Dataset
-            As ``worker.results.measures.measure_loudness`` describes it.
+            As ``worker.results.measures.measure_loudness`` describes it; of a machine in watts and m/s as well.
 
         Raises
         ------
@@ -376,7 +389,8 @@ class Result:
         self._demand("loudness", "basin", "sweep")
         from worker.results.measures import measure_loudness
 
-        return measure_loudness(self._dataset)
+        measured = measure_loudness(self._dataset)
+        return measured if self.machine is None else self.machine.with_units(measured)
 
     def least_disturbance(self, tolerance: float = 1e-6) -> xr.DataArray:
         """Smallest speed at each phase that leads from quiet to rattle.
@@ -646,7 +660,7 @@ class Result:
         return target
 
     def to_table(self, name: str | None = None) -> "pd.DataFrame":
-        """What the result lists, as a table.
+        """What the result lists, as a table; of a machine with columns in SI units as well.
 
         Parameters
         ----------
@@ -668,7 +682,8 @@ class Result:
         >>> sweep.rattle.to_table("change")[["change_kind", "change_from", "change_to"]].values.tolist()[0]
         ['death', 0.55, 0.6]
         """
-        return table_of(self._dataset, name)
+        table = table_of(self._dataset, name)
+        return table if self.machine is None else self.machine.with_columns(table)
 
     def to_csv(self, path: str | Path, name: str | None = None) -> None:
         """Write a table as CSV.

@@ -211,6 +211,23 @@ def test_a_verb_takes_a_machine_and_its_result_has_si_units(tmp_path):
     assert rattle.open(store).rattle.job == basin.rattle.job
 
 
+def test_loudness_of_a_machine_is_in_watts():
+    """P(1, 1, 0) of the model has one impact a period: its energy, m v^2/2, over the period is the power."""
+    torque = 0.6 * 0.01 * 100.0**2 / (2 * math.pi)
+    pair = rattle.GearPair(
+        speed=100.0, inertia=0.01, drag_torque=torque, base_radius=0.1, backlash=0.12, transmission_error=0.01
+    )  # the paper's scaled numbers
+    basin = rattle.basin(pair, cells=24, progress=False)
+    table = basin.rattle.to_table().set_index("name").loc["P(1,1,0)"]
+    mass = 1 / (2 * pair.base_radius**2 / pair.inertia)
+    energy = mass * table.largest_impact_speed_m_s**2 / 2
+    assert table.impact_power_w == pytest.approx(energy * pair.speed / (2 * math.pi), rel=1e-12)
+    assert table.largest_impact_speed_m_s == pytest.approx(table.largest_impact_speed * pair.scales.speed, rel=1e-15)
+    loud = basin.rattle.loudness()
+    assert loud.expected_impact_power_w.item() == pytest.approx(loud.expected_impact_power.item() * pair.scales.power)
+    assert basin.rattle.machine == pair and rattle.basin(cells=8, progress=False).rattle.machine is None
+
+
 def test_the_window_of_a_machine_follows_it():
     """As fast as 12 delta, and as the fastest graze and a third more: with the paper's numbers some 7."""
     pair = rattle.GearPair(**LIGHT)
