@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import sysconfig
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -104,6 +105,10 @@ def test_blocks_that_are_not_run_say_so(page):
             yaml.safe_load(block.text)
         elif block.language == "json":
             json.loads(block.text)
+        elif block.language == "toml":
+            tomllib.loads(block.text)
         else:
             assert block.exempt or block.language in (*RUN, "text"), f"{block.file}:{block.line}"
-            assert not (block.exempt and re.fullmatch("text|yaml|json", block.language)), f"{block.file}:{block.line}"
+            assert not (block.exempt and re.fullmatch("text|yaml|json|toml", block.language)), (
+                f"{block.file}:{block.line}"
+            )
