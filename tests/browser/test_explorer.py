@@ -412,7 +412,8 @@ def test_the_sentence_is_of_the_motion_that_is_followed(opened, service):
 def test_an_address_with_unknown_values_is_shown_without_them_and_says_so(explorer, finished):
     explorer.visit(f"?job={finished['id']}&palette=bar&layer=foo").state("Complete")
     expect(explorer.page.locator("#address-note")).to_contain_text("palette=bar")
-    assert explorer.colour(0.5, 0.1) == QUIET
+    expect(explorer.page.locator("#legend button")).to_have_count(3)  # of the outline, after which tiles are painted
+    assert "permanent contact" in explorer.hover(0.5, 0.1) and explorer.colour(0.5, 0.1) == QUIET
     explorer.visit("?damping=0.55&eccentricity=0.09")
     expect(explorer.page.locator("#shown")).to_contain_text("δ = 0.55, ε = 0.09, β = 0.6")
     expect(explorer.page.locator("#address-note")).to_contain_text("lacks half_backlash")
