@@ -38,12 +38,10 @@ _FOUR_PI = 4.0 * math.pi
 _HIGHEST_ORDER = 1000
 MACHINE = "machine"
 """Attribute of a result that says of which machine it is, as JSON."""
-# Variables of results and what they are called in SI. Those that have a value for each cell are left to their readers.
+# Variables of results and what they are called in SI. Those that may be large are read lazily, and are left out.
 _IN_SI = {
     "time": ("time_s", "s"),
     "velocity": ("speed_m_s", "m/s"),
-    "attractor_time": ("attractor_time_s", "s"),
-    "attractor_velocity": ("attractor_speed_m_s", "m/s"),
     "grazing_velocity": ("grazing_speed_m_s", "m/s"),
     "orbit_time": ("orbit_time_s", "s"),
     "orbit_velocity": ("orbit_speed_m_s", "m/s"),

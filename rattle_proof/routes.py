@@ -31,6 +31,7 @@ def get_certificate(job_id: JobId, jobs: JobsHere, settings: SettingsHere) -> Re
     Where `counts` are missing the proof is under way.
     """
     require_kind(jobs.get(job_id), "a certificate", "basin")
+    # Opened anew: a certificate grows while the root, by which open stores are known, stays as it is.
     certificate = proof_of(BasinStore(location_of(job_id, jobs, settings))).certificate
     if certificate is None:
         raise NotReady(f"job {job_id} has no certificate: no proof was asked for, or it has not begun")

@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import ConfigDict, Field
 
-from rattle_kernels import Oscillator, OutsideDomain, check_domain
-from worker.errors import InvalidJob, SweptOutsideDomain
+from rattle_kernels import Oscillator, check_domain
+from worker.errors import InvalidJob
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import Departure, Region
 from worker.jobs.request import INTEGRAL, Count
@@ -152,10 +152,6 @@ class BifurcationJob(AnalysisJob):
     @property
     def _swept(self) -> tuple[SweptParameter, ...]:
         return (self.vary,)
-
-    def _swept_error(self, place: tuple[int, ...], error: OutsideDomain) -> SweptOutsideDomain:
-        where = f"{self.vary.parameter} = {self.vary.values[place[0]]:g}"
-        return SweptOutsideDomain(error, ("vary", "values", place[0]), where)
 
     @property
     def visits(self) -> np.ndarray:

@@ -209,8 +209,9 @@ class Job(Request, ABC):
         raise error
 
     def _swept_error(self, place: tuple[int, ...], error: OutsideDomain) -> SweptOutsideDomain:
-        """The error of the oscillator at a place of the swept values."""
-        raise NotImplementedError
+        """The error of the oscillator at a place of the swept values, of one parameter."""
+        (swept,), (at,) = self._swept, place
+        return SweptOutsideDomain(error, ("vary", "values", at), f"{swept.parameter} = {swept.values[at]:g}")
 
     def check_quiet(self) -> None:
         """Refuse a job that has an oscillator without a quiet solution (Eq. 3).
