@@ -24,7 +24,7 @@ NAMES = tuple(each.name for each in LABELS)
 
 @pytest.fixture
 def service(monkeypatch, tmp_path):
-    with idle_service(monkeypatch, tmp_path, max_places_each=LARGE.places) as service:
+    with idle_service(monkeypatch, tmp_path, max_places_each=LARGE.cell_count) as service:
         yield service
 
 
