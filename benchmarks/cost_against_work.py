@@ -18,12 +18,12 @@ from cpuinfo import get_cpu_info
 
 from benchmarks.waiting_workers import RUN_SECONDS, cluster_of, keep_busy
 from rattle_kernels import CellGrid
-from worker.basins.pipeline import run_basin
 from worker.cluster.connection import local_cluster
 from worker.cluster.driver import Driver
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
+from worker.run import run_job
 
 SIDES = (32, 100, 316, 1000)
 ITERATIONS = (1, 11, 101, 1499)
@@ -57,7 +57,7 @@ def seconds_of(job, client):
     for _ in range(ROUNDS):
         with tempfile.TemporaryDirectory() as folder:
             begin = time.perf_counter()
-            run_basin(job, f"{folder}/store", Driver(client), report=lambda _: None, cancel=threading.Event())
+            run_job(job, f"{folder}/store", Driver(client), report=lambda _: None, cancel=threading.Event())
             taken.append(time.perf_counter() - begin)
     return min(taken)
 

@@ -5,7 +5,6 @@ import threading
 import pytest
 
 from rattle_kernels import NOT_CONVERGED, CellGrid, Oscillator, map_cells
-from worker.basins.pipeline import run_basin
 from worker.basins.tasks import map_tile
 from worker.cluster.calls import Task
 from worker.cluster.connection import local_cluster
@@ -14,6 +13,7 @@ from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import Spacing, SweptParameter
 from worker.results.summary import summarise
+from worker.run import run_job
 from worker.stores.basin_store import BasinStore
 
 PANELS = [
@@ -45,7 +45,7 @@ def _warm_driver(client, folder):
 
 
 def _run(job, location, driver):
-    run_basin(job, location, driver, report=lambda _: None, cancel=threading.Event())
+    run_job(job, location, driver, report=lambda _: None, cancel=threading.Event())
 
 
 @pytest.mark.parametrize("workers", [1, 2])

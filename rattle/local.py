@@ -13,10 +13,10 @@ from rattle_kernels.warm_up import reporting_compilation
 from worker.cluster.connection import remote_cluster, thread_cluster
 from worker.cluster.driver import Driver
 from worker.cluster.settings import ClusterSettings
-from worker.fence import unfenced
 from worker.jobs.job import Job
 from worker.kinds import KINDS
 from worker.progress import Report
+from worker.run import run_job
 
 _T = TypeVar("_T")
 
@@ -57,13 +57,12 @@ def run_here(
         If it was stopped. The same call goes on from what is in the store.
     StoreConflict, StoreFailed, TileFailed, ClusterFailed, NotFound
     """
-    kind = KINDS[job.kind]
     with (
         _cluster(scheduler, workers) as client,
-        reporting_compilation(compiling, analyses=kind.unit == "pieces"),
+        reporting_compilation(compiling, analyses=KINDS[job.kind].unit == "pieces"),
     ):
         driver = Driver(client)
-        run_interruptibly(lambda cancel: kind.run(job, location, driver, report=report, cancel=cancel, fence=unfenced))
+        run_interruptibly(lambda cancel: run_job(job, location, driver, report=report, cancel=cancel))
 
 
 @contextlib.contextmanager

@@ -8,6 +8,7 @@ It begins when all tiles have their solutions. A level that is whole in the stor
 import time
 from collections import defaultdict, deque
 from collections.abc import Iterable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from rattle_proof.tasks import (
 )
 from worker.cluster.calls import Task
 from worker.progress import Progress, Stage
+from worker.storage.folder import synced_together
 from worker.stores.basin_store import BasinStore
 from worker.stores.provenance import versions
 
@@ -54,6 +56,7 @@ class ProofRun:
     """
 
     def __init__(self, store: BasinStore, attractors: tuple[Attractor, ...]) -> None:
+        self.address, self.within = (store.location, store.digest), partial(synced_together, store.location)
         self._store, self._proof, self._attractors = store, proof_of(store), attractors
         self.seconds: dict[str, float] = defaultdict(float)
         self._ready: deque[Task] = deque()
@@ -122,6 +125,9 @@ class ProofRun:
         self._sixty_fourths[: len(receipt.proven)] += receipt.proven
         return ()
 
+    def leave(self) -> None:
+        """Write nothing: each level is written when it has grown."""
+
     def finish(self) -> None:
         """Write the whole certificate."""
         cells = self._store.job.grid.cells
@@ -139,11 +145,11 @@ class ProofRun:
         certificate["versions"] = versions()
         self._proof.end(certificate)
 
-    def progress(self) -> Progress:
+    def progress(self, stage: Stage | None = None) -> Progress:
         """Progress of the level, or of the tiles."""
         elapsed = time.monotonic() - self._begun
         left = elapsed / self._done * (self._total - self._done) if self._done else None
         cells = self._store.job.grid.cells if self._stage is _PROVING else 0
         done = round(cells * self._done / self._total)
         pace = done / elapsed if elapsed > 0.0 else 0.0
-        return Progress(self._stage, self._done, self._total, done, cells, pace, left, 0, 1)
+        return Progress(stage or self._stage, self._done, self._total, done, cells, pace, left, 0, 1)

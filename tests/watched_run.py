@@ -8,7 +8,7 @@ from unittest import mock
 from worker.analyses import analysis as analyses
 from worker.basins import tasks, whole_basin
 from worker.errors import JobCancelled
-from worker.kinds import KINDS
+from worker.run import run_job
 
 _PAUSING = analyses, tasks, whole_basin
 
@@ -72,7 +72,7 @@ def run_watched(job, place, watch):
         for module in _PAUSING:
             watched.enter_context(mock.patch.object(module, "stop_if_cancelled", watch))
         try:
-            KINDS[job.kind].run(job, str(place), InThisThread(watch), report=lambda _: None, cancel=threading.Event())
+            run_job(job, str(place), InThisThread(watch), report=lambda _: None, cancel=threading.Event())
         except JobCancelled:
             return False
     return True

@@ -7,6 +7,7 @@ Floors, the highest first; each imports from lower ones alone ::
     analyses
     results
     pictures | basins
+    run
     stores | cluster
     estimate | kinds
     jobs | storage

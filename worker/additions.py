@@ -98,7 +98,7 @@ class Addition(ABC):
 
     @abstractmethod
     def run(self, store: Any, attractors: tuple[Any, ...]) -> Any:
-        """Work on a basin whose tiles have their solutions, a `worker.basins.pipeline.Run`."""
+        """Work on a basin whose tiles have their solutions, a `worker.run.Run`."""
 
     @abstractmethod
     def read_tile(self, store: Any, tile: Any) -> tuple[Any, ...]:

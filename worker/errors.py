@@ -289,8 +289,8 @@ def _reason(error: Exception) -> str:
     """The system's reason in a line; that of S3 is in the XML of its answer, where it has answered."""
     if type(error) is FileNotFoundError and not error.strerror:  # Zarr's, which says where alone
         return "a part of it is gone; the same request computes it anew"
-    told = getattr(error, "strerror", None) or str(error)
-    if _INSTANCE_KEYS in told:
+    message = getattr(error, "strerror", None) or str(error)
+    if _INSTANCE_KEYS in message:
         return "S3 needs keys: set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY"
-    answer = re.search(r"<Code>(.*?)</Code>\s*<Message>(.*?)</Message>", told)
-    return f"{answer.group(1)}: {answer.group(2)}" if answer else told.partition("\n")[0].strip()
+    answer = re.search(r"<Code>(.*?)</Code>\s*<Message>(.*?)</Message>", message)
+    return f"{answer.group(1)}: {answer.group(2)}" if answer else message.partition("\n")[0].strip()

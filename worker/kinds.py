@@ -24,7 +24,6 @@ Numba nor Dask.
 
 import pkgutil
 import re
-import threading
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,7 +31,6 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from worker.fence import Fence
-from worker.progress import Report
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,13 +50,11 @@ _AGAIN = (
 _NAME, _PATH = re.compile(r"[a-z][a-z0-9_]{0,15}"), re.compile(r"[a-z][a-z0-9-]*")
 
 
-class Run(Protocol):
-    """How a job is run: into a new store at a location, or continuing the one that is there."""
+class Runs(Protocol):
+    """What a job's computation into a store consists of, one `worker.run.Run` after the other."""
 
-    def __call__(
-        self, job: Any, location: str, driver: Any, *, report: Report, cancel: threading.Event, fence: Fence = ...
-    ) -> None:
-        """Run a job; see `worker.basins.pipeline.run_basin`."""
+    def __call__(self, job: Any, location: str, driver: Any, fence: Fence) -> Iterator[Any]:
+        """Begin each when the one before has finished; none if the store is complete. `worker.run.run_job` calls it."""
 
 
 class Summarise(Protocol):
@@ -142,7 +138,7 @@ class JobKind(ResultKind):
         The table that is meant where none is named: a dimension or an array of its stores.
     unit : {"tiles", "pieces"}
         What its progress counts.
-    run : Run
+    runs : Runs
     summarise : Summarise
     fingerprint : callable
         ``fingerprint(location)``: bytes that change whenever a picture of the store does.
@@ -158,7 +154,7 @@ class JobKind(ResultKind):
     view: str
     table: str
     unit: Literal["tiles", "pieces"]
-    run: Run
+    runs: Runs
     summarise: Summarise
     fingerprint: Callable[[str], bytes]
     figure: DrawStore
@@ -202,7 +198,7 @@ def analysis_kind(analysis: str, **said: Any) -> JobKind:
     JobKind
     """
     return JobKind(
-        **said, unit="pieces", view=f"{analysis}.view", run=later(f"{analysis}.run"),
+        **said, unit="pieces", view=f"{analysis}.view", runs=later(f"{analysis}.runs"),
         summarise=later(f"{analysis}.summary"), fingerprint=later(f"{analysis}.fingerprint"),
         figure=later(f"{analysis}.figure"), draw=later(f"{analysis}.draw_dataset"),
     )  # fmt: skip
@@ -282,7 +278,7 @@ def _said_of(entry: EntryPoint) -> str:
 def _of_basins(*, job: str, **said: Any) -> JobKind:
     return JobKind(
         **said, job=f"worker.jobs.basin_job:{job}", unit="tiles",
-        view="worker.results.summary:ResultView", run=later("worker.basins.pipeline:run_basin"),
+        view="worker.results.summary:ResultView", runs=later("worker.basins.pipeline:basin_runs"),
         summarise=later("worker.results.summary:summarise"), fingerprint=later("worker.results.summary:fingerprint"),
         figure=later("worker.results.figure:basin_figure"), draw=later("worker.results.figure:draw_basins"),
     )  # fmt: skip

@@ -30,6 +30,6 @@ def ends_in_words(ends: Sequence[tuple[int, float]], names: Sequence[str]) -> st
     if len(ends) == 1 and ends[0][1] == 1.0:
         return f"ends in {names[ends[0][0]]}"
     by_share = sorted(ends, key=lambda end: (-end[1], end[0]))
-    told = ", ".join(f"{names[number]} ({100.0 * share:.0f} %)" for number, share in by_share)
+    listed = ", ".join(f"{names[number]} ({100.0 * share:.0f} %)" for number, share in by_share)
     going = 100.0 * (1.0 - sum(share for _, share in ends))
-    return f"ends in {told}" + (f"; {going:.0f} % had not ended" if going > 0.0 else "")
+    return f"ends in {listed}" + (f"; {going:.0f} % had not ended" if going > 0.0 else "")

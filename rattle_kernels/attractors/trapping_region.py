@@ -36,6 +36,7 @@ from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.lanes.traps import DEGREE, POWERS
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
+from rattle_kernels.numerics.phase import wrap_all
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
 
 _LARGEST, _SMALLEST, _SHRINK = 0.2, 1e-6, 0.5
@@ -115,7 +116,7 @@ class _Turn:
             return False
         for here, speed in zip(self.orbit.t, self.orbit.v, strict=True):
             side = np.sign(speed - np.interp(here, *self.grazes))
-            above = side * (v - np.interp(t % 1.0, *self.grazes))
+            above = side * (v - np.interp(wrap_all(t), *self.grazes))
             if not above.min() > np.abs(np.diff(above, append=above[:1])).max():
                 return False
             t, v, _, _ = next_impacts(self.oscillator, t, v)

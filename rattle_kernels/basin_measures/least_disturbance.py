@@ -24,6 +24,7 @@ from rattle_kernels.basin_measures.arrays import check_basins
 from rattle_kernels.cell_mapping.cell_grid import CellGrid, check_grid
 from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.oscillator import Oscillator
+from rattle_kernels.numerics.phase import wrap_all
 
 # Index of permanent contact in every catalogue.
 _QUIET = 0
@@ -94,7 +95,7 @@ def least_disturbance(
     if not (math.isfinite(tolerance) and tolerance > 0.0):
         raise ValueError(f"tolerance must be positive and finite, not {tolerance}")
     columns, rows = _lowest_rattle(array)
-    time = grid.time_centres() % 1.0
+    time = wrap_all(grid.time_centres())
     speeds = np.concatenate([[0.0], grid.velocity_centres()])
     bracket = speeds[rows], speeds[rows + 1]
     velocity, motion = np.full(time.size, np.nan), np.full(time.size, _QUIET, np.int16)

@@ -16,8 +16,8 @@ from anyio import create_task_group
 from rattle_kernels.numerics.compiled_apart import compiled_apart
 from rattle_kernels.numerics.jit import timing_compilation
 from service.errors import LimitExceeded, TooMuch
-from worker.basins.preview import Preview, PreviewRequest, preview_basin
 from worker.errors import JobCancelled
+from worker.jobs.preview_request import Preview, PreviewRequest, preview_basin
 
 MOST_CELLS = 65_536
 MOST_APPLICATIONS = 50_000_000

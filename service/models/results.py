@@ -11,7 +11,7 @@ from pydantic import BaseModel, Field
 
 from rattle_kernels import Attractor, AttractorKind, Direction, Loudness, Outcome, TimeHistory, grazing_velocity
 from worker.additions import additions, with_fields
-from worker.basins.preview import Preview
+from worker.jobs.preview_request import Preview
 from worker.kinds import KINDS
 from worker.pictures.colours import MISSING, SPECKLE, Colour, Paint, Palette, paints_of
 from worker.pictures.overlay import Lines, Overlay

@@ -11,7 +11,7 @@ from service.models.requests import described_as, parsed
 from service.models.results import PreviewView
 from service.routes.dependencies import ChecksHere, problems
 from service.routes.plain_json import PlainJsonRoute
-from worker.basins.preview import PreviewRequest
+from worker.jobs.preview_request import PreviewRequest
 
 router = APIRouter(prefix="/v1", tags=["previews"], route_class=PlainJsonRoute)
 _BODY: Any = described_as(PreviewRequest)

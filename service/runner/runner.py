@@ -22,6 +22,7 @@ from worker.cluster.driver import Driver
 from worker.errors import ClusterFailed, JobCancelled, LeaseLost, WorkerError
 from worker.kinds import KINDS
 from worker.progress import Progress, Stage
+from worker.run import run_job
 from worker.storage.location import remove_rootless, result_location
 
 _log = logging.getLogger("rattle.runner")
@@ -193,12 +194,11 @@ class Runner:
     def _compute(self, lease: Lease, driver: Driver) -> tuple[Ends, dict[str, Any]]:
         record, report = lease.record, _Throttled(self.jobs, lease)
         try:
-            kind = KINDS[record.kind]
             location = result_location(self.results, record.store or record.id)
-            job = kind.job_class.trusted(record.request, record.digest)
+            job = KINDS[record.kind].job_class.trusted(record.request, record.digest)
             lease.check()
             remove_rootless(location)
-            kind.run(job, location, driver, report=report, cancel=lease.cancel, fence=lease.check)
+            run_job(job, location, driver, report=report, cancel=lease.cancel, fence=lease.check)
         except (JobCancelled, LeaseLost):
             return _STOPPED, {}
         except Exception as error:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from worker.basins.preview import PreviewRequest, preview_basin
+from worker.jobs.preview_request import PreviewRequest, preview_basin
 from worker.pictures.colours import Palette, colours_of
 
 EXPLORER = Path(__file__).parents[2] / "service" / "explorer"

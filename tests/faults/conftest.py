@@ -12,11 +12,11 @@ import pytest
 from tests.faults.farm import ENVIRONMENT, starts
 from tests.running_service import running_service
 from tests.store_content import content
-from worker.basins.pipeline import run_basin
 from worker.cluster.connection import local_cluster
 from worker.cluster.driver import Driver
 from worker.jobs.basin_job import basin_job
 from worker.results.summary import summarise
+from worker.run import run_job
 
 BASIN = {"grid": {"time": {"cells": 300}, "velocity": {"cells": 300}}, "iterations": 15013}
 SWEEP = {
@@ -70,7 +70,7 @@ def undisturbed(tmp_path_factory):
     with local_cluster(workers=2) as client:
         for name, job in (("basin", basin_job(BASIN)), ("sweep", basin_job(SWEEP))):
             place = str(folder / f"{name}.zarr")
-            run_basin(job, place, Driver(client), report=lambda _: None, cancel=threading.Event())
+            run_job(job, place, Driver(client), report=lambda _: None, cancel=threading.Event())
             found[name] = Expected(content(place), summarise(place).tiles)
     return found
 

@@ -15,6 +15,7 @@ from tests.waiting import wait_until
 from worker.cluster.connection import thread_cluster
 from worker.cluster.driver import Driver
 from worker.kinds import KINDS
+from worker.run import run_job
 
 REQUESTS = {"basins": BASIN, **ROUTES, "grazing-curves": {"order": 4}}
 
@@ -24,7 +25,7 @@ def undisturbed(path, place):
     (kind,) = (kind for kind in KINDS.values() if kind.path == path)
     with thread_cluster(threads=2) as client:
         job = kind.job_class.from_request(REQUESTS[path])
-        kind.run(job, str(place), Driver(client), report=lambda _: None, cancel=threading.Event())
+        run_job(job, str(place), Driver(client), report=lambda _: None, cancel=threading.Event())
     return content(place)
 
 

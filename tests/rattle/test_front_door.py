@@ -115,14 +115,14 @@ def test_progress_may_be_a_function_and_what_it_raises_stops_the_work(tmp_path):
 def test_threads_give_the_bytes_that_processes_give(client, tmp_path):
     """Work here and work on a cluster are the same to the byte."""
     from tests.store_content import content
-    from worker.basins.pipeline import run_basin
     from worker.cluster.driver import Driver
+    from worker.run import run_job
 
     job = rattle.BasinJob(iterations=101)
     job = type(job).from_request(job.request() | {"grid": {"time": {"cells": 30}, "velocity": {"cells": 30}}})
     here, there = tmp_path / "here.zarr", tmp_path / "there.zarr"
     rattle.compute(job, store=here, progress=False)
-    run_basin(job, str(there), Driver(client), report=lambda _: None, cancel=threading.Event())
+    run_job(job, str(there), Driver(client), report=lambda _: None, cancel=threading.Event())
     arrays = {name for name in content(there) if not name.endswith("zarr.json")}
     assert {name: content(here)[name] for name in arrays} == {name: content(there)[name] for name in arrays}
 

@@ -10,7 +10,7 @@ import rattle
 from rattle.arguments import job_of
 from rattle.cli import app
 from rattle.cli.options import arguments_from, options_of
-from worker.basins.preview import PreviewRequest, preview_basin
+from worker.jobs.preview_request import PreviewRequest, preview_basin
 
 # Two harmonics beside the first, as in the tests of the kernels, which are compiled for that number of them.
 FORCING = [(2, 0.01, 0.0), (3, 0.0005, 0.3)]

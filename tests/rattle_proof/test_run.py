@@ -12,11 +12,11 @@ from rattle_proof.enclosures.cells import WHOLE
 from rattle_proof.layout import PROVEN, UNPROVEN_REASON, Unproven
 from rattle_proof.request import LEVELS, first_columns
 from tests.store_content import content
-from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import JobCancelled
 from worker.jobs.basin_job import BasinJob
 from worker.progress import Stage
+from worker.run import run_job
 from worker.stores.basin_store import BasinStore
 
 ENCLOSING, PROVING = Stage("enclosing"), Stage("proving")
@@ -28,7 +28,7 @@ JOB = BasinJob(oscillator=LOSSY, grid=CellGrid(time_cells=70, velocity_cells=66)
 
 def run(job, location, threads=1, report=lambda _: None, cancel=None):
     with Client(processes=False, n_workers=1, threads_per_worker=threads, dashboard_address=None) as client:
-        run_basin(job, str(location), Driver(client), report=report, cancel=cancel or threading.Event())
+        run_job(job, str(location), Driver(client), report=report, cancel=cancel or threading.Event())
     return BasinStore(str(location))
 
 

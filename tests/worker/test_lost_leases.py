@@ -12,6 +12,7 @@ from worker.errors import LeaseLost
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.kinds import KINDS
 from worker.progress import Stage
+from worker.run import run_job
 from worker.storage.location import read_file_of_store, storage_at
 from worker.stores.analysis_store import AnalysisStore
 from worker.stores.basin_store import BasinStore
@@ -70,7 +71,7 @@ def test_a_job_that_loses_its_lease_in_mid_work_ends_there(client, root, kind):
 
     def run():
         driver = Driver(client)
-        KINDS[kind].run(job, location, driver, report=lose, cancel=threading.Event(), fence=fence)
+        run_job(job, location, driver, report=lose, cancel=threading.Event(), fence=fence)
 
     with pytest.raises(LeaseLost):
         run()

@@ -4,17 +4,14 @@ Analyses are bifurcation diagrams, periodic orbits with their branches, manifold
 The pieces depend on the request and on the results of other pieces, never on timing. So the same request always gives
 the same bytes.
 
-From the job of an analysis to its complete store: pieces run on workers, and their parts are assembled. The store is
-authoritative: a piece is done if its part is marked whole there. After any crash or cancellation the same call computes
-only what is missing.
+Pieces run on workers, and their parts are assembled. A piece is done if its part is marked whole in the store.
 """
 
 import json
-import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
-from functools import partial
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import nullcontext
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import xarray as xr
@@ -24,12 +21,13 @@ from pydantic import BaseModel, Field
 from worker.cluster.calls import Task, stop_if_cancelled
 from worker.cluster.driver import Driver
 from worker.errors import InvalidJob, StoreConflict, StoreFailed
-from worker.fence import Fence, unfenced
+from worker.fence import Fence
 from worker.jobs.job import AnalysisJob
 from worker.pictures.figure_file import new_figure
-from worker.progress import Progress, Report, Stage
+from worker.progress import Progress, Stage
 from worker.results.panel import USUAL_LOOK, Look
-from worker.stores.analysis_store import AnalysisStore, StoredParts
+from worker.run import Run
+from worker.stores.analysis_store import AnalysisStore
 from worker.stores.layout import Columns, Variable
 
 Parts = Mapping[str, Columns]
@@ -96,13 +94,8 @@ class Analysis:
     view: type[AnalysisView]
     draw: Callable[[Any, Columns, Figure], object]
 
-    def run(
-        self, job: AnalysisJob, location: str, driver: Driver, *, report: Report, cancel: threading.Event,
-        fence: Fence = unfenced,
-    ) -> None:  # fmt: skip
-        """Compute a job into a store, or continue the store that is there.
-
-        `summary` reads the result.
+    def runs(self, job: AnalysisJob, location: str, driver: Driver, fence: Fence) -> Iterator[Run]:
+        """The pieces of a job, computed into a store; nothing if it is complete. `summary` reads the result.
 
         Parameters
         ----------
@@ -110,33 +103,21 @@ class Analysis:
         location : str
             The store.
         driver : Driver
-        report : callable
-            Called with a `Progress` after every piece.
-        cancel : threading.Event
-            Set it to stop. The store stays readable and can be resumed.
         fence : Fence
-            Needed if another driver may take over the job.
+
+        Yields
+        ------
+        Run
 
         Raises
         ------
-        JobCancelled, LeaseLost, NotFound, StoreConflict, StoreFailed, TileFailed, ClusterFailed, UnlikeWorkers
+        LeaseLost, StoreConflict, StoreFailed
         """
         store = AnalysisStore.create_or_resume(location, self.title, job, fence)
         if store.complete:
             store.remove_parts()
-            return
-        run = _Run(self, job, store.parts(), report)
-        try:
-            tasks = driver.run_tasks(
-                (location, store.digest), run.next_task, cancel,
-                compiling=lambda: report(run.progress().while_compiling()),
-            )  # fmt: skip
-            for task, seconds in tasks:
-                task.then(task.number, seconds)
-        finally:
-            store.publish(self.layout(job), self.assemble(job, run.parts))
-        store.finish(run.seconds)
-        run.report_stage(Stage.DONE)
+        else:
+            yield _Pieces(self, store)
 
     def read(self, location: str) -> tuple[Any, Columns, AnalysisStore]:
         """Job and columns of a store: its tables if it is complete, otherwise columns assembled from its parts.
@@ -240,53 +221,54 @@ def compute_piece(
     return time.perf_counter() - begin
 
 
-@dataclass
-class _Run:
-    """An analysis in progress."""
+class _Pieces:
+    """The pieces of an analysis in progress."""
 
-    analysis: Analysis
-    job: AnalysisJob
-    parts: StoredParts
-    report: Report
-    seconds: dict[str, float] = field(default_factory=dict)
+    within = staticmethod(nullcontext)  # a piece's part is marked as whole by the task itself, after it is on the disk
 
-    def __post_init__(self) -> None:
+    def __init__(self, analysis: Analysis, store: AnalysisStore) -> None:
+        self.address = store.location, store.digest
+        self.seconds: dict[str, float] = {}
+        self._analysis, self._store, self._parts = analysis, store, store.parts()
         self._under_way: set[str] = set()
         self._begun = 0
         self._stage: Stage | None = None
         self._plan_next()
 
     def _plan_next(self) -> None:
-        self._plan: Plan = self.analysis.plan(self.job, self.parts)
-        self.report_stage(self._plan.stage)
+        self._plan = self._analysis.plan(self._store.job, self._parts)
 
     def next_task(self) -> Task | None:
-        """The next piece that can be computed, as a task."""
+        """The next piece that can be computed, as a task; None if there is none yet."""
         for piece in self._plan.ready:
             if piece.name not in self._under_way:
                 self._under_way.add(piece.name)
                 self._begun += 1
-                done = partial(self._done, piece.name)
-                return Task(compute_piece, self._begun, tuple(piece), done, f"piece {piece.name}")
+                return Task(compute_piece, self._begun, tuple(piece), name=f"piece {piece.name}")
         return None
 
-    def _done(self, name: str, number: int, seconds: float) -> Iterable[Task]:
+    def take(self, task: Task, receipt: float) -> None:
         """Record that a piece is done, and plan again."""
-        self.seconds[self._plan.stage.value] = self.seconds.get(self._plan.stage.value, 0.0) + seconds
+        name, stage = task.arguments[0], self._plan.stage.value
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + receipt
         self._under_way.discard(name)
-        self.parts.add(name)
+        self._parts.add(name)
         self._plan_next()
-        return ()
 
-    def report_stage(self, stage: Stage) -> None:
-        """Report the progress of a stage."""
+    def leave(self) -> None:
+        """Write what the parts say so far."""
+        analysis, job = self._analysis, self._store.job
+        self._store.publish(analysis.layout(job), analysis.assemble(job, self._parts))
+
+    def finish(self) -> None:
+        """Mark the store as complete."""
+        self._store.finish(self.seconds)
+
+    def progress(self, stage: Stage | None = None) -> Progress:
+        """How far a stage is, by default that of the plan."""
+        stage = stage or self._plan.stage
         if stage != self._stage:
             self._stage, self._since, self._at_start = stage, time.monotonic(), self._plan.done
-        self.report(self.progress())
-
-    def progress(self) -> Progress:
-        """Progress of the stage that was reported last."""
         elapsed, done = time.monotonic() - self._since, self._plan.done - self._at_start
         left = elapsed / done * (self._plan.total - self._plan.done) if done else None
-        stage = self._stage or self._plan.stage
         return Progress(stage, self._plan.done, self._plan.total, 0, 0, 0.0, left, 0, 0)

@@ -3,11 +3,10 @@
 Floors, the highest first; each imports from lower ones alone ::
 
     pipeline
-    pace
     schedule
     ledger
     whole_basin | numbering
     basin_run | coarsening
-    tasks | preview
+    tasks
     assembly | image_cache | weights
 """

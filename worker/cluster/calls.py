@@ -85,12 +85,12 @@ def telling_of_compilation(address: Address) -> Iterator[None]:
     address : (str, str)
         The job's.
     """
-    worker, told = get_worker(), False
+    worker, sent = get_worker(), False
 
     def tell() -> None:
-        nonlocal told
-        if not told:
-            told = True
+        nonlocal sent
+        if not sent:
+            sent = True
             worker.log_event(_TOPIC, list(address))
 
     with watch_compiling(tell):

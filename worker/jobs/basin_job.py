@@ -12,7 +12,7 @@ from rattle_kernels.cell_mapping.iterations import check_iterations
 from worker.additions import additions, asked_of, with_fields
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.job import Job, Sizes
-from worker.jobs.request import Count, Real, Request, accepting, as_real, told
+from worker.jobs.request import Count, Real, Request, accepting, as_real, in_schema
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, check_swept
 from worker.precision_limits import check_window
@@ -118,7 +118,7 @@ class _Fields(Job):
     # Every answer has the kind, so a request may have it, too. It is no part of the canonical form.
     kind_: Literal["basin"] = "basin"
     grid_: Grid = Field(default_factory=GridRequest)
-    iterations_: Annotated[Count, told(maximum=10**12)] | None = Field(
+    iterations_: Annotated[Count, in_schema(maximum=10**12)] | None = Field(
         None,
         description="k of P_corr o P^k: 1 or a prime. By default 1499 where the least damping is 0.5 or more, else the "
         "first prime from 900/damping",

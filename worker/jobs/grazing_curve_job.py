@@ -10,7 +10,7 @@ from rattle_kernels.manifolds.grazing_preimages import STRETCHES
 from worker.errors import InvalidJob
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
 from worker.jobs.region import MOST_POINTS, SPEEDS, Interval, Resolution, ResolutionRequest, check_speeds, papers_speeds
-from worker.jobs.request import Count, Whole, told
+from worker.jobs.request import Count, Whole, in_schema
 
 _EXAMPLE: dict[str, Any] = {
     "kind": "grazing_curve",
@@ -35,12 +35,12 @@ class GrazingCurveJob(AnalysisJob):
     impacting_only = True
 
     kind_: Literal["grazing_curve"] = "grazing_curve"
-    order: Annotated[Whole, told(minimum=0)] = Field(
+    order: Annotated[Whole, in_schema(minimum=0)] = Field(
         2, description="Highest order of pre-images; 0 is the grazing curve itself"
     )
     velocity: Annotated[Interval, SPEEDS] = Field(default_factory=papers_speeds, description="Speeds to keep")
     resolution_: Resolution = Field(default_factory=ResolutionRequest)
-    most_points: Annotated[Count, told(minimum=_LEAST_POINTS)] = Field(
+    most_points: Annotated[Count, in_schema(minimum=_LEAST_POINTS)] = Field(
         MOST_POINTS, description="Of one order; an order that needs more is left incomplete"
     )
 

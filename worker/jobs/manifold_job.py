@@ -25,7 +25,7 @@ from worker.jobs.region import (
     check_speeds,
     papers_speeds,
 )
-from worker.jobs.request import Count, Real, Request, Whole, accepting, told
+from worker.jobs.request import Count, Real, Request, Whole, accepting, in_schema
 
 _EXAMPLE: dict[str, Any] = {
     "kind": "manifold",
@@ -104,11 +104,11 @@ class SaddleRequest(Request):
 
     model_config = ConfigDict(json_schema_extra=_ONE_WAY)
 
-    itinerary: Annotated[str, told(pattern=_AS_ITINERARY)] | None = Field(
+    itinerary: Annotated[str, in_schema(pattern=_AS_ITINERARY)] | None = Field(
         None, description="The only saddle of that name in the region", examples=["P(1,1,0)"]
     )
     time: Real | None = None
-    velocity: Annotated[Real, told(exclusiveMinimum=0)] | None = None
+    velocity: Annotated[Real, in_schema(exclusiveMinimum=0)] | None = None
     period: Annotated[Whole, PERIODS] = Field(1, description="Impact period: n+ of P(m, n+, n-)")
 
     @model_validator(mode="after")
@@ -165,11 +165,11 @@ class ManifoldJob(AnalysisJob):
     kind_: Literal["manifold"] = "manifold"
     saddles_: Annotated[list[Saddle], Field(min_length=1, max_length=100)]
     side: Side = Field(Side.STABLE, description="Which manifolds")
-    arclength: Annotated[Real, told(exclusiveMinimum=0)] = Field(
+    arclength: Annotated[Real, in_schema(exclusiveMinimum=0)] = Field(
         ManifoldLimits().arclength, description="Of each branch, within the window of speeds"
     )
     velocity: Annotated[Interval, SPEEDS] = Field(default_factory=papers_speeds, description="Speeds to keep")
-    most_points: Annotated[Count, told(minimum=100)] = Field(MOST_POINTS, description="Of each branch")
+    most_points: Annotated[Count, in_schema(minimum=100)] = Field(MOST_POINTS, description="Of each branch")
     resolution_: Resolution = Field(default_factory=ResolutionRequest)
     region: Region = Field(default_factory=Region, description="Where saddles of an itinerary are looked for")
     cells: Count = Field(SEARCH_CELLS, description="Cells of that search each way")

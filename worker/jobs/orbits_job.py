@@ -11,7 +11,7 @@ from rattle_kernels.model.domain import closed_edges
 from worker.errors import InvalidJob
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import SEARCH_CELLS, Departure, Region
-from worker.jobs.request import Count, Real, Whole, as_real, told
+from worker.jobs.request import Count, Real, Whole, as_real, in_schema
 from worker.jobs.swept_parameter import Parameter, is_phase
 
 _EXAMPLE: dict[str, Any] = {
@@ -38,7 +38,7 @@ _NEWTON_STEPS = 40
 _RECURRENCES, _FINER, _BESIDE = 200, 100, 72
 _LONGEST_PERIOD = 9999
 """Longest impact period of a saddle that an itinerary can name, too. A turn takes a hundredth of a second."""
-PERIODS = told(minimum=1, maximum=_LONGEST_PERIOD)
+PERIODS = in_schema(minimum=1, maximum=_LONGEST_PERIOD)
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class Continuation:
     parameter: Parameter
     start: Annotated[Real, Field(description="Lowest value")]
     stop: Annotated[Real, Field(description="Highest value")]
-    most_points: Annotated[Count, Field(description="Most points each way"), told(minimum=2)] = 2000
+    most_points: Annotated[Count, Field(description="Most points each way"), in_schema(minimum=2)] = 2000
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "start", as_real(self.start))
@@ -141,7 +141,9 @@ class OrbitsJob(AnalysisJob):
     model_config = ConfigDict(title="OrbitsRequest", json_schema_extra={"examples": [_EXAMPLE], "allOf": _TOGETHER})
 
     kind_: Literal["orbits"] = "orbits"
-    longest: Annotated[Count, told(maximum=_LONGEST_PERIOD)] = Field(4, description="Greatest n+ that is searched for")
+    longest: Annotated[Count, in_schema(maximum=_LONGEST_PERIOD)] = Field(
+        4, description="Greatest n+ that is searched for"
+    )
     region: Region = Field(default_factory=Region, description="Where it is searched")
     cells: Count = Field(SEARCH_CELLS, description="The search starts from the centres of so many cells each way")
     seeds: Annotated[list[OrbitSeed], Field(min_length=1, max_length=1000)] | None = Field(

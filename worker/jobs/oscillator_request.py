@@ -19,7 +19,7 @@ from rattle_kernels import (
     transmission_error,
 )
 from worker.errors import InvalidJob
-from worker.jobs.request import INTEGRAL, Real, Request, accepting, as_real, told
+from worker.jobs.request import INTEGRAL, Real, Request, accepting, as_real, in_schema
 
 IMPACTING: Literal["impacting"] = "impacting"
 PIECEWISE_LINEAR: Literal["piecewise_linear"] = "piecewise_linear"
@@ -31,7 +31,9 @@ _MOST_HARMONICS = 32
 _MOST_SAMPLES = 10_000
 BOTH_FORCINGS = "the forcing is given twice: give transmission_error, or eccentricity and harmonics"
 _LEAST_SAMPLES = 3
-_BY_ANGLE = Annotated[tuple[Real, ...], Field(max_length=_MOST_SAMPLES, fail_fast=True), told(minItems=_LEAST_SAMPLES)]
+_BY_ANGLE = Annotated[
+    tuple[Real, ...], Field(max_length=_MOST_SAMPLES, fail_fast=True), in_schema(minItems=_LEAST_SAMPLES)
+]
 # A measured curve takes the place of both.
 _ONE_FORCING: dict[str, Any] = {
     "if": {"properties": {"transmission_error": {"type": "object"}}, "required": ["transmission_error"]},
@@ -84,7 +86,7 @@ class TransmissionErrorRequest(Request):
     explained: Real = Field(
         0.99, gt=0, le=1, description="The kept orders are the fewest that explain this part of the variance"
     )
-    scale: Annotated[Real, told(**{"not": {"const": 0}})] = Field(
+    scale: Annotated[Real, in_schema(**{"not": {"const": 0}})] = Field(
         1.0, description="Errors times this are in the units of half_backlash"
     )
 
@@ -102,8 +104,8 @@ class TransmissionErrorRequest(Request):
             place = () if error.sample is None else ("angle", error.sample)
             raise InvalidJob(str(error), ("transmission_error", *place)) from error
         if len(measured.harmonics) > _MOST_HARMONICS:
-            told = f"{len(measured.orders)} orders explain {self.explained:g}, which is more than {_MOST_HARMONICS}"
-            raise InvalidJob(f"{told}: lower explained", ("transmission_error", "explained"))
+            message = f"{len(measured.orders)} orders explain {self.explained:g}, which is more than {_MOST_HARMONICS}"
+            raise InvalidJob(f"{message}: lower explained", ("transmission_error", "explained"))
         return measured.forcing
 
 

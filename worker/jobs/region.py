@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 from rattle_kernels import CellGrid, CurveResolution, ManifoldLimits
 from rattle_kernels.manifolds.polyline import check_resolution
 from worker.errors import FieldPath, InvalidJob
-from worker.jobs.request import Real, Request, accepting, as_real, told
+from worker.jobs.request import Real, Request, accepting, as_real, in_schema
 
 _WINDOW = CellGrid()
 _RESOLUTION = CurveResolution()
@@ -33,7 +33,7 @@ class Departure:
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", title="SeedRequest")
 
     time: Annotated[Real, Field(description="Phase t, forcing periods")]
-    velocity: Annotated[Real, Field(description="Speed v of the departure, above 0"), told(exclusiveMinimum=0)]
+    velocity: Annotated[Real, Field(description="Speed v of the departure, above 0"), in_schema(exclusiveMinimum=0)]
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.time):
@@ -77,10 +77,10 @@ def papers_phases() -> Interval:
     return Interval(_WINDOW.time_start, _WINDOW.time_stop)
 
 
-PHASES = told(
+PHASES = in_schema(
     properties={"start": {"minimum": 0, "exclusiveMaximum": 1}, "stop": {"exclusiveMinimum": 0, "maximum": 1}}
 )
-SPEEDS = told(properties={"start": {"minimum": 0}, "stop": {"exclusiveMinimum": 0}})
+SPEEDS = in_schema(properties={"start": {"minimum": 0}, "stop": {"exclusiveMinimum": 0}})
 """What the schema says of intervals of phases, and of speeds."""
 
 
@@ -127,7 +127,7 @@ class Region:
         check_speeds(self.velocity)
 
 
-Positive = Annotated[Real, told(exclusiveMinimum=0)]
+Positive = Annotated[Real, in_schema(exclusiveMinimum=0)]
 
 
 class ResolutionRequest(Request):

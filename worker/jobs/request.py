@@ -60,7 +60,7 @@ class Request(BaseModel):
         _FIELDS.update(name.rstrip("_") for name in cls.model_fields)
 
 
-def told(**keywords: Any) -> Any:
+def in_schema(**keywords: Any) -> Any:
     """Keywords of JSON Schema for what a request's own check demands: its message tells more than pydantic's.
 
     Parameters

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import CellGrid
 from worker.errors import InvalidJob
-from worker.jobs.request import INTEGRAL, Count, told
+from worker.jobs.request import INTEGRAL, Count, in_schema
 
 _BITS = 30
 _MOST_SCRAMBLINGS = 1000
@@ -41,7 +41,7 @@ class Sample:
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", title="SampleRequest")
 
-    points: Annotated[Count, Field(description="Number of points"), told(maximum=1 << _BITS)]
+    points: Annotated[Count, Field(description="Number of points"), in_schema(maximum=1 << _BITS)]
     seed: Annotated[int, Field(strict=True, ge=0, description="The same seed gives the same points"), INTEGRAL] = 0
     # Left out of requests where it is 1: they, and their digests, are those of before there were scramblings.
     scramblings: Annotated[
@@ -50,7 +50,7 @@ class Sample:
             description="Sets of points, each scrambled by itself; from two on their scatter measures the errors",
             exclude_if=lambda number: number == 1,
         ),
-        told(maximum=_MOST_SCRAMBLINGS),
+        in_schema(maximum=_MOST_SCRAMBLINGS),
     ] = 1
 
     def __post_init__(self) -> None:
@@ -59,11 +59,13 @@ class Sample:
         if self.seed < 0:
             raise InvalidJob(f"the seed of a sample must not be negative, not {self.seed}", ("seed",))
         if not 1 <= self.scramblings <= _MOST_SCRAMBLINGS:
-            told = f"a sample has 1 to {_MOST_SCRAMBLINGS} scramblings, not {self.scramblings}"
-            raise InvalidJob(told, ("scramblings",))
+            message = f"a sample has 1 to {_MOST_SCRAMBLINGS} scramblings, not {self.scramblings}"
+            raise InvalidJob(message, ("scramblings",))
         if self.points % self.scramblings:
-            told = f"the points must be a multiple of the scramblings, and {self.points} is none of {self.scramblings}"
-            raise InvalidJob(told, ("scramblings",))
+            message = (
+                f"the points must be a multiple of the scramblings, and {self.points} is none of {self.scramblings}"
+            )
+            raise InvalidJob(message, ("scramblings",))
         if self.scramblings > 1 and self.points < 2 * self.scramblings:
             raise InvalidJob("each scrambling has two points or more", ("scramblings",))
 

@@ -16,7 +16,7 @@ from rattle_kernels.model.oscillator import PARAMETERS
 from worker.errors import InvalidJob
 from worker.jobs.budget import spend
 from worker.jobs.oscillator_request import with_swept_stiffness
-from worker.jobs.request import INTEGRAL, Real, Request, as_real, refusal, told
+from worker.jobs.request import INTEGRAL, Real, Request, as_real, in_schema, refusal
 
 MOST_SWEPT = 2
 MOST_LISTED = 10_000
@@ -158,7 +158,7 @@ class SweptParameter(Request):
     )
 
     parameter: Parameter
-    values_: Annotated[tuple[Real, ...], Field(fail_fast=True), told(minItems=1)] | None = Field(
+    values_: Annotated[tuple[Real, ...], Field(fail_fast=True), in_schema(minItems=1)] | None = Field(
         None, description="Ascending or descending"
     )
     start: Real | None = None

@@ -62,6 +62,6 @@ def oscillator_text(oscillator: Oscillator, without: tuple[str, ...] = ()) -> st
     'impacting model, ε = 0.1, β = 0.6'
     """
     values = {name: oscillator.value_of(name) for name in oscillator.parameters if name not in without}
-    told = [f"{symbol_of(name)} = {value:g}" for name, value in values.items() if value != _USUAL.get(name)]
+    terms = [f"{symbol_of(name)} = {value:g}" for name, value in values.items() if value != _USUAL.get(name)]
     model = "impacting model" if np.isinf(oscillator.stiffness) else "piecewise linear model"
-    return ", ".join([model, *told])
+    return ", ".join([model, *terms])

@@ -219,10 +219,10 @@ def _patch(paint: colours.Paint, label: str, speckled: bool) -> Patch:
 
 def _draw_legend(axes: Axes, motions: tuple[Attractor, ...], shares: np.ndarray, look: Look) -> None:
     """List motions with colours and shares beside axes on which they are drawn; NaN is a share not known yet."""
-    told = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
+    texts = [f"{100.0 * share:.2f} %" if np.isfinite(share) else "share not known yet" for share in shares]
     names = [motion.name for motion in motions]
     ends = [f"\n{ends_in_words(motion.ends, names)}" if motion.ends else "" for motion in motions]
-    labels = [f"{motion.label}   {share}{end}" for motion, share, end in zip(motions, told, ends, strict=True)]
+    labels = [f"{motion.label}   {share}{end}" for motion, share, end in zip(motions, texts, ends, strict=True)]
     handles = [*_legend_patches(motions, shares, labels, look), *_masks_of(axes), *_lines_of(axes)]
     speckled = axes.images and any(each.is_chaotic for each in motions)  # points of a sample have no groups
     axes.legend(

@@ -197,5 +197,5 @@ def _attributes(name: str, over: str = "") -> dict[str, str]:
         return {"units": "1", "long_name": "share of the cells whose motion is not known, which count as silent"}
     measured = name.removesuffix("_error")
     meaning, attributes = _MEANINGS[measured]
-    told = f"mean of {meaning}{over}" if over else meaning
-    return attributes | {"long_name": told if name == measured else f"standard error of the {told}"}
+    long_name = f"mean of {meaning}{over}" if over else meaning
+    return attributes | {"long_name": long_name if name == measured else f"standard error of the {long_name}"}

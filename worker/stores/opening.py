@@ -99,8 +99,8 @@ def trusted_job(job_class: Callable[[dict[str, Any], str], _AnyJob], location: s
     try:
         return job_class(json.loads(str(attributes["request"])), str(attributes.get("request_sha256")))
     except (InvalidJob, OutsideDomain) as error:
-        told = f"the request of the store {location} cannot be read: {error}"
-        raise StoreFailed(f"{told}; `rattle check` tells what to do") from error
+        message = f"the request of the store {location} cannot be read: {error}"
+        raise StoreFailed(f"{message}; `rattle check` tells what to do") from error
 
 
 def open_group(location: str, mode: str, *, consolidated: bool = False, fence: Fence = unfenced) -> Any:

@@ -7,8 +7,8 @@ import pytest
 from rattle_kernels.numerics import jit
 from service.answers import previews
 from service.answers.previews import Previews
-from worker.basins.preview import PreviewRequest
 from worker.errors import JobCancelled
+from worker.jobs.preview_request import PreviewRequest
 
 # So stiff that each motion takes long to find.
 SLOW = PreviewRequest(oscillator={"model": "piecewise_linear", "stiffness": 1_000_000}, iterations=1499)

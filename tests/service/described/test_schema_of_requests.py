@@ -4,7 +4,7 @@ import jsonschema_rs
 import pytest
 
 from service.openapi import document
-from worker.basins.preview import PreviewRequest
+from worker.jobs.preview_request import PreviewRequest
 from worker.jobs.trajectory_request import TrajectoryRequest
 from worker.kinds import KINDS
 

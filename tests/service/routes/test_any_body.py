@@ -12,8 +12,8 @@ from service.answers import checks as checked
 from service.answers import limits
 from service.routes.plain_json import PlainJsonRoute
 from tests.service.idle_service import idle_service
-from worker.basins.preview import PreviewRequest
 from worker.jobs.oscillator_request import _Common
+from worker.jobs.preview_request import PreviewRequest
 from worker.jobs.trajectory_request import TrajectoryRequest
 from worker.kinds import KINDS
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.service.routes.problems import assert_problem, left_behind
-from worker.basins.preview import PreviewRequest, preview_basin
+from worker.jobs.preview_request import PreviewRequest, preview_basin
 
 # So stiff that each motion takes long to find.
 SLOW = {"oscillator": {"model": "piecewise_linear", "stiffness": 1_000_000}, "iterations": 1499}

@@ -23,7 +23,6 @@ from worker.analyses.bifurcation import BIFURCATION
 from worker.analyses.grazing_curves import orders_of
 from worker.analyses.manifolds import branches_of
 from worker.analyses.orbit_tables import orbits_of
-from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import InvalidJob, JobCancelled, NotFound, StoreConflict
 from worker.jobs.basin_job import BasinJob
@@ -37,6 +36,7 @@ from worker.kinds import KINDS
 from worker.pictures.figure_file import save_figure
 from worker.progress import Stage
 from worker.results.figure import figure_of_store
+from worker.run import run_job
 from worker.stores.analysis_store import AnalysisStore, kind_of_store
 from worker.stores.layout import MISSING
 
@@ -55,7 +55,7 @@ each_kind = pytest.mark.parametrize("job", JOBS, ids=lambda job: job.kind)
 
 def run(job, location, client, *, report=lambda _: None, cancel=None):
     cancel = cancel or threading.Event()
-    KINDS[job.kind].run(job, str(location), Driver(client), report=report, cancel=cancel)
+    run_job(job, str(location), Driver(client), report=report, cancel=cancel)
     return KINDS[job.kind].summarise(str(location))
 
 
@@ -273,7 +273,7 @@ def test_another_kinds_store_is_not_touched(client, stores, tmp_path):
         run(GRAZING, stores / "orbits", client)
     with pytest.raises(StoreConflict, match="is no basin store: it is one of kind orbits"):
         cancel = threading.Event()
-        run_basin(BasinJob(), str(stores / "orbits"), Driver(client), report=lambda _: None, cancel=cancel)
+        run_job(BasinJob(), str(stores / "orbits"), Driver(client), report=lambda _: None, cancel=cancel)
     assert content(stores / "orbits") == before and kind_of_store(str(stores / "orbits")) == "orbits"
     with pytest.raises(StoreConflict, match="no store"):
         AnalysisStore(str(tmp_path / "nothing"))

@@ -7,10 +7,10 @@ from pathlib import Path
 from distributed import Client
 
 from rattle_kernels import CellGrid, Oscillator
-from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.jobs.basin_job import BasinJob
 from worker.results.summary import summarise
+from worker.run import run_job
 
 _GRID = CellGrid(time_cells=32, velocity_cells=32)
 # Little damped: trajectories are trapped, and traps are made with NumPy's linear algebra.
@@ -27,7 +27,7 @@ def compute_all(folder):
     with Client(processes=False, n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as client:
         for name, job in JOBS.items():
             store = str(folder / name)
-            run_basin(job, store, Driver(client), report=lambda _: None, cancel=threading.Event())
+            run_job(job, store, Driver(client), report=lambda _: None, cancel=threading.Event())
             print(name, *(solution.name for solution in summarise(store).solutions), sep=", ")
 
 

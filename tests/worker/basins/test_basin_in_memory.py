@@ -7,10 +7,10 @@ import pytest
 import xarray as xr
 
 from rattle_kernels import CellGrid, Oscillator, basin
-from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.jobs.basin_job import BasinJob
 from worker.results.opening import attractors_of, open_basin
+from worker.run import run_job
 from worker.stores.basin_store import BasinStore
 
 _ARRAYS = ("image_cell", "landing_time", "landing_velocity", "group", "period", "step", "solution")
@@ -30,7 +30,7 @@ def test_it_is_that_of_the_store(oscillator, grid, iterations, client, tmp_path)
     location = str(tmp_path / "basin.zarr")
     asked = {} if iterations is None else {"iterations": iterations}
     job = BasinJob(oscillator=oscillator, grid=grid, **asked)
-    run_basin(job, location, Driver(client), report=lambda _: None, cancel=threading.Event())
+    run_job(job, location, Driver(client), report=lambda _: None, cancel=threading.Event())
     assert found.iterations == job.iterations
     with xr.open_zarr(location) as stored:
         for name in _ARRAYS:

@@ -10,11 +10,11 @@ from zarr.core.sync import sync
 
 from rattle_kernels import CellGrid
 from tests.store_content import content
-from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import StoreFailed
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.swept_parameter import SweptParameter
+from worker.run import run_job
 from worker.storage import folder
 
 
@@ -31,7 +31,7 @@ JOBS = {"small": sweep(24), "tiled": sweep(100), "proven": PROVEN}
 
 
 def run(job, location, client):
-    run_basin(job, str(location), Driver(client), report=lambda _: None, cancel=threading.Event())
+    run_job(job, str(location), Driver(client), report=lambda _: None, cancel=threading.Event())
 
 
 class LastWrite:

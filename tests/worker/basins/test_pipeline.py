@@ -11,12 +11,12 @@ import xarray as xr
 
 from rattle_kernels import CellGrid, Oscillator, map_cells
 from tests.store_content import content
-from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import JobCancelled, StoreConflict, StoreFailed
 from worker.jobs.basin_job import BasinJob
 from worker.results.opening import attractors_of, open_basin
 from worker.results.summary import summarise
+from worker.run import run_job
 from worker.stores.basin_store import BasinStore
 from worker.stores.layout import TileState
 
@@ -25,7 +25,7 @@ JOB = BasinJob(grid=CellGrid(time_cells=200, velocity_cells=200))
 
 def run(job, location, client, *, report=lambda _: None, cancel=None):
     """Compute a job; the summary of its store."""
-    run_basin(job, str(location), Driver(client), report=report, cancel=cancel or threading.Event())
+    run_job(job, str(location), Driver(client), report=report, cancel=cancel or threading.Event())
     return summarise(str(location))
 
 

@@ -11,7 +11,6 @@ import zarr
 import rattle
 from rattle_kernels import CellGrid
 from tests.worker.stores.zarr_stores.write import HERE
-from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import DamagedChunk, StoreFailed
 from worker.jobs.basin_job import BasinJob
@@ -19,6 +18,7 @@ from worker.results.figure import figure_of_store
 from worker.results.panel import Look
 from worker.results.summary import summarise
 from worker.results.viewer import read_tile_labels
+from worker.run import run_job
 from worker.storage.location import storage_at
 from worker.storage.protocol import whole
 from worker.stores.basin_store import BasinStore
@@ -32,7 +32,7 @@ JOB = BasinJob(grid=CellGrid(time_cells=100, velocity_cells=100), iterations=101
 @pytest.fixture(scope="module")
 def finished(client, tmp_path_factory):
     location = tmp_path_factory.mktemp("finished") / "basin.zarr"
-    run_basin(JOB, str(location), Driver(client), report=lambda progress: None, cancel=threading.Event())
+    run_job(JOB, str(location), Driver(client), report=lambda progress: None, cancel=threading.Event())
     return location
 
 

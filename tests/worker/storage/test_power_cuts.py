@@ -15,7 +15,6 @@ from rattle_kernels.cell_mapping.image_set import ImageSet
 from tests.forgetful_disk import ForgetfulDisk
 from tests.store_content import content
 from worker.basins import pipeline
-from worker.basins.pipeline import run_basin
 from worker.cluster.connection import thread_cluster
 from worker.cluster.driver import Driver
 from worker.errors import StoreFailed
@@ -23,6 +22,7 @@ from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import SweptParameter
 from worker.kinds import KINDS
+from worker.run import run_job
 from worker.storage import folder
 from worker.storage.folder import SyncedFiles, synced_together, write_file
 from worker.stores.basin_store import BasinStore
@@ -63,7 +63,7 @@ def disk(tmp_path, monkeypatch):
 
 
 def run(job, location, client, report=lambda progress: None):
-    KINDS[job.kind].run(job, str(location), Driver(client), report=report, cancel=threading.Event(), fence=lambda: None)
+    run_job(job, str(location), Driver(client), report=report, cancel=threading.Event(), fence=lambda: None)
 
 
 def cut_at_every_report(job, disk, client, folder):
@@ -209,7 +209,7 @@ def test_a_store_whose_tiles_are_not_synced_loses_some_that_its_ledger_claims(di
         left.append(tmp_path / f"left{len(left)}")
         disk.power_cut(left[-1], chance=0.5, seed=len(left))
 
-    run_basin(BASIN, str(disk.root / "store.zarr"), Driver(threads), report=cut, cancel=threading.Event())
+    run_job(BASIN, str(disk.root / "store.zarr"), Driver(threads), report=cut, cancel=threading.Event())
     with pytest.raises(StoreFailed, match="has lost a part|damaged"):
         for place in left:
             if holds_store(str(place / "store.zarr")):

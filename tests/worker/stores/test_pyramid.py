@@ -15,7 +15,6 @@ from tests.large_store import LARGE, ChunksRead, fill, finish, label, large_stor
 from tests.store_content import content
 from tests.worker.storage.test_flipped_bits import flip
 from worker.basins.coarsening import coarsen_tile
-from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.errors import InvalidJob, JobCancelled, StoreFailed
 from worker.jobs.basin_job import BasinJob, SweepJob
@@ -24,6 +23,7 @@ from worker.pictures.window import Window
 from worker.results.figure import basin_figure
 from worker.results.panel import Look
 from worker.results.viewer import outline_basin, read_tile_labels
+from worker.run import run_job
 from worker.stores.basin_store import BasinStore
 from worker.stores.pyramid import LABELS
 
@@ -34,7 +34,7 @@ TABLES = 20
 
 
 def run(job, location, client, *, report=lambda _: None, cancel=None):
-    run_basin(job, str(location), Driver(client), report=report, cancel=cancel or threading.Event())
+    run_job(job, str(location), Driver(client), report=report, cancel=cancel or threading.Event())
 
 
 def every(dataset, n):

@@ -13,8 +13,8 @@ from rattle.cli.result_tables import print_solutions
 from rattle_kernels import CellGrid, Oscillator
 from service.models.results import OutlineView, PreviewView
 from tests.worker.basins.test_pipeline import run
-from worker.basins.preview import PreviewRequest, preview_basin
 from worker.jobs.basin_job import BasinJob, SweepJob
+from worker.jobs.preview_request import PreviewRequest, preview_basin
 from worker.jobs.swept_parameter import SweptParameter
 from worker.motion_words import ends_in_words
 from worker.results.summary import summarise

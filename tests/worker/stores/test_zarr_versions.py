@@ -7,12 +7,12 @@ import pytest
 import xarray as xr
 
 from tests.worker.stores.zarr_stores.write import GRAZING, HERE, SWEEP, write_stores
-from worker.basins.pipeline import run_basin
 from worker.cluster.driver import Driver
 from worker.kinds import KINDS
 from worker.results.opening import open_basin
 from worker.results.summary import summarise
 from worker.rounding import FUSED
+from worker.run import run_job
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +60,6 @@ def test_a_job_begun_with_another_zarr_goes_on_in_its_store(client, there, here)
     begun = str(there / "begun")
     with open_basin(begun) as basin:
         assert not basin.attrs["complete"]
-    run_basin(SWEEP, begun, Driver(client), report=lambda _: None, cancel=threading.Event())
+    run_job(SWEEP, begun, Driver(client), report=lambda _: None, cancel=threading.Event())
     assert summarise(begun).complete
     assert_same(begun, here / "sweep")

@@ -8,14 +8,13 @@ from importlib.metadata import version
 from pathlib import Path
 
 from rattle_kernels import CellGrid
-from worker.basins.pipeline import run_basin
 from worker.cluster.connection import local_cluster
 from worker.cluster.driver import Driver
 from worker.errors import JobCancelled
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.grazing_curve_job import GrazingCurveJob
 from worker.jobs.swept_parameter import SweptParameter
-from worker.kinds import KINDS
+from worker.run import run_job
 
 HERE = Path(__file__).parent
 SWEEP = SweepJob(
@@ -27,11 +26,11 @@ GRAZING = GrazingCurveJob(order=1)
 def write_stores(folder, client):
     """A sweep, the same when it was cancelled at once, and an analysis."""
     cancel, driver = threading.Event(), Driver(client)
-    run_basin(SWEEP, str(folder / "sweep"), driver, report=lambda _: None, cancel=cancel)
-    KINDS[GRAZING.kind].run(GRAZING, str(folder / "grazing"), driver, report=lambda _: None, cancel=cancel)
+    run_job(SWEEP, str(folder / "sweep"), driver, report=lambda _: None, cancel=cancel)
+    run_job(GRAZING, str(folder / "grazing"), driver, report=lambda _: None, cancel=cancel)
     cancel.set()
     with contextlib.suppress(JobCancelled):
-        run_basin(SWEEP, str(folder / "begun"), driver, report=lambda _: None, cancel=cancel)
+        run_job(SWEEP, str(folder / "begun"), driver, report=lambda _: None, cancel=cancel)
 
 
 if __name__ == "__main__":

@@ -10,11 +10,11 @@ from pydantic import ValidationError
 from rattle_kernels import OutsideDomain
 from rattle_kernels.attractors import attractor_search
 from rattle_kernels.basins import preview
-from worker.basins.pipeline import run_basin
-from worker.basins.preview import PreviewRequest, preview_basin
 from worker.cluster.driver import Driver
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import BasinJob
+from worker.jobs.preview_request import PreviewRequest, preview_basin
+from worker.run import run_job
 
 WEAK = {
     "oscillator": {"damping": 0.05, "eccentricity": 0.008, "half_backlash": 0.05},
@@ -45,7 +45,7 @@ def test_the_labels_are_those_of_the_basin_of_the_same_request(body, client, tmp
     shown = preview_basin(PreviewRequest(**body))
     store = str(tmp_path / "basin.zarr")
     job = BasinJob.from_request(body)
-    run_basin(job, store, Driver(client), report=lambda _: None, cancel=threading.Event())
+    run_job(job, store, Driver(client), report=lambda _: None, cancel=threading.Event())
     with xr.open_zarr(store) as basin:
         computed = basin.name.values[basin.solution.values]
     np.testing.assert_array_equal(names_of(shown), computed)

@@ -19,7 +19,7 @@ from rattle_kernels.numerics.pausing import Pause, never_stopped
 from worker.errors import InvalidJob
 from worker.jobs.basin_job import GridRequest, TimeWindow, VelocityWindow, grid_of
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, check_quiet_unless_allowed
-from worker.jobs.request import Count, Request, accepting, told
+from worker.jobs.request import Count, Request, accepting, in_schema
 from worker.precision_limits import check_window
 
 PREVIEW_CELLS = 128
@@ -73,7 +73,7 @@ class PreviewRequest(Request):
 
     oscillator: OscillatorRequest = Field(default_factory=ImpactingOscillator)
     grid: Annotated[PreviewGrid, BeforeValidator(accepting(CellGrid, grid_of))] = Field(default_factory=PreviewGrid)
-    iterations: Annotated[Count, told(maximum=10**12)] | None = Field(
+    iterations: Annotated[Count, in_schema(maximum=10**12)] | None = Field(
         None, description="k: 1 or a prime. By default 127 where damping is 0.5 or more, else about 76/damping"
     )
     quick: Annotated[bool, Field(strict=True)] = Field(
