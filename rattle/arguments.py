@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from rattle.gear_pair import GearPair
 from rattle.measured_curve import transmission_error
-from rattle_kernels import TransmissionError, largest_grazing_speed
+from rattle_kernels import TransmissionError
 from rattle_kernels.model.oscillator import PARAMETERS
 from worker.additions import Addition, additions
 from worker.errors import FieldPath, InvalidFields, InvalidJob
+from worker.gear_pair import GearPair
 from worker.jobs.job import Job
 from worker.jobs.oscillator_request import (
     BOTH_FORCINGS,
@@ -56,13 +56,7 @@ def machine_of(given: GearPair | str | Path | None) -> GearPair | None:
     pair = GearPair.read(given) if isinstance(given, str | Path) else given
     if not isinstance(pair, GearPair):
         raise InvalidJob(f"machine is a rattle.GearPair, or the path of a TOML file, not {pair!r}", ("machine",))
-    if pair.gamma >= 1.0:
-        turns = 60.0 / (2.0 * math.pi)
-        raise InvalidJob(
-            f"Gamma is {pair.gamma:.3g} at {pair.speed * turns:.6g} rpm: inertia torque reaches drag torque, and the "
-            f"teeth part in every turn. Eq. (8) holds below {pair.threshold_speed * turns:.6g} rpm",
-            ("machine",),
-        )
+    pair.check_gamma()
     return pair
 
 
@@ -183,8 +177,7 @@ def _read_machine(values: Values, kind: str) -> None:
         if name in values and not swept:
             raise InvalidJob(f"{name} is given twice: the machine has its own", (name,))
     if kind in _OF_WINDOWS and "velocity" not in values:
-        fastest = max(12.0 * oscillator.damping, 1.3 * largest_grazing_speed(oscillator))
-        values["velocity"] = (0.0, float(f"{fastest:.3g}"))
+        values["velocity"] = (0.0, machine.fastest)
     values.update(numbers | values)
 
 

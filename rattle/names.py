@@ -1,9 +1,9 @@
 """The public names whose modules load Numba: `rattle` has them as well, and takes them from here on first use."""
 
-from rattle.gear_pair import GearPair
 from rattle_kernels import Oscillator, OutsideDomain, TransmissionError, eccentric_gears, torque_ripple
 from worker.errors import InvalidJob, JobCancelled, NotFound, StoreConflict, StoreFailed, WorkerError
 from worker.estimate import estimate
+from worker.gear_pair import GearPair
 from worker.jobs.basin_job import BasinJob, SweepJob
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.jobs.grazing_curve_job import GrazingCurveJob

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from rich.console import Console
 
-    from rattle.gear_pair import GearPair
     from rattle_kernels import TransmissionError
+    from worker.gear_pair import GearPair
     from worker.jobs.job import Job
     from worker.progress import Report
 

@@ -34,6 +34,7 @@ from service.routes import (
     events,
     health,
     jobs,
+    machines,
     pages,
     previews,
     results,
@@ -130,7 +131,9 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(SecurityHeaders)
     app.add_middleware(Access)
     install_error_handlers(app)
-    others = [each.router for each in (checks, previews, trajectories, jobs, events, results, viewer, health, pages)]
+    others = [
+        each.router for each in (checks, machines, previews, trajectories, jobs, events, results, viewer, health, pages)
+    ]
     others += [addition.routes() for addition in additions()]
     taken = {route.path for router in others for route in router.routes if isinstance(route, APIRoute)}
     for router in (submit_router(taken), *others):

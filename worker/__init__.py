@@ -9,7 +9,7 @@ Floors, the highest first; each imports from lower ones alone ::
     pictures | basins
     run
     stores | cluster
-    estimate | kinds
+    estimate | gear_pair | kinds
     jobs | storage
     fence | motion_words | precision_limits | progress | rounding
     additions | errors

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from rattle.gear_pair import MACHINE, GearPair
 from rattle.results.trajectories import TRAJECTORY, TRAJECTORY_RESULT, history_of
 from rattle_kernels import NOT_CONVERGED, PERMANENT_CONTACT, SINK, Attractor, Oscillator
 from worker.additions import additions
 from worker.errors import InvalidJob
+from worker.gear_pair import MACHINE, GearPair
 from worker.jobs.job import Job
 from worker.kinds import KINDS, ResultKind, kind_of
 from worker.results import opening

@@ -4,6 +4,7 @@ from functools import partial
 from typing import Any
 
 from service.errors import LimitExceeded
+from service.models.machines import in_model
 from service.settings import Settings
 from worker.estimate import estimate
 from worker.jobs.job import Job
@@ -29,6 +30,7 @@ def job_from(job_class: type[Job], body: dict[str, Any], settings: Settings) -> 
     InvalidJob, OutsideDomain, LimitExceeded
         Naming the field at fault, or the limit.
     """
+    body = in_model(body, job_class)
     job = job_class.from_request(body, partial(_check_size, settings=settings))
     expected = estimate(job, settings.workers, measuring=False)  # nothing is compiled while a client waits
     if expected.seconds > 3600.0 * settings.max_hours:

@@ -10,21 +10,26 @@ from operator import or_
 from typing import Annotated, Any, TypeVar
 
 from fastapi.exceptions import RequestValidationError
-from pydantic import BaseModel, GetPydanticSchema, TypeAdapter, ValidationError
+from pydantic import BaseModel, GetJsonSchemaHandler, GetPydanticSchema, TypeAdapter, ValidationError
 from pydantic_core import core_schema
 
+from service.models.machines import MACHINE, in_model
+from worker.gear_pair import GearPair
 from worker.jobs.job import Job
 from worker.kinds import KINDS
 
 _Model = TypeVar("_Model", bound=BaseModel)
+_MACHINE: TypeAdapter[Any] = TypeAdapter(GearPair)
 
 
-def described_as(model: Any) -> Any:
+def described_as(model: Any, *, machine: bool = False) -> Any:
     """Type of an unchecked JSON object that the API describes as a model.
 
     Parameters
     ----------
     model : type or union of types
+    machine : bool
+        Whether the object may have a machine in place of its oscillator (`service.models.machines.in_model`).
 
     Returns
     -------
@@ -32,7 +37,16 @@ def described_as(model: Any) -> Any:
     """
     described = TypeAdapter(model).core_schema
     # pydantic's own `SkipValidation` describes unchecked values in the same way.
-    metadata = {"pydantic_js_annotation_functions": [lambda _schema, handler: handler(described)]}
+
+    def describe(_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        schema = handler(described)
+        if machine:
+            whole = handler.resolve_ref_schema(schema)
+            whole["properties"][MACHINE] = handler(_MACHINE.core_schema) | {"description": "In place of `oscillator`"}
+            whole.setdefault("allOf", []).append({"not": {"required": [MACHINE, "oscillator"]}})
+        return schema
+
+    metadata = {"pydantic_js_annotation_functions": [describe]}
     schema = core_schema.dict_schema(core_schema.str_schema(), core_schema.any_schema(), metadata=metadata)
     return Annotated[dict[str, Any], GetPydanticSchema(lambda _source, _handler: schema)]
 
@@ -53,9 +67,11 @@ def parsed(model: type[_Model], body: dict[str, Any]) -> _Model:
     ------
     RequestValidationError
         As if FastAPI had checked it.
+    InvalidJob
+        If a machine is at fault.
     """
     try:
-        return model.model_validate(body)
+        return model.model_validate(in_model(body, model))
     except ValidationError as error:
         faults = error.errors(include_url=False)
         raise RequestValidationError([fault | {"loc": ("body", *fault["loc"])} for fault in faults]) from error

@@ -14,7 +14,7 @@ from service.routes.plain_json import PlainJsonRoute
 from worker.jobs.preview_request import PreviewRequest
 
 router = APIRouter(prefix="/v1", tags=["previews"], route_class=PlainJsonRoute)
-_BODY: Any = described_as(PreviewRequest)
+_BODY: Any = described_as(PreviewRequest, machine=True)
 
 
 async def _previews(request: Request) -> Previews:

@@ -15,7 +15,7 @@ from worker.jobs.trajectory_request import TrajectoryRequest
 from worker.results.motion_end import FOLLOWED_PERIODS, end_of
 
 router = APIRouter(prefix="/v1", tags=["trajectories"], route_class=PlainJsonRoute)
-_BODY: Any = described_as(TrajectoryRequest)
+_BODY: Any = described_as(TrajectoryRequest, machine=True)
 
 
 @router.post(

@@ -27,7 +27,7 @@ _DEFAULT = Oscillator()
 # What goes beyond the paper's model. Requests without it are what they were, and so are their digests.
 _WIDER = ("restitution", "contact_damping", "harmonics")
 _HIGHEST_ORDER = 1000
-_MOST_HARMONICS = 32
+MOST_HARMONICS = 32
 _MOST_SAMPLES = 10_000
 BOTH_FORCINGS = "the forcing is given twice: give transmission_error, or eccentricity and harmonics"
 _LEAST_SAMPLES = 3
@@ -103,8 +103,8 @@ class TransmissionErrorRequest(Request):
         except UnusableCurve as error:
             place = () if error.sample is None else ("angle", error.sample)
             raise InvalidJob(str(error), ("transmission_error", *place)) from error
-        if len(measured.harmonics) > _MOST_HARMONICS:
-            message = f"{len(measured.orders)} orders explain {self.explained:g}, which is more than {_MOST_HARMONICS}"
+        if len(measured.harmonics) > MOST_HARMONICS:
+            message = f"{len(measured.orders)} orders explain {self.explained:g}, which is more than {MOST_HARMONICS}"
             raise InvalidJob(f"{message}: lower explained", ("transmission_error", "explained"))
         return measured.forcing
 
@@ -118,7 +118,7 @@ class _Common(Request):
     damping: Real = Field(_DEFAULT.damping, gt=0, description="delta")
     eccentricity: Real = Field(_DEFAULT.eccentricity, ge=0, description="epsilon, below the bound of Eq. (8)")
     half_backlash: Real = Field(_DEFAULT.half_backlash, gt=0, description="beta")
-    harmonics: Annotated[tuple[HarmonicRequest, ...], Field(max_length=_MOST_HARMONICS)] = Field(
+    harmonics: Annotated[tuple[HarmonicRequest, ...], Field(max_length=MOST_HARMONICS)] = Field(
         (), description="Harmonics of the forcing beside the first"
     )
     # Once read it is harmonics, and no longer a part of the request: equal forcings are equal requests.

@@ -11,6 +11,7 @@ Their difference along the line of action, ``x = R1 theta1 - R2 theta2``, and th
 import json
 import math
 import re
+import sys
 import tomllib
 from collections.abc import Mapping
 from functools import cache, cached_property
@@ -19,10 +20,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
-from rattle_kernels import Harmonic, Oscillator
+from rattle_kernels import Harmonic, Oscillator, largest_grazing_speed
 from rattle_kernels.model.bounds import rest_acceleration_over_phases
 from rattle_kernels.numerics.trigonometric_minimum import least_value
 from worker.errors import InvalidFields, InvalidJob
+from worker.jobs.oscillator_request import MOST_HARMONICS
 from worker.jobs.request import Real, Request, Whole, refusal
 
 if TYPE_CHECKING:
@@ -36,6 +38,9 @@ if TYPE_CHECKING:
 _TWO_PI = 2.0 * math.pi
 _FOUR_PI = 4.0 * math.pi
 _HIGHEST_ORDER = 1000
+_ROUNDING = 4.0 * sys.float_info.epsilon
+# Numbers of the model, and of its units in SI: beyond these their squares and products are none.
+_LEAST, _GREATEST = 1e-100, 1e100
 MACHINE = "machine"
 """Attribute of a result that says of which machine it is, as JSON."""
 # Variables of results and what they are called in SI. Those that may be large are read lazily, and are left out.
@@ -106,7 +111,7 @@ def in_si(value: Any, unit: str) -> Any:
 
     Examples
     --------
-    >>> from rattle.gear_pair import in_si
+    >>> from worker.gear_pair import in_si
     >>> in_si("35 um", "m"), in_si(0.02, "kg m^2")
     (3.5e-05, 0.02)
     """
@@ -144,7 +149,7 @@ def _read_as(unit: str) -> BeforeValidator:
         except InvalidJob as error:  # of a field, as any other wrong value
             raise ValueError(str(error)) from None
 
-    return BeforeValidator(read)
+    return BeforeValidator(read, json_schema_input_type=float | str)
 
 
 AngularSpeed = Annotated[Real, _read_as("rad/s")]
@@ -265,7 +270,7 @@ class GearPair(Request):
     backlash: Length = Field(gt=0, description="all of it, along the line of action, m")
     mesh_stiffness: Stiffness | None = Field(None, gt=0, description="N/m; contacts are impacts without it")
     transmission_error: Annotated[dict[Order, ErrorOrder], BeforeValidator(_orders)] = Field(
-        description="amplitude of the first order, m, or orders"
+        max_length=MOST_HARMONICS, description="amplitude of the first order, m, or orders"
     )
     contact_damping: Real | None = Field(None, ge=0, lt=1, description="zeta, damping ratio of the contact")
     restitution: Real | None = Field(None, gt=0, le=1, description="r, in place of the damping ratio")
@@ -303,6 +308,24 @@ class GearPair(Request):
     def _one_loss(self) -> Self:
         if self.contact_damping is not None and self.restitution is not None:
             raise InvalidJob("give contact_damping or restitution, not both: one follows from the other")
+        return self
+
+    @model_validator(mode="after")
+    def _representable(self) -> Self:
+        try:
+            model = self.oscillator
+            error = [model.eccentricity, *(each.amplitude for each in model.harmonics)]
+            numbers = {
+                "damping": model.damping, "half_backlash": model.half_backlash,
+                "stiffness": 1.0 if self.mesh_stiffness is None else model.stiffness,
+                "the transmission error": max(error) or 1.0,
+                **{f"one unit of {name}": value for name, value in self.scales._asdict().items()},
+            }  # fmt: skip
+        except (OverflowError, ZeroDivisionError):
+            numbers = {"damping": math.inf}
+        for name, value in numbers.items():
+            if not _LEAST < value < _GREATEST:
+                raise InvalidJob(f"no such machine: {name} would be {value:.3g}; look at the units of its numbers")
         return self
 
     @classmethod
@@ -385,6 +408,28 @@ class GearPair(Request):
         felt = rest_acceleration_over_phases(self.oscillator)
         return 1.0 - least_value(felt)[0] / felt.mean
 
+    def check_gamma(self) -> None:
+        """Refuse a machine whose teeth part in every turn, which Eq. (8) excludes.
+
+        Raises
+        ------
+        InvalidJob
+            If inertia torque reaches drag torque; it says below which speed it does not.
+        """
+        if self.gamma >= 1.0:
+            turns = 60.0 / _TWO_PI
+            raise InvalidJob(
+                f"Gamma is {self.gamma:.3g} at {self.speed * turns:.6g} rpm: inertia torque reaches drag torque, and "
+                f"the teeth part in every turn. Eq. (8) holds below {self.threshold_speed * turns:.6g} rpm",
+                ("machine",),
+            )
+
+    @property
+    def fastest(self) -> float:
+        """Velocity up to which a window reaches unless another is asked for: well above where motions rattle."""
+        oscillator = self.oscillator
+        return float(f"{max(12.0 * oscillator.damping, 1.3 * largest_grazing_speed(oscillator)):.3g}")
+
     def drag_torque_at(self, speed: "Quantity") -> float:
         """Drag torque at another speed, by the drag law, N m.
 
@@ -426,17 +471,21 @@ class GearPair(Request):
     def threshold_speed(self) -> float:
         """Speed at which Gamma reaches 1, rad/s: above it inertia torque exceeds drag torque for a part of each turn.
 
+        Infinite if it never does, as without a transmission error.
+
         Gamma of order n is ``n pi eps sqrt(n^2 + (delta/2 pi)^2)/delta`` and grows with speed, as delta shrinks.
         """
         low = high = self.speed
-        while self.at_speed(high).gamma < 1.0:
-            low, high = high, 2.0 * high
-        while self.at_speed(low).gamma >= 1.0:
-            low, high = 0.5 * low, low
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.at_speed(middle).gamma < 1.0 else (low, middle)
-        return low
+        from scipy.optimize import brentq
+
+        try:
+            while self.at_speed(high).gamma < 1.0:
+                low, high = high, 2.0 * high
+            while self.at_speed(low).gamma >= 1.0:
+                low, high = 0.5 * low, low
+        except InvalidJob:  # beyond any speed
+            return math.inf if self.gamma < 1.0 else 0.0
+        return float(brentq(lambda speed: self.at_speed(speed).gamma - 1.0, low, high, rtol=_ROUNDING))
 
     def with_units(self, result: "xr.Dataset") -> "xr.Dataset":
         """A result of this machine with SI units beside the numbers of the model.

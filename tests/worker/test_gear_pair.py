@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 
 import rattle
 from rattle.cli import app
-from rattle.gear_pair import in_si
 from rattle_kernels import largest_grazing_speed, next_impacts
-from tests.rattle.two_shafts import Shafts
+from tests.worker.two_shafts import Shafts
+from worker.gear_pair import in_si
 
 GIVEN = {
     "speed": 305.0, "inertia": 0.0173, "drag_torque": 3.0, "base_radius": 0.0571, "backlash": 61e-6,

@@ -1,0 +1,106 @@
+"""A machine in its own units over HTTP: what it is in the model, and jobs that take it in place of an oscillator."""
+
+import math
+
+import pytest
+
+import rattle
+from tests.service.routes.problems import assert_problem
+
+PUMP = {
+    "speed": "3000 rpm", "inertia": "0.01 kg m^2", "drag_torque": "94.2 mN m", "base_radius": "100 mm",
+    "backlash": "120 um", "transmission_error": "10 um",
+}  # fmt: skip
+NOISY = {
+    "speed": 305.0, "inertia": 0.0173, "drag_torque": 150.0, "base_radius": 0.0571, "backlash": 61e-6,
+    "transmission_error": 500e-6,
+}  # fmt: skip
+
+
+def test_a_machine_is_converted_as_by_the_package(service):
+    answer = service.request("POST", "/v1/machines", json=PUMP).json()
+    pair = rattle.GearPair(**PUMP)
+    oscillator = answer["oscillator"]
+    assert oscillator["model"] == "impacting"
+    for name in ("damping", "eccentricity", "half_backlash", "restitution"):
+        assert oscillator[name] == getattr(pair.oscillator, name)
+    assert answer["scales"] == pair.scales._asdict()
+    assert (answer["gamma"], answer["threshold_speed"]) == (pair.gamma, pair.threshold_speed)
+    assert answer["machine"]["speed"] == pair.speed and answer["refused"] is None
+    assert rattle.GearPair(**answer["machine"]).oscillator == pair.oscillator
+
+
+def test_what_jobs_refuse_is_converted_all_the_same_and_says_why(service):
+    answer = service.request("POST", "/v1/machines", json=PUMP | {"speed": "9000 rpm"}).json()
+    assert answer["gamma"] > 1.0 and answer["velocity_stop"] is None
+    assert "Eq. (8) holds below 4144.8" in answer["refused"]
+
+
+def test_without_a_transmission_error_no_speed_is_a_threshold(service):
+    answer = service.request("POST", "/v1/machines", json=PUMP | {"transmission_error": 0}).json()
+    assert answer["gamma"] == 0.0 and answer["threshold_speed"] is None
+    assert math.isinf(rattle.GearPair(**PUMP | {"transmission_error": 0}).threshold_speed)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"speed": "3 kg"}, "speed: '3 kg' is in kg, which cannot be in rad/s"),
+        ({"backlash": 0}, "backlash"),
+        ({"foo": 1}, "foo"),
+        ({"speed": 1e200}, "look at the units"),
+        ({"inertia": 1e-300}, "look at the units"),
+        ({"transmission_error": 1e300}, "look at the units"),
+        ({"transmission_error": {str(order): 1e-6 for order in range(1, 34)}}, "at most 32"),
+    ],
+)
+def test_an_absurd_machine_is_refused_with_what_is_wrong(service, change, words):
+    assert_problem(service.request("POST", "/v1/machines", json=PUMP | change), 422, words)
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "window"),
+    [
+        ("basins", {}, ("grid", "velocity", "stop")),
+        ("sweeps", {"vary": [{"parameter": "damping", "values": [0.5, 0.6]}]}, ("grid", "velocity", "stop")),
+        ("orbits", {"longest": 1}, ("region", "velocity", "stop")),
+        ("grazing-curves", {"order": 1}, ()),
+    ],
+)
+def test_a_job_of_a_machine_is_the_job_of_its_oscillator(service, path, body, window):
+    job = service.request("POST", f"/v1/{path}", json=body | {"machine": NOISY}).json()
+    pair, request = rattle.GearPair(**NOISY), job["request"]
+    assert "machine" not in request
+    if path != "sweeps":
+        assert request["oscillator"]["damping"] == pair.oscillator.damping
+    assert request["oscillator"]["eccentricity"] == pair.oscillator.eccentricity
+    if window:
+        value = request
+        for name in window:
+            value = value[name]
+        assert value == pair.fastest
+    again = service.request("POST", f"/v1/{path}", json=request).json()
+    assert again["id"] == job["id"]
+
+
+def test_a_preview_and_a_motion_take_a_machine(service):
+    pair = rattle.GearPair(**NOISY)
+    grid = {"time": {"cells": 8}, "velocity": {"cells": 8}}
+    preview = service.request("POST", "/v1/previews", json={"machine": NOISY, "grid": grid, "iterations": 1}).json()
+    assert preview["velocity"]["stop"] == pair.fastest
+    start = {"start": {"velocity": 3.0}, "periods": 2}
+    motion = service.request("POST", "/v1/trajectories", json=start | {"machine": NOISY}).json()
+    oscillator = service.request("POST", "/v1/machines", json=NOISY).json()["oscillator"]
+    assert motion == service.request("POST", "/v1/trajectories", json=start | {"oscillator": oscillator}).json()
+
+
+@pytest.mark.parametrize("path", ["basins", "previews", "trajectories"])
+def test_a_machine_at_fault_is_named_where_it_stands(service, path):
+    def refused(words, **body):
+        body = {"start": {"velocity": 3.0}} | body if path == "trajectories" else body
+        assert_problem(service.request("POST", f"/v1/{path}", json=body), 422, words)
+
+    refused("machine or the oscillator, not both", machine=PUMP, oscillator={})
+    refused("body.machine.speed: '3 kg'", machine=PUMP | {"speed": "3 kg"})
+    refused("Gamma is 4.71 at 9000 rpm", machine=PUMP | {"speed": "9000 rpm"})
+    refused("a machine is an object", machine=3)
