@@ -32,6 +32,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from worker.fence import Fence
+from worker.jobs.design import is_sweep
 from worker.progress import Report
 
 if TYPE_CHECKING:
@@ -209,8 +210,8 @@ def analysis_kind(analysis: str, **said: Any) -> JobKind:
 
 
 def kind_of(request: Mapping[str, Any]) -> Any:
-    """What a request says of its kind: the name that it gives, else a sweep if it varies something, else a basin."""
-    return request.get("kind", "sweep" if "vary" in request else "basin")
+    """What a request says of its kind: the name that it gives, else a basin, or a sweep of several."""
+    return request.get("kind", "sweep" if is_sweep(request) else "basin")
 
 
 class Kinds(Mapping[str, JobKind]):
@@ -300,8 +301,10 @@ KINDS = Kinds((
     _of_basins(
         name="sweep", path="sweeps", title="Sweep",
         summary="Submit a sweep",
-        description=f"Compute basins over one or two parameters, all into one store.\n\n{_AGAIN}",
-        command="Compute basins over one or two parameters into one store, on this machine.",
+        description="Compute basins over one or two parameters, or those of a list of machines, all into one store."
+        f"\n\n{_AGAIN}",
+        command="Compute basins over one or two parameters, or over a number of a machine, into one store, on this "
+        "machine.",
         job="SweepJob", table="share", shares=later("worker.results.shares:draw_shares"),
     ),
     analysis_kind(

@@ -100,7 +100,7 @@ def run_basin(
     finally:
         ledger.save()
         store.sweep_orphans()
-    if job.vary:
+    if job.axes:
         store.solutions.write_changes(list_changes(job, ledger.table))
     seconds = pace.finish()
     for addition in asked_of(job):

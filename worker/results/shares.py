@@ -12,7 +12,7 @@ from worker.errors import InvalidJob, as_store_failure
 from worker.jobs.basin_job import BasinJob
 from worker.pictures.colours import colours_of
 from worker.pictures.figure_file import new_figure
-from worker.pictures.symbols import in_words
+from worker.pictures.symbols import axis_in_words
 from worker.results.measures import expected_of
 from worker.results.opening import attractors_of, basin_at, job_of, open_store
 from worker.stores.basin_store import BasinStore
@@ -46,10 +46,10 @@ def _draw_lines(
     for number, solution in enumerate(solutions):
         bar = None if error is None else error[:, number]
         axes.errorbar(
-            job.vary[0].values, share[:, number], bar, marker=".", color=palette[number],
+            job.axes[0].values, share[:, number], bar, marker=".", color=palette[number],
             label=f"{number}: {solution.name}" if number in named else None,
         )  # fmt: skip
-    axes.set_xlabel(in_words(job.vary[0].parameter))
+    axes.set_xlabel(axis_in_words(job.axes[0]))
     axes.set_ylabel("share")
     axes.set_ylim(0.0, 1.0)
     axes.grid(alpha=0.3)
@@ -63,7 +63,7 @@ def _draw_loudness(places: Sequence[Axes], job: BasinJob, expected: Expected) ->
     """Draw the expected loudness over the parameter, one measure below the other, with standard errors."""
     for axes, (field, name) in zip(places, _MEASURES.items(), strict=True):
         value, error = _measured(expected, field), _measured(expected, f"{field}_error")
-        axes.errorbar(job.vary[0].values, value, error, marker=".", color="black")
+        axes.errorbar(job.axes[0].values, value, error, marker=".", color="black")
         axes.set_ylabel(name, fontsize="small")
         axes.set_ylim(bottom=0.0)
         axes.grid(alpha=0.3)
@@ -77,7 +77,7 @@ def _draw_maps(
     across = int(np.ceil(np.sqrt(len(numbers) + 1)))
     down = -(-(len(numbers) + 1) // across)
     axes = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
-    first, last = job.vary
+    first, last = job.axes
     for place, number in zip(axes.flat, numbers, strict=False):
         image = place.pcolormesh(last.values, first.values, share[..., number], vmin=0.0, vmax=1.0, shading="nearest")
         place.set_title(f"{number}: {solutions[number].name}", fontsize="small")
@@ -90,8 +90,8 @@ def _draw_maps(
     for place in axes.flat[len(numbers) + 1 :]:
         place.set_axis_off()
     figure.colorbar(image, ax=axes, label="impact power")
-    figure.supxlabel(in_words(last.parameter))
-    figure.supylabel(in_words(first.parameter))
+    figure.supxlabel(axis_in_words(last))
+    figure.supylabel(axis_in_words(first))
 
 
 def shares_figure(location: str) -> Figure:
@@ -136,7 +136,7 @@ def draw_shares(dataset: xr.Dataset, figure: Figure | Axes) -> None:
         If nothing is swept, no basin is complete yet, or maps would need more than the axes.
     """
     job = job_of(dataset)
-    if not job.vary:
+    if not job.axes:
         raise InvalidJob("this is a single basin: there is no parameter to draw shares over")
     share = dataset.share.values if "share" in dataset else np.empty(0)
     if not np.isfinite(share).any():
@@ -144,18 +144,18 @@ def draw_shares(dataset: xr.Dataset, figure: Figure | Axes) -> None:
     solutions = attractors_of(basin_at(dataset, job, 0))
     share, error = share[..., : len(solutions)], dataset.share_error.values if job.sample else None
     if isinstance(figure, Axes):
-        if len(job.vary) > 1:
+        if len(job.axes) > 1:
             raise InvalidJob("shares over two parameters are maps on a figure of their own: leave out ax")
         _draw_lines(figure, job, share, error, solutions)
         return
     figure.set_size_inches(_SIZE)
     expected = expected_of(dataset)
-    if len(job.vary) > 1:
+    if len(job.axes) > 1:
         _draw_maps(figure, job, share, solutions, expected)
         return
     shares, *below = figure.subplots(len(_HEIGHTS), sharex=True, height_ratios=_HEIGHTS)
     _draw_lines(shares, job, share, error, solutions)
     _draw_loudness(below, job, expected)
     shares.set_xlabel("")
-    below[-1].set_xlabel(in_words(job.vary[0].parameter))
+    below[-1].set_xlabel(axis_in_words(job.axes[0]))
     figure.legend(*shares.get_legend_handles_labels(), loc="outside right upper", frameon=False)
