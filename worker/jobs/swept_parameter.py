@@ -100,6 +100,27 @@ def as_array(values: Sequence[float]) -> np.ndarray:
     return np.concatenate([np.array(piece) for piece in _in_pieces(values)])
 
 
+def spaced(start: float, stop: float, count: int, spacing: Spacing) -> tuple[float, ...]:
+    """Values from a start to a stop, both included.
+
+    Parameters
+    ----------
+    start, stop : float
+    count : int
+        Two or more.
+    spacing : Spacing
+
+    Returns
+    -------
+    tuple of float
+        Rounded to 15 digits: 0.6 and 0.6000000000000001 are two different oscillators.
+    """
+    space = np.geomspace if spacing == Spacing.GEOMETRIC else np.linspace
+    inner = space(start, stop, count)[1:-1]
+    between = (as_real(f"{value:.15g}") for piece in _in_pieces(inner) for value in piece.tolist())
+    return tuple(itertools.chain([start], between, [stop]))
+
+
 def values_as_json(values: Sequence[float]) -> Iterator[str]:
     """The text of `json.dumps` for a list of finite floats, in pieces.
 
@@ -230,11 +251,7 @@ class SweptParameter(Request):
         if self.values_ is not None:
             return self.values_
         assert self.start is not None and self.stop is not None and self.count is not None
-        space = np.geomspace if self.spacing == Spacing.GEOMETRIC else np.linspace
-        # Rounded to 15 digits: 0.6 and 0.6000000000000001 are two different oscillators.
-        inner = space(self.start, self.stop, self.count)[1:-1]
-        between = (as_real(f"{value:.15g}") for piece in _in_pieces(inner) for value in piece.tolist())
-        return tuple(itertools.chain([self.start], between, [self.stop]))
+        return spaced(self.start, self.stop, self.count, self.spacing)
 
     @property
     def size(self) -> int:
