@@ -141,7 +141,8 @@ def _with_machines(dataset: xr.Dataset, design: dict[str, Any]) -> xr.Dataset:
     dataset[name].attrs["long_name"] = name.replace("_", " ")
     if "units" in design:
         dataset[name].attrs["units"] = design["units"]
-    return dataset.assign_coords({parameter: (name, values) for parameter, values in design["parameters"].items()})
+    numbers = design["parameters"].items()
+    return dataset.assign_coords({each: (name, values, {"long_name": in_words(each)}) for each, values in numbers})
 
 
 def _plain(value: Any) -> Any:
