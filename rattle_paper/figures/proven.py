@@ -20,12 +20,12 @@ def _basins(grid: CellGrid) -> dict[str, BasinJob]:
     jobs = {}
     for figure, left_out in ((FIG8, 0.1), (FIG9, None)):
         (sweep,) = figure.basins(grid).values()
-        (swept,) = sweep.axes
+        (swept,) = sweep.vary
         for number, value in enumerate(swept.values):
             if value != left_out:
                 oscillator = sweep.oscillator_of(number)
                 job = BasinJob(oscillator=oscillator, grid=grid, iterations=sweep.iterations, prove=True)
-                jobs[f"{swept.name} {value:g}"] = job
+                jobs[f"{swept.parameter} {value:g}"] = job
     return jobs
 
 

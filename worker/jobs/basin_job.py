@@ -171,6 +171,11 @@ class BasinJob(_AllFields):
         return "basin"
 
     @cached_property
+    def vary(self) -> tuple[SweptParameter, ...]:
+        """Swept parameters: none. One basin is the sweep of no parameter."""
+        return ()
+
+    @cached_property
     def grid(self) -> CellGrid:
         """Grid of the kernels. A sample is one row of as many cells as there are points."""
         grid = self.grid_.value
