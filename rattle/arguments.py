@@ -7,18 +7,18 @@ window of the grid: `_PARTS` has those fields, each with the function that makes
 import math
 from collections.abc import Callable, Mapping
 from numbers import Integral
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
 
+from rattle.machine_series import MACHINES, UNITS, MachineSeries
 from rattle.measured_curve import transmission_error
 from rattle_kernels import TransmissionError
 from rattle_kernels.model.oscillator import PARAMETERS
 from worker.additions import Addition, additions
 from worker.errors import FieldPath, InvalidFields, InvalidJob
-from worker.gear_pair import GearPair
+from worker.gear_pair import GearPair, fastest_of
 from worker.jobs.job import Job
 from worker.jobs.oscillator_request import (
     BOTH_FORCINGS,
@@ -43,21 +43,48 @@ _OF_OSCILLATOR = (ImpactingOscillator.model_fields | PiecewiseLinearOscillator.m
 _FLAT = ("grid", "oscillator", "resolution", "region", "sample", *(each.name for each in additions()))
 
 
-def machine_of(given: GearPair | str | Path | None) -> GearPair | None:
-    """Machine that an argument describes: itself, or that of a TOML file.
+def read_machine(values: Values) -> GearPair | MachineSeries | None:
+    """Read the machine of a verb's arguments, or the machines of a sweep, and leave it among them as ``machine``.
+
+    Parameters
+    ----------
+    values : dict
+        Arguments by name. What machines are made of is taken out.
+
+    Returns
+    -------
+    GearPair or MachineSeries, optional
 
     Raises
     ------
     InvalidJob
-        If it is none, or inertia torque reaches drag torque at its speed.
+        If there is none, inertia torque reaches drag torque at its speed, or several things are stepped through.
     """
-    if given is None:
-        return None
-    pair = GearPair.read(given) if isinstance(given, str | Path) else given
-    if not isinstance(pair, GearPair):
-        raise InvalidJob(f"machine is a rattle.GearPair, or the path of a TOML file, not {pair!r}", ("machine",))
-    pair.check_gamma()
-    return pair
+    given, listed = values.get("machine"), values.pop(MACHINES, None)
+    several = {name: value for name in UNITS if (value := values.pop(name, None)) is not None}
+    read: GearPair | MachineSeries | None = None
+    if listed is not None:
+        for name in (*several, *(("machine",) if given is not None else ())):
+            raise InvalidJob(f"{name} is given beside machines: give the list alone", (name,))
+        read = MachineSeries.listed(listed)
+    elif several:
+        if given is None:
+            raise InvalidJob(f"{next(iter(several))} is a number of a machine: give the machine as well", ("machine",))
+        if len(several) > 1:
+            names = " and ".join(several)
+            raise InvalidJob(
+                f"a sweep steps through one number of a machine, not {names}: give machines=[...]", (names,)
+            )
+        ((name, value),) = several.items()
+        read = MachineSeries.over(GearPair.of(given), name, value)
+    elif isinstance(given, MachineSeries):
+        read = given
+    elif given is not None:
+        read = GearPair.of(given)
+        read.check_gamma()
+    if read is not None:
+        values["machine"] = read
+    return read
 
 
 def job_of(kind: str, given: Mapping[str, Any]) -> Job:
@@ -163,10 +190,12 @@ _OF_WINDOWS = "basin", "sweep", "orbits", "manifold"
 
 def _read_machine(values: Values, kind: str) -> None:
     """Replace a machine by its numbers in the model, and a window that is not given by one that follows it."""
-    machine = machine_of(values.pop("machine", None))
+    machine = read_machine(values)
+    values.pop("machine", None)
     if machine is None:
         return
-    oscillator = machine.oscillator
+    oscillators = machine.oscillators if isinstance(machine, MachineSeries) else (machine.oscillator,)
+    oscillator = oscillators[0]
     lossy = "restitution" if math.isinf(oscillator.stiffness) else "contact_damping"
     names = "damping", "eccentricity", "half_backlash", lossy, *(("stiffness",) if lossy == "contact_damping" else ())
     numbers: Values = {name: getattr(oscillator, name) for name in names}
@@ -174,10 +203,12 @@ def _read_machine(values: Values, kind: str) -> None:
         numbers["harmonics"] = list(oscillator.harmonics)
     for name in ("transmission_error", "harmonics", *PARAMETERS):
         swept = name in PARAMETERS and isinstance(values.get(name), list | tuple | dict)
-        if name in values and not swept:
+        if name in values and (isinstance(machine, MachineSeries) or not swept):
             raise InvalidJob(f"{name} is given twice: the machine has its own", (name,))
+    if isinstance(machine, MachineSeries):
+        values["design"] = machine.design
     if kind in _OF_WINDOWS and "velocity" not in values:
-        values["velocity"] = (0.0, machine.fastest)
+        values["velocity"] = (0.0, max(map(fastest_of, oscillators)))
     values.update(numbers | values)
 
 
@@ -214,7 +245,9 @@ def _harmonics(values: Values, swept: list[str]) -> Values:
 
 
 def _vary(values: Values, kind: str) -> Any:
-    """Values of swept parameters: those of a list or an array, or (start, stop, count[, spacing])."""
+    """Values of swept parameters: those of a list or an array, or (start, stop, count[, spacing]); none of machines."""
+    if "design" in values:
+        return None
     swept = [_spaced_or_listed(name, values.pop(name)) for name in list(values) if is_parameter(name)]
     several = kind == "sweep"
     if not swept or (len(swept) > 1 and not several):

@@ -15,13 +15,15 @@ if TYPE_CHECKING:
     import xarray as xr
     from rich.console import Console
 
-    from rattle_kernels import TransmissionError
+    from rattle_kernels import Oscillator, TransmissionError
     from worker.gear_pair import GearPair
     from worker.jobs.job import Job
     from worker.progress import Report
 
     # A value, or several: a list or an array of them, or (start, stop, count[, spacing]).
     Swept = float | Sequence[float] | np.ndarray | tuple[float, float, int, str]
+    # Several numbers of a machine, in SI or with their units.
+    SweptQuantity = Sequence[float | str] | np.ndarray | tuple[float | str, float | str, int, str]
 
 _P = ParamSpec("_P")
 _LARGE_SECONDS = 60.0
@@ -161,7 +163,7 @@ def _differs(value: Any, default: Any) -> bool:
 
 def _computed(kind: str, arguments: dict[str, Any]) -> "xr.Dataset":
     """Compute the job that the arguments of a verb describe, or open its result."""
-    from rattle.arguments import job_of, machine_of
+    from rattle.arguments import job_of, read_machine
 
     arguments |= arguments.pop("of_harmonics", {})
     written = {name: each for name, each in arguments.items() if isinstance(each, _Numbered)}
@@ -169,7 +171,7 @@ def _computed(kind: str, arguments: dict[str, Any]) -> "xr.Dataset":
         del arguments[name]
         arguments[name] = written[name].value
     where = {name: arguments.pop(name) for name in _WHERE}
-    machine = arguments["machine"] = machine_of(arguments["machine"])
+    machine = read_machine(arguments)
     result = compute(job_of(kind, given_of(VERBS[kind], arguments)), **where)
     return result if machine is None else machine.with_units(result)
 
@@ -313,9 +315,19 @@ def sweep(
     workers: int | None = None,
     scheduler: str | None = None,
     progress: "bool | Report" = True,
+    speed: "SweptQuantity | None" = None,
+    inertia: "SweptQuantity | None" = None,
+    inertia_ratio: "SweptQuantity | None" = None,
+    drag_torque: "SweptQuantity | None" = None,
+    base_radius: "SweptQuantity | None" = None,
+    backlash: "SweptQuantity | None" = None,
+    mesh_stiffness: "SweptQuantity | None" = None,
+    machines: "Sequence[GearPair] | Sequence[Oscillator] | None" = None,
     **of_harmonics: "Swept",
 ) -> "xr.Dataset":
-    """Compute basins over one or two parameters. A list or an array is swept, or (start, stop, count).
+    """Compute basins over one or two parameters, or over a number of a machine.
+
+    A list or an array is swept, or (start, stop, count).
 
     Times count forcing periods; everything else is nondimensional, unless a machine is given.
 
@@ -369,6 +381,23 @@ def sweep(
         Address of a Dask scheduler, in place of threads
     progress : bool or callable, default True
         Whether progress is shown on a terminal and in a notebook; or a function, called with each `Progress`
+    speed : several, optional
+        Of a machine, each a number in SI or a text with its unit: ("600 rpm", "6000 rpm", 200). All numbers of the
+        model move with it. This is no run-up from rest: each machine runs at its own speed for ever
+    inertia : several, optional
+        Of a machine, its driven shaft
+    inertia_ratio : several, optional
+        Of a machine
+    drag_torque : several, optional
+        Of a machine, at its speed
+    base_radius : several, optional
+        Of a machine, its driven gear
+    backlash : several, optional
+        Of a machine
+    mesh_stiffness : several, optional
+        Of a machine
+    machines : sequence of GearPair or of Oscillator, optional
+        Machines one after the other, which may differ in everything but the model; their number is the coordinate
     **of_harmonics : several values
         Of ``amplitude_2`` or ``phase_2``: sweep the harmonic of order 2 of ``harmonics``; so for other orders
 
@@ -849,10 +878,10 @@ def trajectory(
     5.0
     """
     arguments = given_of(trajectory, locals())
-    from rattle.arguments import machine_of, trajectory_of
+    from rattle.arguments import read_machine, trajectory_of
     from rattle.results.trajectories import dataset_of
 
-    pair = arguments["machine"] = machine_of(machine)
+    pair = read_machine(arguments)
     request = trajectory_of(arguments)
     result = dataset_of(request, request.follow())
     return result if pair is None else pair.with_units(result)

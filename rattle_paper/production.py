@@ -33,7 +33,7 @@ def store_name(job: BasinJob) -> str:
     damping, eccentricity, half_backlash, stiffness, *_ = job.oscillator
     contact = "impacting" if math.isinf(stiffness) else f"kappa{stiffness:g}"
     cells = f"{job.grid.time_cells}x{job.grid.velocity_cells}"
-    swept = "".join(f"-over-{each.parameter}" for each in job.vary)
+    swept = "".join(f"-over-{axis.name}" for axis in job.axes)
     return f"{contact}-d{damping:g}-e{eccentricity:g}-b{half_backlash:g}{swept}-{cells}-{job.digest[:8]}.zarr"
 
 

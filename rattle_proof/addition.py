@@ -27,7 +27,7 @@ class _Proof(Addition):
     def check(self, job: Any, large: bool) -> Any:
         from rattle_proof.request import check_proof
 
-        return check_proof(job.prove, job.oscillator, job.vary, job.sample, large)
+        return check_proof(job.prove, job.oscillator, job.axes, job.sample, large)
 
     def cost(self, job: Any) -> Cost:
         from rattle_proof.request import cost_of

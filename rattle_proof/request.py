@@ -39,7 +39,7 @@ class ProofRequest(Request):
 
 
 def check_proof(
-    proof: ProofRequest, oscillator: Oscillator, vary: Collection[Any], sample: Any | None, large: bool
+    proof: ProofRequest, oscillator: Oscillator, axes: Collection[Any], sample: Any | None, large: bool
 ) -> ProofRequest:
     """A proof request in canonical form: all fields there, parameters in order.
 
@@ -47,7 +47,7 @@ def check_proof(
     ----------
     proof : ProofRequest
     oscillator : Oscillator
-    vary, sample : object
+    axes, sample : object
         What the job sweeps, and its points in place of cells, if any.
     large : bool
         Whether it has so many cells that they have levels.
@@ -65,7 +65,7 @@ def check_proof(
         If Eq. (8) cannot be proven for all machines within.
     """
     refusals = (
-        (vary, "a sweep is not proven: ask for a basin at each value of interest"),
+        (axes, "a sweep is not proven: ask for a basin at each value of interest"),
         (sample is not None, "points of a sample are not proven: ask for cells"),
         (large, "basins of more than 4000 cells on a side are not proven: ask for a window"),
         (math.isfinite(oscillator.stiffness), "only the impacting model is proven: leave out stiffness"),

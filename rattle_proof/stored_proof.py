@@ -38,7 +38,7 @@ def read_proof(location: str) -> StoredProof:
         If it cannot be read.
     """
     store = BasinStore(location)
-    if store.job.vary or store.job.sample is not None:
+    if store.job.axes or store.job.sample is not None:
         raise StoreConflict(f"{location} is not a picture of one basin: only those carry a proof")
     if not store.complete:
         raise StoreConflict(f"{location} is not finished: the command that began it goes on from what is there")

@@ -16,7 +16,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     Quantity = float | str
     """A number in SI units, or a number with its unit, as in ``"3000 rpm"``."""
 
+_T = TypeVar("_T")
 _TWO_PI = 2.0 * math.pi
 _FOUR_PI = 4.0 * math.pi
 _HIGHEST_ORDER = 1000
@@ -89,6 +90,20 @@ def _registry() -> "pint.UnitRegistry[Any]":
     return pint.UnitRegistry()
 
 
+def number_and_unit(text: str) -> tuple[float, str | None]:
+    """Number of a text, and the unit behind it, as written: ``(35.0, "um")`` of ``"35 um"``.
+
+    Raises
+    ------
+    InvalidJob
+        If it is no number with a unit.
+    """
+    parts = _QUANTITY.fullmatch(text)
+    if not parts:
+        raise InvalidJob(f"{text!r} is no number with a unit")
+    return float(parts["number"]), parts["unit"]
+
+
 def in_si(value: Any, unit: str) -> Any:
     """A physical quantity as a number in SI units.
 
@@ -118,16 +133,17 @@ def in_si(value: Any, unit: str) -> Any:
     if not isinstance(value, str):
         return value
     right = f'write it as in "{_EXAMPLES[unit]}"'
-    parts = _QUANTITY.fullmatch(value)
-    if not parts:
-        raise InvalidJob(f"{value!r} is no number with a unit: {right}")
-    if not parts["unit"]:
+    try:
+        number, written = number_and_unit(value)
+    except InvalidJob as error:
+        raise InvalidJob(f"{error}: {right}") from None
+    if not written:
         raise InvalidJob(f"{value!r} has no unit: {right}, or give a number, which is in {unit}")
     registry = _registry()
     import pint
 
     try:
-        quantity = float(parts["number"]) * registry.parse_units(_NEWTON_METRE.sub(r"\1N m", parts["unit"]))
+        quantity = number * registry.parse_units(_NEWTON_METRE.sub(r"\1N m", written))
         # As written: 57.1 mm are 0.0571 m, where the product of two floats is 0.057100000000000005.
         converted = float(f"{quantity.to(unit).magnitude:.15g}")
     except pint.UndefinedUnitError as error:
@@ -182,6 +198,73 @@ def _as_order(value: Any) -> Any:
 
 
 Order = Annotated[int, Field(strict=True, ge=1, le=_HIGHEST_ORDER), BeforeValidator(_as_order)]
+
+
+def beside_in_si(result: "xr.Dataset", units: "Mapping[str, float | xr.Variable]") -> "xr.Dataset":
+    """A result with SI units beside the numbers of the model.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+    units : mapping
+        One unit of the model, by the unit in SI. It may differ along a dimension of the result.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    import xarray as xr
+
+    added = {}
+    for name, (own, unit) in _IN_SI.items():
+        if name in result.variables:
+            variable = result.variables[name]
+            attributes = {"units": unit, "long_name": variable.attrs.get("long_name", name)}
+            scaled = units[unit] * xr.Variable(variable.dims, variable.values)
+            added[own] = (scaled.dims, scaled.values, attributes)
+    coordinates = {own: value for own, value in added.items() if own in ("time_s", "speed_m_s")}
+    others = {own: value for own, value in added.items() if own not in coordinates}
+    return result.assign_coords(coordinates).assign(others)
+
+
+def with_columns_in_si(table: "pd.DataFrame", units: "Mapping[str, float | pd.Series]") -> "pd.DataFrame":
+    """A table with columns in SI units, after those of the model.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+    units : mapping
+        One unit of the model, by the unit in SI. It may differ from row to row.
+
+    Returns
+    -------
+    pandas.DataFrame
+    """
+    known = {name: _IN_SI[name] for name in table.columns if name in _IN_SI}
+    return table.assign(**{own: table[name] * units[unit] for name, (own, unit) in known.items()})
+
+
+def factors_of(units: "Mapping[str, _T]") -> "dict[str, tuple[str, _T]]":
+    """Unit of each variable of a result that has one, and what one unit of the model is in it, by its name."""
+    return {name: (unit, units[unit]) for name, (_, unit) in _IN_SI.items()}
+
+
+def fastest_of(oscillator: Oscillator) -> float:
+    """Velocity up to which the window of a machine reaches unless another is asked for: well above where it rattles.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    OutsideDomain
+    """
+    return float(f"{max(12.0 * oscillator.damping, 1.3 * largest_grazing_speed(oscillator)):.3g}")
 
 
 class Scales(NamedTuple):
@@ -329,6 +412,20 @@ class GearPair(Request):
         return self
 
     @classmethod
+    def of(cls, given: Any) -> "GearPair":
+        """Machine that an argument describes: itself, or that of a TOML file.
+
+        Raises
+        ------
+        InvalidJob
+            If it is none.
+        """
+        pair = cls.read(given) if isinstance(given, str | Path) else given
+        if not isinstance(pair, GearPair):
+            raise InvalidJob(f"machine is a rattle.GearPair, or the path of a TOML file, not {pair!r}", ("machine",))
+        return pair
+
+    @classmethod
     def read(cls, path: str | Path) -> "GearPair":
         """Read a machine from a TOML file, whose keys are the parameters.
 
@@ -408,28 +505,6 @@ class GearPair(Request):
         felt = rest_acceleration_over_phases(self.oscillator)
         return 1.0 - least_value(felt)[0] / felt.mean
 
-    def check_gamma(self) -> None:
-        """Refuse a machine whose teeth part in every turn, which Eq. (8) excludes.
-
-        Raises
-        ------
-        InvalidJob
-            If inertia torque reaches drag torque; it says below which speed it does not.
-        """
-        if self.gamma >= 1.0:
-            turns = 60.0 / _TWO_PI
-            raise InvalidJob(
-                f"Gamma is {self.gamma:.3g} at {self.speed * turns:.6g} rpm: inertia torque reaches drag torque, and "
-                f"the teeth part in every turn. Eq. (8) holds below {self.threshold_speed * turns:.6g} rpm",
-                ("machine",),
-            )
-
-    @property
-    def fastest(self) -> float:
-        """Velocity up to which a window reaches unless another is asked for: well above where motions rattle."""
-        oscillator = self.oscillator
-        return float(f"{max(12.0 * oscillator.damping, 1.3 * largest_grazing_speed(oscillator)):.3g}")
-
     def drag_torque_at(self, speed: "Quantity") -> float:
         """Drag torque at another speed, by the drag law, N m.
 
@@ -467,6 +542,27 @@ class GearPair(Request):
         torque = self.drag_torque_at(value) if isinstance(value, int | float) else self.drag_torque
         return GearPair(**self.model_dump() | {"speed": value, "drag_torque": torque})
 
+    def check_gamma(self, which: str = "") -> None:
+        """Refuse the machine if inertia torque reaches drag torque.
+
+        Parameters
+        ----------
+        which : str
+            Which of several it is, as the message begins.
+
+        Raises
+        ------
+        InvalidJob
+            With the speed at which Gamma reaches 1.
+        """
+        if self.gamma >= 1.0:
+            turns = 60.0 / _TWO_PI
+            raise InvalidJob(
+                f"{which}Gamma is {self.gamma:.3g} at {self.speed * turns:.6g} rpm: inertia torque reaches drag "
+                f"torque, and the teeth part in every turn. Eq. (8) holds below {self.threshold_speed * turns:.6g} rpm",
+                ("machine",),
+            )
+
     @property
     def threshold_speed(self) -> float:
         """Speed at which Gamma reaches 1, rad/s: above it inertia torque exceeds drag torque for a part of each turn.
@@ -501,15 +597,7 @@ class GearPair(Request):
             It has ``time_s`` and ``speed_m_s`` beside ``time`` and ``velocity``, the like of what else it holds, and
             the machine as JSON among its attributes.
         """
-        added, units = {}, self._units
-        for name, (own, unit) in _IN_SI.items():
-            if name in result.variables:
-                variable = result.variables[name]
-                attributes = {"units": unit, "long_name": variable.attrs.get("long_name", name)}
-                added[own] = (variable.dims, variable.values * units[unit], attributes)
-        coordinates = {own: value for own, value in added.items() if own in ("time_s", "speed_m_s")}
-        others = {own: value for own, value in added.items() if own not in coordinates}
-        return result.assign_coords(coordinates).assign(others).assign_attrs({MACHINE: str(self)})
+        return beside_in_si(result, self.units).assign_attrs({MACHINE: str(self)})
 
     def with_columns(self, table: "pd.DataFrame") -> "pd.DataFrame":
         """A table of a result of this machine with columns in SI units, after those of the model.
@@ -522,11 +610,15 @@ class GearPair(Request):
         -------
         pandas.DataFrame
         """
-        known = {name: _IN_SI[name] for name in table.columns if name in _IN_SI}
-        return table.assign(**{own: table[name] * self._units[unit] for name, (own, unit) in known.items()})
+        return with_columns_in_si(table, self.units)
 
     @property
-    def _units(self) -> dict[str, float]:
+    def factors(self) -> dict[str, tuple[str, float]]:
+        """Unit of each variable of a result that has one, and what one unit of the model is in it."""
+        return factors_of(self.units)
+
+    @property
+    def units(self) -> dict[str, float]:
         """One unit of the model, by the unit in SI."""
         scales = self.scales
         return {"s": scales.time, "m": scales.length, "m/s": scales.speed, "W": scales.power}

@@ -103,7 +103,8 @@ class ResultKind:
     draw_on : callable, optional
         ``draw_on(dataset, axes, look)``: draws a result that takes no more on axes.
     shares : callable, optional
-        ``shares(dataset, target)``: draws shares over swept parameters on an empty figure, or on axes.
+        ``shares(dataset, target, factors)``: draws shares over swept parameters on an empty figure, or on axes;
+        `factors` are the units of a machine's loudness.
     overlays : callable, optional
         ``overlays(dataset, names)``: what of it can be laid over axes of the (t, v) plane, by default all. Each draws
         itself by ``draw(axes, time_start)``.
@@ -112,7 +113,7 @@ class ResultKind:
     name: str
     draw: "Callable[[xr.Dataset, Figure, Any], object]"
     draw_on: "Callable[[xr.Dataset, Axes, Any], object] | None" = None
-    shares: "Callable[[xr.Dataset, Figure | Axes], object] | None" = None
+    shares: "Callable[[xr.Dataset, Figure | Axes, Any], object] | None" = None
     overlays: "Callable[[xr.Dataset, Collection[str]], Iterable[Any]] | None" = None
 
 
@@ -205,8 +206,8 @@ def analysis_kind(analysis: str, **said: Any) -> JobKind:
 
 
 def kind_of(request: Mapping[str, Any]) -> Any:
-    """What a request says of its kind: the name that it gives, else a sweep if it varies something, else a basin."""
-    return request.get("kind", "sweep" if "vary" in request else "basin")
+    """What a request says of its kind: the name that it gives, else a basin, or a sweep of several."""
+    return request.get("kind", "sweep" if "vary" in request or "design" in request else "basin")
 
 
 class Kinds(Mapping[str, JobKind]):
@@ -296,8 +297,10 @@ KINDS = Kinds((
     _of_basins(
         name="sweep", path="sweeps", title="Sweep",
         summary="Submit a sweep",
-        description=f"Compute basins over one or two parameters, all into one store.\n\n{_AGAIN}",
-        command="Compute basins over one or two parameters into one store, on this machine.",
+        description="Compute basins over one or two parameters, or those of a list of machines, all into one store."
+        f"\n\n{_AGAIN}",
+        command="Compute basins over one or two parameters, or over a number of a machine, into one store, on this "
+        "machine.",
         job="SweepJob", table="share", shares=later("worker.results.shares:draw_shares"),
     ),
     analysis_kind(

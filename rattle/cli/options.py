@@ -10,10 +10,12 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
 import typer
 
+from rattle.machine_series import MACHINES, UNITS
 from rattle.measured_curve import transmission_error
 from rattle.verbs import given_of
 from worker.additions import additions
 from worker.errors import InvalidJob
+from worker.gear_pair import number_and_unit
 from worker.jobs.swept_parameter import is_parameter, known_parameter
 
 Values = dict[str, Any]
@@ -25,8 +27,9 @@ _CHOICES: Any = StrEnum  # called with members, which type checkers take for a l
 LEAST = {"iterations": 1, "transient": 0, "kept": 1, "longest": 1, "samples_per_period": 1}
 for _addition in additions():
     LEAST |= _addition.least()
-# Where a result lies, and how it is computed, has options of its own.
-_LEFT_OUT = {"store", "workers", "scheduler", "progress"}
+# Where a result lies, and how it is computed, has options of its own. A number of a machine is given to `--vary`, and a
+# list of machines is Python's alone.
+_LEFT_OUT = {"store", "workers", "scheduler", "progress", MACHINES, *UNITS}
 
 
 def options_of(verb: Callable[..., Any]) -> list[inspect.Parameter]:
@@ -176,7 +179,8 @@ def _swept(texts: Sequence[str]) -> Values:
     forms = "write values, damping=0.5,0.55,0.6, or from where to where and how many, damping=0.5:0.7:21"
     swept: Values = {}
     for text in texts:
-        name, read = text.partition("=")[0].replace("-", "_"), _read("vary", text, forms, _values)
+        name = text.partition("=")[0].replace("-", "_")
+        read = _read("vary", text, forms, lambda text: _values(text.partition("=")[2], float))
         try:
             known_parameter(name)
         except ValueError as error:
@@ -187,12 +191,40 @@ def _swept(texts: Sequence[str]) -> Values:
     return swept
 
 
-def _values(text: str) -> Any:
-    values = text.partition("=")[2]
-    if ":" not in values:
-        return [float(value) for value in values.split(",") if value]
-    start, stop, count, *spacing = values.split(":")
-    return float(start), float(stop), int(count), *spacing[:1]
+def _swept_or_machines(texts: Sequence[str]) -> Values:
+    """Swept parameters, or a number of a machine, written ``speed=600:6000rpm:200`` or ``backlash=20,35,50um``."""
+    quantities = {name: text for text in texts if (name := text.partition("=")[0].replace("-", "_")) in UNITS}
+    if not quantities:
+        return _swept(texts)
+    if len(texts) > 1:
+        raise InvalidJob(f"{next(iter(quantities))} is a number of a machine: step through it alone")
+    ((name, text),) = quantities.items()
+    form = f"write {name}=600,800,1000rpm or {name}=600:6000rpm:200, with a unit of its own"
+    return {name: _read("vary", text, form, lambda text: _values(text.partition("=")[2], _quantity))}
+
+
+def _values(text: str, number: Callable[[str], Any]) -> Any:
+    """Values of a list, or start, stop, count and perhaps the spacing; a unit behind the last number is that of all."""
+    if ":" not in text:
+        return _in_units_of_the_last([number(value) for value in text.split(",") if value])
+    start, stop, count, *spacing = text.split(":")
+    return *_in_units_of_the_last([number(start), number(stop)]), int(count), *spacing[:1]
+
+
+def _quantity(text: str) -> float | str:
+    """A number, which is in SI, or a number with a unit."""
+    try:
+        return float(text)
+    except ValueError:
+        return text.strip()
+
+
+def _in_units_of_the_last(values: list[Any]) -> list[Any]:
+    last = values[-1] if values else None
+    if not isinstance(last, str):
+        return values
+    unit = number_and_unit(last)[1]
+    return [value if isinstance(value, str) else f"{value!r} {unit}" for value in values]
 
 
 def _departure(text: str) -> tuple[float, ...]:
@@ -300,7 +332,9 @@ _OWN = {
     "sweep": {
         "of_harmonics": _Written(
             "vary", list[str], _REQUIRED,
-            "damping=0.5,0.55,0.6 or damping=0.5:0.7:21[:geometric]; once or twice, the last fastest", _swept,
+            "damping=0.5,0.55,0.6 or damping=0.5:0.7:21[:geometric]; once or twice, the last fastest. Or a number of "
+            "the machine: speed=600:6000rpm:200, backlash=20,35,50um",
+            _swept_or_machines,
         )
     },
     "bifurcation": {

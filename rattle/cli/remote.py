@@ -113,8 +113,9 @@ def _print_job(job: dict[str, Any]) -> None:
 
 def _parameters(request: dict[str, Any]) -> str:
     """Parameters of a request's oscillator, those that are swept with their ends."""
-    vary = request.get("vary", [])
+    vary, design = request.get("vary", []), request.get("design", {"parameters": {}})
     swept = {each["parameter"]: each["values"] for each in (vary if isinstance(vary, list) else [vary])}
+    swept |= design["parameters"]
     return ", ".join(
         f"{name} {_span(swept[name]) if name in swept else _written(value)}"
         for name, value in request["oscillator"].items()

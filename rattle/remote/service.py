@@ -80,9 +80,9 @@ class _There(Generic[_P]):
 
 def _computed(service: "Service", name: str, given: dict[str, Any]) -> "xr.Dataset":
     """Let the service compute the job that arguments describe, and open its result."""
-    from rattle.arguments import job_of, machine_of
+    from rattle.arguments import job_of, read_machine
 
-    machine = given["machine"] = machine_of(given.get("machine"))
+    machine = read_machine(given)
     progress = given.pop("progress", True)
     if callable(progress):
         raise TypeError(f"{name}() of a service shows its progress or does not: give progress=True or False")
@@ -94,10 +94,10 @@ def _computed(service: "Service", name: str, given: dict[str, Any]) -> "xr.Datas
 
 def _followed(service: "Service", _: str, given: dict[str, Any]) -> "xr.Dataset":
     """Let the service follow a motion."""
-    from rattle.arguments import machine_of, trajectory_of
+    from rattle.arguments import read_machine, trajectory_of
     from rattle.results.trajectories import dataset_of
 
-    machine = given["machine"] = machine_of(given.get("machine"))
+    machine = read_machine(given)
     request = trajectory_of(given)
     answer = service.ask("POST", "/v1/trajectories", json=request.model_dump(mode="json", exclude_unset=True))
     result = dataset_of(request, _history_of(answer))

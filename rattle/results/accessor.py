@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from rattle.machine_series import MACHINES, MachineSeries
 from rattle.results.trajectories import TRAJECTORY, TRAJECTORY_RESULT, history_of
 from rattle_kernels import NOT_CONVERGED, PERMANENT_CONTACT, SINK, Attractor, Oscillator
 from worker.additions import additions
@@ -141,6 +142,27 @@ class Result:
         """
         given = self._dataset.attrs.get(MACHINE)
         return None if given is None else GearPair(**json.loads(given))
+
+    @cached_property
+    def machines(self) -> tuple[GearPair, ...]:
+        """Machines of a sweep that steps from one to the next, in their own units; empty of other results.
+
+        Examples
+        --------
+        >>> rattle.basin(cells=20, progress=False).rattle.machines
+        ()
+        """
+        return () if self._series is None else self._series.pairs
+
+    @cached_property
+    def _series(self) -> MachineSeries | None:
+        machines, job = self._dataset.attrs.get(MACHINES), self._dataset.attrs.get("request")
+        return None if machines is None or job is None else MachineSeries.of_result(machines, self.job.axes[0])
+
+    @property
+    def _in_units(self) -> GearPair | MachineSeries | None:
+        """What gives the result units of its own."""
+        return self.machine or self._series
 
     @property
     def oscillator(self) -> Oscillator:
@@ -295,7 +317,7 @@ class Result:
         Parameters
         ----------
         **values : float
-            Of every swept parameter.
+            Of every swept parameter, or of the coordinate of the machines.
 
         Returns
         -------
@@ -313,7 +335,16 @@ class Result:
         0.6
         """
         self._demand("basin", "sweep")
-        return opening.basin_of(self._dataset, **values)
+        return self._alone(values)
+
+    def _alone(self, values: dict[str, float]) -> xr.Dataset:
+        """One basin; of the machines of a sweep it has its own."""
+        basin = opening.basin_of(self._dataset, **values)
+        if self._series is None:
+            return basin
+        machine = self.machines[self._series.index_of(values[self._series.name])]
+        del basin.attrs[MACHINES]
+        return basin.assign_attrs({MACHINE: str(machine)})
 
     def basins(self) -> tuple[xr.Dataset, ...]:
         """All basins of a sweep, each as `basin` returns it.
@@ -336,7 +367,7 @@ class Result:
         """
         self._demand("basins", "sweep")
         job: Any = self.job
-        return tuple(opening.basin_of(self._dataset, **job.values_of(number)) for number in range(job.basins))
+        return tuple(self._alone(job.values_of(number)) for number in range(job.basins))
 
     def measures(self, tolerance: float = 1e-6) -> xr.Dataset:
         """Measures of each basin: integrity, entropies, uncertainty exponent, least disturbance.
@@ -390,7 +421,7 @@ class Result:
         from worker.results.measures import measure_loudness
 
         measured = measure_loudness(self._dataset)
-        return measured if self.machine is None else self.machine.with_units(measured)
+        return measured if self._in_units is None else self._in_units.with_units(measured)
 
     def least_disturbance(self, tolerance: float = 1e-6) -> xr.DataArray:
         """Smallest speed at each phase that leads from quiet to rattle.
@@ -627,7 +658,9 @@ class Result:
         )  # fmt: skip
 
     def plot_shares(self, ax: "Axes | None" = None) -> "Figure | Axes":
-        """Draw shares and expected loudness over the swept parameter: lines over one, maps over two.
+        """Draw shares and expected loudness over the swept parameter or the machines: lines over one, maps over two.
+
+        The loudness of a machine is in its units, and Gamma is drawn where it differs from machine to machine.
 
         Parameters
         ----------
@@ -656,7 +689,7 @@ class Result:
 
         target = plt.figure(layout="constrained") if ax is None else ax
         assert self._kind.shares is not None
-        self._kind.shares(self._dataset, target)
+        self._kind.shares(self._dataset, target, {} if self._in_units is None else self._in_units.factors)
         return target
 
     def to_table(self, name: str | None = None) -> "pd.DataFrame":
@@ -683,7 +716,7 @@ class Result:
         ['death', 0.55, 0.6]
         """
         table = table_of(self._dataset, name)
-        return table if self.machine is None else self.machine.with_columns(table)
+        return table if self._in_units is None else self._in_units.with_columns(table)
 
     def to_csv(self, path: str | Path, name: str | None = None) -> None:
         """Write a table as CSV.

@@ -45,7 +45,7 @@ class CheckView(BaseModel):
 def check_request(body: dict[str, Any], settings: Settings) -> CheckView:
     """Check a request of any kind, as its submission would.
 
-    It is of the kind that it names; without one it is a basin, or a sweep if it has ``vary``.
+    It is of the kind that it names; without one it is a basin, or a sweep if it has ``vary`` or ``design``.
 
     Parameters
     ----------

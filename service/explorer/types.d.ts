@@ -21,12 +21,15 @@ interface Oscillator {
 
 interface Swept { parameter: string; values?: number[]; start?: number; stop?: number; count?: number }
 
+interface Design { name: string; units?: string; values: number[]; parameters: { [parameter: string]: number[] } }
+
 interface BasinRequest {
   kind?: string;
   oscillator: Oscillator;
   grid?: { time: Axis; velocity: Axis };
   iterations?: number;
   vary?: Swept[];
+  design?: Design;
   sample?: object;
   /** What is asked for beside the labels, by the names of additions. */
   [addition: string]: any;

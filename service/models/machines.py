@@ -5,7 +5,7 @@ from typing import Any
 from pydantic import BaseModel, Field, TypeAdapter
 
 from worker.errors import InvalidFields, InvalidJob
-from worker.gear_pair import GearPair
+from worker.gear_pair import GearPair, fastest_of
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, PiecewiseLinearOscillator
 from worker.results.summary import FiniteOrNone
 
@@ -45,7 +45,7 @@ class MachineView(BaseModel):
         fastest, refused = None, None
         try:
             pair.check_gamma()
-            fastest = pair.fastest
+            fastest = fastest_of(pair.oscillator)
         except InvalidJob as error:
             refused = str(error)
         return cls(
@@ -114,9 +114,9 @@ def in_model(body: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
     for window in fields & {"grid", "region"}:
         inside = request.get(window, {})
         if isinstance(inside, dict) and "velocity" not in inside:
-            request[window] = inside | {"velocity": {"start": 0.0, "stop": pair.fastest}}
+            request[window] = inside | {"velocity": {"start": 0.0, "stop": fastest_of(pair.oscillator)}}
         elif window == "grid" and isinstance(inside, dict) and isinstance(inside["velocity"], dict):
-            request[window] = inside | {"velocity": {"stop": pair.fastest} | inside["velocity"]}
+            request[window] = inside | {"velocity": {"stop": fastest_of(pair.oscillator)} | inside["velocity"]}
     return request | {"oscillator": _oscillator_of(pair).model_dump(mode="json")}
 
 

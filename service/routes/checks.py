@@ -20,7 +20,7 @@ router = APIRouter(prefix="/v1", tags=["submit"], route_class=PlainJsonRoute)
 async def check(body: Annotated[dict[str, Any], Body()], settings: SettingsHere, checks: ChecksHere) -> CheckView:
     """Check whether a request would be accepted, and how long it takes; if not, why not; and which bounds apply.
 
-    A request of any kind: the one that it names, or else a basin, or with `vary` a sweep.
+    A request of any kind: the one that it names, or else a basin, or with `vary` or `design` a sweep.
 
     Nothing is recorded. The errors are those of the submission.
     """

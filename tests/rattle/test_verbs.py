@@ -13,6 +13,7 @@ from numpydoc.validate import validate
 import rattle
 from rattle.arguments import job_of
 from rattle.cli.options import LEAST, options_of, texts_of
+from rattle.machine_series import MACHINES, UNITS
 from rattle.verbs import VERBS
 from rattle_proof.request import ProofRequest
 from worker.jobs.oscillator_request import ImpactingOscillator, PiecewiseLinearOscillator
@@ -32,6 +33,7 @@ PARTS = {
     "sample": {"sample", "seed", "scramblings"},
     "prove": {"prove", "levels", "tolerances"},
     "vary": {"of_harmonics"},
+    "design": {MACHINES, *UNITS},
     "region": {"time", "velocity"},
     "resolution": {"chord", "angle"},
 }

@@ -10,7 +10,7 @@ Every basin finds its own catalogue, independently of its neighbours. Then, in t
    have yet, since an itinerary names a motion across a sweep. If there are several, it takes the one seen last. If
    there is none, it takes the next number.
 
-The neighbours are the previous basin along the last swept parameter and, for solutions that this one lacks, the
+The neighbours are the previous basin along the last axis and, for solutions that this one lacks, the
 previous basin along the first. So the numbers depend on the catalogues alone, not on the order in which they are found.
 
 A phase comes around: 0 and 1 are the same machine. Its only neighbour is then the earlier basin of that machine, so
@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 from rattle_kernels import Attractor, Oscillator, attractor_distance, continue_attractor
 from worker.jobs.basin_job import BasinJob
+from worker.jobs.design import changes_at
 from worker.jobs.swept_parameter import is_phase
 from worker.stores.solution_table import Motion, SolutionTable, motion_of
 
@@ -55,15 +56,15 @@ class Numbering:
 
     def __init__(self, job: BasinJob, table: SolutionTable, read: Callable[[int], Numbered]) -> None:
         self.job, self.table, self._read = job, table, read
-        # The previous basin along the first parameter lies a whole row of basins back.
-        self._kept = 1 if len(job.vary) < 2 else job.sweep_shape[-1]
+        # The previous basin along the first axis lies a whole row of basins back.
+        self._kept = 1 if len(job.axes) < 2 else job.sweep_shape[-1]
         self._recent: dict[int, Numbered] = {}
         self._seen = table.last_seen()
         self._earlier_twin = _earlier_twins(job)
         self._twins: dict[int, Numbered] = {}
 
     def _neighbours(self, basin: int) -> list[int]:
-        place, row = self.job.place_of(basin), self.job.sweep_shape[-1] if self.job.vary else 1
+        place, row = self.job.place_of(basin), self.job.sweep_shape[-1] if self.job.axes else 1
         before = [basin - 1] if place and place[-1] > 0 else []
         return before + ([basin - row] if len(place) == 2 and place[0] > 0 else [])
 
@@ -130,17 +131,15 @@ class Numbering:
 
 def _earlier_twins(job: BasinJob) -> dict[int, int]:
     """Basins of a machine that an earlier basin has as well, since a phase came around, and the first of those."""
-    periodic = [is_phase(swept.parameter) for swept in job.vary]
-    if not any(periodic):
+    if not any(is_phase(name) for axis in job.axes for name in axis.columns):
         return {}
-    turns = [
-        [round(value % 1.0, _PHASE_DIGITS) % 1.0 if comes_around else value for value in swept.values]
-        for swept, comes_around in zip(job.vary, periodic, strict=True)
-    ]
     first: dict[tuple[float, ...], int] = {}
     twins = {}
     for basin in range(job.basins):
-        machine = tuple(values[place] for values, place in zip(turns, job.place_of(basin), strict=True))
+        changes = changes_at(job.axes, job.place_of(basin))
+        machine = tuple(
+            round(value % 1.0, _PHASE_DIGITS) % 1.0 if is_phase(name) else value for name, value in changes.items()
+        )
         if first.setdefault(machine, basin) != basin:
             twins[basin] = first[machine]
     return twins

@@ -97,7 +97,7 @@ class _Tiles:
 
     def finish(self) -> None:
         """Write what changes from basin to basin of a sweep."""
-        if self._job.vary:
+        if self._job.axes:
             self._store.solutions.write_changes(list_changes(self._job, self.ledger.table))
         self._enter(Stage.DONE, 0)
 

@@ -1,6 +1,10 @@
-"""What to compute: a basin, or one for each combination of swept parameters, on a grid of cells or on a sample."""
+"""What to compute: a basin, or one for each combination of swept parameters or each machine of a design.
+
+Each has a grid of cells, or a sample of points.
+"""
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
@@ -11,6 +15,7 @@ from rattle_kernels.cell_mapping.cell_grid import check_grid
 from rattle_kernels.cell_mapping.iterations import check_iterations
 from worker.additions import additions, asked_of, with_fields
 from worker.errors import InvalidJob, SweptOutsideDomain
+from worker.jobs.design import Design, SweepAxis, changes_at, check_design, is_sweep
 from worker.jobs.job import Job, Sizes
 from worker.jobs.request import Count, Real, Request, accepting, as_real, in_schema
 from worker.jobs.sample import Sample
@@ -27,6 +32,20 @@ _SWEEP_EXAMPLE: dict[str, Any] = {
     "vary": [{"parameter": "damping", "start": 0.5, "stop": 0.7, "count": 21}],
     "grid": {"time": {"cells": 200}, "velocity": {"cells": 200}},
 }
+_DESIGN_EXAMPLE: dict[str, Any] = {
+    "oscillator": {"model": "impacting", "eccentricity": 0.1},
+    "design": {
+        "name": "speed",
+        "units": "rpm",
+        "values": [800, 1000, 1200],
+        "parameters": {"damping": [0.9, 0.6, 0.45], "half_backlash": [0.6, 0.6, 0.55]},
+    },
+    "grid": {"time": {"cells": 200}, "velocity": {"cells": 200}},
+}
+_ONE_OF: list[dict[str, Any]] = [
+    {"required": ["vary"], "properties": {"design": {"const": None}}},
+    {"required": ["design"], "properties": {"design": {"type": "object"}, "vary": False}},
+]
 # Group, period, step, solution; image cell, landing time and speed: see `worker.stores.layout`.
 _BYTES_OF_LABELS, _BYTES_OF_A_CELL = 3 * 4 + 2, 8 + 2 * 8 + 3 * 4 + 2
 # Longest side of a basin that is shown without levels of fewer cells.
@@ -156,10 +175,6 @@ class BasinJob(_AllFields):
         """Swept parameters: none. One basin is the sweep of no parameter."""
         return ()
 
-    @property
-    def _swept(self) -> tuple[SweptParameter, ...]:
-        return self.vary
-
     @cached_property
     def grid(self) -> CellGrid:
         """Grid of the kernels. A sample is one row of as many cells as there are points."""
@@ -227,15 +242,19 @@ class BasinJob(_AllFields):
         return settled if self.sample is None else settled | {"sample": self.sample}
 
     def _swept_error(self, place: tuple[int, ...], error: OutsideDomain) -> SweptOutsideDomain:
+        pairs = zip(self.axes, place, strict=True)
+        values = ", ".join(f"{axis.name} = {axis.values[at]:g}{_behind(axis)}" for axis, at in pairs)
+        first = self.axes[0]
+        if isinstance(first, Design):
+            column = ("parameters", error.parameter) if error.parameter in first.columns else ("values",)
+            return SweptOutsideDomain(error, ("design", *column, place[0]), f"machine {place[0]} (at {values})")
         axis = self._at_fault(error.parameter)
-        pairs = zip(self.vary, place, strict=True)
-        values = ", ".join(f"{swept.parameter} = {swept.values[at]:g}" for swept, at in pairs)
-        where = f"value {place[axis]} of {self.vary[axis].parameter} (at {values})"
+        where = f"value {place[axis]} of {self.axes[axis].name} (at {values})"
         return SweptOutsideDomain(error, ("vary", axis, "values", place[axis]), where)
 
     def _at_fault(self, parameter: str) -> int:
         """Which swept parameter puts a basin outside the domain by one of its oscillator's parameters."""
-        names = [swept.parameter for swept in self.vary]
+        names = [axis.name for axis in self.axes]
         return names.index(parameter) if parameter in names else len(names) - 1
 
     @property
@@ -249,7 +268,7 @@ class BasinJob(_AllFields):
 
     @property
     def sweep_shape(self) -> tuple[int, ...]:
-        """Number of values of each swept parameter; empty for one basin."""
+        """Number of values along each axis; empty for one basin."""
         return ()
 
     @property
@@ -264,7 +283,7 @@ class BasinJob(_AllFields):
         return (self.sample.points if self.sample else time.cells * velocity.cells) * self.basins
 
     def place_of(self, basin: int) -> tuple[int, ...]:
-        """Index of a basin's value in each swept parameter; the last parameter varies fastest.
+        """Index of a basin along each axis; the last axis runs fastest.
 
         Parameters
         ----------
@@ -281,7 +300,7 @@ class BasinJob(_AllFields):
         return tuple(reversed(place))
 
     def values_of(self, basin: int) -> dict[str, float]:
-        """Values of the swept parameters in a basin.
+        """Where on the axes a basin lies: values of the swept parameters, or of the design's coordinate.
 
         Parameters
         ----------
@@ -290,9 +309,9 @@ class BasinJob(_AllFields):
         Returns
         -------
         dict
-            Values by the parameter's name.
+            Values by the axis's name.
         """
-        return {swept.parameter: swept.values[at] for swept, at in zip(self.vary, self.place_of(basin), strict=True)}
+        return {axis.name: axis.values[at] for axis, at in zip(self.axes, self.place_of(basin), strict=True)}
 
     def oscillator_of(self, basin: int) -> Oscillator:
         """Oscillator of a basin, checked.
@@ -305,11 +324,16 @@ class BasinJob(_AllFields):
         -------
         Oscillator
         """
-        return check_domain(self.oscillator_.value.at(**self.values_of(basin)))
+        return check_domain(self.oscillator_.value.at(**changes_at(self.axes, self.place_of(basin))))
+
+
+def _behind(axis: SweepAxis) -> str:
+    """Units of an axis as they stand behind a value."""
+    return f" {axis.units}" if isinstance(axis, Design) and axis.units else ""
 
 
 class SweepJob(BasinJob):
-    """Basins over one or two parameters: one for each combination of their values.
+    """Basins over one or two parameters, one for each combination of their values; or those of a list of machines.
 
     Examples
     --------
@@ -317,16 +341,34 @@ class SweepJob(BasinJob):
     >>> job = rattle.SweepJob(vary=[rattle.SweptParameter("damping", (0.5, 0.6, 0.7))])
     >>> job.basins, job.oscillator_of(1).damping
     (3, 0.6)
+    >>> machines = {"damping": [0.9, 0.6], "eccentricity": [0.12, 0.1]}
+    >>> job = rattle.SweepJob(design={"name": "speed", "units": "rpm", "values": [800, 1000], "parameters": machines})
+    >>> job.values_of(1), job.oscillator_of(1).damping
+    ({'speed': 1000.0}, 0.6)
     """
 
     model_config = ConfigDict(
-        title="SweepRequest", json_schema_extra={"examples": [_SWEEP_EXAMPLE], "allOf": [_NOTHING_ADDED]} | _SAMPLED
+        title="SweepRequest",
+        json_schema_extra={"examples": [_SWEEP_EXAMPLE, _DESIGN_EXAMPLE], "allOf": [_NOTHING_ADDED], "oneOf": _ONE_OF}
+        | _SAMPLED,
     )
 
     kind_: Literal["sweep"] = "sweep"  # type: ignore[assignment]
     vary_: Annotated[list[SweptParameter], Field(min_length=1, max_length=MOST_SWEPT)] = Field(
-        description="Swept parameters; the last one runs fastest"
+        default_factory=list, description="Swept parameters; the last one runs fastest"
     )
+    design: Design | None = Field(None, description="A list of machines, in place of `vary`")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _steps_along_one_or_the_other(cls, request: Any) -> Any:
+        if isinstance(request, dict):
+            designed = request.get("design") is not None
+            if designed and "vary" in request:
+                raise InvalidJob("give vary, or a design, not both", ("design",))
+            if not designed and "vary" not in request:
+                raise InvalidJob("Field required: the swept parameters, or else a design", ("vary",))
+        return request
 
     @property
     def kind(self) -> str:
@@ -335,26 +377,40 @@ class SweepJob(BasinJob):
 
     @cached_property
     def vary(self) -> tuple[SweptParameter, ...]:
-        """Swept parameters with their values, checked."""
+        """Swept parameters with their values, checked; none if there is a design."""
         check_swept(self.vary_, self.oscillator_.value)
         return tuple(self.vary_)
 
     @property
+    def axes(self) -> tuple[SweepAxis, ...]:
+        """Swept parameters, or the design."""
+        return self.vary if self.design is None else (self.design,)
+
+    @property
+    def _unchecked(self) -> Sequence[SweepAxis]:
+        return self.vary_ if self.design is None else [self.design]
+
+    @property
     def sweep_shape(self) -> tuple[int, ...]:
-        """Number of values of each swept parameter."""
-        return tuple(each.size for each in self.vary_)
+        """Number of values along each axis."""
+        return tuple(axis.size for axis in self._unchecked)
 
     @property
     def _least_damping(self) -> float:
-        return min((each.least for each in self.vary_ if each.parameter == "damping"), default=super()._least_damping)
+        least = (axis.least("damping") for axis in self._unchecked)
+        return min((damping for damping in least if damping is not None), default=super()._least_damping)
 
     def _settled(self) -> dict[str, Any]:
-        settled = {"vary_": [swept.settled() for swept in self.vary]}
+        if self.design is None:
+            settled: dict[str, Any] = {"vary_": [swept.settled() for swept in self.vary]}
+        else:
+            check_design(self.design, self.oscillator_.value)
+            settled = {"design": self.design.settled()}
         return super()._settled() | settled
 
 
 def basin_job(request: dict[str, Any], digest: str | None = None) -> BasinJob:
-    """Job of a basin, or of a sweep if the request has ``vary``.
+    """Job of a basin, or of a sweep if the request has ``vary`` or ``design``.
 
     Parameters
     ----------
@@ -372,5 +428,5 @@ def basin_job(request: dict[str, Any], digest: str | None = None) -> BasinJob:
     InvalidJob, OutsideDomain
         Naming the field at fault.
     """
-    job_class = SweepJob if "vary" in request else BasinJob
+    job_class = SweepJob if is_sweep(request) else BasinJob
     return job_class.from_request(request) if digest is None else job_class.trusted(request, digest)

@@ -9,6 +9,7 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import Oscillator, check_domain
 from worker.errors import InvalidJob
+from worker.jobs.design import SweepAxis
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import Departure, Region
 from worker.jobs.request import INTEGRAL, Count
@@ -150,7 +151,8 @@ class BifurcationJob(AnalysisJob):
         return self.oscillator_.value.at(**{self.vary.parameter: value})
 
     @property
-    def _swept(self) -> tuple[SweptParameter, ...]:
+    def axes(self) -> tuple[SweepAxis, ...]:
+        """The parameter, in ascending order."""
         return (self.vary,)
 
     @property

@@ -20,6 +20,7 @@ import numpy as np
 from rattle_kernels import Oscillator, OutsideDomain
 from worker.errors import InvalidJob
 from worker.jobs.budget import spend
+from worker.jobs.design import Design, SweepAxis, changes_at
 from worker.jobs.swept_parameter import SweptParameter, as_array, is_of_harmonic, is_phase
 
 Fault = OutsideDomain | InvalidJob
@@ -30,7 +31,7 @@ _ROUNDING = 1e-9
 
 def first_fault(
     oscillator: Oscillator,
-    vary: Sequence[SweptParameter],
+    axes: Sequence[SweepAxis],
     check: Callable[[Oscillator], Oscillator],
     convex: Iterable[str] | None,
 ) -> tuple[tuple[int, ...], Fault] | None:
@@ -39,7 +40,7 @@ def first_fault(
     Parameters
     ----------
     oscillator : Oscillator
-    vary : sequence of SweptParameter
+    axes : sequence of SweptParameter or Design
     check : callable
         Raises `OutsideDomain` or `InvalidJob`.
     convex : iterable of str, optional
@@ -48,23 +49,33 @@ def first_fault(
     Returns
     -------
     place : tuple of int
-        Index of each parameter's value.
+        Index along each axis.
     error : OutsideDomain or InvalidJob
     """
     errors: dict[tuple[int, ...], Fault] = {}
 
     def refused(place: tuple[int, ...]) -> bool:
         spend()
-        values = {swept.parameter: swept.values[at] for swept, at in zip(vary, place, strict=True)}
         try:
-            check(oscillator.at(**values))
+            check(oscillator.at(**changes_at(axes, place)))
         except (OutsideDomain, InvalidJob) as error:
             errors[place] = error
         return place in errors
 
-    surely = partial(pressed_for_sure, oscillator, vary, quiet=convex is not None)
-    place = first_refused(_axes_of(vary, convex), refused, surely)
+    place = _first_place(oscillator, axes, refused, convex)
     return None if place is None else (place, errors[place])
+
+
+def _first_place(
+    oscillator: Oscillator, axes: Sequence[SweepAxis], refused: Callable[[tuple[int, ...]], bool],
+    convex: Iterable[str] | None,
+) -> tuple[int, ...] | None:  # fmt: skip
+    vary = [axis for axis in axes if not isinstance(axis, Design)]
+    if len(vary) < len(axes):
+        # Along a curve no check is convex: each machine is checked.
+        return first_refused([Axis(axis.size, False) for axis in axes], refused)
+    surely = partial(pressed_for_sure, oscillator, vary, quiet=convex is not None)
+    return first_refused(_axes_of(vary, convex), refused, surely)
 
 
 class Axis(NamedTuple):

@@ -21,6 +21,7 @@ from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_v
 from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_impacting, check_quiet
 from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
 from worker.errors import InvalidJob, SweptOutsideDomain
+from worker.jobs.design import SweepAxis, changes_at
 from worker.jobs.first_refused import first_fault
 from worker.jobs.oscillator_request import (
     ImpactingOscillator,
@@ -28,7 +29,7 @@ from worker.jobs.oscillator_request import (
     check_quiet_unless_allowed,
 )
 from worker.jobs.request import Request, refusal
-from worker.jobs.swept_parameter import SweptParameter, values_as_json, without_stiffness
+from worker.jobs.swept_parameter import values_as_json, without_stiffness
 from worker.precision_limits import check_decidable, check_fastest, fastest_resolved
 
 Check = Callable[["Job"], object]
@@ -145,7 +146,7 @@ class Job(Request, ABC):
         allowed = self.oscillator_.allow_no_quiet_solution
         settled, oscillator = self._settled(), self.oscillator
         check_quiet_unless_allowed(self.check_quiet, allowed=allowed)
-        first = {swept.parameter: oscillator.value_of(swept.parameter) for swept in self._swept}
+        first = {name: oscillator.value_of(name) for axis in self.axes for name in axis.columns}
         settled["oscillator_"] = self.oscillator_.settled(first, quiet=not allowed or self.quiet)
         fields = type(self).model_fields.items()
         unused = {name: field.get_default(call_default_factory=True) for name, field in fields if name not in settled}
@@ -172,12 +173,12 @@ class Job(Request, ABC):
     @cached_property
     def oscillator(self) -> Oscillator:
         """Oscillator of the kernels, at the first values of what is swept, checked."""
-        asked = self.oscillator_.value.at(**{swept.parameter: swept.values[0] for swept in self._swept})
+        asked = self.oscillator_.value.at(**changes_at(self.axes, (0,) * len(self.axes)))
         return check_impacting(asked, INVERSE_OF_IMPACTS) if self.impacting_only else check_domain(asked)
 
     @property
-    def _swept(self) -> tuple[SweptParameter, ...]:
-        """Swept parameters with their values, checked."""
+    def axes(self) -> tuple[SweepAxis, ...]:
+        """What the job steps along, checked: its swept parameters, or its design. None if it has one oscillator."""
         return ()
 
     def check_oscillators(
@@ -197,10 +198,10 @@ class Job(Request, ABC):
         OutsideDomain, SweptOutsideDomain
             The latter names the first swept value at fault.
         """
-        if not self._swept:
+        if not self.axes:
             check(self.oscillator)
             return
-        fault = first_fault(self.oscillator_.value, self._swept, check, convex)
+        fault = first_fault(self.oscillator_.value, self.axes, check, convex)
         if fault is None:
             return
         place, error = fault
@@ -210,8 +211,8 @@ class Job(Request, ABC):
 
     def _swept_error(self, place: tuple[int, ...], error: OutsideDomain) -> SweptOutsideDomain:
         """The error of the oscillator at a place of the swept values, of one parameter."""
-        (swept,), (at,) = self._swept, place
-        return SweptOutsideDomain(error, ("vary", "values", at), f"{swept.parameter} = {swept.values[at]:g}")
+        (axis,), (at,) = self.axes, place
+        return SweptOutsideDomain(error, ("vary", "values", at), f"{axis.name} = {axis.values[at]:g}")
 
     def check_quiet(self) -> None:
         """Refuse a job that has an oscillator without a quiet solution (Eq. 3).
@@ -280,16 +281,16 @@ class Job(Request, ABC):
         """The request with all its values as JSON, in pieces: a range and its values have the same digest."""
         request, ranges = self.request(), []
         rules = request.get("vary", [])
-        for rule, swept in zip(rules if isinstance(rules, list) else [rules], self._swept, strict=False):
+        for rule, axis in zip(rules if isinstance(rules, list) else [rules], self.axes, strict=False):
             if "values" not in rule:
-                ranges.append(swept)
+                ranges.append(axis)
                 rule.clear()
-                rule.update(parameter=swept.parameter, values=_A_RANGE)
+                rule.update(parameter=axis.name, values=_A_RANGE)
         text = json.dumps({"request": request, "version": self.result_version}, sort_keys=True)
         first, *others = text.split(json.dumps(_A_RANGE))
         yield first
-        for swept, other in zip(ranges, others, strict=True):
-            yield from values_as_json(swept.values)
+        for axis, other in zip(ranges, others, strict=True):
+            yield from values_as_json(axis.values)
             yield other
 
 

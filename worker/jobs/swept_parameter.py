@@ -3,7 +3,7 @@
 import itertools
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import StrEnum
 from functools import cached_property
 from typing import Annotated, Any, Self
@@ -13,7 +13,7 @@ from pydantic import AfterValidator, ConfigDict, Field, ValidationError, WithJso
 
 from rattle_kernels import Oscillator
 from rattle_kernels.model.oscillator import PARAMETERS
-from worker.errors import InvalidJob
+from worker.errors import FieldPath, InvalidJob
 from worker.jobs.budget import spend
 from worker.jobs.oscillator_request import with_swept_stiffness
 from worker.jobs.request import INTEGRAL, Real, Request, as_real, in_schema, refusal
@@ -98,6 +98,27 @@ def as_array(values: Sequence[float]) -> np.ndarray:
     ndarray
     """
     return np.concatenate([np.array(piece) for piece in _in_pieces(values)])
+
+
+def spaced(start: float, stop: float, count: int, spacing: Spacing) -> tuple[float, ...]:
+    """Values from a start to a stop, both included.
+
+    Parameters
+    ----------
+    start, stop : float
+    count : int
+        Two or more.
+    spacing : Spacing
+
+    Returns
+    -------
+    tuple of float
+        Rounded to 15 digits: 0.6 and 0.6000000000000001 are two different oscillators.
+    """
+    space = np.geomspace if spacing == Spacing.GEOMETRIC else np.linspace
+    inner = space(start, stop, count)[1:-1]
+    between = (as_real(f"{value:.15g}") for piece in _in_pieces(inner) for value in piece.tolist())
+    return tuple(itertools.chain([start], between, [stop]))
 
 
 def values_as_json(values: Sequence[float]) -> Iterator[str]:
@@ -230,11 +251,7 @@ class SweptParameter(Request):
         if self.values_ is not None:
             return self.values_
         assert self.start is not None and self.stop is not None and self.count is not None
-        space = np.geomspace if self.spacing == Spacing.GEOMETRIC else np.linspace
-        # Rounded to 15 digits: 0.6 and 0.6000000000000001 are two different oscillators.
-        inner = space(self.start, self.stop, self.count)[1:-1]
-        between = (as_real(f"{value:.15g}") for piece in _in_pieces(inner) for value in piece.tolist())
-        return tuple(itertools.chain([self.start], between, [self.stop]))
+        return spaced(self.start, self.stop, self.count, self.spacing)
 
     @property
     def size(self) -> int:
@@ -242,8 +259,26 @@ class SweptParameter(Request):
         return len(self.values_) if self.values_ is not None else self.count or 0
 
     @property
-    def least(self) -> float:
-        """Least value above 0, or 1 if there is none; values of 0 and below are refused elsewhere."""
+    def name(self) -> str:
+        """Name of the axis: that of the parameter."""
+        return self.parameter
+
+    @property
+    def columns(self) -> Mapping[str, tuple[float, ...]]:
+        """Values of each parameter that changes along the axis: of this one."""
+        return {self.parameter: self.values}
+
+    def at(self, index: int) -> dict[str, float]:
+        """Values of the parameters at a place on the axis."""
+        return {self.parameter: self.values[index]}
+
+    def least(self, parameter: str) -> float | None:
+        """Least value above 0 that a parameter takes, or 1 if there is none; None if it is another than this one.
+
+        Values of 0 and below are refused elsewhere.
+        """
+        if parameter != self.parameter:
+            return None
         ends = [end for end in (self.start, self.stop) if end is not None]
         return min((value for value in self.values_ or ends if value > 0.0), default=1.0)
 
@@ -256,7 +291,7 @@ class SweptParameter(Request):
 
 
 def without_stiffness(request: Any) -> Any:
-    """The same request, except that the oscillator may lack a stiffness if ``vary`` sweeps it.
+    """The same request, except that the oscillator may lack a stiffness if ``vary`` or ``design`` changes it.
 
     Parameters
     ----------
@@ -269,10 +304,11 @@ def without_stiffness(request: Any) -> Any:
     """
     if not isinstance(request, dict) or "oscillator" not in request:
         return request
-    vary = request.get("vary")
+    vary, design = request.get("vary"), request.get("design")
     asked = vary if isinstance(vary, list | tuple) else [vary]
     names = [each.get("parameter") if isinstance(each, dict) else getattr(each, "parameter", None) for each in asked]
-    if "stiffness" not in names:
+    columns = design.get("parameters") if isinstance(design, dict) else getattr(design, "parameters", None)
+    if "stiffness" not in [*names, *(columns if isinstance(columns, dict) else ())]:
         return request
     return request | {"oscillator": with_swept_stiffness(request["oscillator"])}
 
@@ -294,32 +330,60 @@ def check_swept(vary: Sequence[SweptParameter], oscillator: Oscillator) -> None:
     names = [swept.parameter for swept in vary]
     for axis, name in enumerate(names):
         place = ("vary", axis, "parameter")
-        if name not in oscillator.parameters:
-            raise InvalidJob(f"{name} cannot be swept; these can: {', '.join(oscillator.parameters)}", place)
         if name in names[:axis]:
             raise InvalidJob(f"{name} is swept twice", place)
-        impacting = math.isinf(oscillator.stiffness)
-        if name == "stiffness" and impacting:
-            raise InvalidJob("stiffness cannot be swept in the impacting model, where it is infinite", place)
-        if _OF_MODELS.get(name, impacting) != impacting:
-            raise InvalidJob(f"{name} cannot be swept in the {_MODELS[impacting]} model, which has none", place)
+        check_parameter(name, oscillator, place)
     for axis, swept in enumerate(vary):
-        _check_values(axis, swept)
+        check_values(swept.parameter, swept.values, ("vary", axis, "values"))
 
 
-def _check_values(axis: int, swept: SweptParameter) -> None:
-    values = swept.values
+def check_parameter(name: str, oscillator: Oscillator, place: FieldPath) -> None:
+    """Refuse a parameter that the oscillator does not have.
+
+    Parameters
+    ----------
+    name : str
+    oscillator : Oscillator
+    place : tuple of str and int
+        Where in the request it stands.
+
+    Raises
+    ------
+    InvalidJob
+    """
+    if name not in oscillator.parameters:
+        raise InvalidJob(f"{name} cannot be swept; these can: {', '.join(oscillator.parameters)}", place)
+    impacting = math.isinf(oscillator.stiffness)
+    if name == "stiffness" and impacting:
+        raise InvalidJob("stiffness cannot be swept in the impacting model, where it is infinite", place)
+    if _OF_MODELS.get(name, impacting) != impacting:
+        raise InvalidJob(f"{name} cannot be swept in the {_MODELS[impacting]} model, which has none", place)
+
+
+def check_values(name: str, values: Sequence[float], place: FieldPath) -> None:
+    """Refuse values of an axis that do not follow one another.
+
+    Parameters
+    ----------
+    name : str
+    values : sequence of float
+    place : tuple of str and int
+        Where in the request they stand.
+
+    Raises
+    ------
+    InvalidJob
+    """
     if not values:
-        raise InvalidJob(f"{swept.parameter} needs at least one value", ("vary", axis, "values"))
+        raise InvalidJob(f"{name} needs at least one value", place)
     numbers = as_array(values)
     for index in np.flatnonzero(~np.isfinite(numbers))[:1].tolist():
-        message = f"values of {swept.parameter} must be finite; number {index} is {values[index]}"
-        raise InvalidJob(message, ("vary", axis, "values", index))
+        raise InvalidJob(f"values of {name} must be finite; number {index} is {values[index]}", (*place, index))
     with np.errstate(over="ignore"):  # the step between two huge numbers is infinite, of the right sign
         steps = np.sign(np.diff(numbers))
     # Neighbours are compared with one another: births and deaths are reported for the interval between them.
     astray = np.flatnonzero(steps * (steps[0] if steps.size else 1.0) <= 0.0)
     if astray.size:
         index = int(astray[0]) + 1
-        message = f"values of {swept.parameter} must ascend or descend; number {index} is {values[index]:g}"
-        raise InvalidJob(f"{message} after {values[index - 1]:g}", ("vary", axis, "values", index))
+        message = f"values of {name} must ascend or descend; number {index} is {values[index]:g}"
+        raise InvalidJob(f"{message} after {values[index - 1]:g}", (*place, index))

@@ -3,6 +3,8 @@
 import numpy as np
 
 from rattle_kernels import Oscillator
+from worker.jobs.design import SweepAxis
+from worker.jobs.swept_parameter import SweptParameter
 
 SYMBOLS = {
     "damping": "δ", "eccentricity": "ε", "half_backlash": "β", "stiffness": "κ", "restitution": "r",
@@ -41,6 +43,30 @@ def symbol_of(parameter: str) -> str:
 def in_words(parameter: str) -> str:
     """Parameter in words, and its symbol."""
     return f"{parameter.replace('_', ' ')} {symbol_of(parameter)}"
+
+
+def axis_in_words(axis: SweepAxis) -> str:
+    """What a sweep steps along: a parameter in words and its symbol, or a coordinate and its units.
+
+    Parameters
+    ----------
+    axis : SweptParameter or Design
+
+    Returns
+    -------
+    str
+    """
+    if isinstance(axis, SweptParameter):
+        return in_words(axis.parameter)
+    name = axis.name.replace("_", " ")
+    return name if axis.units is None else f"{name} ({axis.units})"
+
+
+def value_in_words(axis: SweepAxis, at: int) -> str:
+    """A value along what a sweep steps along, as in ``δ = 0.6`` and ``speed = 1200 rpm``."""
+    if isinstance(axis, SweptParameter):
+        return f"{symbol_of(axis.parameter)} = {axis.values[at]:g}"
+    return f"{axis.name.replace('_', ' ')} = {axis.values[at]:g} {axis.units or ''}".rstrip()
 
 
 def oscillator_text(oscillator: Oscillator, without: tuple[str, ...] = ()) -> str:

@@ -18,7 +18,7 @@ from worker.motion_words import ends_in_words
 from worker.pictures import colours
 from worker.pictures.figure_file import new_figure
 from worker.pictures.overlay_kind import OverlayKind, masks_among
-from worker.pictures.symbols import oscillator_text, symbol_of
+from worker.pictures.symbols import oscillator_text, value_in_words
 from worker.pictures.window import demand_overlap
 from worker.results.opening import open_store
 from worker.results.panel import MOST_CELLS, TIME, USUAL_LOOK, VELOCITY, Basins, Layer, Look, Panel
@@ -60,8 +60,8 @@ def draw_basin(dataset: xr.Dataset, axes: Axes, look: Look = USUAL_LOOK) -> Axes
     Beyond 2000 cells either way every n-th represents its neighbours, since labels cannot be averaged.
     """
     basins = Basins(dataset)
-    if basins.job.vary:
-        swept = ", ".join(each.parameter for each in basins.job.vary)
+    if basins.job.axes:
+        swept = ", ".join(axis.name for axis in basins.job.axes)
         raise InvalidJob(f"this is a sweep over {swept}: choose a basin by basin_of(sweep, ...), then draw it")
     _demand_known(basins.job, look)
     panel = Panel(basins, 0, look)
@@ -157,7 +157,7 @@ def _draw_basins(basins: Basins, figure: Figure, look: Look) -> None:
     axes = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
     title = _title(basins.dataset, job, sum(map(len, rows)), look)
     _draw_panels(figure, axes, basins, rows, look)
-    if job.vary:
+    if job.axes:
         figure.suptitle(title)
         figure.supxlabel(TIME)
         figure.supylabel(VELOCITY)
@@ -173,8 +173,8 @@ def _draw_panels(figure: Figure, axes: np.ndarray, basins: Basins, rows: list[li
             continue
         panel = Panel(basins, rows[at[0]][at[1]], look, max(MOST_CELLS // axes.shape[1], 1))
         images += panel.draw(place)
-        values = panel.job.values_of(panel.number).items()
-        place.set_title(", ".join(f"{symbol_of(name)} = {value:g}" for name, value in values), fontsize="small")
+        at_axes = zip(panel.job.axes, panel.job.place_of(panel.number), strict=True)
+        place.set_title(", ".join(value_in_words(axis, at) for axis, at in at_axes), fontsize="small")
     if images:
         _draw_scale(figure, axes, images, f"Hsu's {look.layer}")
     elif look.legend and panel.attractors:
@@ -186,8 +186,8 @@ def _list_motions(figure: Figure, axes: Axes, dataset: xr.Dataset, panel: Panel,
     job, motions = panel.job, panel.attractors
     shares = np.full(len(motions), np.nan)
     if dataset.attrs.get("complete", True):
-        shares = dataset.share.mean([each.parameter for each in job.vary]).values
-    if not job.vary:
+        shares = dataset.share.mean([axis.name for axis in job.axes]).values
+    if not job.axes:
         _draw_legend(axes, motions, shares, look)
         return
     labels = [f"{number}: {motion.name}" for number, motion in enumerate(motions)]
@@ -249,7 +249,7 @@ def _lines_of(axes: Axes) -> list[Line2D]:
 
 
 def _title(dataset: xr.Dataset, job: BasinJob, shown: int, look: Look) -> str:
-    swept = tuple(each.parameter for each in job.vary)
+    swept = tuple(name for axis in job.axes for name in axis.columns)
     title = f"{oscillator_text(job.oscillator, without=swept)}, k = {job.iterations}"
     if look.window is not None and look.layer == Layer.SOLUTION:
         grid = job.grid
@@ -271,7 +271,7 @@ def _evenly(count: int, most: int) -> list[int]:
 
 
 def _arrangement(job: BasinJob, panel: int | None) -> list[list[int]]:
-    """Panels in rows. Of two swept parameters, the first increases upwards, the last to the right."""
+    """Panels in rows. Of two axes, the first increases upwards, the last to the right."""
     if panel is not None:
         if not 0 <= panel < job.basins:
             raise InvalidJob(f"there is no basin {panel}: there are {job.basins}, from 0 on")

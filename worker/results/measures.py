@@ -61,7 +61,7 @@ def measure_basins(dataset: xr.Dataset, tolerance: float = 1e-6) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        The swept parameters are the leading dimensions. NaN if a basin is not complete or lacks the solution.
+        The axes of a sweep are the leading dimensions. NaN if a basin is not complete or lacks the solution.
 
         - ``global_integrity``, ``local_integrity``, ``integrity_factor`` (attractor): share, largest disc about the
           states, largest disc centred on a cell; radii are in the plane (t, v/velocity_scale);
@@ -82,10 +82,10 @@ def measure_basins(dataset: xr.Dataset, tolerance: float = 1e-6) -> xr.Dataset:
         raise InvalidJob("a sample has no neighbouring cells: its measures are its shares and their errors")
     if min(job.grid.shape) < _LEAST_SIDE:
         raise InvalidJob(f"the measures need {_LEAST_SIDE} x {_LEAST_SIDE} cells at least, not {job.grid.shape}")
-    names = [swept.parameter for swept in job.vary]
+    names = [axis.name for axis in job.axes]
     measured = [
         _measures(basin_of(dataset, **dict(zip(names, values, strict=True))), tolerance)
-        for values in itertools.product(*(swept.values for swept in job.vary))
+        for values in itertools.product(*(axis.values for axis in job.axes))
     ]
     shape = job.sweep_shape
     variables = {
@@ -132,7 +132,7 @@ def measure_loudness(dataset: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        The swept parameters are the leading dimensions. NaN where a basin is not complete, or has no such motion.
+        The axes of a sweep are the leading dimensions. NaN where a basin is not complete, or has no such motion.
 
         - the fields of `rattle_kernels.Loudness` (attractor): impacts a forcing period, largest impact speed, impact
           power, and the errors of chaotic motions; NaN where a motion is undecided;
@@ -141,7 +141,7 @@ def measure_loudness(dataset: xr.Dataset) -> xr.Dataset:
           ``window``, of length 1.
     """
     job = job_of(dataset)
-    names = tuple(swept.parameter for swept in job.vary)
+    names = tuple(axis.name for axis in job.axes)
     motions, expected = zip(*(_heard(dataset, job, number) for number in range(job.basins)), strict=True)
     of_motions = np.reshape(motions, (*job.sweep_shape, -1, len(Loudness._fields)))
     of_windows = np.reshape(expected, (*(job.sweep_shape or (1,)), len(ExpectedLoudness._fields)))

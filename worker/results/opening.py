@@ -24,7 +24,7 @@ from rattle_kernels import Attractor, AttractorKind
 from worker.additions import additions
 from worker.errors import InvalidJob, StoreConflict, as_store_failure
 from worker.jobs.basin_job import BasinJob, basin_job
-from worker.jobs.swept_parameter import SweptParameter
+from worker.jobs.design import SweepAxis, changes_at
 from worker.pictures.symbols import in_words
 from worker.storage.location import files_at, storage_at
 from worker.stores.layout import ENDS, LAYOUT_VERSION, MAPPED, MEASURED, MOTIONS, READABLE_LAYOUTS
@@ -119,6 +119,10 @@ def _labelled(dataset: xr.Dataset) -> xr.Dataset:
     request = json.loads(dataset.attrs["request"])
     vary = request.get("vary", [])
     swept = [each["parameter"] for each in (vary if isinstance(vary, list) else [vary])]
+    design = request.get("design")
+    if design is not None and design["name"] in dataset.variables:
+        dataset = _with_machines(dataset, design)
+        swept = [*design["parameters"]]
     parameters = {name: value for name, value in request.get("oscillator", {}).items() if name not in swept}
     attributes = {name: _plain(value) for name, value in (dataset.attrs | parameters).items()}
     for parameter in swept:
@@ -129,6 +133,16 @@ def _labelled(dataset: xr.Dataset) -> xr.Dataset:
         if dataset["name"].dims == ("attractor",):
             dataset = dataset.assign_coords(attractor=dataset["name"].variable)  # values alone would load dask.array
     return dataset.assign_attrs(attributes)
+
+
+def _with_machines(dataset: xr.Dataset, design: dict[str, Any]) -> xr.Dataset:
+    """The dataset with the numbers of its machines along their coordinate."""
+    name = design["name"]
+    dataset[name].attrs["long_name"] = name.replace("_", " ")
+    if "units" in design:
+        dataset[name].attrs["units"] = design["units"]
+    numbers = design["parameters"].items()
+    return dataset.assign_coords({each: (name, values, {"long_name": in_words(each)}) for each, values in numbers})
 
 
 def _plain(value: Any) -> Any:
@@ -191,7 +205,7 @@ def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
     dataset : xarray.Dataset
         From `open_basin`.
     **values : float
-        The value of every swept parameter: ``basin_of(sweep, damping=0.6)``. A single basin takes no values.
+        The value along every axis: ``basin_of(sweep, damping=0.6)``. A single basin takes no values.
 
     Returns
     -------
@@ -204,25 +218,27 @@ def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
         If a parameter is missing or not swept, or a value is not among those swept.
     """
     job = job_of(dataset)
-    names = [swept.parameter for swept in job.vary]
+    names = [axis.name for axis in job.axes]
     if sorted(values) != sorted(names):
         raise InvalidJob(f"swept is {', '.join(names) or 'nothing'}: give one value of each, and of nothing else")
-    place = {swept.parameter: _index_of(swept, values[swept.parameter]) for swept in job.vary}
-    at = {swept.parameter: swept.values[place[swept.parameter]] for swept in job.vary}
-    alone = BasinJob(oscillator=job.oscillator.at(**at), grid=job.grid, iterations=job.iterations, sample=job.sample)
+    place = {axis.name: _index_of(axis, values[axis.name]) for axis in job.axes}
+    changes = changes_at(job.axes, tuple(place.values()))
+    at = {axis.name: axis.values[place[axis.name]] for axis in job.axes} | changes
+    oscillator = job.oscillator.at(**changes)
+    alone = BasinJob(oscillator=oscillator, grid=job.grid, iterations=job.iterations, sample=job.sample)
     request = {"request": json.dumps(alone.request()), "request_sha256": alone.digest}
     return dataset.isel(place).assign_attrs(request | at)
 
 
 def basin_at(dataset: xr.Dataset, job: BasinJob, number: int) -> xr.Dataset:
     """The arrays of one basin of a job's dataset, by its number."""
-    return dataset.isel({each.parameter: at for each, at in zip(job.vary, job.place_of(number), strict=True)})
+    return dataset.isel({axis.name: at for axis, at in zip(job.axes, job.place_of(number), strict=True)})
 
 
-def _index_of(swept: SweptParameter, value: float) -> int:
-    near = np.flatnonzero(np.isclose(swept.values, value, rtol=1e-9, atol=0.0))
+def _index_of(axis: SweepAxis, value: float) -> int:
+    near = np.flatnonzero(np.isclose(axis.values, value, rtol=1e-9, atol=0.0))
     if not near.size:
-        raise InvalidJob(f"{swept.parameter} takes the values {', '.join(f'{at:g}' for at in swept.values)}")
+        raise InvalidJob(f"{axis.name} takes the values {', '.join(f'{at:g}' for at in axis.values)}")
     return int(near[0])
 
 

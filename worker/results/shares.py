@@ -1,6 +1,7 @@
 """Charts of a sweep over its parameters: the share of each solution, and how loud the machine is on average."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
@@ -12,7 +13,7 @@ from worker.errors import InvalidJob, as_store_failure
 from worker.jobs.basin_job import BasinJob
 from worker.pictures.colours import colours_of
 from worker.pictures.figure_file import new_figure
-from worker.pictures.symbols import in_words
+from worker.pictures.symbols import axis_in_words
 from worker.results.measures import expected_of
 from worker.results.opening import attractors_of, basin_at, job_of, open_store
 from worker.stores.basin_store import BasinStore
@@ -30,6 +31,8 @@ _SIZE = 10.0, 8.5
 
 Expected = Sequence[ExpectedLoudness]
 """Mean loudness of each basin, by number; NaN where it is not complete."""
+Factors = Mapping[str, tuple[str, float | np.ndarray]]
+"""Of measures that have a unit: the unit, and one unit of the model in it, of all basins or of each."""
 
 
 def _largest(share: np.ndarray, most: int) -> list[int]:
@@ -46,10 +49,10 @@ def _draw_lines(
     for number, solution in enumerate(solutions):
         bar = None if error is None else error[:, number]
         axes.errorbar(
-            job.vary[0].values, share[:, number], bar, marker=".", color=palette[number],
+            job.axes[0].values, share[:, number], bar, marker=".", color=palette[number],
             label=f"{number}: {solution.name}" if number in named else None,
         )  # fmt: skip
-    axes.set_xlabel(in_words(job.vary[0].parameter))
+    axes.set_xlabel(axis_in_words(job.axes[0]))
     axes.set_ylabel("share")
     axes.set_ylim(0.0, 1.0)
     axes.grid(alpha=0.3)
@@ -59,39 +62,42 @@ def _measured(expected: Expected, field: str) -> np.ndarray:
     return np.array([getattr(basin, field) for basin in expected])
 
 
-def _draw_loudness(places: Sequence[Axes], job: BasinJob, expected: Expected) -> None:
+def _draw_loudness(places: Sequence[Axes], job: BasinJob, expected: Expected, factors: Factors) -> None:
     """Draw the expected loudness over the parameter, one measure below the other, with standard errors."""
     for axes, (field, name) in zip(places, _MEASURES.items(), strict=True):
-        value, error = _measured(expected, field), _measured(expected, f"{field}_error")
-        axes.errorbar(job.vary[0].values, value, error, marker=".", color="black")
-        axes.set_ylabel(name, fontsize="small")
+        unit, factor = factors.get(field, ("", 1.0))
+        value, error = factor * _measured(expected, field), factor * _measured(expected, f"{field}_error")
+        axes.errorbar(job.axes[0].values, value, error, marker=".", color="black")
+        axes.set_ylabel(f"{name} ({unit})" if unit else name, fontsize="small")
         axes.set_ylim(bottom=0.0)
         axes.grid(alpha=0.3)
 
 
 def _draw_maps(
-    figure: Figure, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...], expected: Expected
-) -> None:
+    figure: Figure, job: BasinJob, share: np.ndarray, solutions: tuple[Attractor, ...], expected: Expected,
+    factors: Factors,
+) -> None:  # fmt: skip
     """Draw one map per solution over both parameters, and one of the expected impact power."""
     numbers = _largest(share, _MOST_MAPS)
     across = int(np.ceil(np.sqrt(len(numbers) + 1)))
     down = -(-(len(numbers) + 1) // across)
     axes = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
-    first, last = job.vary
+    first, last = job.axes
     for place, number in zip(axes.flat, numbers, strict=False):
         image = place.pcolormesh(last.values, first.values, share[..., number], vmin=0.0, vmax=1.0, shading="nearest")
         place.set_title(f"{number}: {solutions[number].name}", fontsize="small")
         place.set_facecolor("lightgray")
     figure.colorbar(image, ax=axes, label="share")
-    loud, power = axes.flat[len(numbers)], _measured(expected, "impact_power").reshape(job.sweep_shape)
+    unit, factor = factors.get("impact_power", ("", 1.0))
+    loud, power = axes.flat[len(numbers)], (factor * _measured(expected, "impact_power")).reshape(job.sweep_shape)
     image = loud.pcolormesh(last.values, first.values, power, vmin=0.0, shading="nearest", cmap="magma")
     loud.set_title("expected impact power", fontsize="small")
     loud.set_facecolor("lightgray")
     for place in axes.flat[len(numbers) + 1 :]:
         place.set_axis_off()
-    figure.colorbar(image, ax=axes, label="impact power")
-    figure.supxlabel(in_words(last.parameter))
-    figure.supylabel(in_words(first.parameter))
+    figure.colorbar(image, ax=axes, label=f"impact power ({unit})" if unit else "impact power")
+    figure.supxlabel(axis_in_words(last))
+    figure.supylabel(axis_in_words(first))
 
 
 def shares_figure(location: str) -> Figure:
@@ -120,7 +126,7 @@ def shares_figure(location: str) -> Figure:
     return figure
 
 
-def draw_shares(dataset: xr.Dataset, figure: Figure | Axes) -> None:
+def draw_shares(dataset: xr.Dataset, figure: Figure | Axes, factors: Factors = MappingProxyType({})) -> None:
     """Draw the shares of a sweep's solutions, and the expected loudness: lines over one parameter, maps over two.
 
     Parameters
@@ -129,6 +135,9 @@ def draw_shares(dataset: xr.Dataset, figure: Figure | Axes) -> None:
         Of a sweep, complete or not. Incomplete basins are gaps.
     figure : matplotlib.figure.Figure or matplotlib.axes.Axes
         An empty figure, whose size this sets; or axes, for lines of shares alone, without a legend.
+    factors : mapping, optional
+        Units of the loudness, by the name of each measure: the unit, and one unit of the model in it, of all basins or
+        of each.
 
     Raises
     ------
@@ -136,7 +145,7 @@ def draw_shares(dataset: xr.Dataset, figure: Figure | Axes) -> None:
         If nothing is swept, no basin is complete yet, or maps would need more than the axes.
     """
     job = job_of(dataset)
-    if not job.vary:
+    if not job.axes:
         raise InvalidJob("this is a single basin: there is no parameter to draw shares over")
     share = dataset.share.values if "share" in dataset else np.empty(0)
     if not np.isfinite(share).any():
@@ -144,18 +153,25 @@ def draw_shares(dataset: xr.Dataset, figure: Figure | Axes) -> None:
     solutions = attractors_of(basin_at(dataset, job, 0))
     share, error = share[..., : len(solutions)], dataset.share_error.values if job.sample else None
     if isinstance(figure, Axes):
-        if len(job.vary) > 1:
+        if len(job.axes) > 1:
             raise InvalidJob("shares over two parameters are maps on a figure of their own: leave out ax")
         _draw_lines(figure, job, share, error, solutions)
         return
     figure.set_size_inches(_SIZE)
     expected = expected_of(dataset)
-    if len(job.vary) > 1:
-        _draw_maps(figure, job, share, solutions, expected)
+    if len(job.axes) > 1:
+        _draw_maps(figure, job, share, solutions, expected, factors)
         return
-    shares, *below = figure.subplots(len(_HEIGHTS), sharex=True, height_ratios=_HEIGHTS)
+    gamma = dataset["gamma"] if "gamma" in dataset else None
+    heights = _HEIGHTS if gamma is None else (*_HEIGHTS, _HEIGHTS[-1])
+    shares, *below = figure.subplots(len(heights), sharex=True, height_ratios=heights)
     _draw_lines(shares, job, share, error, solutions)
-    _draw_loudness(below, job, expected)
+    _draw_loudness(below[: len(_MEASURES)], job, expected, factors)
+    if gamma is not None:
+        below[-1].plot(job.axes[0].values, gamma.values, marker=".", color="black")
+        below[-1].set_ylabel("Γ", fontsize="small")
+        below[-1].set_ylim(0.0, 1.0)
+        below[-1].grid(alpha=0.3)
     shares.set_xlabel("")
-    below[-1].set_xlabel(in_words(job.vary[0].parameter))
+    below[-1].set_xlabel(axis_in_words(job.axes[0]))
     figure.legend(*shares.get_legend_handles_labels(), loc="outside right upper", frameon=False)

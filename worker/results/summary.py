@@ -105,18 +105,18 @@ class ShareView(BaseModel):
 class BasinView(BaseModel):
     """One basin of a sweep."""
 
-    parameters: dict[str, float] = Field(description="Values of the swept parameters")
+    parameters: dict[str, float] = Field(description="Values of the swept parameters, or of the coordinate of a design")
     complete: bool
     shares: list[ShareView] = Field(description="Shares of its solutions; empty until it is complete")
     expected: ExpectedView | None = Field(description="Mean loudness over its window; null until it is complete")
 
 
 class ChangeView(BaseModel):
-    """Birth or death of a solution between two neighbouring values of a swept parameter."""
+    """Birth or death of a solution between two neighbouring values of a swept parameter, or machines of a design."""
 
     kind: Literal["birth", "death"]
     solution: int = Field(description="Which: index into `solutions`")
-    parameter: str
+    parameter: str = Field(description="Along which parameter, or coordinate of a design")
     before: float
     after: float
     beside: FiniteOrNone = Field(description="Value of the other swept parameter")

@@ -119,7 +119,7 @@ def _with_loudness(dataset: xr.Dataset, chosen: str) -> xr.Dataset:
     """The dataset with the loudness of its motions and basins, unless the table is of something else."""
     if "share" not in dataset:
         return dataset
-    listed = {"attractor", *(swept.parameter for swept in job_of(dataset).vary)}
+    listed = {"attractor", *(axis.name for axis in job_of(dataset).axes)}
     along = (chosen,) if chosen in dataset.dims else dataset[chosen].dims if chosen in dataset else ()
     return dataset.assign(measure_loudness(dataset).data_vars) if listed.issuperset(map(str, along)) else dataset
 

@@ -19,6 +19,7 @@ from rattle_kernels.basins.tiles import Tiling, cut, cut_row
 from worker.additions import asked_of
 from worker.fence import Fence, unfenced
 from worker.jobs.basin_job import BasinJob
+from worker.jobs.swept_parameter import SweptParameter
 from worker.storage.checked_chunks import METADATA
 from worker.storage.chunks import CODECS, CONFIG
 from worker.storage.folder import synced_together
@@ -66,14 +67,14 @@ def create_array(
     job : BasinJob
     variable : Variable
     shape, chunks : tuple of int
-        Along the variable's own dimensions. The dimensions of swept parameters come first.
+        Along the variable's own dimensions. The dimensions of the axes of a sweep come first.
     """
     basins = job.sweep_shape if variable.per_basin else ()
     of_basins = tuple(1 for _ in basins) if chunks else basins
     own = chunks or tuple(min(max(1, length), _LONGEST_CHUNK) for length in shape)
     return group.create_array(
         variable.path, shape=basins + shape, chunks=of_basins + own, dtype=variable.dtype, fill_value=variable.fill,
-        dimension_names=tuple(swept.parameter for swept in job.vary if variable.per_basin) + variable.dims,
+        dimension_names=tuple(axis.name for axis in job.axes if variable.per_basin) + variable.dims,
         attributes=variable.attrs(), config=CONFIG, compressors=CODECS,
     )  # fmt: skip
 
@@ -109,7 +110,7 @@ def _planned(job: BasinJob) -> MemoryStore:
     title = "Basins of attraction of a rattling gear pair"
     born = new_store_attributes(title, job.request(), job.digest)
     # In one write: `attrs.update` writes once per attribute.
-    group.update_attributes(born | {"tile_cells": list(tile)} | multiscales(levels, len(job.vary)))
+    group.update_attributes(born | {"tile_cells": list(tile)} | multiscales(levels, len(job.axes)))
     zarr.consolidate_metadata(planned, zarr_format=3)
     return planned
 
@@ -134,18 +135,18 @@ def _create_arrays(group: Any, job: BasinJob) -> tuple[int, ...]:
         create_array(group, job, variable, shape, tile)
     ledger = create_array(group, job, places.ledger, tiling.shape[1:] if sampled else tiling.shape)
     ledger[...] = np.full(ledger.shape, TileState.PENDING, np.uint8)
-    _create_swept(group, job)
+    _create_axes(group, job)
     _create_coordinates(group, job, tiling)
     _create_assembly(group, job)
     _create_solutions(group, job)
     return tile
 
 
-def _create_swept(group: Any, job: BasinJob, within: str = "") -> None:
-    for swept in job.vary:
-        name = swept.parameter
-        named = Variable(name, (name,), np.float64, np.inf, "swept parameter", {}, False, within)
-        create_array(group, job, named, (len(swept.values),))
+def _create_axes(group: Any, job: BasinJob, within: str = "") -> None:
+    for axis in job.axes:
+        said = "swept parameter" if isinstance(axis, SweptParameter) else "coordinate of the machines of a design"
+        named = Variable(axis.name, (axis.name,), np.float64, np.inf, said, {}, False, within)
+        create_array(group, job, named, (axis.size,))
 
 
 def _create_level(group: Any, job: BasinJob, level: Level) -> None:
@@ -155,7 +156,7 @@ def _create_level(group: Any, job: BasinJob, level: Level) -> None:
         create_array(group, job, variable, grid.shape, tile)
     for variable, cells in zip(level.coordinates, (grid.time_cells, grid.velocity_cells), strict=True):
         create_array(group, job, variable, (cells,))
-    _create_swept(group, job, level.group)
+    _create_axes(group, job, level.group)
 
 
 def _create_coordinates(group: Any, job: BasinJob, tiling: Tiling) -> None:
@@ -169,9 +170,9 @@ def _create_coordinates(group: Any, job: BasinJob, tiling: Tiling) -> None:
 
 
 def write_coordinates(group: Any, job: BasinJob, levels: Sequence[Level]) -> None:
-    """Write what follows from the request alone: values of swept parameters, and coordinates of cells or points."""
-    for level, swept in product(levels, job.vary):
-        group[level.own_path(swept.parameter)][...] = np.array(swept.values)
+    """Write what follows from the request alone: values along the axes of a sweep, coordinates of cells or points."""
+    for level, axis in product(levels, job.axes):
+        group[level.own_path(axis.name)][...] = np.array(axis.values)
     if job.sample is None:
         centres = job.grid.time_centres(), job.grid.velocity_centres()
         for level in levels:
@@ -201,7 +202,7 @@ def _create_solutions(group: Any, job: BasinJob) -> None:
         group.create_array(
             variable.path, shape=(*basins, 0), chunks=(*basins, ATTRACTORS_A_CHUNK), dtype=variable.dtype,
             fill_value=variable.fill, attributes=variable.attrs(), config=CONFIG, compressors=CODECS,
-            dimension_names=tuple(swept.parameter for swept in job.vary if variable.per_basin) + variable.dims,
+            dimension_names=tuple(axis.name for axis in job.axes if variable.per_basin) + variable.dims,
         )  # fmt: skip
     for variable in layout.POINTS:
         create_array(group, job, variable, (0, 0), (ATTRACTORS_A_CHUNK, _POINTS_A_CHUNK))

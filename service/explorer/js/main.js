@@ -28,6 +28,7 @@ import { Plane } from "./plane/plane.js";
 import { additions, knowAdditions, maskNames } from "./state/additions.js";
 import { decode, doubts, encode } from "./state/address.js";
 import { write } from "./state/entries.js";
+import { stepsOf } from "./state/steps.js";
 import { axesOf, limitOf, same, viewOf } from "./state/window.js";
 import { setUpTheme } from "./page/theme.js";
 
@@ -196,7 +197,8 @@ function begun(job) {
   } else {
     screen.clear();
   }
-  if (cells && job.request.vary) sweep.show(job.request.vary, at.panel);
+  const steps = cells ? stepsOf(job.request) : [];
+  if (steps.length) sweep.show(steps, at.panel);
   else sweep.hide();
   enableTools(cells || job.kind in charts);
   remember(false);
@@ -211,7 +213,7 @@ async function drawn(job, signal) {
   const picture = await screen.draw(job, signal);
   if (!picture) return;
   overlays.of(picture.job, picture.panel, picture.outline.complete);
-  if (job.request.vary && !signal.aborted) await sweep.refresh(job, picture, plane.look.palette);
+  if (stepsOf(job.request).length && !signal.aborted) await sweep.refresh(job, picture, plane.look.palette);
 }
 
 function openPanel(panel) {

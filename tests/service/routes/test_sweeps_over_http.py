@@ -108,10 +108,33 @@ def test_a_sample_has_standard_errors_and_no_cells(service):
     assert_problem(service.request("GET", f"{job['links']['picture']}?layer=group"), 422, "no group")
 
 
+def test_a_list_of_machines_is_a_sweep_over_its_coordinate(service):
+    body = {name: value for name, value in REQUEST.items() if name != "vary"} | {"design": MACHINES}
+    job = service.wait(submitted(service, body)["id"])
+    assert job["kind"] == "sweep" and job["state"] == "succeeded" and job["request"]["design"]["units"] == "rpm"
+    result = service.request("GET", job["links"]["result"]).json()
+    assert [basin["parameters"] for basin in result["basins"]] == [{"speed": 800.0}, {"speed": 1000.0}]
+    rows = service.request("GET", f"/v1/jobs/{job['id']}/result.json?table=speed").json()
+    assert [(row["speed"], row["damping"], row["half_backlash"]) for row in rows] == [(800, 0.7, 0.6), (1000, 0.6, 0.5)]
+    for path in (job["links"]["picture"], job["links"]["shares"]):
+        assert service.request("GET", path).content.startswith(b"\x89PNG")
+    outline = service.request("GET", f"/v1/jobs/{job['id']}/outline?panel=1").json()
+    assert outline["parameters"] == {"speed": 1000.0}
+    assert service.request("POST", "/v1/checks", json=body).json()["accepted"]
+
+
 def vary(*swept):
     return {"vary": list(swept)}
 
 
+def design(**changes):
+    return {"design": MACHINES | changes}
+
+
+MACHINES = {
+    "name": "speed", "units": "rpm", "values": [800, 1000],
+    "parameters": {"damping": [0.7, 0.6], "half_backlash": [0.6, 0.5]},
+}  # fmt: skip
 DAMPING = {"parameter": "damping", "values": [0.5, 0.6]}
 REFUSED = [
     ({}, "body.vary: Field required", ["body", "vary"]),
@@ -152,6 +175,20 @@ REFUSED = [
     (vary(DAMPING) | {"sample": {"points": 10}, "grid": {"time": {"cells": 5}}}, "leave out grid.time.cells", None),
     (vary(DAMPING) | {"sample": {"points": 0}}, "greater than or equal to 1", ["body", "sample", "points"]),
     (vary(DAMPING) | {"sample": {"points": 10**9}}, "RATTLE_MAX_CELLS", None),
+    (vary(DAMPING) | design(), "vary, or a design, not both", ["body", "design"]),
+    (design(values=[800]), "2 values for 1 machines", ["body", "design", "parameters", "damping"]),
+    (design(parameters={}), "at least 1 item", ["body", "design", "parameters"]),
+    (design(name="time"), "a name of results already", ["body", "design", "name"]),
+    (
+        design(parameters={"damping": [0.7, 0.2]}),
+        "machine 1 (at speed = 1000 rpm): eccentricity must be below",
+        ["body", "design", "values", 1],
+    ),
+    (
+        design(values=list(range(10_001)), parameters={"damping": [0.6] * 10_001}),
+        "10001 basins are more than the limit of 10000",
+        None,
+    ),
 ]
 
 

@@ -12,7 +12,7 @@ from rattle_kernels import AttractorKind
 from worker.additions import additions
 from worker.errors import Damaged, DamagedChunk, StoreConflict, UnknownKind, as_store_failure
 from worker.jobs.job import Job
-from worker.kinds import KINDS
+from worker.kinds import KINDS, kind_of
 from worker.storage.checked_chunks import CHUNKS, METADATA, SOME_CHUNKS
 from worker.storage.location import storage_at
 from worker.stores import layout
@@ -171,7 +171,7 @@ def _job_of(location: str, kind: str, attributes: Any) -> Job:
     """The job of a store, if its request is what it was."""
     try:
         request = json.loads(str(attributes["request"]))
-        kind = "sweep" if kind == "basin" and request.get("vary") else kind
+        kind = kind_of(request) if kind == "basin" else kind
         return KINDS[kind].job_class.trusted(request, attributes["request_sha256"])
     except UnknownKind as error:
         raise StoreConflict(f"{location}: {error}") from error
@@ -249,7 +249,7 @@ def _from_request(store: BasinStore) -> set[str]:
     """Arrays that are whole from the start."""
     coordinates = (*store.places.coordinates, *(each for level in store.levels[1:] for each in level.coordinates))
     whole = {variable.path for variable in (store.places.ledger, layout.IMAGE_COUNTS, *coordinates)}
-    return whole | {level.own_path(swept.parameter) for level in store.levels for swept in store.job.vary}
+    return whole | {level.own_path(axis.name) for level in store.levels for axis in store.job.axes}
 
 
 def _readable_ledger(store: BasinStore) -> np.ndarray:

@@ -3,12 +3,11 @@
 import { get, pathOf, post, Refusal, send } from "../net/api.js";
 import { follow } from "../net/follow.js";
 import { inWords } from "../page/say.js";
+import { stepsOf } from "../state/steps.js";
 import { BEGINNING, ended, step } from "./life.js";
 
-const KINDS = { vary: "sweep", grid: "basin" };
-
 function kindOf(request) {
-  return request.kind ?? (request.vary ? KINDS.vary : KINDS.grid);
+  return request.kind ?? (stepsOf(request).length ? "sweep" : "basin");
 }
 
 export class Jobs {

@@ -6,6 +6,7 @@ import { Unreachable } from "../net/api.js";
 import { Latest } from "../net/latest.js";
 import { additions } from "../state/additions.js";
 import { harmonicsText, NUMBERS, USUAL, withValues } from "../state/oscillator.js";
+import { changesAt, stepsOf } from "../state/steps.js";
 import { partTaken } from "./estimate.js";
 import { Live } from "./live.js";
 
@@ -20,8 +21,8 @@ export function sameOscillator(one, other) {
 }
 
 /** Oscillator of a request's first basin. @param {BasinRequest} request */
-export function firstOf({ oscillator, vary }) {
-  return withValues(oscillator, Object.fromEntries((vary ?? []).map(({ parameter, start, values }) => [parameter, start ?? values[0]])));
+export function firstOf(request) {
+  return withValues(request.oscillator, changesAt(stepsOf(request), 0));
 }
 
 export class Screen {
@@ -126,14 +127,7 @@ export class Screen {
   begin(job, panel) {
     this.panel = panel;
     this.opened = null;
-    const values = (job.request.vary ?? []).toReversed();
-    const swept = {};
-    let place = panel;
-    for (const { parameter, values: all } of values) {
-      swept[parameter] = all[place % all.length];
-      place = Math.floor(place / all.length);
-    }
-    const oscillator = { ...job.request.oscillator, ...swept };
+    const oscillator = withValues(job.request.oscillator, changesAt(stepsOf(job.request), panel));
     [this.wanted, this.moving] = [oscillator, false];
     this.#turn(oscillator);
     return oscillator;

@@ -2,6 +2,7 @@
 
 import { get, kindInWords } from "../net/api.js";
 import { oscillatorInWords, windowInWords } from "../look/caption.js";
+import { stepsOf } from "../state/steps.js";
 import { viewOf } from "../state/window.js";
 import { hasCells } from "./still.js";
 
@@ -13,9 +14,10 @@ function ago(moment) {
 }
 
 function inWords(job) {
-  const { request: { oscillator, vary, grid }, state, created } = job;
+  const { request, state, created } = job, { oscillator, grid } = request;
   if (!hasCells(job)) return `${kindInWords(job)}: ${state}, ${ago(created)}`;
-  const swept = vary ? `sweep of ${vary.map(({ parameter }) => parameter).join(", ")}: ` : "";
+  const names = stepsOf(request).map(({ name }) => name);
+  const swept = names.length ? `sweep of ${names.join(", ")}: ` : "";
   return `${swept}${oscillatorInWords(oscillator)}; ${windowInWords(viewOf(grid))}: ${state}, ${ago(created)}`;
 }
 

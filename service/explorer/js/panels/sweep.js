@@ -1,29 +1,14 @@
-/** A sweep: a slider for each swept parameter; the share of each solution and the impact power over the last one. */
+/** A sweep: a slider for each of its steps; the share of each solution and the impact power over the last one. */
 
 import { get } from "../net/api.js";
 import { Chart } from "../charts/chart.js";
 import { reading } from "../charts/ticks.js";
-import { parameterInWords } from "../state/oscillator.js";
+import { panelAt, placesOf } from "../state/steps.js";
 
-
-/** Index of a basin along each swept parameter; the last one varies fastest. */
-function placesOf(vary, panel) {
-  const places = [];
-  for (const { values } of [...vary].reverse()) {
-    places.unshift(panel % values.length);
-    panel = Math.floor(panel / values.length);
-  }
-  return places;
-}
-
-function panelAt(vary, places) {
-  return vary.reduce((panel, { values }, axis) => panel * values.length + places[axis], 0);
-}
-
-function slider({ parameter, values }, at, moved) {
+function slider({ words, values }, at, moved) {
   const line = document.createElement("label");
   line.className = "slider";
-  const name = Object.assign(document.createElement("span"), { textContent: parameterInWords(parameter) });
+  const name = Object.assign(document.createElement("span"), { textContent: words });
   const input = Object.assign(document.createElement("input"), { type: "range", min: "0", max: String(values.length - 1), step: "1" });
   input.value = String(at);
   const value = document.createElement("output");
@@ -49,15 +34,15 @@ export class Sweep {
 
   hide() {
     this.section.hidden = true;
-    this.vary = this.result = null;
+    this.steps = this.result = null;
   }
 
   /** Show the sliders of a sweep at one of its basins. */
-  show(vary, panel) {
+  show(steps, panel) {
     this.section.hidden = false;
-    [this.vary, this.panel, this.drawn, this.result] = [vary, panel, null, null];
-    const places = placesOf(vary, panel);
-    const sliders = vary.map((swept, axis) => slider(swept, places[axis], (at) => this.open(panelAt(vary, places.with(axis, at)))));
+    [this.steps, this.panel, this.drawn, this.result] = [steps, panel, null, null];
+    const places = placesOf(steps, panel);
+    const sliders = steps.map((each, axis) => slider(each, places[axis], (at) => this.open(panelAt(steps, places.with(axis, at)))));
     this.section.querySelector("#sliders").replaceChildren(...sliders);
   }
 
@@ -69,10 +54,10 @@ export class Sweep {
    */
   async refresh(job, picture, palette) {
     const done = job.progress.basins_done;
-    const { vary } = this;
+    const { steps } = this;
     if (!this.result || this.charted !== done) {
       const result = await get(job.links.result);
-      if (vary !== this.vary) return;
+      if (steps !== this.steps) return;
       [this.result, this.charted] = [result, done];
     }
     this.repaint(picture, palette);
@@ -80,13 +65,13 @@ export class Sweep {
 
   /** Draw the shares that are known in the colours of a palette. */
   repaint(picture, palette) {
-    if (this.vary && this.result && picture) this.draw(this.result, picture.outline, palette);
+    if (this.steps && this.result && picture) this.draw(this.result, picture.outline, palette);
   }
 
   /** Move to a basin that was opened elsewhere. Sliders keep the focus. */
   moveTo(panel) {
     this.panel = panel;
-    const places = placesOf(this.vary, panel);
+    const places = placesOf(this.steps, panel);
     this.section.querySelectorAll("input").forEach((input, axis) => {
       if (Number(input.value) === places[axis]) return;
       input.value = String(places[axis]);
@@ -105,15 +90,15 @@ export class Sweep {
     const drawn = [this.panel, palette, result.basins.filter(({ complete }) => complete).length, this.section.clientWidth].join();
     if (drawn === this.drawn) return;
     this.drawn = drawn;
-    const { parameter, values } = this.vary.at(-1);
-    const places = placesOf(this.vary, this.panel);
-    const row = values.map((_, at) => result.basins[panelAt(this.vary, places.with(-1, at))]);
+    const { words, values } = this.steps.at(-1);
+    const places = placesOf(this.steps, this.panel);
+    const row = values.map((_, at) => result.basins[panelAt(this.steps, places.with(-1, at))]);
     const ends = [Math.min(...values), Math.max(...values)];
     /** @type {HTMLElement} */
     const place = this.section.querySelector("#shares");
     const chart = new Chart(place, {
-      height: 190, x: ends, y: [0, 1], xLabel: parameterInWords(parameter), yLabel: "share",
-      label: `Share of each solution over ${parameterInWords(parameter)}; a click opens the nearest basin`,
+      height: 190, x: ends, y: [0, 1], xLabel: words, yLabel: "share",
+      label: `Share of each solution over ${words}; a click opens the nearest basin`,
     });
     for (const solution of outline.solutions) {
       const shares = row.map(({ complete, shares: known }) =>
@@ -133,13 +118,13 @@ export class Sweep {
 
   /** Draw what is to be heard on average in each basin over the last parameter. */
   drawLoudness(row, places) {
-    const { parameter, values } = this.vary.at(-1);
+    const { words, values } = this.steps.at(-1);
     const powers = row.map(({ expected }) => expected?.impact_power ?? null);
     const most = Math.max(0, ...powers);
     const chart = new Chart(this.section.querySelector("#loudness"), {
       height: 130, x: [Math.min(...values), Math.max(...values)], y: [0, most > 0 ? 1.05 * most : 1],
-      xLabel: parameterInWords(parameter), yLabel: "impact power",
-      label: `Expected impact power over ${parameterInWords(parameter)}; a click opens the nearest basin`,
+      xLabel: words, yLabel: "impact power",
+      label: `Expected impact power over ${words}; a click opens the nearest basin`,
     });
     chart.line(values, powers, { class: "line", stroke: "currentColor" });
     powers.forEach((power, i) => {
@@ -150,7 +135,7 @@ export class Sweep {
 
   /** Mark the basin that is shown in a chart over the last parameter, and open the one that is clicked. */
   finish(chart, places) {
-    const { values } = this.vary.at(-1);
+    const { values } = this.steps.at(-1);
     const [from, to] = chart.range, [bottom, top] = chart.reach.map((y) => chart.y(y));
     const here = chart.x(values[places.at(-1)]);
     chart.add("path", { class: "here", d: `M${here} ${bottom}V${top}` });
@@ -159,7 +144,7 @@ export class Sweep {
     target.addEventListener("click", (event) => {
       const wanted = chart.valueAt(event);
       const distances = values.map((value) => Math.abs(value - wanted));
-      this.open(panelAt(this.vary, places.with(-1, distances.indexOf(Math.min(...distances)))));
+      this.open(panelAt(this.steps, places.with(-1, distances.indexOf(Math.min(...distances)))));
     });
   }
 }
