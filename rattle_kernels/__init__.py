@@ -41,7 +41,9 @@ from rattle_kernels.cell_mapping.cell_map import NOT_CONVERGED, PERMANENT_CONTAC
 from rattle_kernels.cell_mapping.iterations import expected_applications, settled_iterations
 from rattle_kernels.impact_map.apply import Impacts, previous_impacts
 from rattle_kernels.impact_map.capture_velocity import capture_velocity
+from rattle_kernels.impact_map.pulse import PulseDepartures, departures_after_pulses
 from rattle_kernels.impact_map.time_history import Contacts, Direction, TimeHistory, time_history
+from rattle_kernels.lanes.listening import Episodes, until_captured
 from rattle_kernels.lanes.lyapunov import TangentGrowth, tangent_growth
 from rattle_kernels.lanes.run import next_impacts
 from rattle_kernels.manifolds.grazing_preimages import TooManyPoints, grazing_preimages
@@ -98,6 +100,7 @@ __all__ = [
     "Contacts",
     "CurveResolution",
     "Direction",
+    "Episodes",
     "ExpectedLoudness",
     "Forcing",
     "FoundOrbit",
@@ -116,6 +119,7 @@ __all__ = [
     "PERMANENT_CONTACT",
     "PeriodicOrbit",
     "Piece",
+    "PulseDepartures",
     "SINK",
     "Shares",
     "SingleContactOrbit",
@@ -145,6 +149,7 @@ __all__ = [
     "continue_attractor",
     "continue_orbit",
     "continue_special_point",
+    "departures_after_pulses",
     "eccentric_gears",
     "eccentricity_bound_convexity",
     "eccentricity_bound_quiet",
@@ -183,6 +188,7 @@ __all__ = [
     "transmission_error",
     "uncertainty_exponent",
     "unstable_manifold",
+    "until_captured",
     "warm_up",
     "warm_up_analyses",
     "warm_up_curves",

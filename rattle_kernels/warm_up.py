@@ -43,7 +43,8 @@ OF_ANALYSES = frozenset(
 FROM_PYTHON_ALONE = frozenset(
     {
         "basin_measures.entropy", "basin_measures.integrity", "basin_measures.uncertainty_exponent",
-        "impact_map.apply", "impact_map.capture_velocity", "numerics.distance_transform", "orbits.orbit_beyond_graze",
+        "impact_map.apply", "impact_map.capture_velocity", "impact_map.pulse", "numerics.distance_transform",
+        "orbits.orbit_beyond_graze",
     }
 )  # fmt: skip
 """Modules whose kernels the service does not need: measures of pictures, inverse maps, orbits beyond a graze."""

@@ -65,7 +65,7 @@ _IN_SI = {
 # No arithmetic: a text that comes over HTTP must not be a computation.
 _UNIT = r"[A-Za-z\u00b5\u03bc\u00b0]+(?:(?:\^|\*\*)-?[1-9])?"
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?"
-_UNITS = rf"(?:1\s*/\s*)?{_UNIT}(?:[ */\u00b7]+{_UNIT})*"
+_UNITS = rf"(?:1?\s*/\s*)?{_UNIT}(?:[ */\u00b7]+{_UNIT})*"
 _QUANTITY = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>{_UNITS})?\s*")
 # For pint, Nm counts yarn.
 _NEWTON_METRE = re.compile(r"\b([mk]?)Nm\b")
@@ -76,8 +76,10 @@ _EXAMPLES = {
     "m": "50 um",
     "N/m": "1e8 N/m",
     "turn": "90 deg",
+    "N m s": "0.05 N m s",
+    "1/s": "3 / hour",
 }
-_ANGULAR = "rad/s", "turn"
+_ANGULAR, _RATE = ("rad/s", "turn"), "1/s"
 _NO_PINT = "units need pint: pip install 'gear-rattle[units]', or give a number in SI units"
 
 
@@ -142,8 +144,9 @@ def in_si(value: Any, unit: str) -> Any:
     registry = _registry()
     import pint
 
+    written = _NEWTON_METRE.sub(r"\1N m", written)
     try:
-        quantity = number * registry.parse_units(_NEWTON_METRE.sub(r"\1N m", written))
+        quantity = number * registry.parse_units(f"1{written}" if written[0] == "/" else written)
         # As written: 57.1 mm are 0.0571 m, where the product of two floats is 0.057100000000000005.
         converted = float(f"{quantity.to(unit).magnitude:.15g}")
     except pint.UndefinedUnitError as error:
@@ -152,9 +155,12 @@ def in_si(value: Any, unit: str) -> Any:
         raise InvalidJob(f"{value!r} is in {quantity.units:~C}, which cannot be in {unit}: {right}") from None
     except pint.OffsetUnitCalculusError:
         raise InvalidJob(f"{value!r} is a temperature: {right}") from None
-    # For pint a radian is the number 1, so 50 Hz would be 50 rad/s.
-    if unit in _ANGULAR and "radian" not in f"{quantity.to_root_units().units}":
+    # For pint a radian is the number 1, so 50 Hz would be 50 rad/s, and 50 rpm 5.2 a second.
+    angular = "radian" in f"{quantity.to_root_units().units}"
+    if unit in _ANGULAR and not angular:
         raise InvalidJob(f"{value!r} does not say which angle is meant: {right}")
+    if unit == _RATE and angular:
+        raise InvalidJob(f"{value!r} is a speed of rotation, not how often something happens: {right}")
     return converted
 
 

@@ -17,23 +17,11 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
-from rattle_kernels.impact_map.chatter import is_captured
-from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, stay
-from rattle_kernels.lanes.lane_fields import (
-    DROPS,
-    DURATION,
-    END_VELOCITY,
-    FLIGHT_FIELDS,
-    LANES,
-    PHASE,
-    VELOCITY,
-    lane_buffer,
-)
+from rattle_kernels.lanes.listening import IMPACTS, LARGEST, SQUARES, TIME, listen
 from rattle_kernels.lanes.tables import lane_tables
-from rattle_kernels.model.contact import slow_part
 from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.oscillator import Oscillator
-from rattle_kernels.numerics.jit import lane_kernel
+from rattle_kernels.model.outcome import OUTCOME_RETURNED
 
 # Departures from which chaos is followed, and applications from each. Departures of one trajectory lie 256 impacts or
 # more apart in a catalogue: stretches shorter than that share no impact. That number is the same for all of them, so
@@ -59,54 +47,11 @@ _SILENT = Loudness(0.0, 0.0, 0.0, 0.0, 0.0)
 _NOT_KNOWN = Loudness(*(math.nan,) * 5)
 
 
-@lane_kernel
-def _listen(oscillator, tables, applications, t, v, heard):
-    """Follow at most LANES departures; rows of ``heard`` become impacts, sum of squares, largest speed, and time."""
-    lanes, corners = lane_buffer(FLIGHT_FIELDS), np.zeros(LANES, np.int64)
-    stiff, slow = math.isfinite(oscillator.stiffness), slow_part(oscillator)
-    left = np.full(t.size, applications)
-    for i in range(t.size):
-        depart(lanes, i, t[i], v[i])
-    flying = t.size
-    while flying > 0:
-        for i in range(LANES):
-            if i >= t.size or left[i] == 0:
-                idle(lanes, i, tables.largest_grazing_speed)
-        fly(lanes, corners, oscillator, tables)
-        for i in range(t.size):
-            if left[i] > 0:
-                speed = abs(lanes[END_VELOCITY + i]) / oscillator.restitution
-                heard[i, 0] += 1.0
-                heard[i, 1] += speed * speed
-                heard[i, 2] = max(heard[i, 2], speed)
-                heard[i, 3] += lanes[DURATION + i]
-        if stiff:
-            stay(lanes, corners, oscillator, tables, slow)
-        begin_at_the_end(lanes)
-        for i in range(t.size):
-            if left[i] == 0:
-                continue
-            heard[i, 3] += lanes[DURATION + i] if stiff else 0.0
-            phase, speed = lanes[PHASE + i], -lanes[VELOCITY + i]
-            if phase == phase and lanes[DROPS + i] != 0.0:
-                continue
-            left[i] -= 1
-            goes_on = phase == phase and speed > 0.0
-            if not goes_on or is_captured(oscillator, tables.capture_bound, phase, speed):
-                left[i] = 0
-                heard[i] = math.nan
-            if left[i] == 0:
-                flying -= 1
-
-
 def _heard(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int) -> np.ndarray:
     """What is heard from each departure on, without those that fall quiet on the way."""
-    tables, heard = lane_tables(oscillator), np.zeros((t.size, 4))
-    times, speeds = np.ascontiguousarray(t), np.ascontiguousarray(v)
-    for first in range(0, t.size, LANES):
-        batch = slice(first, first + LANES)
-        _listen(oscillator, tables, applications, times[batch], speeds[batch], heard[batch])
-    going: np.ndarray = heard[np.isfinite(heard[:, 3])]
+    heard, outcome = np.zeros((t.size, 4)), np.empty(t.size, np.int8)
+    listen(oscillator, lane_tables(oscillator), applications, t.copy(), v.copy(), heard, outcome)
+    going: np.ndarray = heard[outcome == OUTCOME_RETURNED]
     return going
 
 
@@ -155,12 +100,12 @@ def loudness(oscillator: Oscillator, attractor: Attractor) -> Loudness:
         return _NOT_KNOWN
     if attractor.kind == AttractorKind.PERIODIC:
         heard = _heard(checked, attractor.time, attractor.velocity, 1)
-        impacts, squares = heard[:, :2].sum(axis=0) / attractor.forcing_periods
-        return Loudness(float(impacts), float(heard[:, 2].max()), 0.5 * float(squares), 0.0, 0.0)
+        impacts, squares = heard[:, [IMPACTS, SQUARES]].sum(axis=0) / attractor.forcing_periods
+        return Loudness(float(impacts), float(heard[:, LARGEST].max()), 0.5 * float(squares), 0.0, 0.0)
     chosen = np.unique(np.linspace(0, points - 1, _STRETCHES).astype(np.int64))
     heard = _heard(checked, attractor.time[chosen], attractor.velocity[chosen], _APPLICATIONS)
     if not len(heard):
         return _NOT_KNOWN
-    impacts, impacts_error = _mean(heard[:, 0], heard[:, 3])
-    power, power_error = _mean(0.5 * heard[:, 1], heard[:, 3])
-    return Loudness(impacts, float(heard[:, 2].max()), power, impacts_error, power_error)
+    impacts, impacts_error = _mean(heard[:, IMPACTS], heard[:, TIME])
+    power, power_error = _mean(0.5 * heard[:, SQUARES], heard[:, TIME])
+    return Loudness(impacts, float(heard[:, LARGEST].max()), power, impacts_error, power_error)

@@ -1,0 +1,31 @@
+"""Studies of a machine in its own units, beside `rattle`: how often it rattles, and from which value of a parameter.
+
+What they compute with is what any user has: `rattle`, and the public names of `rattle_kernels`.
+
+Floors, the highest first; each imports from lower ones alone ::
+
+    command
+    threshold
+    pulses
+    estimates
+"""
+
+PULSES = (
+    "rattle_machine.command:pulses",
+    "How often torque pulses make a quiet machine rattle, for how long, and with what power.",
+    (
+        'rattle pulses machine.toml --rate "3 / hour" --size "0.05 N m s"',
+        'rattle pulses machine.toml --rate "3 / hour" --size measured.csv --out pulses.csv',
+    ),
+)
+"""``rattle pulses``: the entry point `pulses` of `rattle.commands` names it."""
+
+THRESHOLD = (
+    "rattle_machine.command:threshold",
+    "The value of a machine's parameter at which a share of quiet, or of another motion, is reached.",
+    (
+        'rattle threshold machine.toml backlash --share 0.9 --between "40 um" "200 um"',
+        'rattle threshold machine.toml speed --share 0.99 --between "600 rpm" "3000 rpm" --size "0.05 N m s"',
+    ),
+)
+"""``rattle threshold``: the entry point `threshold` of `rattle.commands` names it."""

@@ -1,0 +1,113 @@
+"""The commands of studies of a machine."""
+
+import json
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rattle.cli.console import announced_compiling, give_up, out
+from rattle_kernels import OutsideDomain
+from rattle_machine import pulses as of_pulses
+from rattle_machine import threshold as of_thresholds
+from worker.errors import WorkerError
+
+
+class Distributed(StrEnum):
+    """Distributions of the sizes of pulses."""
+
+    normal = "normal"
+    exponential = "exponential"
+    fixed = "fixed"
+
+
+class PressedTeeth(StrEnum):
+    """What a pulse does that presses the teeth together."""
+
+    bounces = "bounces"
+    held = "held"
+
+
+Machine = Annotated[Path, typer.Argument(help="TOML file of a machine in its own units")]
+Distribution = Annotated[
+    Distributed | None,
+    typer.Option(help="Of the sizes: normal about 0 with this deviation, which is the default, or with this mean"),
+]
+Pressing = Annotated[
+    PressedTeeth, typer.Option(help="What a pulse that presses the teeth together does, without a mesh stiffness")
+]
+Seed = Annotated[int, typer.Option(min=0, help="Of the sample")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")]
+_SIZE = 'Torque pulse on the driven shaft, as in "0.05 N m s"; or a CSV file of sizes in N m s'
+
+
+def pulses(
+    machine: Machine,
+    rate: Annotated[str, typer.Option(help='How often pulses come, as in "3 / hour"')],
+    size: Annotated[str, typer.Option(help=_SIZE)],
+    distribution: Distribution = None,
+    pressing: Pressing = PressedTeeth.bounces,
+    departures: Annotated[int, typer.Option(min=2, help="Pulses that are followed")] = 10_000,
+    seed: Seed = 0,
+    out_: Annotated[Path | None, typer.Option("--out", help="CSV file of the pulses, one in each line")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """How often torque pulses make a quiet machine rattle, for how long, and with what power."""
+    try:
+        with announced_compiling():
+            found = of_pulses.pulses(
+                machine, rate=_number(rate), size=_number(size), distribution=distribution and distribution.value,
+                pressing=pressing.value, departures=departures, seed=seed,
+            )  # fmt: skip
+    except (WorkerError, OutsideDomain) as error:
+        give_up(str(error), 2)
+    if out_ is not None:
+        try:
+            found.table.to_csv(out_, index=False)
+        except OSError as error:
+            give_up(f"{out_} cannot be written: {error.strerror}")
+    _print(json.dumps(found.to_dict(), indent=2) if as_json else str(found), as_json)
+
+
+def threshold(
+    machine: Machine,
+    parameter: Annotated[str, typer.Argument(help="speed, backlash, drag_torque, transmission_error.1.amplitude, ...")],
+    share: Annotated[float, typer.Option(help="The share to be reached, between 0 and 1")],
+    between: Annotated[tuple[str, str], typer.Option(help="Two values, as in --between 40um 200um")],
+    motion: Annotated[str, typer.Option(help="Whose share, by its name")] = of_thresholds.QUIET,
+    size: Annotated[str | None, typer.Option(help=_SIZE + "; without it departures are uniform over a window")] = None,
+    distribution: Distribution = None,
+    pressing: Pressing = PressedTeeth.bounces,
+    fastest: Annotated[float | None, typer.Option(help="Upper end of the window of departures, m/s")] = None,
+    departures: Annotated[int, typer.Option(min=2, help="Departures of the sample")] = 4096,
+    seed: Seed = 0,
+    scan: Annotated[int, typer.Option(min=2, help="Values at which crossings are looked for")] = 9,
+    as_json: AsJson = False,
+) -> None:
+    """The value of a machine's parameter at which a share of quiet, or of another motion, is reached."""
+    try:
+        with announced_compiling():
+            found = of_thresholds.threshold(
+                machine, parameter, share, between=(_number(between[0]), _number(between[1])), motion=motion,
+                size=None if size is None else _number(size), distribution=distribution and distribution.value,
+                pressing=pressing.value, fastest=fastest, departures=departures, seed=seed, scan=scan,
+            )  # fmt: skip
+    except (WorkerError, OutsideDomain) as error:
+        give_up(str(error), 2)
+    _print(json.dumps(found.to_dict(), indent=2) if as_json else str(found), as_json)
+
+
+def _number(text: str) -> float | str:
+    """A number is in SI units, as in Python; anything else has its unit."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _print(text: str, as_json: bool) -> None:
+    if as_json:
+        typer.echo(text)
+    else:
+        out.print(text, highlight=False, soft_wrap=True, markup=False)
