@@ -1,9 +1,9 @@
 """How often: a quiet machine is hit by torque pulses, and some of them make it rattle.
 
-Pulses come at a rate, each at its own moment (a Poisson process), so its phase is uniform. A pulse of T_imp (N m s) on
-the driven shaft changes the velocity between the teeth by T_imp over `Scales.impulse`: `rattle_kernels.impact_map.pulse`
-says where the machine departs then. Each departure is named by the motion that it ends in, and those that fall quiet are
-followed until ever lower bounces have captured them.
+Pulses come at a rate, each at its own moment (a Poisson process), so its phase is uniform. A pulse of T_imp on the
+driven shaft changes the velocity between the teeth by T_imp over `Scales.impulse`. Where the machine departs then is
+said in `rattle_kernels.impact_map.pulse`. Each departure is named by the motion that it ends in, and those that fall
+quiet are followed until ever lower bounces have captured them.
 
 docs/theory/pulses.md derives each number, its error, and the bound on how long quiet is kept.
 """
@@ -37,7 +37,6 @@ from worker.gear_pair import GearPair, in_si
 if TYPE_CHECKING:
     from worker.gear_pair import Quantity
 
-Size = "Quantity | Path | Sequence[float] | np.ndarray"
 Distribution = Literal["normal", "exponential", "fixed"]
 Pressing = Literal["bounces", "held"]
 
@@ -374,7 +373,7 @@ def pulses(
     departures: int = 10_000,
     seed: int = 0,
 ) -> PulseStudy:
-    """Hit a quiet machine by torque pulses: how often does it rattle, for how long, with what power?
+    """Hit a quiet machine by torque pulses: how often it rattles then, for how long, and with what power.
 
     Pulses are momentary and come as a Poisson process, so their phases are uniform. Each meets a machine that is quiet
     again; `PulseStudy.overlap` says how often that is not so.

@@ -94,8 +94,8 @@ class Threshold:
         unit = f" {self.unit}" if self.unit else ""
         told = (
             f"{self.parameter} = {self.value:.6g} ± {self.error:.2g}{unit}: {self.share:g} of {self.departures:,} "
-            f"departures end in {self.motion} there ({self.shares[0]:.4g} at {self.bracket[0]:.6g}, {self.shares[1]:.4g} "
-            f"at {self.bracket[1]:.6g})"
+            f"departures end in {self.motion} there ({self.shares[0]:.4g} at {self.bracket[0]:.6g}, "
+            f"{self.shares[1]:.4g} at {self.bracket[1]:.6g})"
         )
         others = [f"{low:.4g} to {high:.4g}" for low, high in self.crossings[1:]]
         return told + (f"; the share crosses again within {', '.join(others)}{unit}" if others else "")
@@ -177,8 +177,8 @@ def threshold(
         told = f"{scanned[0][1]:.4g} at {low:.6g}, {scanned[-1][1]:.4g} at {high:.6g}"
         most, least = max(each[1] for each in scanned), min(each[1] for each in scanned)
         raise InvalidJob(
-            f"a share {share:g} of {motion} is not reached between {low:.6g} and {high:.6g}{unit and ' ' + unit}: it is "
-            f"{told}, and {least:.4g} to {most:.4g} at the {scan} values looked at",
+            f"a share {share:g} of {motion} is not reached between {low:.6g} and {high:.6g}{unit and ' ' + unit}: it "
+            f"is {told}, and {least:.4g} to {most:.4g} at the {scan} values looked at",
             ("share",),
         )
     error = math.sqrt(share * (1.0 - share) / departures)

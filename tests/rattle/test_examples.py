@@ -23,6 +23,7 @@ DOCUMENTED = (
     | {f"rattle.pictures.{name}": part for name, part in PARTS.items()}
     | {f"rattle_proof.{name}": getattr(rattle_proof, name) for name in rattle_proof.__all__}
     | {"rattle_proof.results.certificate": certificate}
+    | {"rattle.pulses": rattle.pulses, "rattle.threshold": rattle.threshold}
 )
 
 
