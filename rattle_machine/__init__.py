@@ -1,13 +1,15 @@
-"""Studies of a machine in its own units, beside `rattle`: how often it rattles, and from which value of a parameter.
+"""Studies of a machine in its own units, beside `rattle`: how often it rattles, from which value on, which tolerance.
 
 What they compute with is what any user has: `rattle`, and the public names of `rattle_kernels`.
 
 Floors, the highest first; each imports from lower ones alone ::
 
     command
-    threshold
+    report
+    threshold | tolerances
+    departures
     pulses
-    estimates
+    estimates | numbers
 """
 
 PULSES = (
@@ -29,3 +31,23 @@ THRESHOLD = (
     ),
 )
 """``rattle threshold``: the entry point `threshold` of `rattle.commands` names it."""
+
+TOLERANCES = (
+    "rattle_machine.command:tolerances",
+    "How quiet the machines of a production are, and which tolerance is to blame for those that are not.",
+    (
+        'rattle tolerances machine.toml --number "backlash=120 +- 40 um" --number "transmission_error.1.phase=any"',
+        'rattle tolerances machine.toml --number "backlash=120 +- 40 um, normal" --size "0.05 N m s" --rate "3 / hour"',
+    ),
+)
+"""``rattle tolerances``: the entry point `tolerances` of `rattle.commands` names it."""
+
+REPORT = (
+    "rattle_machine.command:report",
+    "Write one page that prints: what a machine does, how loud, how often, and which tolerance is to blame.",
+    (
+        "rattle report machine.toml --out report.html",
+        'rattle report machine.toml --rate "3 / hour" --size "2 mN m s" --number "backlash=120 +- 40 um"',
+    ),
+)
+"""``rattle report``: the entry point `report` of `rattle.commands` names it."""

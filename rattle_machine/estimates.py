@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -73,3 +74,22 @@ def with_error(time: Estimate) -> str:
         return "never"
     size, name = next((each for each in _TIMES if time.value >= each[0]), _TIMES[-1])
     return f"{time.times(1.0 / size)} {name}"
+
+
+def for_json(value: Any) -> Any:
+    """A value for JSON: a number that is not finite is None.
+
+    Parameters
+    ----------
+    value : object
+        Numbers and texts, in dicts, lists and tuples.
+
+    Returns
+    -------
+    object
+    """
+    if isinstance(value, dict):
+        return {str(name): for_json(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [for_json(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -30,7 +30,7 @@ from rattle_kernels import (
     until_captured,
 )
 from rattle_kernels.basin_measures.shares import weighted_shares
-from rattle_machine.estimates import Estimate, in_words, mean_of, with_error
+from rattle_machine.estimates import Estimate, for_json, in_words, mean_of, with_error
 from worker.errors import InvalidJob
 from worker.gear_pair import GearPair, in_si
 
@@ -140,7 +140,7 @@ class PulseStudy:
         for name, value in plain.items():
             told[name] = asdict(value) if isinstance(value, Estimate) else value
         told["rattles"] = [asdict(each) for each in self.rattles]
-        return {name: _for_json(value) for name, value in told.items()}
+        return {name: for_json(value) for name, value in told.items()}
 
     def __str__(self) -> str:
         """Tables for people."""
@@ -175,14 +175,6 @@ class PulseStudy:
         lines[-1] += f"{self.passing_power} W"
         lines.append(f"quiet is kept for {in_words(self.kept_at_least)} on average, at least (95 %)")
         return "\n".join(lines)
-
-
-def _for_json(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {name: _for_json(part) for name, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [_for_json(part) for part in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _aligned(rows: Sequence[Sequence[Any]]) -> list[str]:
@@ -266,7 +258,8 @@ class Pulses:
                     ("pressing",),
                 )
             parting = np.maximum(parting, 0.0)
-        return tuple(departures_after_pulses(machine.oscillator, self.phase, parting))
+        t, v, delay = departures_after_pulses(machine.oscillator, self.phase, parting)
+        return t, v, delay
 
 
 def _drawn_sizes(size: Any, distribution: Distribution | None, count: int, rng: np.random.Generator) -> np.ndarray:
@@ -288,7 +281,7 @@ def _drawn_sizes(size: Any, distribution: Distribution | None, count: int, rng: 
     if distribution in (None, "normal"):
         if value < 0.0:
             raise InvalidJob(f"size of a normal distribution is its deviation: above 0, not {value:g}", ("size",))
-        return rng.normal(0.0, value, count)
+        return rng.normal(0.0, float(value), count)
     if distribution == "exponential":
         return value * rng.exponential(1.0, count)
     if distribution == "fixed":
@@ -346,7 +339,8 @@ def _sizes_in(path: Path) -> np.ndarray:
     return np.array(sizes)
 
 
-def _rate_in_si(rate: Any) -> float:
+def rate_in_si(rate: Any) -> float:
+    """How often pulses come, 1/s, of a number or a text with a unit. Raises InvalidJob if it is no rate above 0."""
     try:
         value = in_si(rate, "1/s")
     except InvalidJob as error:
@@ -423,7 +417,7 @@ def pulses(
     pair.check_gamma()
     if pair is None:
         raise InvalidJob("machine must be a rattle.GearPair, or the path of a TOML file", ("machine",))
-    every = _rate_in_si(rate)
+    every = rate_in_si(rate)
     check_quiet(pair.oscillator)
     drawn = Pulses.drawn(size, distribution, departures, seed, pressing)
     motions, solution, length, impacts, energy = _followed(pair, drawn)

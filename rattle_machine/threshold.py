@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rattle_kernels import Oscillator, OutsideDomain, check_domain, largest_grazing_speed, shares_of
-from rattle_machine.pulses import Distribution, Pressing, Pulses
+from rattle_kernels import Oscillator, OutsideDomain, check_domain, shares_of
+from rattle_machine.departures import Machine, oscillator_of, sample_of
+from rattle_machine.numbers import number_of, unit_of, with_number
+from rattle_machine.pulses import Distribution, Pressing
 from worker.errors import InvalidJob
 from worker.gear_pair import GearPair
 
@@ -23,11 +25,6 @@ if TYPE_CHECKING:
     from worker.gear_pair import Quantity
 
 QUIET = "permanent contact"
-_UNITS = {
-    "speed": "rad/s", "inertia": "kg m^2", "drag_torque": "N m", "base_radius": "m", "backlash": "m",
-    "mesh_stiffness": "N/m", "inertia_ratio": "", "contact_damping": "", "restitution": "",
-}  # fmt: skip
-_OF_ORDERS = {"amplitude": "m", "phase": "periods"}
 # The bracket is narrowed until its half is this part of what the sample cannot tell, 40 times at most.
 _SMALL_PART = 0.1
 _ROUNDS = 40
@@ -164,7 +161,9 @@ def threshold(
     """
     _check(share, scan)
     base, at, low, high = _varied(machine, parameter, between)
-    ends_of = _sample(base, size, distribution, pressing, fastest, departures, seed)
+    ends_of = sample_of(
+        base, size=size, distribution=distribution, pressing=pressing, fastest=fastest, departures=departures, seed=seed
+    )
     share_at = _share_at(parameter, at, ends_of, motion)
     scanned = [(value, share_at(value)) for value in np.linspace(low, high, scan).tolist()]
     crossings = [
@@ -172,7 +171,7 @@ def threshold(
         for left, right in zip(scanned[:-1], scanned[1:], strict=True)
         if (left[1] < share) != (right[1] < share)
     ]
-    unit = _unit_of(base, parameter)
+    unit = "" if isinstance(base, Oscillator) else unit_of(parameter)
     if not crossings:
         told = f"{scanned[0][1]:.4g} at {low:.6g}, {scanned[-1][1]:.4g} at {high:.6g}"
         most, least = max(each[1] for each in scanned), min(each[1] for each in scanned)
@@ -218,9 +217,6 @@ def _narrowed(
     return left, right, slope
 
 
-Machine = GearPair | Oscillator
-
-
 def _varied(
     machine: "GearPair | Oscillator | str | Path", parameter: str, between: Any
 ) -> tuple[Machine, Callable[[Any], Machine], float, float]:
@@ -241,9 +237,9 @@ def _varied(
         return base, at, low, high
     pair = GearPair.of(machine)
     pair.check_gamma()
-    ends = [_at(pair, parameter, value) for value in between]
-    low, high = _numbers(parameter, [_number_of(each, parameter) for each in ends])
-    return pair, lambda value: _at(pair, parameter, value), low, high
+    ends = [with_number(pair, parameter, value) for value in between]
+    low, high = _numbers(parameter, [number_of(each, parameter) for each in ends])
+    return pair, lambda value: with_number(pair, parameter, value), low, high
 
 
 def _numbers(parameter: str, between: Sequence[Any]) -> tuple[float, float]:
@@ -254,73 +250,6 @@ def _numbers(parameter: str, between: Sequence[Any]) -> tuple[float, float]:
     if low == high:
         raise InvalidJob(f"between must be two different values of {parameter}, not {low:g} twice", ("between",))
     return low, high
-
-
-def _at(pair: GearPair, parameter: str, value: Any) -> GearPair:
-    """The machine with another value of a parameter."""
-    if parameter == "speed":
-        return pair.at_speed(value)
-    fields = pair.model_dump()
-    name, _, part = parameter.partition(".")
-    if name == "transmission_error":
-        order, _, which = part.partition(".")
-        orders = fields[name]
-        if not order.isdecimal() or int(order) not in orders or which not in _OF_ORDERS:
-            there = ", ".join(f"{name}.{each}.{what}" for each in sorted(orders) for what in _OF_ORDERS)
-            raise InvalidJob(f"parameter must be one of {there}, not {parameter!r}", ("parameter",))
-        orders[int(order)][which] = value
-    elif parameter in _UNITS:
-        fields[parameter] = value
-    else:
-        names = ", ".join((*_UNITS, "transmission_error.1.amplitude"))
-        raise InvalidJob(f"parameter must be one of {names}, not {parameter!r}", ("parameter",))
-    return GearPair(**fields)
-
-
-def _number_of(pair: GearPair, parameter: str) -> float:
-    name, _, part = parameter.partition(".")
-    if name != "transmission_error":
-        return float(getattr(pair, parameter))
-    order, _, which = part.partition(".")
-    return float(getattr(pair.transmission_error[int(order)], which))
-
-
-def _unit_of(base: Machine, parameter: str) -> str:
-    if isinstance(base, Oscillator):
-        return ""
-    return _UNITS.get(parameter) or _OF_ORDERS.get(parameter.rpartition(".")[2], "")
-
-
-def _sample(
-    base: Machine, size: Any, distribution: Distribution | None, pressing: Pressing, fastest: float | None,
-    departures: int, seed: int,
-) -> Callable[[Machine], tuple[np.ndarray, np.ndarray]]:  # fmt: skip
-    """Departures of a machine, by the same random numbers for every one."""
-    if size is not None:
-        if isinstance(base, Oscillator):
-            raise InvalidJob("size is a torque pulse in N m s: give a rattle.GearPair, which has inertias", ("size",))
-        if fastest is not None:
-            raise InvalidJob("fastest is of a window of departures: leave it out beside a size", ("fastest",))
-        pulses = Pulses.drawn(size, distribution, departures, seed, pressing)
-        return lambda machine: pulses.departures_of(machine)[:2]  # type: ignore[arg-type]
-    if distribution is not None:
-        raise InvalidJob("distribution is of the sizes of pulses: give a size", ("distribution",))
-    if isinstance(departures, bool) or not isinstance(departures, int) or departures < 2:
-        raise InvalidJob(f"departures must be a whole number from 2 on, not {departures!r}", ("departures",))
-    oscillator = check_domain(base if isinstance(base, Oscillator) else base.oscillator)
-    scale = 1.0 if isinstance(base, Oscillator) else base.scales.speed
-    top = (
-        scale * max(12.0 * oscillator.damping, 1.3 * largest_grazing_speed(oscillator)) if fastest is None else fastest
-    )
-    if not 0.0 < top < math.inf:
-        raise InvalidJob(f"fastest must be a speed above 0, not {top!r}", ("fastest",))
-    phase, part = np.random.default_rng(seed).random((2, departures))
-    speed = top * (1.0 - part)  # above 0
-
-    def uniform(machine: Machine) -> tuple[np.ndarray, np.ndarray]:
-        return phase, speed / (1.0 if isinstance(machine, Oscillator) else machine.scales.speed)
-
-    return uniform
 
 
 def _share_at(
@@ -337,11 +266,10 @@ def _share_at(
             machine = changed
             t, v = ends_of(machine)
             parts = np.isfinite(v)
-            oscillator = machine if isinstance(machine, Oscillator) else machine.oscillator
             held = 0 if motion != QUIET else int((~parts).sum())
             if not parts.any():
                 return held / t.size
-            found = shares_of(oscillator, t[parts], v[parts])
+            found = shares_of(oscillator_of(machine), t[parts], v[parts])
         except (OutsideDomain, InvalidJob) as error:
             raise InvalidJob(f"{parameter} = {value:.6g}: {error}", ("between",)) from None
         named = np.array([attractor.name == motion for attractor in found.attractors])
