@@ -294,9 +294,9 @@ def _gamma_section(pair: GearPair) -> _Section:
             _Part("text", f"Γ = {pair.gamma:.4g} at {pair.speed * _RPM:.6g} rpm. {reached}"),
             _Part(
                 "text",
-                "Below 1, drag presses the teeth together all the time, and a machine that runs quietly goes on so. A "
-                "disturbance can still part the teeth. Then they bounce until they are quiet again, or rattle for ever. "
-                "The next sections say which.",
+                "Below 1, drag presses the teeth together all the time, and a machine that runs quietly goes on so. "
+                "A disturbance can still part the teeth. Then they bounce until they are quiet again, or rattle for "
+                "ever. The next sections say which.",
             ),
         ],
     )
@@ -333,8 +333,8 @@ def _basin_section(pair: GearPair, basin: xr.Dataset) -> _Section:
             *more,
             _Part(
                 "text",
-                "Permanent contact is quiet. P(m, n, l) repeats after m forcing periods with n impacts on one flank and "
-                "l on the other. Shares are of all moments and speeds in the picture.",
+                "Permanent contact is quiet. P(m, n, l) repeats after m forcing periods with n impacts on one flank "
+                "and l on the other. Shares are of all moments and speeds in the picture.",
             ),
             _Part("picture", "The motion that the teeth end in, by when and how fast they part.", svg=_as_svg(figure)),
             _Part(
