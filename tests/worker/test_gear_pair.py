@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from typer.testing import CliRunner
 
 import rattle
 from rattle.cli import app
-from rattle_kernels import largest_grazing_speed, next_impacts
+from rattle_kernels import find_attractors, largest_grazing_speed, loudness, next_impacts
 from tests.worker.two_shafts import Shafts
 from worker.gear_pair import in_si
 
@@ -266,3 +267,59 @@ def test_a_number_that_the_machine_has_is_not_given_beside_it(given, words):
 def test_what_is_no_machine_is_refused(given):
     with pytest.raises(rattle.InvalidJob, match=r"machine is a rattle\.GearPair"):
         rattle.basin(given)
+
+
+def test_energy_is_balanced_in_watts_over_a_periodic_motion():
+    """What the motor gives is what drag and impacts take, less what the transmission error gives.
+
+    The two shafts are integrated in SI between two impacts of the model's P(1,1,0), with the work of the motor and of
+    drag beside them. An impact takes (1 - r^2) m v^2/2, and moves against a tooth that moves with e'.
+    """
+    pair = machine(drag_torque=150.0, transmission_error=5e-3, backlash=0.06, inertia_ratio=0.4, restitution=0.95)
+    motion = next(each for each in find_attractors_of(pair) if each.name == "P(1,1,0)")
+    t, v, scales = float(motion.time[0]), float(motion.velocity[0]), pair.scales
+    first = pair.base_radius * math.sqrt(pair.inertia_ratio)  # another radius than the driven gear's
+    i1 = pair.inertia * (first / pair.base_radius) ** 2 / pair.inertia_ratio
+    c1, c2 = (pair.drag_torque / pair.speed * inertia / pair.inertia for inertia in (i1, pair.inertia))
+    torque = pair.drag_torque * first / pair.base_radius + c1 * pair.speed * pair.base_radius / first
+    error, turn = pair.transmission_error[1].amplitude, pair.speed / pair.turns
+
+    def rate(time):
+        return -error * turn * math.sin(turn * time)
+
+    def fall(_, state):
+        _, one, two, _, _ = state
+        slip = first * one - pair.base_radius * two
+        return slip, (torque - c1 * one) / i1, -c2 * two / pair.inertia, torque * one, c1 * one**2 + c2 * two**2
+
+    def touches(time, state):
+        return state[0] + error * math.cos(turn * time) - 0.5 * pair.backlash
+
+    touches.terminal, touches.direction = True, 1.0
+    begin = t * scales.time
+    # The mean of both shafts is steady; their difference is the model's.
+    reduced = 1.0 / (first**2 / i1 + pair.base_radius**2 / pair.inertia)
+    slip = -v * scales.speed - rate(begin)
+    one = pair.speed * pair.base_radius / first + slip * reduced * first / i1
+    two = pair.speed - slip * reduced * pair.base_radius / pair.inertia
+    place = 0.5 * pair.backlash - error * math.cos(turn * begin)
+    flight = solve_ivp(
+        fall, (begin, begin + 1.5 * scales.time), [place, one, two, 0.0, 0.0], "DOP853", events=touches, rtol=1e-13,
+        atol=1e-14, first_step=1e-3 * scales.time,
+    )  # fmt: skip
+    (end,), (state,) = flight.t_events[0], flight.y_events[0]
+    arrival = first * state[1] - pair.base_radius * state[2] + rate(end)
+    assert end - begin == pytest.approx(scales.time, rel=1e-11)
+    assert 0.95 * arrival == pytest.approx(v * scales.speed, rel=1e-10)
+    lost = 0.5 * scales.mass * (1.0 - 0.95**2) * arrival**2
+    given = scales.mass * 1.95 * arrival * rate(end)
+    motor, drag = state[3], state[4]
+    assert motor - drag - lost + given == pytest.approx(0.0, abs=1e-9 * motor)
+    heard = loudness(pair.oscillator, motion)
+    assert (1.0 - 0.95**2) * heard.impact_power * scales.power == pytest.approx(lost / scales.time, rel=1e-9)
+
+
+def find_attractors_of(pair):
+    """Attractors of a machine, from a grid of departures."""
+    t, v = np.meshgrid(np.linspace(0.0, 1.0, 24, endpoint=False), np.linspace(0.3, 6.0, 24))
+    return find_attractors(pair.oscillator, t.ravel(), v.ravel())
