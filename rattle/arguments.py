@@ -18,7 +18,7 @@ from rattle_kernels import TransmissionError
 from rattle_kernels.model.oscillator import PARAMETERS
 from worker.additions import Addition, additions
 from worker.errors import FieldPath, InvalidFields, InvalidJob
-from worker.gear_pair import GearPair, fastest_of
+from worker.gear_pair import GearPair
 from worker.jobs.job import Job
 from worker.jobs.oscillator_request import (
     BOTH_FORCINGS,
@@ -31,6 +31,7 @@ from worker.jobs.request import refusal
 from worker.jobs.swept_parameter import is_of_harmonic, is_parameter
 from worker.jobs.trajectory_request import TrajectoryRequest
 from worker.kinds import KINDS
+from worker.precision_limits import fastest_of
 
 Values = dict[str, Any]
 """Arguments by name, only those that were given. What makes a field of some takes these out."""

@@ -9,7 +9,8 @@ import numpy as np
 from rattle_kernels import Oscillator, check_domain
 from rattle_machine.pulses import Distribution, Pressing, Pulses
 from worker.errors import InvalidJob
-from worker.gear_pair import GearPair, fastest_of
+from worker.gear_pair import GearPair
+from worker.precision_limits import fastest_of
 
 Machine = GearPair | Oscillator
 

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self, Typ
 
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
-from rattle_kernels import Harmonic, Oscillator, largest_grazing_speed
+from rattle_kernels import Harmonic, Oscillator
 from rattle_kernels.model.bounds import rest_acceleration_over_phases
 from rattle_kernels.numerics.trigonometric_minimum import least_value
 from worker.errors import InvalidFields, InvalidJob
@@ -253,24 +253,6 @@ def with_columns_in_si(table: "pd.DataFrame", units: "Mapping[str, float | pd.Se
 def factors_of(units: "Mapping[str, _T]") -> "dict[str, tuple[str, _T]]":
     """Unit of each variable of a result that has one, and what one unit of the model is in it, by its name."""
     return {name: (unit, units[unit]) for name, (_, unit) in _IN_SI.items()}
-
-
-def fastest_of(oscillator: Oscillator) -> float:
-    """Velocity up to which the window of a machine reaches unless another is asked for: well above where it rattles.
-
-    Parameters
-    ----------
-    oscillator : Oscillator
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    OutsideDomain
-    """
-    return float(f"{max(12.0 * oscillator.damping, 1.3 * largest_grazing_speed(oscillator)):.3g}")
 
 
 class Scales(NamedTuple):

@@ -5,7 +5,7 @@ Decision 33 derives the bounds. Each one is generous: what it refuses could only
 
 import math
 
-from rattle_kernels import CellGrid, Oscillator, OutsideDomain
+from rattle_kernels import CellGrid, Oscillator, OutsideDomain, largest_grazing_speed
 from worker.errors import FieldPath, InvalidJob
 
 SHORTEST_FLIGHT = 2.0**-40
@@ -88,6 +88,26 @@ def fastest_decided(oscillator: Oscillator, impacts: int) -> float:
     return min(4.0 * oscillator.half_backlash * oscillator.damping * impacts, fastest_resolved(oscillator))
 
 
+def fastest_of(oscillator: Oscillator) -> float:
+    """Velocity up to which a window reaches that follows the machine: well above where it rattles.
+
+    It is 12 times the damping, or 1.3 times the greatest grazing speed.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    OutsideDomain
+    """
+    return float(f"{max(12.0 * oscillator.damping, 1.3 * largest_grazing_speed(oscillator)):.3g}")
+
+
 def check_window(oscillator: Oscillator, grid: CellGrid, iterations: int) -> Oscillator:
     """Return an oscillator, or raise if motions that begin in a window can only end undecided.
 
@@ -112,7 +132,8 @@ def check_window(oscillator: Oscillator, grid: CellGrid, iterations: int) -> Osc
     limit = fastest_decided(check_decidable(oscillator), iterations + FOLLOWED)
     why = (
         f"at damping {oscillator.damping:g} and half backlash {oscillator.half_backlash:g} a faster motion is not "
-        f"decided within k = {iterations} and {FOLLOWED} more impacts"
+        f"decided within k = {iterations} and {FOLLOWED} more impacts. The machine rattles well below "
+        f"{fastest_of(oscillator):g} (12 damping, or 1.3 times the greatest grazing speed)"
     )
     check_fastest(grid.velocity_stop, limit, why, ("grid", "velocity", "stop"))
     return oscillator

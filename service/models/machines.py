@@ -5,8 +5,9 @@ from typing import Any
 from pydantic import BaseModel, Field, TypeAdapter
 
 from worker.errors import InvalidFields, InvalidJob
-from worker.gear_pair import GearPair, fastest_of
+from worker.gear_pair import GearPair
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, PiecewiseLinearOscillator
+from worker.precision_limits import fastest_of
 from worker.results.summary import FiniteOrNone
 
 MACHINE = "machine"

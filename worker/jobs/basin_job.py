@@ -20,7 +20,7 @@ from worker.jobs.job import Job, Sizes
 from worker.jobs.request import Count, Real, Request, accepting, as_real, in_schema
 from worker.jobs.sample import Sample
 from worker.jobs.swept_parameter import MOST_SWEPT, SweptParameter, check_swept
-from worker.precision_limits import check_window
+from worker.precision_limits import FOLLOWED, check_window, fastest_decided, fastest_of
 
 _BASIN_EXAMPLE: dict[str, Any] = {
     "oscillator": {"model": "impacting", "damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6},
@@ -236,10 +236,22 @@ class BasinJob(_AllFields):
         except ValueError as error:
             raise InvalidJob(str(error)) from error
         self.check_oscillators(check_domain)
+        self._let_window_follow()
         self.check_oscillators(lambda oscillator: check_window(oscillator, self.grid, self.iterations))
         settled = {"grid_": self.grid_.settled(with_cells=self.sample is None), "iterations_": self.iterations}
         settled |= {each.name: each.check(self, self.has_levels) for each in asked_of(self)}
         return settled if self.sample is None else settled | {"sample": self.sample}
+
+    def _let_window_follow(self) -> None:
+        """Where the usual window cannot be decided, one that was not asked for ends as the machine wants it."""
+        window = self.grid_.velocity
+        if self.axes or "stop" in window.model_fields_set:
+            return
+        limit, fastest = fastest_decided(self.oscillator, self.iterations + FOLLOWED), fastest_of(self.oscillator)
+        if window.stop > limit and window.start < fastest:
+            velocity = VelocityWindow.model_construct(start=window.start, stop=fastest, cells=window.cells)
+            self.__dict__.pop("grid", None)
+            self.__dict__["grid_"] = GridRequest.model_construct(time=self.grid_.time, velocity=velocity)
 
     def _swept_error(self, place: tuple[int, ...], error: OutsideDomain) -> SweptOutsideDomain:
         pairs = zip(self.axes, place, strict=True)

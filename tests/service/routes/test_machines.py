@@ -6,7 +6,7 @@ import pytest
 
 import rattle
 from tests.service.routes.problems import assert_problem
-from worker.gear_pair import fastest_of
+from worker.precision_limits import fastest_of
 
 PUMP = {
     "speed": "3000 rpm", "inertia": "0.01 kg m^2", "drag_torque": "94.2 mN m", "base_radius": "100 mm",

@@ -73,3 +73,20 @@ def test_a_value_outside_the_domain_is_named_with_its_place():
 def test_an_oscillator_outside_the_domain_is_refused():
     with pytest.raises(OutsideDomain, match="epsilon_crit2"):
         BasinJob(oscillator=Oscillator(eccentricity=0.2))
+
+
+WEAK = {"damping": 6e-4, "eccentricity": 1e-4, "half_backlash": 6e-4}
+
+
+def test_a_window_that_is_not_asked_for_follows_a_machine_of_weak_damping():
+    job = BasinJob(oscillator=WEAK)
+    assert job.grid.velocity_stop == 12.0 * 6e-4 and job.grid.velocity_cells == 1000
+    assert job.request()["grid"]["velocity"] == {"start": 0.0, "stop": 0.0072, "cells": 1000}
+    assert BasinJob.from_request(job.request()).digest == job.digest
+    assert BasinJob(oscillator=WEAK, grid={"velocity": {"cells": 20}}).grid.velocity_stop == 0.0072
+    assert BasinJob().grid.velocity_stop == 7.0
+
+
+def test_a_window_that_is_asked_for_is_refused_with_one_that_follows_the_machine():
+    with pytest.raises(InvalidJob, match=r"at most 2\.34721, not 7: .* well below 0\.0072 \(12 damping"):
+        BasinJob(oscillator=WEAK, grid={"velocity": {"stop": 7.0}})
