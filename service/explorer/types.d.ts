@@ -19,6 +19,9 @@ interface Oscillator {
   allow_no_quiet_solution?: boolean;
 }
 
+/** One unit of the model in SI: s, m/s and W. */
+interface Scales { time: number; speed: number; power: number }
+
 interface Swept { parameter: string; values?: number[]; start?: number; stop?: number; count?: number }
 
 interface Design { name: string; units?: string; values: number[]; parameters: { [parameter: string]: number[] } }

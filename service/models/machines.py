@@ -4,6 +4,7 @@ from typing import Any
 
 from pydantic import BaseModel, Field, TypeAdapter
 
+from rattle_kernels import settled_iterations
 from worker.errors import InvalidFields, InvalidJob
 from worker.gear_pair import GearPair
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, PiecewiseLinearOscillator
@@ -35,6 +36,7 @@ class MachineView(BaseModel):
     velocity_stop: float | None = Field(
         description="Velocity up to which a window reaches by default; null if the machine is refused"
     )
+    iterations: int = Field(description="k of a settled picture")
     scales: ScalesView
     gamma: float = Field(description="Inertia torque over drag torque; below 1 the model holds (Eq. 8)")
     threshold_speed: FiniteOrNone = Field(description="Speed at which gamma reaches 1, rad/s; null if it never does")
@@ -51,7 +53,8 @@ class MachineView(BaseModel):
             refused = str(error)
         return cls(
             machine=pair.model_dump(mode="json", exclude_none=True), oscillator=_oscillator_of(pair),
-            velocity_stop=fastest, scales=ScalesView(**pair.scales._asdict()), gamma=pair.gamma,
+            velocity_stop=fastest, iterations=settled_iterations(pair.oscillator.damping),
+            scales=ScalesView(**pair.scales._asdict()), gamma=pair.gamma,
             threshold_speed=pair.threshold_speed, refused=refused,
         )  # fmt: skip
 

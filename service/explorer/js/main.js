@@ -18,6 +18,7 @@ import { Examples } from "./panels/examples.js";
 import { Form } from "./panels/form.js";
 import { Hover } from "./panels/hover.js";
 import { showLegend } from "./panels/legend.js";
+import { machineForm } from "./panels/machine.js";
 import { Motions } from "./panels/motions.js";
 import { Orbits } from "./panels/orbits.js";
 import { OverlayList } from "./panels/overlay_list.js";
@@ -46,10 +47,11 @@ const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: 
 const marks = new Marks(plane);
 const screen = new Screen(plane, { changed: pictureChanged, turned, left, failed: previewFailed, alone: () => ["idle", "refused"].includes(jobs.life.phase) });
 const form = new Form(by("ask"), { submitted: compute, edited, bounds: (bounds) => turn.bound(bounds), part: (request) => screen.partOf(request), sound });
+const machine = machineForm({ converted, changed: () => (legend(), hover.read(), remember(false)) });
 const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
 const jobs = new Jobs({ changed: lifeChanged, begun, drawn });
 const motions = new Motions(by("history"), plane, marks, () => screen.wanted, () => remember(false));
-const hover = new Hover(plane, marks, oscillatorAt, { reading: by("reading"), sentence: by("sentence") });
+const hover = new Hover(plane, marks, oscillatorAt, (oscillator) => machine.scalesOf(oscillator), { reading: by("reading"), sentence: by("sentence") });
 const overlays = new OverlayList(by("overlays"), plane, () => remember(false));
 const sweep = new Sweep(by("sweep"), openPanel);
 const still = new Still(by("still"));
@@ -91,6 +93,14 @@ function refuse(refused) {
   at.refused = refused;
   by("frame").classList.toggle("old", refused);
   caption();
+}
+
+/** The form of a machine says what it is in the model: the oscillator, the window and k follow. */
+function converted({ oscillator, velocity_stop: stop, iterations }) {
+  const { time, velocity } = form.request().grid;
+  const cells = (axis) => (typeof axis.cells === "number" ? axis.cells : 500);
+  form.fill({ oscillator, grid: { time: { start: 0, stop: 1, cells: cells(time) }, velocity: { start: 0, stop, cells: cells(velocity) } }, iterations });
+  form.take();
 }
 
 function slid(name, value) {
@@ -267,7 +277,7 @@ function legend() {
     plane.restyle({ highlight });
     legend();
   };
-  showLegend(by("legend"), plane.picture, plane.look, highlighted);
+  showLegend(by("legend"), plane.picture, plane.look, highlighted, machine.scalesOf(screen.oscillator));
   comparison.showLegend({ label: by("kept-label"), place: by("kept-legend") }, highlighted);
 }
 
@@ -299,7 +309,7 @@ function remember(isNew) {
   const { layer, palette } = plane.look;
   const job = at.edited || jobs.life.phase === "asking" ? null : jobs.job;
   const pictured = job && !hasCells(job) ? {} : { request: at.request, view: plane.view, whole: at.whole };
-  write(encode({ job: job?.id, panel: at.panel, layer, palette, overlays: overlays.names, motions: motions.startsOf(false), ...comparison.seen(motions.startsOf(true)), ...pictured }), isNew);
+  write(encode({ job: job?.id, panel: at.panel, layer, palette, overlays: overlays.names, motions: motions.startsOf(false), ...comparison.seen(motions.startsOf(true)), machine: machine.scalesOf(at.request?.oscillator ?? null) ? machine.written : null, ...pictured }), isNew);
   enableSteps();
 }
 
@@ -314,6 +324,7 @@ async function openAddress() {
   overlays.choose(seen.overlays);
   try {
     if (request) show(request, seen);
+    if (seen.machine) await machine.open(seen.machine);
     if (job) await jobs.open(job, request);
     else if (request) jobs.ask(request);
     at.edited = false;

@@ -1,6 +1,7 @@
 /** Motions in a sentence, for readers who do not know the symbols. */
 
 import { percent } from "../charts/ticks.js";
+import { inUnits } from "../state/machine.js";
 
 function times(count, what) {
   return `${count === 0 ? "no" : count} ${what}${count === 1 ? "" : "s"}`;
@@ -57,10 +58,15 @@ function told(number) {
 /**
  * How loud a motion is, or a basin on average, in words; empty where it is not known.
  * @param {Loudness} heard
+ * @param {Scales|null} [scales] of a machine in its own units
  */
-export function loudnessInWords({ impacts_per_period, largest_impact_speed, impact_power }) {
+export function loudnessInWords({ impacts_per_period, largest_impact_speed, impact_power }, scales = null) {
   if (impacts_per_period === null) return "";
   if (impacts_per_period === 0) return "no impacts";
+  if (scales) {
+    const [rate, speed, power] = [impacts_per_period / scales.time, largest_impact_speed * scales.speed, impact_power * scales.power];
+    return `${told(rate)} impacts a second, the fastest at ${inUnits(speed, "m/s")}, impact power ${inUnits(power, "W")}`;
+  }
   const rate = told(impacts_per_period);
   return `${rate} impact${rate === "1" ? "" : "s"} a forcing period, the fastest at ${told(largest_impact_speed)}, impact power ${told(impact_power)}`;
 }
@@ -68,10 +74,11 @@ export function loudnessInWords({ impacts_per_period, largest_impact_speed, impa
 /**
  * What is to be heard over the window of a basin, in words.
  * @param {Expected} expected
+ * @param {Scales|null} [scales]
  */
-export function expectedInWords(expected) {
+export function expectedInWords(expected, scales = null) {
   const undecided = expected.undecided_share > 0 ? `; ${percent(expected.undecided_share)} undecided, counted as silent` : "";
-  return `On average over the window: ${loudnessInWords(expected)}${undecided}.`;
+  return `On average over the window: ${loudnessInWords(expected, scales)}${undecided}.`;
 }
 
 /**

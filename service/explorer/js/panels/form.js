@@ -101,6 +101,11 @@ export class Form {
     this.tell.edited();
   }
 
+  /** Take what has just been filled in for an edit. */
+  take() {
+    this.#edited();
+  }
+
   /** Set one number of the oscillator, as a slider or a diagram does. */
   set(name, value) {
     if (this.#field("vary").value === name) this.#field("vary").value = "";

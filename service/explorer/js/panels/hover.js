@@ -4,6 +4,7 @@ import { Latest } from "../net/latest.js";
 import { briefMotion } from "../net/motion.js";
 import { maskInWords, underPointer } from "../look/explain.js";
 import { reading } from "../charts/ticks.js";
+import { inUnits } from "../state/machine.js";
 
 const REST_MS = 30;
 
@@ -12,9 +13,11 @@ export class Hover {
    * @param {import("../plane/plane.js").Plane} plane
    * @param {import("../plane/marks.js").Marks} marks
    * @param {(place: Departure) => Oscillator|null} oscillator of the half in which a place is
+   * @param {(oscillator: Oscillator|null) => Scales|null} scales one unit of the model in SI, where a machine is seen
    * @param {{reading: HTMLElement, sentence: HTMLElement}} lines
    */
-  constructor(plane, marks, oscillator, lines) {
+  constructor(plane, marks, oscillator, scales, lines) {
+    this.scales = scales;
     this.plane = plane;
     this.marks = marks;
     this.oscillator = oscillator;
@@ -47,7 +50,9 @@ export class Hover {
     const { t0, t1, v0, v1 } = this.plane.view;
     const known = this.plane.at(place);
     const phase = place.t - Math.floor(place.t);
-    const where = `t = ${reading(phase, t1 - t0)}   v = ${reading(place.v, v1 - v0)}`;
+    const scales = this.scales(this.oscillator(place));
+    const si = scales ? ` (${inUnits(phase * scales.time, "s")}, ${inUnits(place.v * scales.speed, "m/s")})` : "";
+    const where = `t = ${reading(phase, t1 - t0)}   v = ${reading(place.v, v1 - v0)}${si}`;
     const numbers = known?.step === undefined ? "" : `   step ${known.step}, group ${known.group}, period ${known.period}`;
     const there = known ? `   ${known.solution.name}${numbers}` : "   not known yet";
     this.lines.reading.textContent = (this.plane.keptAt(place) ? "kept: " : "") + where + there + this.#besides(place);

@@ -28,13 +28,13 @@ function endsInWords({ ends }, solutions) {
   return ` It ends in ${told.join(", ")}${going > 0 ? `; ${Math.round(100 * going)} % had not ended` : ""}.`;
 }
 
-function entry(solutions, solution, share, known, look, pick) {
+function entry(solutions, solution, share, known, look, pick, scales) {
   const key = keyOf(solutions, solution.number);
   const button = document.createElement("button");
   button.type = "button";
   button.dataset.solution = key;
   button.setAttribute("aria-pressed", String(look.highlight === key));
-  const heard = solution.impacts_per_period ? ` ${loudnessInWords(solution)}.` : "";
+  const heard = solution.impacts_per_period ? ` ${loudnessInWords(solution, scales)}.` : "";
   button.title = solutionInWords(solution) + chaosInWords(solution) + endsInWords(solution, solutions) + heard;
   const name = document.createElement("span");
   name.textContent = solution.name;
@@ -48,20 +48,20 @@ function entry(solutions, solution, share, known, look, pick) {
   return item;
 }
 
-function listSolutions(picture, look, pick) {
+function listSolutions(picture, look, pick, scales) {
   const { outline } = picture;
   const counted = outline.complete ? outline.solutions.map(({ share }) => share ?? 0) : picture.shares();
   const there = outline.solutions.filter(({ number }) => counted[number] > 0 || outline.solutions[number].share === 0);
   there.sort((a, b) => counted[b.number] - counted[a.number]);
   const list = document.createElement("ul");
-  list.append(...there.map((each) => entry(outline.solutions, each, counted[each.number], outline.complete, look, pick)));
+  list.append(...there.map((each) => entry(outline.solutions, each, counted[each.number], outline.complete, look, pick, scales)));
   return list;
 }
 
 /** What is to be heard on average, as far as it is known. */
-function averageOf({ expected }) {
+function averageOf({ expected }, scales) {
   if (!expected) return [];
-  return [Object.assign(document.createElement("p"), { className: "note", textContent: expectedInWords(expected) })];
+  return [Object.assign(document.createElement("p"), { className: "note", textContent: expectedInWords(expected, scales) })];
 }
 
 function describeScale(picture, layer) {
@@ -85,14 +85,15 @@ function describeScale(picture, layer) {
  * @param {import("../plane/picture.js").Picture|null} picture
  * @param {Look} look
  * @param {(solution: string|null) => void} pick
+ * @param {Scales|null} [scales] one unit of the model in SI, of a machine in its own units
  */
-export function showLegend(place, picture, look, pick) {
+export function showLegend(place, picture, look, pick, scales = null) {
   const active = /** @type {HTMLElement} */ (document.activeElement);
   const focused = place.contains(active) ? active.dataset.solution : null;
   if (!picture) place.replaceChildren();
   else if (picture.empty) place.textContent = "No solutions are known yet.";
   else if (look.layer === "solution" || picture.isPreview) {
-    place.replaceChildren(listSolutions(picture, look, pick), ...averageOf(picture.outline), ...maskLines(picture, look));
+    place.replaceChildren(listSolutions(picture, look, pick, scales), ...averageOf(picture.outline, scales), ...maskLines(picture, look));
   }
   else place.replaceChildren(...describeScale(picture, look.layer), ...maskLines(picture, look));
   if (focused) Array.from(place.querySelectorAll("button")).find((each) => each.dataset.solution === focused)?.focus();

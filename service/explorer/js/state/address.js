@@ -1,6 +1,7 @@
 /** The address of the page: the whole state of what is seen, so that a link shows it on any service. */
 
 import { additions, maskNames } from "./additions.js";
+import { machineIn, machineText } from "./machine.js";
 import { harmonicsOf, harmonicsText, NUMBERS } from "./oscillator.js";
 import { same, viewOf } from "./window.js";
 
@@ -35,6 +36,7 @@ const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
  * @property {number[][]} motions departures (t, v) that are followed
  * @property {Partial<Seen>|null} beside what is kept beside it, without a view of its own
  * @property {number} part of the width at which that begins
+ * @property {Object<string, string>|null} machine in its own units
  * @property {string} compare whether it is swiped over what is seen, or lies side by side with it
  */
 
@@ -186,6 +188,7 @@ export function decode(search) {
     beside: query.get("beside") ? decode(query.get("beside")) : null,
     part: query.has("part") ? Number(query.get("part")) : USUAL.part,
     compare: knownOr("compare", query.get("compare")),
+    machine: machineIn(query.get("machine")),
   };
 }
 
@@ -194,9 +197,10 @@ export function decode(search) {
  * @param {Partial<Seen>} seen
  * @returns {string}
  */
-export function encode({ job, panel, request, view, whole, layer, palette, overlays, motions, beside, part, compare }) {
+export function encode({ job, panel, request, view, whole, layer, palette, overlays, motions, beside, part, compare, machine }) {
   const fields = [];
   if (job) fields.push(["job", job]);
+  if (machine) fields.push(["machine", machineText(machine)]);
   if (panel) fields.push(["panel", String(panel)]);
   const asked = request ? viewOf(request.grid) : null;
   if (asked && view && !same(view, whole ?? asked)) fields.push(["window", windowText(view)]);

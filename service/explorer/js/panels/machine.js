@@ -1,0 +1,144 @@
+/** The form of a machine in its own units: while it is filled in, the oscillator follows. */
+
+import { by } from "../page/by.js";
+import { Latest } from "../net/latest.js";
+import { post, Refusal } from "../net/api.js";
+import { FIELDS, gammaInWords, inUnits, machineOf, parts, PUMP } from "../state/machine.js";
+
+const WAIT_MS = 180;
+
+export class MachineForm {
+  /**
+   * @param {HTMLDetailsElement} place
+   * @param {object} tell
+   * @param {(answer: import("../state/machine.js").MachineAnswer) => void} tell.converted called with the machine in the model
+   * @param {() => void} tell.changed called when what is seen has other units, or none
+   */
+  constructor(place, tell) {
+    this.place = place;
+    this.tell = tell;
+    /** What the fields say in the model; null while they say nothing. @type {import("../state/machine.js").MachineAnswer|null} */
+    this.answer = null;
+    this.rows = new Map(FIELDS.map((field) => [field.name, this.#row(field)]));
+    this.said = Object.assign(document.createElement("p"), { className: "note", id: "machine-said" });
+    this.said.setAttribute("role", "status");
+    const pump = Object.assign(document.createElement("button"), { type: "button", textContent: "The paper's pump" });
+    pump.title = "Numbers of the paper's pump; its speed, radius and inertia are guesses";
+    pump.addEventListener("click", () => (this.fill(PUMP), this.#ask()));
+    place.append(...[...this.rows.values()].map(({ row }) => row), pump, this.said);
+    this.latest = new Latest((machine, signal) => post("/v1/machines", machine, { signal }), (answer) => this.#show(answer), (error) => this.#fail(error));
+    place.addEventListener("input", () => {
+      clearTimeout(this.timer);
+      this.timer = setTimeout(() => this.#ask(), WAIT_MS);
+    });
+  }
+
+  /** @param {typeof FIELDS[number]} field */
+  #row({ name, label, units, optional, means }) {
+    const row = Object.assign(document.createElement("div"), { className: "field", title: `${label} ${means}` });
+    const text = Object.assign(document.createElement("label"), { textContent: label, htmlFor: `machine-${name}` });
+    const input = Object.assign(document.createElement("input"), { id: `machine-${name}`, inputMode: "decimal", autocomplete: "off", placeholder: optional ? "none" : "" });
+    const hint = Object.assign(document.createElement("span"), { className: "hint", id: `machine-hint-${name}` });
+    input.setAttribute("aria-describedby", hint.id);
+    row.append(text, input);
+    let unit = null;
+    if (units.length) {
+      unit = document.createElement("select");
+      unit.setAttribute("aria-label", `unit of ${label.toLowerCase()}`);
+      unit.append(...units.map((each) => new Option(each.replace("u", "µ").replace("^2", "²"), each)));
+      row.append(unit);
+    }
+    row.append(hint);
+    return { row, input, unit, hint };
+  }
+
+  /** What is written in the fields, as texts with units. @returns {Object<string, string>} */
+  get written() {
+    return Object.fromEntries([...this.rows].map(([name, { input, unit }]) => {
+      const text = input.value.trim().replace(",", ".");
+      return [name, text && unit ? `${text} ${unit.value}` : text];
+    }));
+  }
+
+  /** Fill the fields. @param {Object<string, string>} machine */
+  fill(machine) {
+    for (const [name, { input, unit }] of this.rows) {
+      const { number, unit: written } = parts(machine[name] ?? "");
+      input.value = number;
+      if (unit && written) unit.value = written;
+    }
+    this.place.open = true;
+  }
+
+  /** Show a machine of an address, whose oscillator the address has as well. @param {Object<string, string>} machine */
+  async open(machine) {
+    this.fill(machine);
+    const request = machineOf(this.written);
+    if (request) this.#take(await post("/v1/machines", request));
+  }
+
+  /** What one unit of the model is, if an oscillator is that of the machine; null otherwise. @param {Oscillator|null} oscillator */
+  scalesOf(oscillator) {
+    return oscillator && this.answer && same(oscillator, this.answer.oscillator) ? this.answer.scales : null;
+  }
+
+  #ask() {
+    const machine = machineOf(this.written);
+    for (const { input, hint } of this.rows.values()) {
+      input.removeAttribute("aria-invalid");
+      hint.textContent = "";
+      hint.classList.remove("wrong");
+    }
+    if (machine) this.latest.want(machine);
+    else this.#say("Fill in what has no “none”: the oscillator follows.", false);
+  }
+
+  #take(answer) {
+    this.answer = answer;
+    const { scales, refused } = answer;
+    const units = `One forcing period is ${inUnits(scales.time, "s")}, a speed of 1 is ${inUnits(scales.speed, "m/s")}, an impact power of 1 is ${inUnits(scales.power, "W")}.`;
+    this.#say(refused ?? `${gammaInWords(answer)} ${units}`, refused !== null);
+  }
+
+  #show(answer) {
+    this.#take(answer);
+    if (answer.refused === null) this.tell.converted(answer);
+    this.tell.changed();
+  }
+
+  #fail(error) {
+    this.answer = null;
+    const errors = error instanceof Refusal ? error.errors : [];
+    const elsewhere = errors.filter(({ location, message }) => {
+      const row = this.rows.get(location[1]);
+      if (!row) return true;
+      row.input.setAttribute("aria-invalid", "true");
+      row.hint.textContent = message.replace(/^Input should be /, "must be ");
+      row.hint.classList.add("wrong");
+      return false;
+    });
+    const message = errors.length ? elsewhere.map((each) => each.message).join("; ") : error.message;
+    this.#say(message || "Not yet: see the field marked.", true);
+    this.tell.changed();
+  }
+
+  #say(text, wrong) {
+    this.said.textContent = text;
+    this.said.classList.toggle("wrong", wrong);
+  }
+}
+
+/** Whether two oscillators are the same to the digits that a form has. */
+function same(one, other) {
+  const numbers = ["damping", "eccentricity", "half_backlash", "stiffness", "restitution", "contact_damping"];
+  const value = (oscillator, name) => oscillator[name] ?? (name === "restitution" ? 1 : 0);
+  return (one.model ?? "impacting") === other.model && !(one.harmonics?.length) && numbers.every((name) => {
+    const [a, b] = [value(one, name), value(other, name)];
+    return Math.abs(a - b) <= 1e-9 * Math.max(Math.abs(a), Math.abs(b));
+  });
+}
+
+/** The form of the page. @param {ConstructorParameters<typeof MachineForm>[1]} tell */
+export function machineForm(tell) {
+  return new MachineForm(by("machine"), tell);
+}

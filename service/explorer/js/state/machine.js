@@ -1,0 +1,74 @@
+/** A machine in its own units: its fields, how an address has them, and what one unit of the model is in SI. */
+
+/**
+ * @typedef {object} MachineAnswer
+ * @property {Oscillator} oscillator
+ * @property {number|null} velocity_stop
+ * @property {number} iterations
+ * @property {Scales} scales
+ * @property {number} gamma
+ * @property {number|null} threshold_speed rad/s
+ * @property {string|null} refused
+ */
+
+/** @type {{name: string, label: string, units: string[], optional?: boolean, means: string}[]} */
+export const FIELDS = [
+  { name: "speed", label: "Speed", units: ["rpm", "rad/s"], means: "of the driven shaft" },
+  { name: "inertia", label: "Inertia", units: ["kg m^2", "kg cm^2", "g m^2"], means: "of the driven shaft" },
+  { name: "inertia_ratio", label: "Ratio of inertias", units: [], optional: true, means: "driven to driving, both seen from the driven shaft: 1 for equal gears, 0 for a loose gear on a heavy shaft" },
+  { name: "drag_torque", label: "Drag torque", units: ["N m", "mN m"], means: "on the driven shaft at this speed" },
+  { name: "base_radius", label: "Base radius", units: ["mm", "m"], means: "of the driven gear" },
+  { name: "backlash", label: "Backlash", units: ["um", "mm"], means: "all of it, along the line of action" },
+  { name: "transmission_error", label: "Transmission error", units: ["um", "mm"], means: "amplitude of its first order, along the line of action" },
+  { name: "mesh_stiffness", label: "Mesh stiffness", units: ["N/um", "N/m"], optional: true, means: "without it contacts are impacts" },
+  { name: "restitution", label: "Restitution", units: [], optional: true, means: "by which an impact multiplies the speed" },
+];
+
+/** The paper's pump; its speed, radius and inertia are guesses. @type {Object<string, string>} */
+export const PUMP = {
+  speed: "3000 rpm", inertia: "0.01 kg m^2", drag_torque: "94.2 mN m", base_radius: "100 mm", backlash: "120 um", transmission_error: "10 um",
+};
+
+/** A number and its unit in a text as "3000 rpm". @param {string} text */
+export function parts(text) {
+  const [number, ...unit] = text.trim().split(" ");
+  return { number, unit: unit.join(" ") };
+}
+
+/**
+ * Request of a machine from its fields; null while one that is needed is empty.
+ * @param {Object<string, string>} given texts as "3000 rpm", empty where nothing is written
+ */
+export function machineOf(given) {
+  const written = FIELDS.filter(({ name }) => given[name]);
+  if (FIELDS.some(({ name, optional }) => !optional && !given[name])) return null;
+  return Object.fromEntries(written.map(({ name, units }) => [name, units.length ? given[name] : Number(given[name])]));
+}
+
+/** A machine as addresses have it. @param {Object<string, string>} given */
+export function machineText(given) {
+  return FIELDS.filter(({ name }) => given[name]).map(({ name }) => `${name}:${given[name].replaceAll(" ", "_")}`).join(",");
+}
+
+/** Fields of a machine in an address; null if there is none. @param {string|null} text @returns {Object<string, string>|null} */
+export function machineIn(text) {
+  if (!text) return null;
+  const named = text.split(",").map((part) => part.split(":")).filter(([name, value]) => value && FIELDS.some((field) => field.name === name));
+  return named.length ? Object.fromEntries(named.map(([name, value]) => [name, value.replaceAll("_", " ")])) : null;
+}
+
+const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
+
+/** A number with the prefix that makes it 1 to 1000, to three digits. @param {number} value @param {string} unit */
+export function inUnits(value, unit) {
+  if (value === 0) return `0 ${unit}`;
+  const [size, prefix] = PREFIXES.find(([size]) => Math.abs(value) >= Number(size)) ?? PREFIXES[PREFIXES.length - 1];
+  return `${Number((value / Number(size)).toPrecision(3))} ${prefix}${unit}`;
+}
+
+/** What inertia torque over drag torque means, in sentences. @param {MachineAnswer} answer */
+export function gammaInWords({ gamma, threshold_speed }) {
+  const rpm = threshold_speed === null ? null : Math.round((threshold_speed * 30) / Math.PI);
+  const reached = rpm === null ? "Without a transmission error it never reaches 1." : `It reaches 1 at ${rpm} rpm.`;
+  return `Inertia torque over drag torque Γ = ${Number(gamma.toPrecision(3))}. ${reached}`;
+}

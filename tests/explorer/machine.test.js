@@ -1,0 +1,37 @@
+import assert from "node:assert/strict";
+import test from "node:test";
+
+import { decode, encode } from "../../service/explorer/js/state/address.js";
+import { gammaInWords, inUnits, machineIn, machineOf, parts, PUMP } from "../../service/explorer/js/state/machine.js";
+import { loudnessInWords } from "../../service/explorer/js/look/explain.js";
+
+test("a machine is asked for once all that it needs is written, and pure numbers are numbers", () => {
+  const written = { ...PUMP, inertia_ratio: "0.5", mesh_stiffness: "", restitution: "0.8" };
+  assert.deepEqual(machineOf(written), { ...PUMP, inertia_ratio: 0.5, restitution: 0.8 });
+  assert.equal(machineOf({ ...written, backlash: "" }), null);
+});
+
+test("a machine comes back from an address", () => {
+  const there = encode({ machine: PUMP });
+  assert.ok(!there.includes(" ") && there.includes("3000_rpm"));
+  assert.deepEqual(decode(there).machine, PUMP);
+  assert.equal(decode("").machine, null);
+  assert.equal(machineIn("nonsense"), null);
+  assert.deepEqual(parts("0.01 kg m^2"), { number: "0.01", unit: "kg m^2" });
+});
+
+test("units have the prefix that makes a number 1 to 1000", () => {
+  assert.deepEqual([0.0204, 4.2, 1234, 3e-6, 0].map((each) => inUnits(each, "W")), ["20.4 mW", "4.2 W", "1.23 kW", "3 µW", "0 W"]);
+});
+
+test("what a machine's gamma means is said with the speed at which it reaches 1", () => {
+  const answer = { gamma: 0.5238, threshold_speed: 434.1 };
+  assert.match(gammaInWords(/** @type {any} */ (answer)), /Γ = 0\.524\. It reaches 1 at 4145 rpm\./);
+  assert.match(gammaInWords(/** @type {any} */ ({ ...answer, threshold_speed: null })), /never/);
+});
+
+test("a machine's loudness is in its own units", () => {
+  const heard = { impacts_per_period: 2, largest_impact_speed: 0.5, impact_power: 0.1 };
+  assert.equal(loudnessInWords(heard, { time: 0.02, speed: 0.1, power: 30 }), "100 impacts a second, the fastest at 50 mm/s, impact power 3 W");
+  assert.match(loudnessInWords(heard), /2 impacts a forcing period/);
+});
