@@ -1,0 +1,83 @@
+"""A machine in its own units on the page: the oscillator follows it, and what is heard is in m/s and W."""
+
+import re
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import expect
+
+import rattle
+
+pytestmark = pytest.mark.browser
+
+AXE = Path(__file__).parents[2] / "node_modules" / "axe-core" / "axe.min.js"
+# Nearly the paper's numbers, so that all motions are there at once.
+NEAR = {"speed": "955 rpm", "inertia": "0.01 kg m^2", "drag_torque": "9.55 N m", "base_radius": "100 mm",
+        "backlash": "120 mm", "transmission_error": "10 mm"}  # fmt: skip
+
+
+def fill(explorer, machine):
+    explorer.page.locator("#machine summary").click()
+    for name, text in machine.items():
+        number, unit = text.split(" ", 1)
+        explorer.page.locator(f"#machine-{name}").fill(number)
+        explorer.page.locator(f"#machine-{name} + select").select_option(unit)
+
+
+@pytest.fixture
+def filled(explorer):
+    explorer.visit("?damping=0.7&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=100,100&k=211").state("Complete")
+    fill(explorer, NEAR)
+    expect(explorer.page.locator("#machine-said")).to_contain_text("Γ =")
+    return explorer
+
+
+def test_the_oscillator_follows_the_machine_and_its_numbers_are_those_of_the_package(filled):
+    pair = rattle.GearPair(**NEAR)
+    shown = filled.page.locator("label.turn", has_text="Damping").locator("output")
+    expect(shown).to_have_text(f"{pair.oscillator.damping:.6g}".rstrip("0"))
+    rpm = round(pair.threshold_speed * 30.0 / 3.141592653589793)
+    expect(filled.page.locator("#machine-said")).to_contain_text(f"It reaches 1 at {rpm} rpm.")
+
+
+def test_what_is_under_the_pointer_and_in_the_legend_is_in_units(filled):
+    motion = filled.page.locator("#legend button", has_text="P(1,1,0)")
+    expect(motion).to_have_attribute("title", re.compile(r"impacts a second, the fastest at .* m/s, impact power .* W"))
+    filled.page.mouse.move(*filled.spot(0.5, 0.5))
+    expect(filled.page.locator("#reading")).to_contain_text(re.compile(r"t = 0\.\d+ +v = \d\.\d+ \(.* ms, .* m/s\)"))
+
+
+def test_an_address_opens_the_machine_again(filled):
+    expect(filled.page).to_have_url(re.compile("machine=speed"))
+    filled.page.reload()
+    expect(filled.page.locator("#machine-speed")).to_have_value("955")
+    expect(filled.page.locator("#machine-said")).to_contain_text("Γ =")
+    filled.page.mouse.move(*filled.spot(0.5, 0.5))
+    expect(filled.page.locator("#reading")).to_contain_text("m/s")
+
+
+def test_an_oscillator_that_is_turned_away_from_the_machine_has_no_units(filled):
+    slider = filled.page.locator('input[data-turn="damping"]')
+    slider.focus()
+    slider.press("ArrowRight")
+    filled.page.mouse.move(*filled.spot(0.5, 0.5))
+    expect(filled.page.locator("#reading")).not_to_contain_text("m/s")
+    expect(filled.page).not_to_have_url(re.compile("machine="))
+
+
+def test_what_is_wrong_is_said_at_its_field_and_a_machine_above_the_threshold_is_refused(filled):
+    filled.forgive(422)
+    backlash = filled.page.locator("#machine-backlash")
+    backlash.fill("0")
+    expect(backlash).to_have_attribute("aria-invalid", "true")
+    expect(filled.page.locator("#machine-hint-backlash")).to_contain_text("greater than 0")
+    backlash.fill("120")
+    filled.page.locator("#machine-speed").fill("3000")
+    expect(filled.page.locator("#machine-said")).to_contain_text("the teeth part in every turn")
+    expect(filled.page.locator("#machine-said")).to_have_class(re.compile("wrong"))
+
+
+def test_the_form_has_no_barriers(filled):
+    filled.page.evaluate(AXE.read_text())
+    found = filled.page.evaluate("axe.run().then(({ violations }) => violations)")
+    assert [each["id"] for each in found] == []
