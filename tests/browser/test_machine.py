@@ -66,7 +66,7 @@ def test_an_oscillator_that_is_turned_away_from_the_machine_has_no_units(filled)
 
 
 def test_what_is_wrong_is_said_at_its_field_and_a_machine_above_the_threshold_is_refused(filled):
-    filled.forgive(422)
+    filled.forgiven += ("422",)
     backlash = filled.page.locator("#machine-backlash")
     backlash.fill("0")
     expect(backlash).to_have_attribute("aria-invalid", "true")
