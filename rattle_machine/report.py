@@ -18,7 +18,6 @@ import numpy as np
 import xarray as xr
 from jinja2 import Environment
 from markupsafe import Markup
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import rattle
@@ -320,8 +319,6 @@ def _basin_section(pair: GearPair, basin: xr.Dataset) -> _Section:
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
     axes = figure.subplots()
     basin.rattle.plot(ax=axes, overlays=["grazing"])
-    for axis, factor, unit in (("y", scales.speed, "m/s"), ("x", 1e3 * scales.time, "ms")):
-        _draw_second(axes, axis, factor, unit)
     quiet = float(basin.rattle.proven_quiet().min()) * scales.speed
     more = [] if order.size <= _LISTED else [_Part("note", f"And {order.size - _LISTED} more motions.")]
     return _Section(
@@ -344,15 +341,6 @@ def _basin_section(pair: GearPair, basin: xr.Dataset) -> _Section:
             ),
         ],
     )
-
-
-def _draw_second(axes: Axes, axis: str, factor: float, unit: str) -> None:
-    """Draw an axis in another unit beside the one of the model."""
-    there: Any = (lambda value: value * factor), (lambda value: value / factor)
-    if axis == "y":
-        axes.secondary_yaxis("right", functions=there).set_ylabel(unit)
-    else:
-        axes.secondary_xaxis("top", functions=there).set_xlabel(unit)
 
 
 def _or_unknown(value: float, unit: str) -> str:

@@ -17,6 +17,7 @@ Saltelli et al., Computer Physics Communications 181 (2010) 259-270. docs/theory
 import math
 import os
 import re
+import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -26,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 from scipy.special import ndtr, ndtri
-from scipy.stats import qmc, sobol_indices
+from scipy.stats import DegenerateDataWarning, qmc, sobol_indices
 
 from rattle_kernels import OutsideDomain, expected_loudness, loudness, shares_of
 from rattle_machine.departures import sample_of
@@ -392,10 +393,18 @@ def _indices(ranges: Sequence[Range], of_both: np.ndarray, mixed: np.ndarray, se
     a, b = np.split(of_both, 2)
     values: Any = {"f_A": a[None, :], "f_B": b[None, :], "f_AB": mixed[:, None, :]}
     found = sobol_indices(func=values, n=a.size, rng=np.random.default_rng(seed))
-    between = found.bootstrap(confidence_level=_CONFIDENCE, n_resamples=_RESAMPLES)
-    first, total = between.first_order.confidence_interval, between.total_order.confidence_interval
-    numbers = found.first_order, first.low, first.high, found.total_order, total.low, total.high
-    return pd.DataFrame({"number": names} | dict(zip(columns, map(np.ravel, numbers), strict=True)))
+    # An index that is the same in every resample, as that of a number that changes nothing, has no scatter: 0/0 there.
+    with np.errstate(invalid="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore", DegenerateDataWarning)
+        between = found.bootstrap(confidence_level=_CONFIDENCE, n_resamples=_RESAMPLES)
+    numbers: list[np.ndarray] = []
+    for index, interval in (
+        (found.first_order, between.first_order.confidence_interval),
+        (found.total_order, between.total_order.confidence_interval),
+    ):
+        ends = (np.where(np.isnan(end), index, end) for end in (interval.low, interval.high))
+        numbers += [np.ravel(each) for each in (index, *ends)]
+    return pd.DataFrame({"number": names} | dict(zip(columns, numbers, strict=True)))
 
 
 def _production(of_both: np.ndarray, limit: float) -> Production:

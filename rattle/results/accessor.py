@@ -626,6 +626,10 @@ class Result:
         else:
             over = " or lay it over a basin with .rattle.overlay(ax=ax)" if kind.overlays is not None else ""
             raise InvalidJob(f"a result of kind {self.kind} is drawn on a figure of its own: leave out ax{over}")
+        if self.machine is not None and self.kind == "basin":
+            from worker.pictures.units import draw_units
+
+            draw_units(ax, time=self.machine.scales.time, speed=self.machine.scales.speed)
         if title is not None:
             ax.set_title(title)
         return ax
