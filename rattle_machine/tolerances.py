@@ -215,7 +215,7 @@ def tolerances(
         Numbers are those of the machine (``speed``, ``backlash``, ...), and of its transmission error
         ``transmission_error.2.amplitude`` and ``transmission_error.2.phase``.
     machines : int
-        How many are computed, at most: two sets of a power of two, and one more for each number.
+        How many are computed, at most: two sets of a power of two, and one more for each of several numbers.
     departures : int
         That each machine meets.
     size, distribution, pressing
@@ -277,7 +277,8 @@ def tolerances(
         first, second = np.hsplit(qmc.Sobol(2 * len(ranges), rng=seed).random_base2(count.bit_length() - 1), 2)
         both = np.concatenate([first, second])
         of_both = found(both, ranges)
-        mixed = np.array([found(_with_column(first, second, column), ranges)[:, 0] for column in range(len(ranges))])
+        columns = range(len(ranges)) if len(ranges) > 1 else ()
+        mixed = np.array([found(_with_column(first, second, column), ranges)[:, 0] for column in columns])
         indices = _indices(ranges, of_both[:, 0], mixed, seed)
         guilty = None if indices["total"].isna().all() else str(indices["number"][indices["total"].idxmax()])
         tightened = None
@@ -303,10 +304,11 @@ def _checked(numbers: Any) -> Mapping[str, Any]:
 
 def _size(machines: Any, numbers: int) -> int:
     """Machines in each set: the largest power of two for which all sets together are at most so many."""
-    least = _LEAST * (numbers + 2)
+    sets = numbers + 2 if numbers > 1 else 2
+    least = _LEAST * sets
     if isinstance(machines, bool) or not isinstance(machines, int) or machines < least:
         raise InvalidJob(f"machines must be at least {least} for {numbers} tolerances, not {machines!r}", ("machines",))
-    return 1 << ((machines // (numbers + 2)).bit_length() - 1)
+    return 1 << ((machines // sets).bit_length() - 1)
 
 
 def _range_of(pair: GearPair, name: str, given: Any) -> Range:
@@ -390,6 +392,8 @@ def _indices(ranges: Sequence[Range], of_both: np.ndarray, mixed: np.ndarray, se
     columns = ["first", "first_low", "first_high", "total", "total_low", "total_high"]
     if np.ptp(of_both) == 0.0:
         return pd.DataFrame({"number": names} | dict.fromkeys(columns, math.nan))
+    if len(ranges) == 1:  # all of it
+        return pd.DataFrame({"number": names} | dict.fromkeys(columns, 1.0))
     a, b = np.split(of_both, 2)
     values: Any = {"f_A": a[None, :], "f_B": b[None, :], "f_AB": mixed[:, None, :]}
     found = sobol_indices(func=values, n=a.size, rng=np.random.default_rng(seed))
