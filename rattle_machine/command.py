@@ -1,7 +1,6 @@
 """The commands of studies of a machine."""
 
 import json
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -13,29 +12,13 @@ from rattle_machine import pulses as of_pulses
 from rattle_machine import threshold as of_thresholds
 from worker.errors import WorkerError
 
-
-class Distributed(StrEnum):
-    """Distributions of the sizes of pulses."""
-
-    normal = "normal"
-    exponential = "exponential"
-    fixed = "fixed"
-
-
-class PressedTeeth(StrEnum):
-    """What a pulse does that presses the teeth together."""
-
-    bounces = "bounces"
-    held = "held"
-
-
 Machine = Annotated[Path, typer.Argument(help="TOML file of a machine in its own units")]
 Distribution = Annotated[
-    Distributed | None,
+    of_pulses.Distribution | None,
     typer.Option(help="Of the sizes: normal about 0 with this deviation, which is the default, or with this mean"),
 ]
 Pressing = Annotated[
-    PressedTeeth, typer.Option(help="What a pulse that presses the teeth together does, without a mesh stiffness")
+    of_pulses.Pressing, typer.Option(help="What a pulse that presses the teeth together does, without a mesh stiffness")
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Of the sample")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")]
@@ -47,7 +30,7 @@ def pulses(
     rate: Annotated[str, typer.Option(help='How often pulses come, as in "3 / hour"')],
     size: Annotated[str, typer.Option(help=_SIZE)],
     distribution: Distribution = None,
-    pressing: Pressing = PressedTeeth.bounces,
+    pressing: Pressing = "bounces",
     departures: Annotated[int, typer.Option(min=2, help="Pulses that are followed")] = 10_000,
     seed: Seed = 0,
     out_: Annotated[Path | None, typer.Option("--out", help="CSV file of the pulses, one in each line")] = None,
@@ -57,8 +40,8 @@ def pulses(
     try:
         with announced_compiling():
             found = of_pulses.pulses(
-                machine, rate=_number(rate), size=_number(size), distribution=distribution and distribution.value,
-                pressing=pressing.value, departures=departures, seed=seed,
+                machine, rate=_number(rate), size=_number(size), distribution=distribution,
+                pressing=pressing, departures=departures, seed=seed,
             )  # fmt: skip
     except (WorkerError, OutsideDomain) as error:
         give_up(str(error), 2)
@@ -78,7 +61,7 @@ def threshold(
     motion: Annotated[str, typer.Option(help="Whose share, by its name")] = of_thresholds.QUIET,
     size: Annotated[str | None, typer.Option(help=_SIZE + "; without it departures are uniform over a window")] = None,
     distribution: Distribution = None,
-    pressing: Pressing = PressedTeeth.bounces,
+    pressing: Pressing = "bounces",
     fastest: Annotated[float | None, typer.Option(help="Upper end of the window of departures, m/s")] = None,
     departures: Annotated[int, typer.Option(min=2, help="Departures of the sample")] = 4096,
     seed: Seed = 0,
@@ -90,8 +73,8 @@ def threshold(
         with announced_compiling():
             found = of_thresholds.threshold(
                 machine, parameter, share, between=(_number(between[0]), _number(between[1])), motion=motion,
-                size=None if size is None else _number(size), distribution=distribution and distribution.value,
-                pressing=pressing.value, fastest=fastest, departures=departures, seed=seed, scan=scan,
+                size=None if size is None else _number(size), distribution=distribution,
+                pressing=pressing, fastest=fastest, departures=departures, seed=seed, scan=scan,
             )  # fmt: skip
     except (WorkerError, OutsideDomain) as error:
         give_up(str(error), 2)

@@ -267,7 +267,8 @@ class Pulses:
                     ("pressing",),
                 )
             parting = np.maximum(parting, 0.0)
-        return tuple(departures_after_pulses(machine.oscillator, self.phase, parting))
+        after = departures_after_pulses(machine.oscillator, self.phase, parting)
+        return after.t, after.v, after.delay
 
 
 def _drawn_sizes(size: Any, distribution: Distribution | None, count: int, rng: np.random.Generator) -> np.ndarray:

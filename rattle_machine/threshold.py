@@ -304,7 +304,12 @@ def _sample(
         if fastest is not None:
             raise InvalidJob("fastest is of a window of departures: leave it out beside a size", ("fastest",))
         pulses = Pulses.drawn(size, distribution, departures, seed, pressing)
-        return lambda machine: pulses.departures_of(machine)[:2]  # type: ignore[arg-type]
+
+        def kicked(machine: Machine) -> tuple[np.ndarray, np.ndarray]:
+            assert isinstance(machine, GearPair)
+            return pulses.departures_of(machine)[:2]
+
+        return kicked
     if distribution is not None:
         raise InvalidJob("distribution is of the sizes of pulses: give a size", ("distribution",))
     if isinstance(departures, bool) or not isinstance(departures, int) or departures < 2:
