@@ -415,11 +415,14 @@ def pulses(
 
     Examples
     --------
+    >>> import math
     >>> import rattle
-    >>> pair = rattle.GearPair(speed=126.0, inertia=0.001, inertia_ratio=0.1, drag_torque=0.3, base_radius=0.035,
-    ...                        backlash=90e-6, transmission_error=25e-6)
-    >>> found = rattle.pulses(pair, rate=1 / 1200, size=1.5e-3, departures=1000)
+    >>> drag = 0.6 * 0.01 * 300.0**2 / (2.0 * math.pi)
+    >>> pair = rattle.GearPair(speed=300.0, inertia=0.01, drag_torque=drag, base_radius=0.1, backlash=0.12,
+    ...                        transmission_error=0.01)
+    >>> found = rattle.pulses(pair, rate=1 / 1200, size=2.5 * pair.scales.impulse, departures=2000)
     >>> print(found.lasting, [each.name for each in found.rattles])
+    0.1300 ± 0.0075 ['P(1,1,0)', 'chaotic']
     """
     pair = machine_of(machine)
     if pair is None:
