@@ -1,7 +1,6 @@
 """The commands of studies of a machine."""
 
 import json
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -16,29 +15,13 @@ from rattle_machine import threshold as of_thresholds
 from rattle_machine import tolerances as of_tolerances
 from worker.errors import InvalidJob, WorkerError
 
-
-class Distributed(StrEnum):
-    """Distributions of the sizes of pulses."""
-
-    normal = "normal"
-    exponential = "exponential"
-    fixed = "fixed"
-
-
-class PressedTeeth(StrEnum):
-    """What a pulse does that presses the teeth together."""
-
-    bounces = "bounces"
-    held = "held"
-
-
 Machine = Annotated[Path, typer.Argument(help="TOML file of a machine in its own units")]
 Distribution = Annotated[
-    Distributed | None,
+    of_pulses.Distribution | None,
     typer.Option(help="Of the sizes: normal about 0 with this deviation, which is the default, or with this mean"),
 ]
 Pressing = Annotated[
-    PressedTeeth, typer.Option(help="What a pulse that presses the teeth together does, without a mesh stiffness")
+    of_pulses.Pressing, typer.Option(help="What a pulse that presses the teeth together does, without a mesh stiffness")
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Of the sample")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print what is found as JSON alone")]
@@ -50,7 +33,7 @@ def pulses(
     rate: Annotated[str, typer.Option(help='How often pulses come, as in "3 / hour"')],
     size: Annotated[str, typer.Option(help=_SIZE)],
     distribution: Distribution = None,
-    pressing: Pressing = PressedTeeth.bounces,
+    pressing: Pressing = "bounces",
     departures: Annotated[int, typer.Option(min=2, help="Pulses that are followed")] = 10_000,
     seed: Seed = 0,
     out_: Annotated[Path | None, typer.Option("--out", help="CSV file of the pulses, one in each line")] = None,
@@ -60,9 +43,8 @@ def pulses(
     try:
         with announced_compiling():
             found = of_pulses.pulses(
-                machine, rate=_number(rate), size=_number(size),
-                distribution=distribution.value if distribution else None, pressing=pressing.value,
-                departures=departures, seed=seed,
+                machine, rate=_number(rate), size=_number(size), distribution=distribution,
+                pressing=pressing, departures=departures, seed=seed,
             )  # fmt: skip
     except (WorkerError, OutsideDomain) as error:
         give_up(str(error), 2)
@@ -78,7 +60,7 @@ def threshold(
     motion: Annotated[str, typer.Option(help="Whose share, by its name")] = of_thresholds.QUIET,
     size: Annotated[str | None, typer.Option(help=_SIZE + "; without it departures are uniform over a window")] = None,
     distribution: Distribution = None,
-    pressing: Pressing = PressedTeeth.bounces,
+    pressing: Pressing = "bounces",
     fastest: Annotated[float | None, typer.Option(help="Upper end of the window of departures, m/s")] = None,
     departures: Annotated[int, typer.Option(min=2, help="Departures of the sample")] = 4096,
     seed: Seed = 0,
@@ -90,8 +72,8 @@ def threshold(
         with announced_compiling():
             found = of_thresholds.threshold(
                 machine, parameter, share, between=(_number(between[0]), _number(between[1])), motion=motion,
-                size=None if size is None else _number(size), distribution=distribution.value if distribution else None,
-                pressing=pressing.value, fastest=fastest, departures=departures, seed=seed, scan=scan,
+                size=None if size is None else _number(size), distribution=distribution,
+                pressing=pressing, fastest=fastest, departures=departures, seed=seed, scan=scan,
             )  # fmt: skip
     except (WorkerError, OutsideDomain) as error:
         give_up(str(error), 2)
@@ -108,7 +90,7 @@ def tolerances(
     departures: Annotated[int, typer.Option(min=2, help="Departures that each machine meets")] = 1000,
     size: Annotated[str | None, typer.Option(help=_SIZE + "; without it departures are uniform over a window")] = None,
     distribution: Distribution = None,
-    pressing: Pressing = PressedTeeth.bounces,
+    pressing: Pressing = "bounces",
     rate: Annotated[str | None, typer.Option(help='How often pulses come, as in "3 / hour"')] = None,
     fastest: Annotated[float | None, typer.Option(help="Upper end of the window of departures, m/s")] = None,
     limit: Annotated[float, typer.Option(help="Quiet share below which a machine is bad")] = 0.99,
@@ -123,7 +105,7 @@ def tolerances(
             found = of_tolerances.tolerances(
                 machine, dict(map(_named, number)), machines=machines, departures=departures,
                 size=None if size is None else _number(size),
-                distribution=distribution.value if distribution else None, pressing=pressing.value,
+                distribution=distribution, pressing=pressing,
                 rate=None if rate is None else _number(rate), fastest=fastest, limit=limit, tighten=tighten, seed=seed,
             )  # fmt: skip
     except (WorkerError, OutsideDomain) as error:
@@ -138,7 +120,7 @@ def report(
     rate: Annotated[str | None, typer.Option(help='How often torque pulses come, as in "3 / hour"')] = None,
     size: Annotated[str | None, typer.Option(help=_SIZE)] = None,
     distribution: Distribution = None,
-    pressing: Pressing = PressedTeeth.bounces,
+    pressing: Pressing = "bounces",
     number: Annotated[
         list[str] | None,
         typer.Option(help='A tolerance, as in backlash="35 +- 10 um"; several'),
@@ -158,7 +140,7 @@ def report(
             written = of_reports.report(
                 machine, path, rate=None if rate is None else _number(rate),
                 size=None if size is None else _number(size),
-                distribution=distribution.value if distribution else None, pressing=pressing.value,
+                distribution=distribution, pressing=pressing,
                 numbers=dict(map(_named, number or ())) or None, machines=machines, departures=departures, cells=cells,
                 speeds=speeds, limit=limit, seed=seed, title=title, progress=not out.quiet,
             )  # fmt: skip

@@ -258,8 +258,8 @@ class Pulses:
                     ("pressing",),
                 )
             parting = np.maximum(parting, 0.0)
-        t, v, delay = departures_after_pulses(machine.oscillator, self.phase, parting)
-        return t, v, delay
+        after = departures_after_pulses(machine.oscillator, self.phase, parting)
+        return after.t, after.v, after.delay
 
 
 def _drawn_sizes(size: Any, distribution: Distribution | None, count: int, rng: np.random.Generator) -> np.ndarray:
@@ -407,16 +407,17 @@ def pulses(
 
     Examples
     --------
+    >>> import math
     >>> import rattle
-    >>> pair = rattle.GearPair(speed=126.0, inertia=0.001, inertia_ratio=0.1, drag_torque=0.3, base_radius=0.035,
-    ...                        backlash=90e-6, transmission_error=25e-6)
-    >>> found = rattle.pulses(pair, rate=1 / 1200, size=1.5e-3, departures=1000)
+    >>> drag = 0.6 * 0.01 * 300.0**2 / (2.0 * math.pi)
+    >>> pair = rattle.GearPair(speed=300.0, inertia=0.01, drag_torque=drag, base_radius=0.1, backlash=0.12,
+    ...                        transmission_error=0.01)
+    >>> found = rattle.pulses(pair, rate=1 / 1200, size=2.5 * pair.scales.impulse, departures=2000)
     >>> print(found.lasting, [each.name for each in found.rattles])
+    0.1300 ± 0.0075 ['P(1,1,0)', 'chaotic']
     """
     pair = GearPair.of(machine)
     pair.check_gamma()
-    if pair is None:
-        raise InvalidJob("machine must be a rattle.GearPair, or the path of a TOML file", ("machine",))
     every = rate_in_si(rate)
     check_quiet(pair.oscillator)
     drawn = Pulses.drawn(size, distribution, departures, seed, pressing)

@@ -135,12 +135,14 @@ def test_the_command_says_what_the_function_does(tmp_path):
     file = tmp_path / "machine.toml"
     names = "speed", "inertia", "drag_torque", "base_radius", "backlash"
     file.write_text("".join(f"{name} = {getattr(pair, name)!r}\n" for name in names) + "transmission_error = 0.01\n")
-    arguments = ["threshold", str(file), "backlash", "--share", "0.8", "--between", "80 mm", "0.2"]
+    arguments = ["threshold", str(file), "backlash", "--share", "0.95", "--between", "80 mm", "0.2"]
     arguments += ["--departures", "128", "--scan", "3", "--size", "1.2 N m s"]
-    expected = rattle.threshold(pair, "backlash", 0.8, between=("80 mm", 0.2), departures=128, scan=3, size="1.2 N m s")
+    expected = rattle.threshold(
+        pair, "backlash", 0.95, between=("80 mm", 0.2), departures=128, scan=3, size="1.2 N m s"
+    )
     answer = CliRunner().invoke(app, arguments)
-    assert answer.exit_code == 0 and answer.output.strip() == str(expected)
-    assert json.loads(CliRunner().invoke(app, [*arguments, "--json"]).output) == json.loads(
+    assert answer.exit_code == 0 and answer.stdout.strip() == str(expected)
+    assert json.loads(CliRunner().invoke(app, [*arguments, "--json"]).stdout) == json.loads(
         json.dumps(expected.to_dict())
     )
     refused = CliRunner().invoke(app, ["threshold", str(file), "colour", "--share", "0.8", "--between", "1", "2"])

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import rattle
 from rattle.cli import app
 from rattle_kernels import find_attractors, largest_grazing_speed, loudness, next_impacts
-from tests.worker.two_shafts import Shafts
+from tests.worker.two_shafts import shafts_of
 from worker.gear_pair import in_si
 
 GIVEN = {
@@ -23,18 +23,6 @@ GIVEN = {
 
 def machine(**changes):
     return rattle.GearPair(**GIVEN | changes)
-
-
-def shafts_of(pair, radii_ratio=1.0):
-    """The same machine for the integrator: what the ratio of inertias stands for is taken apart again."""
-    radii = pair.base_radius * radii_ratio, pair.base_radius
-    driving = math.inf if pair.inertia_ratio == 0 else radii_ratio**2 * pair.inertia / pair.inertia_ratio
-    error = tuple((order, each.amplitude, each.phase) for order, each in pair.transmission_error.items())
-    stiff = math.inf if pair.mesh_stiffness is None else pair.mesh_stiffness
-    return Shafts(
-        pair.speed, driving, pair.inertia, pair.drag_torque, radii, pair.backlash, stiff,
-        pair.contact_damping or 0.0, 1.0 if pair.restitution is None else pair.restitution, error, pair.turns,
-    )  # fmt: skip
 
 
 MACHINES = {

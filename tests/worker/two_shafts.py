@@ -116,3 +116,15 @@ class Shafts(NamedTuple):
 
         event.terminal, event.direction = True, -1
         return event
+
+
+def shafts_of(pair, radii_ratio=1.0):
+    """The same machine for the integrator: what the ratio of inertias stands for is taken apart again."""
+    radii = pair.base_radius * radii_ratio, pair.base_radius
+    driving = math.inf if pair.inertia_ratio == 0 else radii_ratio**2 * pair.inertia / pair.inertia_ratio
+    error = tuple((order, each.amplitude, each.phase) for order, each in pair.transmission_error.items())
+    stiff = math.inf if pair.mesh_stiffness is None else pair.mesh_stiffness
+    return Shafts(
+        pair.speed, driving, pair.inertia, pair.drag_torque, radii, pair.backlash, stiff,
+        pair.contact_damping or 0.0, 1.0 if pair.restitution is None else pair.restitution, error, pair.turns,
+    )  # fmt: skip
