@@ -43,7 +43,7 @@ _DESIGN_EXAMPLE: dict[str, Any] = {
     "grid": {"time": {"cells": 200}, "velocity": {"cells": 200}},
 }
 _ONE_OF: list[dict[str, Any]] = [
-    {"required": ["vary"], "properties": {"design": {"const": None}}},
+    {"required": ["vary"], "properties": {"design": {"type": "null"}}},
     {"required": ["design"], "properties": {"design": {"type": "object"}, "vary": False}},
 ]
 # Group, period, step, solution; image cell, landing time and speed: see `worker.stores.layout`.

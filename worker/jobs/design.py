@@ -60,9 +60,9 @@ Column = Annotated[tuple[Real, ...], Field(fail_fast=True), in_schema(minItems=1
 class Design(Request):
     """Machines of a sweep, in the order in which they follow one another, over a coordinate such as the speed."""
 
-    name: Annotated[str, AfterValidator(_coordinate), WithJsonSchema({"type": "string", "pattern": _NAME.pattern})] = (
-        Field(description="Of the coordinate, as in `speed`")
-    )
+    name: Annotated[
+        str, AfterValidator(_coordinate), WithJsonSchema({"type": "string", "pattern": f"^{_NAME.pattern}$"})
+    ] = Field(description="Of the coordinate, as in `speed`")
     units: Annotated[str, AfterValidator(_units), in_schema(minLength=1, maxLength=24)] | None = Field(
         None, description="Of its values, as in `rpm`"
     )
