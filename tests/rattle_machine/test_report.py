@@ -1,0 +1,111 @@
+"""One page for the person who decides: it says what was computed, needs no network, and is the same each time."""
+
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+import rattle
+from rattle_machine.pulses import pulses
+from rattle_machine.report import report
+from rattle_machine.tolerances import tolerances
+from worker.errors import InvalidJob
+
+# A machine of the paper's numbers, nearly: some of its departures end in rattle.
+PAIR = rattle.GearPair(
+    speed=100.0, inertia=0.01, drag_torque=9.5493, base_radius=0.1, backlash=0.12, transmission_error=0.01
+)
+RATE, SIZE = 1 / 60, 2.5 * PAIR.scales.impulse
+WITHIN = {"transmission_error.1.amplitude": "10 +- 2 mm", "backlash": (0.11, 0.13)}
+QUICK = {"cells": 24, "speeds": 3, "departures": 64, "progress": False}
+
+
+class _Page(HTMLParser):
+    """Tags that are open at the end, attributes that lead elsewhere, and the text."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open, self.leads, self.text, self.tags = [], [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        if tag not in ("meta", "link", "br"):
+            self.open.append(tag)
+        self.leads += [value for name, value in attrs if name in ("src", "href", "xlink:href", "data", "action")]
+
+    def handle_startendtag(self, tag, attrs):
+        self.leads += [value for name, value in attrs if name in ("src", "href", "xlink:href")]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+def _read(path):
+    page = _Page()
+    page.feed(path.read_text(encoding="utf-8"))
+    return page
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    path = tmp_path_factory.mktemp("report") / "pump.html"
+    return report(PAIR, path, rate=RATE, size=SIZE, numbers=WITHIN, machines=64, title="Pump <3>", **QUICK)
+
+
+def test_it_is_one_page_that_needs_no_other(written):
+    page = _read(written)
+    assert page.open == [] and page.tags.count("svg") == 3
+    assert not {"script", "iframe", "img", "object"} & set(page.tags)
+    # A picture refers to its own parts and holds images in itself.
+    assert all(lead.startswith(("#", "data:image/png;base64,")) for lead in page.leads)
+    assert "Pump <3>: does it rattle?" in "".join(page.text), "a title is text, whatever it holds"
+    assert not re.search(r"url\((?!#|&quot;#)", written.read_text(encoding="utf-8"))
+
+
+def test_it_says_what_the_studies_say(written):
+    text = "".join(_read(written).text)
+    hit = pulses(PAIR, rate=RATE, size=SIZE, departures=64)
+    production = tolerances(PAIR, WITHIN, machines=64, departures=32, size=SIZE, rate=RATE)
+    assert f"{hit.lasting.times(100.0).value:.3g} % end in rattle that lasts" in text
+    assert f"Of the production {production.production.bad.times(100.0)} %" in text
+    assert f"Γ = {PAIR.gamma:.4g} at 954.93 rpm" in text
+    basin = rattle.basin(PAIR, cells=24, progress=False)
+    assert f"{100.0 * float(basin.share.values[0]):.3g} % end in quiet" in text
+    for name, share in zip(basin["name"].values, basin.share.values, strict=True):
+        assert f"{name}{100.0 * share:.3g} %" in text.replace("\n", "")
+
+
+def test_the_same_questions_give_the_same_bytes(written, tmp_path):
+    again = report(
+        PAIR, tmp_path / "other.html", rate=RATE, size=SIZE, numbers=WITHIN, machines=64, title="Pump <3>", **QUICK
+    )
+    assert again.read_bytes() == written.read_bytes()
+
+
+def test_a_page_without_pulses_and_tolerances_says_nothing_of_them(tmp_path):
+    text = "".join(_read(report(PAIR, tmp_path / "short.html", **QUICK)).text)
+    assert "How often" not in text and "Which tolerance" not in text and "What is not modelled" in text
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"rate": 1.0}, "give both, or neither"),
+        ({"size": 1.0}, "give both, or neither"),
+        ({"speeds": 1}, "speeds must be a whole number from 2 on"),
+        ({"numbers": {"backlash": "wide"}}, "is no tolerance"),
+    ],
+)
+def test_what_cannot_be_asked_is_said_and_nothing_is_written(tmp_path, asked, said):
+    with pytest.raises(InvalidJob, match=said):
+        report(PAIR, tmp_path / "none.html", **QUICK | asked)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_machine_whose_teeth_part_in_every_turn_is_refused_with_the_speed(tmp_path):
+    fast = PAIR.at_speed(1.5 * PAIR.threshold_speed)
+    with pytest.raises(InvalidJob, match="rpm"):
+        report(fast, tmp_path / "none.html", **QUICK)
