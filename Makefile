@@ -51,8 +51,9 @@ test-processors: $(READY)  ## the same bytes for every processor that this one c
 # They are among the slow ones, too; before a change is merged they run by themselves.
 GOLDEN := tests/golden tests/rattle_proof/enclosures/test_deliberate_faults.py tests/rattle_proof/verification/test_faults.py
 
-test-golden: $(READY)  ## results to the byte against golden stores, and the proof's deliberate faults (minutes)
+test-golden: $(READY)  ## results to the byte against golden stores, proofs, and their deliberate faults (minutes)
 	$(BIN)/python -m pytest -m '' $(ON_TWO_CORES) $(GOLDEN)
+	$(BIN)/python -m pytest -m 'proof and not slow' $(ON_TWO_CORES)
 
 # In lanes a wrong index corrupts other lanes without a sign, unless it is checked.
 BOUNDS_CHECKED := $(addprefix tests/rattle_kernels/,numerics impact_map lanes cell_mapping attractors/test_classify.py) \

@@ -62,6 +62,7 @@ def proven(tmp_path_factory):
 
 
 @pytest.mark.timeout(400)  # the first proof compiles its kernels
+@pytest.mark.proof
 def test_a_store_with_more_is_read_drawn_and_checked_as_a_plain_one(proven, tmp_path):
     code = f"""
 import rattle
@@ -95,6 +96,7 @@ print(rattle.basin(cells=8, progress=False).rattle.complete)
     assert alone(code, tmp_path).splitlines() == [refused, refused, "True"]
 
 
+@pytest.mark.proof
 def test_a_store_that_has_more_is_neither_computed_nor_mended_without_it(proven, tmp_path):
     damaged = tmp_path / "damaged.zarr"
     shutil.copytree(proven, damaged)

@@ -50,6 +50,7 @@ def computed():
     return numbers
 
 
+@pytest.mark.slow
 def test_the_table_has_the_rows_that_are_computed(computed):
     assert len(ROWS) == len(computed) == 15
 
@@ -62,6 +63,7 @@ def test_every_number_of_the_table_is_what_is_computed_now(computed):
             assert abs(float(paper) - value) < 1e-4, what
 
 
+@pytest.mark.slow
 def test_the_documents_python_runs(capsys):
     (code,) = re.findall(r"```python\n(.*?)```", DOCUMENT, re.DOTALL)
     exec(compile(code, "bifurcations.md", "exec"), {})

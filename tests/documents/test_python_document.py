@@ -4,10 +4,12 @@ import re
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import pytest
 
 DOCUMENT = (Path(__file__).parents[2] / "docs" / "guide" / "python.md").read_text()
 
 
+@pytest.mark.slow
 def test_the_guides_python_runs(service, tmp_path, monkeypatch):
     """Its service is one that runs here, and what takes a service minutes is smaller."""
     monkeypatch.chdir(tmp_path)

@@ -17,6 +17,7 @@ FORCING = [(2, 0.01, 0.0), (3, 0.0005, 0.3)]
 QUICK = {"cells": 24, "iterations": 101, "progress": False}
 
 
+@pytest.mark.slow
 def test_the_phase_of_a_harmonic_is_swept_and_wraps():
     sweep = rattle.sweep(harmonics=FORCING, phase_2=(0, 1, 3), **QUICK)
     solution = sweep.solution.values
@@ -68,6 +69,7 @@ def test_what_cannot_be_asked_is_refused(given, error, told):
         rattle.basin(**given, progress=False)
 
 
+@pytest.mark.slow
 def test_a_motion_and_orbits_of_the_wider_model():
     motion = rattle.trajectory(velocity=3.0, periods=5.0, restitution=0.8, harmonics=FORCING)
     arrives, leaves = motion.velocity.values[np.flatnonzero(np.diff(motion.time.values) == 0.0)[0] + np.array([0, 1])]

@@ -35,6 +35,7 @@ def address(service):
     return f"/v1/jobs/{job.id}"
 
 
+@pytest.mark.slow
 def test_the_page_and_xarray_open_1e10_cells(service, address, monkeypatch):
     read = ChunksRead(monkeypatch)
     outline = service.request("GET", f"{address}/outline").json()

@@ -233,6 +233,7 @@ print(calls)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("cells", "longest"), [(4, 1), (6, 1), (4, 2), pytest.param(4, 4, marks=pytest.mark.slow)])
 def test_a_search_for_orbits_takes_as_many_impacts_as_its_kernels_are_called_for_within_a_factor(cells, longest):
     command = [sys.executable, "-W", "ignore", "-c", COUNT_A_SEARCH, str(cells), str(longest)]

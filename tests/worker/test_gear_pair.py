@@ -39,7 +39,9 @@ MACHINES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name == "two orders" else name for name in MACHINES]
+)
 def test_departures_of_the_two_shafts_are_those_of_the_model(name):
     pair, ratio = MACHINES[name]
     assert pair.gamma < 1.0

@@ -77,6 +77,7 @@ print(here.sizes["impact"])
 SHELL = "from rattle.cli import app; app()"
 
 
+@pytest.mark.slow
 def test_an_installed_kind_is_served_drawn_listed_and_computed_by_python_here_and_there(packages, tmp_path):
     path = os.pathsep.join(map(str, (packages, ROOT)))
     with running_service(tmp_path, PYTHONPATH=path) as service:

@@ -161,6 +161,7 @@ def test_a_basin_is_computed_resumed_and_drawn_without_a_service(tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.proof
 @pytest.mark.timeout(400)  # the first proof compiles its kernels
 def test_a_basin_is_proven_within_tolerances(tmp_path):
     proven = [

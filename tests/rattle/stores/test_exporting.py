@@ -104,6 +104,7 @@ def test_nobody_is_named_unless_asked(exported, tmp_path):
     assert by_id["./"]["license"] == {"@id": "https://spdx.org/licenses/CC0-1.0"}
 
 
+@pytest.mark.proof
 def test_it_holds_the_certificate_of_a_proof(tmp_path):
     rattle.basin(damping=1.5, cells=20, prove=True, levels=0, store=tmp_path / "proven", progress=False)
     rattle.export(tmp_path / "proven", tmp_path / "crate.zip")

@@ -83,7 +83,11 @@ OTHERS = {
 }
 
 
-@pytest.mark.parametrize("oscillator", OTHERS.values(), ids=OTHERS)
+@pytest.mark.parametrize(
+    "oscillator",
+    [pytest.param(each, marks=pytest.mark.slow) if each.harmonics else each for each in OTHERS.values()],
+    ids=OTHERS,
+)
 def test_time_histories_have_the_same_impacts(oscillator):
     compared = []
     for name, attractor in motions_of(oscillator).items():

@@ -134,6 +134,7 @@ def test_what_is_not_valid_is_refused_before_anything_is_followed(arguments, tol
         boundary_dimension(Oscillator(), **arguments)
 
 
+@pytest.mark.slow
 def test_of_the_papers_panel_it_is_above_what_a_picture_shows():
     """A grid of 200, 400, 800 cells gives alpha 0.62, 0.71, 0.76. Pairs of smaller distances give more."""
     rng = np.random.default_rng(7)

@@ -273,6 +273,7 @@ def test_a_branch_that_passes_close_by_its_start_goes_on():
     assert kinds == {SpecialKind.GRAZING: 5, SpecialKind.SADDLE_NODE: 3, SpecialKind.PERIOD_DOUBLING: 4}
 
 
+@pytest.mark.slow
 def test_an_isola_ends_where_it_began():
     """At the fold of P(1,1,0) a small second harmonic leaves it at half of the phases: node and saddle, one loop."""
     oscillator = Oscillator(eccentricity=0.05964305819304491, harmonics=((2, 1e-3, 0.25),))

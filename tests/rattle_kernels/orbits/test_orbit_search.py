@@ -77,6 +77,7 @@ def test_no_attracting_orbit_is_missed(stiffness):
     assert short == sorted(one.orbit.name for one in found if one.orbit.attracts)
 
 
+@pytest.mark.slow
 def test_a_finer_search_finds_the_same(at_06):
     finer = find_orbits(Oscillator(), longest=4, cells=48)
     assert [one.orbit.name for one in finer] == [one.orbit.name for one in at_06]

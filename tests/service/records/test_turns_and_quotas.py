@@ -15,6 +15,7 @@ def small(cells):
     return {"grid": {"time": {"cells": cells}, "velocity": {"cells": cells}}, "iterations": 1}
 
 
+@pytest.mark.slow
 def test_a_small_basin_starts_behind_a_sweep_and_when_sweeps_take_all_they_can(service):
     sweeps = [service.submit(SWEEP)]
     service.wait(sweeps[0]["id"], lambda job: job["progress"] and job["progress"]["tiles_done"] >= 4)

@@ -223,6 +223,7 @@ def test_health_tells_what_is_there(service):
     assert service.request("GET", "/readyz").json() == {"ready": True, "database": True, "workers": 2}
 
 
+@pytest.mark.proof
 @pytest.mark.timeout(400)  # the first proof compiles its kernels
 def test_a_proof_is_asked_for_and_its_certificate_read(service):
     """The map of what is proven is tested elsewhere: here are its doors."""

@@ -75,7 +75,11 @@ def test_a_job_is_its_request(job):
     assert len({each.digest for each in JOBS}) == len(JOBS)
 
 
-@each_kind
+@pytest.mark.parametrize(
+    "job",
+    [pytest.param(DIAGRAM, marks=pytest.mark.slow), *JOBS[1:]],
+    ids=lambda job: job.kind,
+)
 def test_a_cancelled_job_says_what_is_missing_and_resumes_to_the_same_bytes(client, stores, tmp_path, job):
     cancel, location = threading.Event(), tmp_path / "store"
 

@@ -119,6 +119,7 @@ def test_a_phase_that_has_come_around_has_the_numbers_of_its_machine():
     assert basins[3].numbers == [0, 2, 1]
 
 
+@pytest.mark.slow
 def test_a_phase_that_has_come_around_has_no_motion_more_than_its_machine():
     once = find_attractors(TURN, [0.89829], [1.2 * np.pi])[1]
     catalogues = [QUIET], [QUIET, once], [QUIET]

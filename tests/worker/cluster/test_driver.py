@@ -104,7 +104,15 @@ def window_of(threads, tasks, seconds=None):
 
 @pytest.mark.parametrize(
     ("threads", "seconds", "most"),
-    [(2, None, 1), (1000, None, 1), (2, 0.25, 1), (2, 0.01, 10), (100, 0.25, 4), (1000, 0.25, 40), (10_000, 0.25, 40)],
+    [
+        (2, None, 1),
+        (1000, None, 1),
+        (2, 0.25, 1),
+        (2, 0.01, 10),
+        (100, 0.25, 4),
+        (1000, 0.25, 40),
+        pytest.param(10_000, 0.25, 40, marks=pytest.mark.slow),
+    ],
 )
 def test_threads_end_a_hundred_calls_a_second_none_longer_than_ten(threads, seconds, most):
     window, next_task = window_of(threads, 3 * 2 * threads * most, seconds)

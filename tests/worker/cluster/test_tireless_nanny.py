@@ -49,6 +49,7 @@ def test_a_worker_that_is_missed_for_long_comes_back(client):
     assert len({first, second, computed_by(client)}) == 3
 
 
+@pytest.mark.slow
 def test_a_worker_that_died_as_it_registered_does_not_keep_the_next_one_out(client):
     first, plugin = computed_by(client), DiesAsItRegisters()
     client.cluster.scheduler.add_plugin(plugin)

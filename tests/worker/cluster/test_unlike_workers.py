@@ -55,6 +55,7 @@ def odd_worker():
         process.wait(20)
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(600)
 def test_a_cluster_of_both_kinds_is_refused_for_as_long_as_it_is_one(odd_worker, tmp_path):
     store = create_basin(str(tmp_path / "store"))

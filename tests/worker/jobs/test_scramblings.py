@@ -39,6 +39,7 @@ def counted(sample, inside):
     return np.stack([inside_of, sample.points // sample.scramblings - inside_of], axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SETS)
 @pytest.mark.parametrize("scramblings", [8, 16])
 def test_the_interval_holds_the_true_share_as_often_as_it_says(name, scramblings):
@@ -111,6 +112,7 @@ def test_impossible_scramblings_are_refused(scramblings, told):
         Sample(512, 0, scramblings)
 
 
+@pytest.mark.slow
 def test_a_sample_in_sets_writes_and_says_the_errors_of_its_sets(client, tmp_path):
     job = SweepJob(iterations=211, vary=(SweptParameter("damping", (0.6, 0.65)),), sample=Sample(4096, 1, 8))
     summary = run(job, tmp_path / "sample.zarr", client)

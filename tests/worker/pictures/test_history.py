@@ -38,6 +38,7 @@ def test_a_history_of_one_sample_and_a_truncated_one_are_drawn():
     assert drawn(Oscillator(), periods=20.0, most_contacts=2).startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_a_history_of_very_many_contacts_is_drawn():
     """Agg's rasteriser overflows at as many points as these; the extremes of each stretch are as high."""
     fast = Oscillator(half_backlash=0.6)

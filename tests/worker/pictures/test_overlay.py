@@ -57,6 +57,7 @@ def overlays(attractors):
     return {overlay.label: overlay for overlay in overlays_for(OverlayKind, OSCILLATOR, attractors, (0.0, 7.0))}
 
 
+@pytest.mark.slow
 def test_all_kinds_are_there_and_saddles_amid_chaos_are_left_out(overlays):
     saddles = "saddle P(1,1,0)", "saddle P(1,1,1)"
     assert overlays.keys() == {

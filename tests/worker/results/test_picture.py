@@ -173,6 +173,7 @@ def test_basins_of_a_sweep_are_drawn_side_by_side_in_shared_colours(sweep):
         drawn(sweep, layer)
 
 
+@pytest.mark.slow
 def test_of_many_basins_some_are_drawn(tmp_path):
     vary = (SweptParameter("damping", tuple(np.linspace(0.6, 0.7, 100).tolist())),)
     job = SweepJob(grid=CellGrid(time_cells=4, velocity_cells=4), vary=vary)

@@ -77,6 +77,7 @@ def test_keys_that_are_missing_are_asked_for():
         raise OSError(told)
 
 
+@pytest.mark.slow
 def test_a_killed_worker_and_a_stop_leave_no_trace_in_the_objects(client, object_store, folders):
     killed, cancel = [], threading.Event()
 

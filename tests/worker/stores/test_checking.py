@@ -32,15 +32,27 @@ JOBS = {
 }
 
 
+class _Finished:
+    """Folder of finished stores, each computed when it is first asked for."""
+
+    def __init__(self, folder):
+        self._folder = folder
+
+    def __truediv__(self, name):
+        if not (self._folder / name).exists():
+            rattle.compute(JOBS[name], store=self._folder / name, progress=False, workers=2)
+        return self._folder / name
+
+
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("finished")
-    for name, job in JOBS.items():
-        rattle.compute(job, store=folder / name, progress=False, workers=2)
-    return folder
+    return _Finished(tmp_path_factory.mktemp("finished"))
 
 
-@pytest.fixture(params=JOBS)
+PROVEN = pytest.param("proven", marks=pytest.mark.proof)
+
+
+@pytest.fixture(params=[PROVEN if name == "proven" else name for name in JOBS])
 def store(request, finished, tmp_path):
     """A copy of a store, and the store."""
     return shutil.copytree(finished / request.param, tmp_path / "store"), finished / request.param
@@ -207,6 +219,7 @@ def test_an_unfinished_store_loses_what_is_damaged_and_is_not_finished(finished,
     assert content(tmp_path / "begun") == content(finished / "basin")
 
 
+@pytest.mark.slow
 def test_a_store_in_s3_is_checked_and_mended(object_store, finished):
     location = f"s3://{BUCKET}/worker/checked.zarr"
     rattle.compute(JOBS["sweep"], store=location, progress=False)
@@ -252,7 +265,10 @@ def test_a_lost_request_cannot_be_mended(finished, tmp_path):
         rattle.check(tmp_path / "nowhere")
 
 
-@pytest.mark.parametrize("name", ["basin", "sweep", "sample", "proven", "grazing"])
+@pytest.mark.parametrize(
+    "name",
+    ["basin", "grazing", *(pytest.param(name, marks=pytest.mark.slow) for name in ("sweep", "sample", "proven"))],
+)
 def test_metadata_of_every_array_are_written_anew(finished, tmp_path, name):
     """Each is lost in turn; nothing is computed anew."""
     copy = shutil.copytree(finished / name, tmp_path / "store")

@@ -167,6 +167,7 @@ def test_a_level_is_no_basin_to_measure(computed):
         rattle.open(computed, level=4)
 
 
+@pytest.mark.slow
 def test_xarray_opens_1e10_cells_without_reading_any_and_a_level_by_its_chunks(large, monkeypatch):
     location, store = large
     read = ChunksRead(monkeypatch)
@@ -191,7 +192,7 @@ def test_the_page_shows_1e10_cells_by_the_chunks_of_one_level(large, monkeypatch
     assert read_tile_labels(location, 1, level=7) is None
 
 
-@pytest.mark.parametrize("width", [1.0, 0.3, 0.05, 0.004])
+@pytest.mark.parametrize("width", [1.0, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.3, 0.05)), 0.004])
 def test_a_picture_of_any_window_reads_few_chunks_and_shows_its_cells(large, monkeypatch, width):
     location, store = large
     cells = (40_000, min(40_000 + round(width * 100_000), 100_000)) if width < 1.0 else (0, 100_000)
