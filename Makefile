@@ -61,7 +61,7 @@ BOUNDS_CHECKED := $(addprefix tests/rattle_kernels/,numerics impact_map lanes ce
 
 test-slow: $(READY)  ## run the slow tests as well, and small tests of the kernels with checked array bounds
 	$(BIN)/python -m pytest $(ON_TWO_CORES) -m 'not browser and not faults and not containers and not hosts and not distribution'
-	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest $(BOUNDS_CHECKED)
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -m 'not slow' $(BOUNDS_CHECKED)
 
 test-faults: $(READY)  ## kill and fill things from outside (minutes; as root also full and read-only disks)
 	$(BIN)/python -m pytest -m faults
