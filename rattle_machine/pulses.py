@@ -353,8 +353,8 @@ def rate_in_si(rate: Any) -> float:
 
 def _share(chosen: np.ndarray) -> Estimate:
     """Share of those chosen, with the binomial law's error; Laplace's rule where all are alike."""
-    share, error, _ = weighted_shares(chosen.astype(np.int64), np.ones(chosen.size), 2)
-    return Estimate(float(share[1]), float(error[1]))
+    _, error, _ = weighted_shares(chosen.astype(np.int64), np.ones(chosen.size), 2)
+    return Estimate(float(chosen.mean()), float(error[1]))
 
 
 def pulses(

@@ -17,7 +17,6 @@ Saltelli et al., Computer Physics Communications 181 (2010) 259-270. docs/theory
 import math
 import os
 import re
-import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -27,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 from scipy.special import ndtr, ndtri
-from scipy.stats import DegenerateDataWarning, qmc, sobol_indices
+from scipy.stats import qmc, sobol_indices
 
 from rattle_kernels import OutsideDomain, expected_loudness, loudness, shares_of
 from rattle_machine.departures import sample_of
@@ -395,19 +394,19 @@ def _indices(ranges: Sequence[Range], of_both: np.ndarray, mixed: np.ndarray, se
     if len(ranges) == 1:  # all of it
         return pd.DataFrame({"number": names} | dict.fromkeys(columns, 1.0))
     a, b = np.split(of_both, 2)
-    values: Any = {"f_A": a[None, :], "f_B": b[None, :], "f_AB": mixed[:, None, :]}
-    found = sobol_indices(func=values, n=a.size, rng=np.random.default_rng(seed))
-    # An index that is the same in every resample, as that of a number that changes nothing, has no scatter: 0/0 there.
-    with np.errstate(invalid="ignore"), warnings.catch_warnings():
-        warnings.simplefilter("ignore", DegenerateDataWarning)
-        between = found.bootstrap(confidence_level=_CONFIDENCE, n_resamples=_RESAMPLES)
-    numbers: list[np.ndarray] = []
-    for index, interval in (
-        (found.first_order, between.first_order.confidence_interval),
-        (found.total_order, between.total_order.confidence_interval),
-    ):
-        ends = (np.where(np.isnan(end), index, end) for end in (interval.low, interval.high))
-        numbers += [np.ravel(each) for each in (index, *ends)]
+
+    def of(chosen: np.ndarray) -> np.ndarray:
+        values: Any = {"f_A": a[None, chosen], "f_B": b[None, chosen], "f_AB": mixed[:, None, chosen]}
+        with np.errstate(invalid="ignore", divide="ignore"):  # 0/0 of a resample whose machines all do the same
+            found = sobol_indices(func=values, n=a.size, rng=seed)
+        return np.array([np.ravel(found.first_order), np.ravel(found.total_order)])
+
+    rng = np.random.default_rng(seed)
+    resampled = np.array([of(rng.integers(a.size, size=a.size)) for _ in range(_RESAMPLES)])
+    tail = 0.5 * (1.0 - _CONFIDENCE)
+    ends = np.nanquantile(resampled, (tail, 1.0 - tail), axis=0)
+    found = of(np.arange(a.size))
+    numbers = [part for index in (0, 1) for part in (found[index], ends[0, index], ends[1, index])]
     return pd.DataFrame({"number": names} | dict(zip(columns, numbers, strict=True)))
 
 

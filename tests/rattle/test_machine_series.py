@@ -7,11 +7,11 @@ import pytest
 from typer.testing import CliRunner
 
 import rattle
-from rattle import gear_pair
 from rattle.arguments import job_of
 from rattle.cli import app
 from rattle.cli.options import arguments_from, options_of
 from rattle.machine_series import UNITS, MachineSeries
+from worker import gear_pair
 from worker.jobs.design import RESERVED, Design
 
 # The paper's scaled numbers at 100 rad/s: delta 0.6, eps 0.1, beta 0.6.

@@ -72,11 +72,12 @@ def test_the_size_of_a_pulse_moves_the_backlash_at_which_it_is_harmless():
 def test_a_speed_keeps_the_drag_law_and_departures_in_m_s():
     pair = machine()
     ends = []
-    from rattle_machine.threshold import _sample, _varied
+    from rattle_machine.departures import sample_of
+    from rattle_machine.threshold import _varied
 
     base, at, low, high = _varied(pair, "speed", ("2800 rpm", 320.0))
     assert (low, high) == pytest.approx((2800 * 2 * math.pi / 60, 320.0))
-    sample = _sample(base, None, None, "bounces", 30.0, 100, 0)
+    sample = sample_of(base, size=None, distribution=None, pressing="bounces", fastest=30.0, departures=100, seed=0)
     for speed in (low, high):
         other = at(speed)
         assert other.drag_torque == pair.drag_torque and other.speed == speed

@@ -137,7 +137,7 @@ MACHINES = {
 }  # fmt: skip
 DAMPING = {"parameter": "damping", "values": [0.5, 0.6]}
 REFUSED = [
-    ({}, "body.vary: Field required", ["body", "vary"]),
+    ({}, "Field required: the swept parameters, or else a design", ["body", "vary"]),
     (vary(), "at least 1 item", ["body", "vary"]),
     (vary(DAMPING | {"values": []}), "damping needs at least one value", ["body", "vary", 0, "values"]),
     (vary(DAMPING, DAMPING), "damping is swept twice", ["body", "vary", 1, "parameter"]),
