@@ -102,7 +102,7 @@ class PulseStudy:
     overlap : float
         Share of pulses whose episode would pass, but is met by the next pulse before it has.
     rattles : tuple of Rattle
-        The motions that `lasting` is the sum of.
+        The motions that ``lasting`` is the sum of.
     table : pandas.DataFrame
         Pulse by pulse: ``phase``, ``size_n_m_s``, ``motion``, ``turns`` until captured (infinite of a lasting one),
         ``impacts`` and ``impact_energy_j`` until then (NaN of a lasting one).
@@ -370,7 +370,7 @@ def pulses(
     """Hit a quiet machine by torque pulses: how often it rattles then, for how long, and with what power.
 
     Pulses are momentary and come as a Poisson process, so their phases are uniform. Each meets a machine that is quiet
-    again; `PulseStudy.overlap` says how often that is not so.
+    again; ``PulseStudy.overlap`` says how often that is not so.
 
     Parameters
     ----------
@@ -379,8 +379,8 @@ def pulses(
     rate : float or str
         Mean number of pulses a second, or with a unit, as in ``"3 / hour"``.
     size : float, str, path or array_like
-        Torque pulse on the driven shaft, N m s, as in ``"0.05 N m s"``: the scale of `distribution`. Or sizes that were
-        measured: an array, or the path of a CSV file (``.csv``) with one in each line. A positive pulse acts along the
+        Torque pulse on the driven shaft, N m s, as in ``"0.05 N m s"``: the scale of ``distribution``. Or sizes that
+        were measured: an array, or the path of a CSV file (``.csv``) with one in each line. A positive pulse acts along the
         rotation of the driven shaft and parts the teeth; a negative one presses them together.
     distribution : {"normal", "exponential", "fixed"}, optional
         Of the sizes: normal about 0 with this deviation (the default), exponential with this mean, or all alike.

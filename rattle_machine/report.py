@@ -99,11 +99,11 @@ def report(
     path : str or path
         HTML file to write.
     rate, size, distribution, pressing
-        Torque pulses that disturb the machine, as `rattle.pulses` takes them: both rate and size, or neither.
+        Torque pulses that disturb the machine, as ``rattle.pulses`` takes them: both rate and size, or neither.
     numbers : mapping, optional
-        Tolerances, as `rattle.tolerances` takes them.
+        Tolerances, as ``rattle.tolerances`` takes them.
     machines, limit
-        Of the production, as `rattle.tolerances` takes them.
+        Of the production, as ``rattle.tolerances`` takes them.
     departures : int
         That are followed at each speed, and of pulses; of each machine of a production a half of them.
     cells : int

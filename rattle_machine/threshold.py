@@ -121,7 +121,7 @@ def threshold(
         A machine in its own units, or a TOML file of it; or an oscillator of the model.
     parameter : str
         What is varied. Of a machine ``speed`` (drag follows the drag law), another number of it, or an order of the
-        transmission error as in ``transmission_error.2.amplitude``. Of an oscillator one of its `parameters`.
+        transmission error as in ``transmission_error.2.amplitude``. Of an oscillator one of its ``parameters``.
     share : float
         The share to be reached, between 0 and 1.
     between : (float or str, float or str)
@@ -129,8 +129,8 @@ def threshold(
     motion : str
         Whose share, by its name: permanent contact, which is quiet, or another one, as in ``P(1,1,0)``.
     size, distribution, pressing
-        Departures are those after torque pulses on a quiet machine, as `rattle.pulses` takes them. Without a size they
-        are uniform over a window of phases and speeds.
+        Departures are those after torque pulses on a quiet machine, as ``rattle.pulses`` takes them. Without a size
+        they are uniform over a window of phases and speeds.
     fastest : float, optional
         Upper end of that window: m/s of a machine, else a speed of the model. By default it follows the machine as it
         is given, and stays where it is as the parameter varies.

@@ -218,8 +218,8 @@ def tolerances(
     departures : int
         That each machine meets.
     size, distribution, pressing
-        Departures are those after torque pulses, as `rattle.pulses` takes them. Without a size they are uniform over a
-        window of phases and speeds.
+        Departures are those after torque pulses, as ``rattle.pulses`` takes them. Without a size they are uniform over
+        a window of phases and speeds.
     rate : float or str, optional
         How often pulses come, as in ``"3 / hour"``: for episodes a year. It needs a size.
     fastest : float, optional
