@@ -380,8 +380,8 @@ def pulses(
         Mean number of pulses a second, or with a unit, as in ``"3 / hour"``.
     size : float, str, path or array_like
         Torque pulse on the driven shaft, N m s, as in ``"0.05 N m s"``: the scale of ``distribution``. Or sizes that
-        were measured: an array, or the path of a CSV file (``.csv``) with one in each line. A positive pulse acts along the
-        rotation of the driven shaft and parts the teeth; a negative one presses them together.
+        were measured: an array, or the path of a CSV file (``.csv``) with one in each line. A positive pulse acts along
+        the rotation of the driven shaft and parts the teeth; a negative one presses them together.
     distribution : {"normal", "exponential", "fixed"}, optional
         Of the sizes: normal about 0 with this deviation (the default), exponential with this mean, or all alike.
         Measured sizes are drawn as they are, with replacement.
