@@ -17,7 +17,7 @@ PULSES = (
     "How often torque pulses make a quiet machine rattle, for how long, and with what power.",
     (
         'rattle pulses machine.toml --rate "3 / hour" --size "0.05 N m s"',
-        'rattle pulses machine.toml --rate "3 / hour" --size measured.csv --out pulses.csv',
+        'rattle pulses machine.toml --rate "3 / hour" --size measured.csv',
     ),
 )
 """``rattle pulses``: the entry point `pulses` of `rattle.commands` names it."""
@@ -27,7 +27,7 @@ THRESHOLD = (
     "The value of a machine's parameter at which a share of quiet, or of another motion, is reached.",
     (
         'rattle threshold machine.toml backlash --share 0.9 --between "40 um" "200 um"',
-        'rattle threshold machine.toml speed --share 0.99 --between "600 rpm" "3000 rpm" --size "0.05 N m s"',
+        "rattle threshold machine.toml speed --share 0.99 --between 600rpm 3000rpm",
     ),
 )
 """``rattle threshold``: the entry point `threshold` of `rattle.commands` names it."""
@@ -36,8 +36,8 @@ TOLERANCES = (
     "rattle_machine.command:tolerances",
     "How quiet the machines of a production are, and which tolerance is to blame for those that are not.",
     (
-        'rattle tolerances machine.toml --number "backlash=120 +- 40 um" --number "transmission_error.1.phase=any"',
-        'rattle tolerances machine.toml --number "backlash=120 +- 40 um, normal" --size "0.05 N m s" --rate "3 / hour"',
+        'rattle tolerances machine.toml --number "backlash=120 +- 40 um"',
+        'rattle tolerances machine.toml --number "backlash=120 +- 40 um, normal"',
     ),
 )
 """``rattle tolerances``: the entry point `tolerances` of `rattle.commands` names it."""
@@ -47,7 +47,7 @@ REPORT = (
     "Write one page that prints: what a machine does, how loud, how often, and which tolerance is to blame.",
     (
         "rattle report machine.toml --out report.html",
-        'rattle report machine.toml --rate "3 / hour" --size "2 mN m s" --number "backlash=120 +- 40 um"',
+        'rattle report machine.toml --rate "3 / hour" --size "2 mN m s"',
     ),
 )
 """``rattle report``: the entry point `report` of `rattle.commands` names it."""

@@ -247,7 +247,7 @@ def tolerances(
     --------
     >>> import rattle
     >>> pair = rattle.GearPair(speed=305.0, inertia=0.0173, drag_torque=150.0, base_radius=0.0571, backlash=0.06,
-    ...                        transmission_error=5e-3)
+    ...                        transmission_error=5e-3, restitution=0.9)
     >>> found = rattle.tolerances(pair, {"transmission_error.1.amplitude": "5 +- 1 mm", "restitution": (0.8, 1.0)},
     ...                           machines=64, departures=64)
     >>> len(found.table), [each.name for each in found.ranges]

@@ -14,12 +14,18 @@ from pydantic import BaseModel, GetJsonSchemaHandler, GetPydanticSchema, TypeAda
 from pydantic_core import core_schema
 
 from service.models.machines import MACHINE, in_model
-from worker.gear_pair import GearPair
 from worker.jobs.job import Job
 from worker.kinds import KINDS
 
 _Model = TypeVar("_Model", bound=BaseModel)
-_MACHINE: TypeAdapter[Any] = TypeAdapter(GearPair)
+_WITH_A_MACHINE = {
+    "type": "object",
+    "title": "WithMachine",
+    "description": "The same with a machine in its own units in place of `oscillator`",
+    "required": [MACHINE],
+    "properties": {MACHINE: {"type": "object", "description": "As the body of `POST /v1/machines`"}},
+    "not": {"required": ["oscillator"]},
+}
 
 
 def described_as(model: Any, *, machine: bool = False) -> Any:
@@ -40,11 +46,7 @@ def described_as(model: Any, *, machine: bool = False) -> Any:
 
     def describe(_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         schema = handler(described)
-        if machine:
-            whole = handler.resolve_ref_schema(schema)
-            whole["properties"][MACHINE] = handler(_MACHINE.core_schema) | {"description": "In place of `oscillator`"}
-            whole.setdefault("allOf", []).append({"not": {"required": [MACHINE, "oscillator"]}})
-        return schema
+        return {"anyOf": [schema, _WITH_A_MACHINE]} if machine else schema
 
     metadata = {"pydantic_js_annotation_functions": [describe]}
     schema = core_schema.dict_schema(core_schema.str_schema(), core_schema.any_schema(), metadata=metadata)

@@ -26,7 +26,7 @@ def figure():
         ExpectedLoudness(**dict.fromkeys(fields, 0.0) | {"impact_power": 10.0 + basin}) for basin in range(JOB.basins)
     ]
     drawn = Figure()
-    _draw_maps(drawn, JOB, np.stack([quiet, 1.0 - quiet], axis=-1), MOTIONS, expected)
+    _draw_maps(drawn, JOB, np.stack([quiet, 1.0 - quiet], axis=-1), MOTIONS, expected, {})
     return drawn, quiet
 
 
