@@ -26,7 +26,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "sweep": (
         "rattle sweep --vary damping=0.5:0.7:21 --cells 100 --out sweep.zarr",
         "rattle sweep --vary half-backlash=0.5,0.6,0.7 --out sweep.zarr",
-        "rattle sweep --machine machine.toml --vary speed=600:6000rpm:200 --sample 4096",
+        "rattle sweep --machine m.toml --vary speed=600:6000rpm:200 --out rpm.zarr",
     ),
     "bifurcation": ("rattle bifurcation --vary damping=0.5:0.6:201 --seed 0.6,3.77 --out b.zarr",),
     "orbits": (

@@ -371,10 +371,15 @@ class SweepJob(BasinJob):
     )
     design: Design | None = Field(None, description="A list of machines, in place of `vary`")
 
-    @model_validator(mode="after")
-    def _steps_along_one_or_the_other(self) -> Self:
-        if self.vary_ and self.design is not None:
+    @model_validator(mode="before")
+    @classmethod
+    def _steps_along_one_or_the_other(cls, request: Any) -> Any:
+        if isinstance(request, dict) and "vary" in request and request.get("design") is not None:
             raise InvalidJob("give vary, or a design, not both", ("design",))
+        return request
+
+    @model_validator(mode="after")
+    def _steps_along_something(self) -> Self:
         if not self.vary_ and self.design is None:
             raise InvalidJob("Field required: the swept parameters, or else a design", ("vary",))
         return self
