@@ -132,20 +132,8 @@ def _bound_below(oscillator: Oscillator, size: float) -> float:
     return float(gravity**2 * size**3 * math.exp(correction.min() - correction.max() - _MARGIN))
 
 
-def _impacts_between(oscillator: Oscillator, size: float, reached: float) -> float:
-    """Impacts in which a bounce of one size falls to a smaller one.
-
-    A bounce of size u takes 2 u of a period. In one, damping takes delta/3 (2 u) of u, and an impact 1 - r of it.
-    """
-    by_damping, by_impacts = 2.0 / 3.0 * oscillator.damping, -math.log(oscillator.restitution)
-    if by_impacts == 0.0:
-        return (1.0 / reached - 1.0 / size) / by_damping
-    start, end = (math.log(by_damping + by_impacts / each) for each in (size, reached))
-    return (end - start) / by_impacts
-
-
-def _raise_bound(oscillator: Oscillator, bound: float, restitution: float) -> float:
-    """The larger of a safe bound by J and the one by L, which is looked for if that pays with such impacts."""
+def _raise_bound(oscillator: Oscillator, bound: float) -> float:
+    """The larger of a safe bound by J and the one by L."""
     gravity = FOUR_PI * oscillator.damping
     least, greatest = acceleration_range(oscillator)
     # Without a region safe by J there is nothing below that of L.
@@ -153,7 +141,8 @@ def _raise_bound(oscillator: Oscillator, bound: float, restitution: float) -> fl
         return bound
     reached, size = (bound / gravity**2) ** (1.0 / 3.0), _LARGEST_SIZE
     for _ in range(_ROUNDS):
-        if _impacts_between(oscillator._replace(restitution=restitution), size, reached) < _LEAST_GAIN:
+        # A bounce of size u takes 2 u of a period, and u falls by delta/3 of itself in one.
+        if 1.5 / oscillator.damping * (1.0 / reached - 1.0 / size) < _LEAST_GAIN:
             break
         raised = _bound_below(oscillator, size)
         if raised > bound:
@@ -163,17 +152,8 @@ def _raise_bound(oscillator: Oscillator, bound: float, restitution: float) -> fl
 
 
 @lru_cache(maxsize=32)
-def _bound(oscillator: Oscillator, restitution: float) -> float:
-    # An impact that loses energy takes a departure to a lower one: what is safe without losses is safe with them.
-    elastic = oscillator._replace(restitution=1.0)
-    bound = _raise_bound(elastic, descent_bound(elastic, np.empty(12), np.empty(12)), restitution)
-    return max(bound, sticking_bound(oscillator)) if oscillator.restitution < 1.0 else bound
-
-
 def capture_bound(oscillator: Oscillator) -> float:
-    """Bound on ``1.5 J`` below which ever lower bounces capture a departure, as trajectories are followed with it.
-
-    Where impacts lose energy, bounces are soon below any bound, and a higher one is not looked for.
+    """Largest known bound on ``1.5 J`` below which ever lower bounces capture a departure.
 
     Parameters
     ----------
@@ -185,20 +165,7 @@ def capture_bound(oscillator: Oscillator) -> float:
     float
         0 where no region is safe: then nothing is ever captured.
     """
-    return _bound(oscillator, oscillator.restitution)
-
-
-def largest_capture_bound(oscillator: Oscillator) -> float:
-    """Largest known of such bounds, whatever it takes to find it.
-
-    Parameters
-    ----------
-    oscillator : Oscillator
-        Checked by the caller.
-
-    Returns
-    -------
-    float
-        0 where no region is safe.
-    """
-    return _bound(oscillator, 1.0)
+    # An impact that loses energy takes a departure to a lower one: what is safe without losses is safe with them.
+    elastic = oscillator._replace(restitution=1.0)
+    bound = _raise_bound(elastic, descent_bound(elastic, np.empty(12), np.empty(12)))
+    return max(bound, sticking_bound(oscillator)) if oscillator.restitution < 1.0 else bound

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rattle_kernels.impact_map.adiabatic_invariant import largest_capture_bound
+from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
 from rattle_kernels.impact_map.chatter import fastest_below
 from rattle_kernels.model.departures import check_phases
 from rattle_kernels.model.domain import check_domain
@@ -48,5 +48,5 @@ def capture_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarr
     """
     checked, phase = check_domain(oscillator), check_phases(t)
     velocity = np.empty(phase.size)
-    _fastest_of_all(checked, largest_capture_bound(checked), phase.ravel(), velocity)
+    _fastest_of_all(checked, capture_bound(checked), phase.ravel(), velocity)
     return velocity.reshape(phase.shape)
