@@ -55,6 +55,7 @@ def test_the_table_has_the_rows_that_are_computed(computed):
     assert len(ROWS) == len(computed) == 15
 
 
+@pytest.mark.slow
 def test_every_number_of_the_table_is_what_is_computed_now(computed):
     for (what, paper, printed, residual), (value, left) in zip(ROWS, computed, strict=True):
         assert float(printed) == pytest.approx(value, abs=1e-12), what

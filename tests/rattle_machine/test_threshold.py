@@ -131,6 +131,7 @@ def test_parameters_of_a_machine_are_named():
         rattle.threshold(machine(), "speed", 0.8, between=(900.0, 1000.0), departures=16, scan=2)
 
 
+@pytest.mark.slow
 def test_the_command_says_what_the_function_does(tmp_path):
     pair = machine()
     file = tmp_path / "machine.toml"

@@ -109,6 +109,7 @@ def test_what_is_said_of_the_production_follows_from_the_table(study):
     assert pd.DataFrame.from_dict(told["indices"], orient="index").shape == (3, 6)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_production_with_any_number_of_threads():
     def drawn(workers, seed=3):
         found = tolerances(PAIR, {"backlash": "0.12 +- 0.02 m"}, machines=64, departures=64, seed=seed, workers=workers)
