@@ -34,7 +34,7 @@ def filled(explorer):
 
 def test_the_oscillator_follows_the_machine_and_its_numbers_are_those_of_the_package(filled):
     pair = rattle.GearPair(**NEAR)
-    shown = filled.page.locator("label.turn", has_text="Damping").locator("output")
+    shown = filled.page.get_by_role("status", name="Damping δ")
     expect(shown).to_have_text(f"{pair.oscillator.damping:.6g}".rstrip("0"))
     rpm = round(pair.threshold_speed * 30.0 / 3.141592653589793)
     expect(filled.page.locator("#machine-said")).to_contain_text(f"It reaches 1 at {rpm} rpm.")
