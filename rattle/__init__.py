@@ -19,7 +19,7 @@ Floors, the highest first; each imports from lower ones alone ::
     verbs | stores
     arguments | crate
     local | names | pictures | results
-    machine_series | measured_curve | progress
+    measured_curve | progress
 """
 
 # ruff: noqa: F403, F405 - the names of `rattle.names` are those of its `__all__`

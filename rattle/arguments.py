@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from rattle.machine_series import MACHINES, UNITS, MachineSeries
 from rattle.measured_curve import transmission_error
 from rattle_kernels import TransmissionError
 from rattle_kernels.model.oscillator import PARAMETERS
 from worker.additions import Addition, additions
 from worker.errors import FieldPath, InvalidFields, InvalidJob
-from worker.gear_pair import GearPair
+from worker.gear_pair import MACHINE, GearPair
 from worker.jobs.job import Job
 from worker.jobs.oscillator_request import (
     BOTH_FORCINGS,
@@ -31,6 +30,7 @@ from worker.jobs.request import refusal
 from worker.jobs.swept_parameter import is_of_harmonic, is_parameter
 from worker.jobs.trajectory_request import TrajectoryRequest
 from worker.kinds import KINDS
+from worker.machine_series import MACHINES, UNITS, MachineSeries
 from worker.precision_limits import fastest_of
 
 Values = dict[str, Any]
@@ -140,9 +140,9 @@ def trajectory_of(given: Mapping[str, Any]) -> TrajectoryRequest:
         If a value has a wrong type or lies out of range.
     """
     values = {name: _plain(value) for name, value in given.items()}
-    _read_machine(values, "trajectory")
+    _read_machine(values, _TRAJECTORY)
     start = _taken(values, "time", "velocity", "displacement")
-    request: Values = {"oscillator": _oscillator(values, "trajectory"), "start": start}
+    request: Values = {"oscillator": _oscillator(values, _TRAJECTORY), "start": start}
     try:
         return TrajectoryRequest(**request | values)
     except ValidationError as error:
@@ -187,10 +187,11 @@ def _oscillator(values: Values, kind: str) -> Values:
 
 
 _OF_WINDOWS = "basin", "sweep", "orbits", "manifold"
+_TRAJECTORY = "trajectory"
 
 
 def _read_machine(values: Values, kind: str) -> None:
-    """Replace a machine by its numbers in the model, and a window that is not given by one that follows it."""
+    """Put the numbers of the model beside a machine, and a window that is not given, which follows it."""
     machine = read_machine(values)
     values.pop("machine", None)
     if machine is None:
@@ -211,6 +212,9 @@ def _read_machine(values: Values, kind: str) -> None:
     if kind in _OF_WINDOWS and "velocity" not in values:
         values["velocity"] = (0.0, max(map(fastest_of, oscillators)))
     values.update(numbers | values)
+    own = machine.columns if isinstance(machine, MachineSeries) else machine.model_dump(mode="json", exclude_none=True)
+    if kind != _TRAJECTORY and own is not None:
+        values[MACHINE] = own
 
 
 def _read_measured_curve(values: Values) -> None:

@@ -60,6 +60,8 @@ def compute(
 
     Raises
     ------
+    InvalidJob
+        If its machine has another oscillator than the job.
     JobCancelled
         If it was interrupted. The same call goes on from what is in the store.
     StoreConflict
@@ -77,6 +79,10 @@ def compute(
     from rattle.results.opening import open
     from worker.stores.opening import is_complete
 
+    if job.machine_ is not None:
+        from worker.machine_series import machine_of
+
+        machine_of(job.request())  # refuses one that is not the oscillator's
     location = cache.location_of(job) if store is None else str(store)
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be 1 or more, not {workers}")
@@ -163,7 +169,7 @@ def _differs(value: Any, default: Any) -> bool:
 
 def _computed(kind: str, arguments: dict[str, Any]) -> "xr.Dataset":
     """Compute the job that the arguments of a verb describe, or open its result."""
-    from rattle.arguments import job_of, read_machine
+    from rattle.arguments import job_of
 
     arguments |= arguments.pop("of_harmonics", {})
     written = {name: each for name, each in arguments.items() if isinstance(each, _Numbered)}
@@ -171,9 +177,7 @@ def _computed(kind: str, arguments: dict[str, Any]) -> "xr.Dataset":
         del arguments[name]
         arguments[name] = written[name].value
     where = {name: arguments.pop(name) for name in _WHERE}
-    machine = read_machine(arguments)
-    result = compute(job_of(kind, given_of(VERBS[kind], arguments)), **where)
-    return result if machine is None else machine.with_units(result)
+    return compute(job_of(kind, given_of(VERBS[kind], arguments)), **where)
 
 
 def basin(

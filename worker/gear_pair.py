@@ -43,9 +43,8 @@ _ROUNDING = 4.0 * sys.float_info.epsilon
 # Numbers of the model, and of its units in SI: beyond these their squares and products are none.
 _LEAST, _GREATEST = 1e-100, 1e100
 MACHINE = "machine"
-"""Attribute of a result that says of which machine it is, as JSON."""
-# Variables of results and what they are called in SI. Those that may be large are read lazily, and are left out.
-_IN_SI = {
+"""Field of a request, and attribute of a result as JSON, that says of which machine it is."""
+IN_SI = {
     "time": ("time_s", "s"),
     "velocity": ("speed_m_s", "m/s"),
     "grazing_velocity": ("grazing_speed_m_s", "m/s"),
@@ -62,6 +61,10 @@ _IN_SI = {
     "expected_impact_power": ("expected_impact_power_w", "W"),
     "expected_impact_power_error": ("expected_impact_power_error_w", "W"),
 }
+"""Variables of results, what they are called in SI, and their units.
+
+Those that may be large are read lazily, and are left out.
+"""
 # No arithmetic: a text that comes over HTTP must not be a computation.
 _UNIT = r"[A-Za-z\u00b5\u03bc\u00b0]+(?:(?:\^|\*\*)-?[1-9])?"
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?"
@@ -222,7 +225,7 @@ def beside_in_si(result: "xr.Dataset", units: "Mapping[str, float | xr.Variable]
     import xarray as xr
 
     added = {}
-    for name, (own, unit) in _IN_SI.items():
+    for name, (own, unit) in IN_SI.items():
         if name in result.variables:
             variable = result.variables[name]
             attributes = {"units": unit, "long_name": variable.attrs.get("long_name", name)}
@@ -246,13 +249,13 @@ def with_columns_in_si(table: "pd.DataFrame", units: "Mapping[str, float | pd.Se
     -------
     pandas.DataFrame
     """
-    known = {name: _IN_SI[name] for name in table.columns if name in _IN_SI}
+    known = {name: IN_SI[name] for name in table.columns if name in IN_SI}
     return table.assign(**{own: table[name] * units[unit] for name, (own, unit) in known.items()})
 
 
 def factors_of(units: "Mapping[str, _T]") -> "dict[str, tuple[str, _T]]":
     """Unit of each variable of a result that has one, and what one unit of the model is in it, by its name."""
-    return {name: (unit, units[unit]) for name, (_, unit) in _IN_SI.items()}
+    return {name: (unit, units[unit]) for name, (_, unit) in IN_SI.items()}
 
 
 class Scales(NamedTuple):

@@ -103,8 +103,7 @@ class ResultKind:
     draw_on : callable, optional
         ``draw_on(dataset, axes, look)``: draws a result that takes no more on axes.
     shares : callable, optional
-        ``shares(dataset, target, factors)``: draws shares over swept parameters on an empty figure, or on axes;
-        `factors` are the units of a machine's loudness.
+        ``shares(dataset, target)``: draws shares over swept parameters on an empty figure, or on axes.
     overlays : callable, optional
         ``overlays(dataset, names)``: what of it can be laid over axes of the (t, v) plane, by default all. Each draws
         itself by ``draw(axes, time_start)``.
@@ -113,7 +112,7 @@ class ResultKind:
     name: str
     draw: "Callable[[xr.Dataset, Figure, Any], object]"
     draw_on: "Callable[[xr.Dataset, Axes, Any], object] | None" = None
-    shares: "Callable[[xr.Dataset, Figure | Axes, Any], object] | None" = None
+    shares: "Callable[[xr.Dataset, Figure | Axes], object] | None" = None
     overlays: "Callable[[xr.Dataset, Collection[str]], Iterable[Any]] | None" = None
 
 

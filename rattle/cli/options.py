@@ -10,13 +10,13 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
 import typer
 
-from rattle.machine_series import MACHINES, UNITS
 from rattle.measured_curve import transmission_error
 from rattle.verbs import given_of
 from worker.additions import additions
 from worker.errors import InvalidJob
 from worker.gear_pair import number_and_unit
 from worker.jobs.swept_parameter import is_parameter, known_parameter
+from worker.machine_series import MACHINES, UNITS
 
 Values = dict[str, Any]
 """Values of options, or of arguments, by name."""

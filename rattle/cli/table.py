@@ -9,7 +9,7 @@ import typer
 from rattle.cli.console import Key, give_up, out
 from rattle.results import opening
 from worker.errors import InvalidJob, StoreConflict, WorkerError
-from worker.results.tables import TableFormat, table_of, write_table
+from worker.results.tables import TableFormat, Units, table_of, write_table
 
 
 def table(
@@ -20,6 +20,9 @@ def table(
     name: Annotated[
         str | None, typer.Option(help="Which table: a dimension or an array of the store; a wrong name lists them")
     ] = None,
+    units: Annotated[
+        Units, typer.Option(help="Of a machine: SI units beside those of the model, or in their place")
+    ] = Units.BOTH,
     as_json: Annotated[bool, typer.Option("--json", help="As JSON on standard output")] = False,
     key: Key = None,
 ) -> None:
@@ -27,7 +30,7 @@ def table(
     try:
         table_format = TableFormat.JSON if as_json else TableFormat.CSV
         table_format = table_format if out_ is None else TableFormat.of_file(out_)
-        text = write_table(table_of(opening.open(store, key=key), name), table_format)
+        text = write_table(table_of(opening.open(store, key=key), name, units), table_format)
         if out_ is None:
             sys.stdout.write(text)
             return

@@ -80,16 +80,15 @@ class _There(Generic[_P]):
 
 def _computed(service: "Service", name: str, given: dict[str, Any]) -> "xr.Dataset":
     """Let the service compute the job that arguments describe, and open its result."""
-    from rattle.arguments import job_of, read_machine
+    from rattle.arguments import job_of
 
-    machine = read_machine(given)
     progress = given.pop("progress", True)
     if callable(progress):
         raise TypeError(f"{name}() of a service shows its progress or does not: give progress=True or False")
     (kind,) = (kind for kind, verb in verbs.VERBS.items() if verb.__name__ == name)
     job = service.submit(job_of(kind, given))
     job.wait(progress).demand_success()
-    return job.open() if machine is None else machine.with_units(job.open())
+    return job.open()
 
 
 def _followed(service: "Service", _: str, given: dict[str, Any]) -> "xr.Dataset":

@@ -7,19 +7,19 @@ import json
 from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import xarray as xr
 
-from rattle.machine_series import MACHINES, MachineSeries
 from rattle.results.trajectories import TRAJECTORY, TRAJECTORY_RESULT, history_of
 from rattle_kernels import NOT_CONVERGED, PERMANENT_CONTACT, SINK, Attractor, Oscillator
 from worker.additions import additions
 from worker.errors import InvalidJob
-from worker.gear_pair import MACHINE, GearPair
+from worker.gear_pair import GearPair
 from worker.jobs.job import Job
 from worker.kinds import KINDS, ResultKind, kind_of
+from worker.machine_series import MachineSeries
 from worker.results import opening
 from worker.results.opening import demand_all_cells
 from worker.results.tables import table_of
@@ -140,8 +140,8 @@ class Result:
         >>> rattle.basin(cells=20, progress=False).rattle.machine is None
         True
         """
-        given = self._dataset.attrs.get(MACHINE)
-        return None if given is None else GearPair(**json.loads(given))
+        machine = opening.machine_in(self._dataset)
+        return machine if isinstance(machine, GearPair) else None
 
     @cached_property
     def machines(self) -> tuple[GearPair, ...]:
@@ -152,17 +152,8 @@ class Result:
         >>> rattle.basin(cells=20, progress=False).rattle.machines
         ()
         """
-        return () if self._series is None else self._series.pairs
-
-    @cached_property
-    def _series(self) -> MachineSeries | None:
-        machines, job = self._dataset.attrs.get(MACHINES), self._dataset.attrs.get("request")
-        return None if machines is None or job is None else MachineSeries.of_result(machines, self.job.axes[0])
-
-    @property
-    def _in_units(self) -> GearPair | MachineSeries | None:
-        """What gives the result units of its own."""
-        return self.machine or self._series
+        machines = opening.machine_in(self._dataset)
+        return machines.pairs if isinstance(machines, MachineSeries) else ()
 
     @property
     def oscillator(self) -> Oscillator:
@@ -335,16 +326,7 @@ class Result:
         0.6
         """
         self._demand("basin", "sweep")
-        return self._alone(values)
-
-    def _alone(self, values: dict[str, float]) -> xr.Dataset:
-        """One basin; of the machines of a sweep it has its own."""
-        basin = opening.basin_of(self._dataset, **values)
-        if self._series is None:
-            return basin
-        machine = self.machines[self._series.index_of(values[self._series.name])]
-        del basin.attrs[MACHINES]
-        return basin.assign_attrs({MACHINE: str(machine)})
+        return opening.basin_of(self._dataset, **values)
 
     def basins(self) -> tuple[xr.Dataset, ...]:
         """All basins of a sweep, each as `basin` returns it.
@@ -367,7 +349,7 @@ class Result:
         """
         self._demand("basins", "sweep")
         job: Any = self.job
-        return tuple(self._alone(job.values_of(number)) for number in range(job.basins))
+        return tuple(opening.basin_of(self._dataset, **job.values_of(number)) for number in range(job.basins))
 
     def measures(self, tolerance: float = 1e-6) -> xr.Dataset:
         """Measures of each basin: integrity, entropies, uncertainty exponent, least disturbance.
@@ -421,7 +403,8 @@ class Result:
         from worker.results.measures import measure_loudness
 
         measured = measure_loudness(self._dataset)
-        return measured if self._in_units is None else self._in_units.with_units(measured)
+        machine = opening.machine_in(self._dataset)
+        return measured if machine is None else machine.with_units(measured)
 
     def least_disturbance(self, tolerance: float = 1e-6) -> xr.DataArray:
         """Smallest speed at each phase that leads from quiet to rattle.
@@ -626,10 +609,6 @@ class Result:
         else:
             over = " or lay it over a basin with .rattle.overlay(ax=ax)" if kind.overlays is not None else ""
             raise InvalidJob(f"a result of kind {self.kind} is drawn on a figure of its own: leave out ax{over}")
-        if self.machine is not None and self.kind == "basin":
-            from worker.pictures.units import draw_units
-
-            draw_units(ax, time=self.machine.scales.time, speed=self.machine.scales.speed)
         if title is not None:
             ax.set_title(title)
         return ax
@@ -693,16 +672,18 @@ class Result:
 
         target = plt.figure(layout="constrained") if ax is None else ax
         assert self._kind.shares is not None
-        self._kind.shares(self._dataset, target, {} if self._in_units is None else self._in_units.factors)
+        self._kind.shares(self._dataset, target)
         return target
 
-    def to_table(self, name: str | None = None) -> "pd.DataFrame":
-        """What the result lists, as a table; of a machine with columns in SI units as well.
+    def to_table(self, name: str | None = None, *, units: Literal["both", "model", "si"] = "both") -> "pd.DataFrame":
+        """What the result lists, as a table.
 
         Parameters
         ----------
         name : str, optional
             Which table, where there are several; a wrong one lists them. By default the first.
+        units : {"both", "model", "si"}
+            Of a machine: columns in its units beside those of the model, or in place of them.
 
         Returns
         -------
@@ -711,7 +692,7 @@ class Result:
         Raises
         ------
         InvalidJob
-            If there is no table of that name.
+            If there is no table of that name, or it has SI units alone and the result is of no machine.
 
         Examples
         --------
@@ -719,16 +700,17 @@ class Result:
         >>> sweep.rattle.to_table("change")[["change_kind", "change_from", "change_to"]].values.tolist()[0]
         ['death', 0.55, 0.6]
         """
-        table = table_of(self._dataset, name)
-        return table if self._in_units is None else self._in_units.with_columns(table)
+        return table_of(self._dataset, name, units)
 
-    def to_csv(self, path: str | Path, name: str | None = None) -> None:
+    def to_csv(
+        self, path: str | Path, name: str | None = None, *, units: Literal["both", "model", "si"] = "both"
+    ) -> None:
         """Write a table as CSV.
 
         Parameters
         ----------
         path : str or path
-        name : str, optional
+        name, units : str
             As for `to_table`.
 
         Raises
@@ -745,7 +727,7 @@ class Result:
         >>> Path("motions.csv").read_text()[:16]
         'name,share,kind,'
         """
-        self.to_table(name).to_csv(path, index=False)
+        self.to_table(name, units=units).to_csv(path, index=False)
 
     def _demand(self, what: str, *kinds: str) -> None:
         if self.kind not in kinds:

@@ -6,13 +6,11 @@ from pydantic import BaseModel, Field, TypeAdapter
 
 from rattle_kernels import settled_iterations
 from worker.errors import InvalidFields, InvalidJob
-from worker.gear_pair import GearPair
+from worker.gear_pair import MACHINE, GearPair
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, PiecewiseLinearOscillator
 from worker.precision_limits import fastest_of
 from worker.results.summary import FiniteOrNone
 
-MACHINE = "machine"
-"""Field of a request that stands in place of its oscillator."""
 _OSCILLATOR: TypeAdapter[Any] = TypeAdapter(OscillatorRequest)
 
 
@@ -88,7 +86,7 @@ def machine_from(value: Any, *path: str) -> GearPair:
 
 
 def in_model(body: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
-    """A request whose machine has become an oscillator, with a window that follows it if none is given.
+    """A request with the oscillator of its machine, and with a window that follows it if none is given.
 
     Parameters
     ----------
@@ -100,21 +98,26 @@ def in_model(body: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
     Returns
     -------
     dict
-        The body itself if it has no machine.
+        The body itself if it has no machine, or has its oscillator already. The machine stays in it if the model has a
+        field for it, its numbers in SI.
 
     Raises
     ------
     InvalidJob
-        If the machine is none, is given beside an oscillator, or inertia torque reaches drag torque.
+        If the machine is none, or inertia torque reaches drag torque.
     """
-    if MACHINE not in body:
+    if body.get(MACHINE) is None:
         return body
+    fields = {field.alias or name for name, field in model.model_fields.items()}
     if "oscillator" in body:
-        raise InvalidJob("give the machine or the oscillator, not both: one follows from the other", (MACHINE,))
+        if MACHINE not in fields:
+            raise InvalidJob("give the machine or the oscillator, not both: one follows from the other", (MACHINE,))
+        return body
     pair = machine_from(body[MACHINE], MACHINE)
     pair.check_gamma()
     request = {name: value for name, value in body.items() if name != MACHINE}
-    fields = {field.alias or name for name, field in model.model_fields.items()}
+    if MACHINE in fields:
+        request[MACHINE] = pair.model_dump(mode="json", exclude_none=True)
     for window in fields & {"grid", "region"}:
         inside = request.get(window, {})
         if isinstance(inside, dict) and "velocity" not in inside:

@@ -13,7 +13,8 @@ from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, GetJsonSchemaHandler, GetPydanticSchema, TypeAdapter, ValidationError
 from pydantic_core import core_schema
 
-from service.models.machines import MACHINE, in_model
+from service.models.machines import in_model
+from worker.gear_pair import MACHINE
 from worker.jobs.job import Job
 from worker.kinds import KINDS
 

@@ -29,7 +29,7 @@ from worker.results.opening import open_store
 from worker.results.panel import Layer, Look
 from worker.results.shares import shares_figure
 from worker.results.summary import fingerprint
-from worker.results.tables import TableFormat, demand_small_table, table_of, write_table
+from worker.results.tables import TableFormat, Units, demand_small_table, table_of, write_table
 
 router = APIRouter(prefix="/v1/jobs/{job_id}", tags=["results"])
 
@@ -193,18 +193,21 @@ def get_table(
     jobs: JobsHere,
     settings: SettingsHere,
     table: Annotated[str | None, Query(description="A dimension or an array of the store", max_length=100)] = None,
+    units: Annotated[
+        Units, Query(description="Of a machine: columns in SI units beside those of the model, or in their place")
+    ] = Units.BOTH,
     if_none_match: IfNoneMatch = None,
 ) -> Response:
     """List what a result holds, row by row: by default motions, shares, orbits, orders or departures."""
     location, kind = location_of(job_id, jobs, settings), KINDS[jobs.get(job_id).kind]
     table_format = TableFormat.of_file(request.url.path)
-    etag = etag_of(kind.fingerprint(location), "table", table or "", table_format, _VERSION)
+    etag = etag_of(kind.fingerprint(location), "table", table or "", table_format, units, _VERSION)
     known = not_modified(etag, if_none_match)
     if known is not None:
         return known
     with open_store(location) as dataset:
         demand_small_table(dataset, table, settings.max_table_rows, f"/v1/jobs/{job_id}/result.zarr")
-        text = write_table(table_of(dataset, table), table_format)
+        text = write_table(table_of(dataset, table, units), table_format)
     return Response(text, media_type=table_format.media_type, headers={"etag": etag})
 
 

@@ -48,6 +48,22 @@ def test_it_has_the_verbs_of_the_package_with_the_same_arguments(there):
             there.basin(**given)
 
 
+def test_a_result_of_a_machine_has_its_units_wherever_it_is_opened(there):
+    # The paper's scaled numbers at 100 rad/s: delta = 2 pi T/(I Omega^2).
+    pair = rattle.GearPair(
+        speed=100.0, inertia=0.01, drag_torque=300 / np.pi, base_radius=0.1, backlash=0.12, transmission_error=0.01
+    )
+    given = {"cells": 12, "iterations": 101, "progress": False}
+    here = rattle.basin(pair, **given)
+    xr.testing.assert_equal(there.basin(pair, **given).load(), here.load())
+    speeds = there.sweep(pair, speed=["900 rpm", "950 rpm"], **given)
+    assert speeds.rattle.machines == tuple(pair.at_speed(speed) for speed in ("900 rpm", "950 rpm"))
+    job = there.submit(here.rattle.job).wait(progress=False)
+    assert rattle.open(job.url).rattle.machine == pair
+    table = httpx.get(job.url.removesuffix(".zarr") + ".csv", params={"units": "si"}).text.splitlines()[0].split(",")
+    assert "impact_power_w" in table and "impact_power" not in table
+
+
 def test_a_trajectory_is_that_of_here(there):
     given = {"damping": 0.6, "stiffness": 100.0, "velocity": 4.0, "periods": 3.0}
     xr.testing.assert_equal(there.trajectory(**given), rattle.trajectory(**given))

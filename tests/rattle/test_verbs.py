@@ -13,7 +13,6 @@ from numpydoc.validate import validate
 import rattle
 from rattle.arguments import job_of
 from rattle.cli.options import LEAST, options_of, texts_of
-from rattle.machine_series import MACHINES, UNITS
 from rattle.verbs import VERBS
 from rattle_proof.request import ProofRequest
 from worker.jobs.oscillator_request import ImpactingOscillator, PiecewiseLinearOscillator
@@ -21,6 +20,7 @@ from worker.jobs.region import ResolutionRequest
 from worker.jobs.sample import Sample
 from worker.jobs.trajectory_request import StartRequest, TrajectoryRequest
 from worker.kinds import KINDS
+from worker.machine_series import MACHINES, UNITS
 
 ROOT = Path(__file__).parents[2]
 ALL = {**VERBS, "trajectory": rattle.trajectory}

@@ -64,6 +64,12 @@ class Job(Request, ABC):
     """Whether only the impacting model can be computed."""
 
     oscillator_: OscillatorRequest = Field(default_factory=ImpactingOscillator)
+    machine_: dict[str, Any] | None = Field(
+        None,
+        description="The machine that the oscillator comes from, its numbers in SI as `POST /v1/machines` answers; of "
+        "the machines of a design, those that differ as lists. The result then has SI units as well. It may stand in "
+        "place of the oscillator",
+    )
 
     def __init__(self, **fields: Any) -> None:
         self._validate(fields, None)
@@ -148,6 +154,8 @@ class Job(Request, ABC):
         check_quiet_unless_allowed(self.check_quiet, allowed=allowed)
         first = {name: oscillator.value_of(name) for axis in self.axes for name in axis.columns}
         settled["oscillator_"] = self.oscillator_.settled(first, quiet=not allowed or self.quiet)
+        if self.machine_ is not None:
+            settled["machine_"] = self.machine_
         fields = type(self).model_fields.items()
         unused = {name: field.get_default(call_default_factory=True) for name, field in fields if name not in settled}
         self.__dict__.update(unused | settled)

@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from rattle_kernels import Attractor
 from worker.errors import InvalidJob, as_store_failure
+from worker.gear_pair import GearPair
 from worker.jobs.basin_job import BasinJob
 from worker.kinds import KINDS
 from worker.motion_words import ends_in_words
@@ -19,8 +20,9 @@ from worker.pictures import colours
 from worker.pictures.figure_file import new_figure
 from worker.pictures.overlay_kind import OverlayKind, masks_among
 from worker.pictures.symbols import oscillator_text, value_in_words
+from worker.pictures.units import draw_units
 from worker.pictures.window import demand_overlap
-from worker.results.opening import open_store
+from worker.results.opening import machine_in, open_store
 from worker.results.panel import MOST_CELLS, TIME, USUAL_LOOK, VELOCITY, Basins, Layer, Look, Panel
 from worker.stores.analysis_store import kind_of_store
 from worker.stores.basin_store import BasinStore
@@ -69,7 +71,15 @@ def draw_basin(dataset: xr.Dataset, axes: Axes, look: Look = USUAL_LOOK) -> Axes
     if look.legend and panel.attractors and look.layer == Layer.SOLUTION:
         _draw_legend(axes, panel.attractors, dataset.share.values, look)
     axes.set(xlabel=TIME, ylabel=VELOCITY)
+    _draw_units(axes, dataset)
     return axes
+
+
+def _draw_units(axes: Axes, dataset: xr.Dataset) -> None:
+    """Draw the units of the basin's machine on the axes' other sides, if it has one."""
+    machine = machine_in(dataset)
+    if isinstance(machine, GearPair):
+        draw_units(axes, time=machine.scales.time, speed=machine.scales.speed)
 
 
 def draw_basins(dataset: xr.Dataset, figure: Figure, look: Look = USUAL_LOOK) -> None:
@@ -163,6 +173,7 @@ def _draw_basins(basins: Basins, figure: Figure, look: Look) -> None:
         figure.supylabel(VELOCITY)
     else:
         axes[0, 0].set(xlabel=TIME, ylabel=VELOCITY, title=title)
+        _draw_units(axes[0, 0], basins.dataset)
 
 
 def _draw_panels(figure: Figure, axes: np.ndarray, basins: Basins, rows: list[list[int]], look: Look) -> None:

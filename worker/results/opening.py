@@ -23,8 +23,10 @@ import xarray as xr
 from rattle_kernels import Attractor, AttractorKind
 from worker.additions import additions
 from worker.errors import InvalidJob, StoreConflict, as_store_failure
+from worker.gear_pair import MACHINE, GearPair
 from worker.jobs.basin_job import BasinJob, basin_job
 from worker.jobs.design import SweepAxis, changes_at
+from worker.machine_series import MACHINES, MachineSeries, machine_of
 from worker.pictures.symbols import in_words
 from worker.storage.location import files_at, storage_at
 from worker.stores.layout import ENDS, LAYOUT_VERSION, MAPPED, MEASURED, MOTIONS, READABLE_LAYOUTS
@@ -81,7 +83,7 @@ def open_store(location: str | Path, storage_options: dict[str, Any] | None = No
     -------
     xarray.Dataset
         Read lazily; ``worker.stores.layout`` says what each variable means. The arrays of a large result are Dask
-        arrays, read tile by tile.
+        arrays, read tile by tile. Of a machine it has SI units as well.
 
     Raises
     ------
@@ -95,7 +97,23 @@ def open_store(location: str | Path, storage_options: dict[str, Any] | None = No
     dataset = open_group_of(str(location), storage_options)
     if "layout_version" not in dataset.attrs:
         raise StoreConflict(f"{location} is no store of this project")
-    return _labelled(dataset)
+    labelled, machine = _labelled(dataset), machine_of(json.loads(dataset.attrs["request"]))
+    return labelled if machine is None else machine.with_units(labelled)
+
+
+def machine_in(dataset: xr.Dataset) -> GearPair | MachineSeries | None:
+    """The machine of a dataset that has units, or the machines of a sweep's; None if it is of the model alone."""
+    alone, listed = dataset.attrs.get(MACHINE), dataset.attrs.get(MACHINES)
+    if listed is not None and "request" in dataset.attrs:
+        return _series(listed, dataset.attrs["request"])
+    return None if alone is None else GearPair(**json.loads(alone))
+
+
+@lru_cache(maxsize=16)
+def _series(machines: str, request: str) -> MachineSeries | None:
+    """Machines along the coordinate of a sweep, as long as a dataset is still that of the sweep."""
+    design = json.loads(request).get("design")
+    return None if design is None else MachineSeries.of_result(machines, design)
 
 
 def open_group_of(
@@ -225,9 +243,18 @@ def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
     changes = changes_at(job.axes, tuple(place.values()))
     at = {axis.name: axis.values[place[axis.name]] for axis in job.axes} | changes
     oscillator = job.oscillator.at(**changes)
-    alone = BasinJob(oscillator=oscillator, grid=job.grid, iterations=job.iterations, sample=job.sample)
+    series = machine_in(dataset)
+    pair = series.pairs[next(iter(place.values()))] if isinstance(series, MachineSeries) else None
+    alone = BasinJob(
+        oscillator=oscillator, grid=job.grid, iterations=job.iterations, sample=job.sample,
+        machine=None if pair is None else pair.model_dump(mode="json", exclude_none=True),
+    )  # fmt: skip
     request = {"request": json.dumps(alone.request()), "request_sha256": alone.digest}
-    return dataset.isel(place).assign_attrs(request | at)
+    basin = dataset.isel(place).assign_attrs(request | at)
+    if pair is not None:
+        del basin.attrs[MACHINES]
+        basin = basin.assign_attrs({MACHINE: str(pair)})
+    return basin
 
 
 def basin_at(dataset: xr.Dataset, job: BasinJob, number: int) -> xr.Dataset:

@@ -1,7 +1,6 @@
 """Charts of a sweep over its parameters: the share of each solution, and how loud the machine is on average."""
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
@@ -15,7 +14,7 @@ from worker.pictures.colours import colours_of
 from worker.pictures.figure_file import new_figure
 from worker.pictures.symbols import axis_in_words
 from worker.results.measures import expected_of
-from worker.results.opening import attractors_of, basin_at, job_of, open_store
+from worker.results.opening import attractors_of, basin_at, job_of, machine_in, open_store
 from worker.stores.basin_store import BasinStore
 
 # Shares over two parameters are mapped for the solutions with the largest shares only.
@@ -126,8 +125,10 @@ def shares_figure(location: str) -> Figure:
     return figure
 
 
-def draw_shares(dataset: xr.Dataset, figure: Figure | Axes, factors: Factors = MappingProxyType({})) -> None:
+def draw_shares(dataset: xr.Dataset, figure: Figure | Axes) -> None:
     """Draw the shares of a sweep's solutions, and the expected loudness: lines over one parameter, maps over two.
+
+    The loudness of machines is in their units.
 
     Parameters
     ----------
@@ -135,9 +136,6 @@ def draw_shares(dataset: xr.Dataset, figure: Figure | Axes, factors: Factors = M
         Of a sweep, complete or not. Incomplete basins are gaps.
     figure : matplotlib.figure.Figure or matplotlib.axes.Axes
         An empty figure, whose size this sets; or axes, for lines of shares alone, without a legend.
-    factors : mapping, optional
-        Units of the loudness, by the name of each measure: the unit, and one unit of the model in it, of all basins or
-        of each.
 
     Raises
     ------
@@ -158,6 +156,8 @@ def draw_shares(dataset: xr.Dataset, figure: Figure | Axes, factors: Factors = M
         _draw_lines(figure, job, share, error, solutions)
         return
     figure.set_size_inches(_SIZE)
+    machine = machine_in(dataset)
+    factors: Factors = {} if machine is None else machine.factors
     expected = expected_of(dataset)
     if len(job.axes) > 1:
         _draw_maps(figure, job, share, solutions, expected, factors)

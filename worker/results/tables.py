@@ -9,11 +9,12 @@ import pandas as pd
 import xarray as xr
 
 from worker.errors import InvalidJob
+from worker.gear_pair import IN_SI
 from worker.kinds import KINDS, kind_of
 from worker.motion_words import ends_in_words
 from worker.results.measures import measure_loudness
 from worker.results.motion_names import add_motion_names
-from worker.results.opening import job_of
+from worker.results.opening import job_of, machine_in
 from worker.stores.layout import ENDS
 from worker.stores.solution_table import ends_in
 
@@ -48,6 +49,27 @@ class TableFormat(StrEnum):
         return cls(suffix)
 
 
+class Units(StrEnum):
+    """Units of a table of a machine's result."""
+
+    BOTH = "both"
+    MODEL = "model"
+    SI = "si"
+
+    @classmethod
+    def of(cls, given: str) -> "Units":
+        """Units that an argument asks for.
+
+        Raises
+        ------
+        InvalidJob
+            If there are none of this name.
+        """
+        if given not in list(cls):
+            raise InvalidJob(f"units of a table are {', '.join(cls)}, not {given!r}", ("units",))
+        return cls(given)
+
+
 def write_table(table: pd.DataFrame, table_format: TableFormat) -> str:
     """A table as text; JSON has one object for each row."""
     if table_format == TableFormat.CSV:
@@ -62,7 +84,7 @@ def tables_in(dataset: xr.Dataset) -> tuple[str, ...]:
     return (*dimensions, *arrays)
 
 
-def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
+def table_of(dataset: xr.Dataset, name: str | None = None, units: str = "both") -> pd.DataFrame:
     """A table of a result.
 
     Parameters
@@ -72,6 +94,8 @@ def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
     name : str, optional
         A dimension, for all that is listed along it; or an array, for one row for each of its values. By default the
         attractors, the shares of a sweep, the departures of a diagram, the orbits, the orders, or the samples of Phi.
+    units : {"both", "model", "si"}
+        Of a machine: columns in SI units beside those of the model, or in place of them.
 
     Returns
     -------
@@ -81,8 +105,22 @@ def table_of(dataset: xr.Dataset, name: str | None = None) -> pd.DataFrame:
     Raises
     ------
     InvalidJob
-        If there is no such table; it names those that there are.
+        If there is no such table; it names those that there are. Or if the result has no SI units.
     """
+    machine, asked = machine_in(dataset), Units.of(units)
+    if machine is None and asked is Units.SI:
+        raise InvalidJob("this result has no SI units: its request names no machine", ("units",))
+    table = _table_of(dataset, name)
+    if machine is None:
+        return table
+    both = machine.with_columns(table)
+    own = {of_model: of_machine for of_model, (of_machine, _) in IN_SI.items() if of_machine in both.columns}
+    if asked is Units.BOTH:
+        return both
+    return both.drop(columns=[name for name in (own if asked is Units.SI else own.values()) if name in both.columns])
+
+
+def _table_of(dataset: xr.Dataset, name: str | None) -> pd.DataFrame:
     chosen = _usual(dataset) if name is None else name
     # Names of motions are a column of their own.
     dataset = _with_loudness(dataset, chosen).drop_vars("attractor", errors="ignore")

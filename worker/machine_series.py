@@ -2,19 +2,23 @@
 
 All numbers of the model move with the speed of a machine, and two of them with its base radius. So such a sweep is no
 grid of parameters, but a curve among them: the design of `worker.jobs.design`.
+
+A request keeps the machine that its oscillator comes from, so its result has units wherever it is opened: `machine_of`.
 """
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from rattle_kernels import Harmonic, Oscillator
 from worker.errors import InvalidFields, InvalidJob
-from worker.gear_pair import GearPair, beside_in_si, factors_of, in_si, number_and_unit, with_columns_in_si
+from worker.gear_pair import MACHINE, GearPair, beside_in_si, factors_of, in_si, number_and_unit, with_columns_in_si
+from worker.jobs.oscillator_request import OscillatorRequest
 from worker.jobs.swept_parameter import Spacing, spaced
 
 if TYPE_CHECKING:
@@ -34,6 +38,7 @@ UNITS: dict[str, str | None] = {
 MACHINES = "machines"
 """Attribute of a result that says of which machines it is, one for each basin, as JSON."""
 _LISTED = "machine"
+_OSCILLATOR: TypeAdapter[Any] = TypeAdapter(OscillatorRequest)
 # Where all machines are the same.
 _ONE_AT_LEAST = "damping"
 
@@ -144,10 +149,41 @@ class MachineSeries:
         return series
 
     @classmethod
-    def of_result(cls, machines: str, axis: Any) -> "MachineSeries":
-        """The machines of a result: its attribute `MACHINES`, and the axis of its job."""
+    def of_result(cls, machines: str, design: Mapping[str, Any]) -> "MachineSeries":
+        """The machines of a result: its attribute `MACHINES`, and the design of its request."""
         pairs = [GearPair(**each) for each in json.loads(machines)]
-        return cls(axis.name, axis.units, axis.values, pairs)
+        return cls(design["name"], design.get("units"), design["values"], pairs)
+
+    @classmethod
+    def of_request(cls, machine: Mapping[str, Any], design: Mapping[str, Any]) -> "MachineSeries":
+        """The machines of a request: its field `machine`, as `columns` has it, and its design.
+
+        Raises
+        ------
+        InvalidJob
+            If they are none.
+        """
+        count = len(design["values"])
+        for name, column in machine.items():
+            if isinstance(column, list) and len(column) != count:
+                raise InvalidJob(f"{name} has {len(column)} values for {count} machines: give one for each", (name,))
+        rows = [
+            {name: column[index] if isinstance(column, list) else column for name, column in machine.items()}
+            for index in range(count)
+        ]
+        pairs = [GearPair(**{name: value for name, value in row.items() if value is not None}) for row in rows]
+        return cls(design["name"], design.get("units"), design["values"], pairs)
+
+    @property
+    def columns(self) -> dict[str, Any] | None:
+        """The machines as a request has them: numbers that differ as lists. None if they are the model's alone."""
+        if not self.pairs:
+            return None
+        rows = [pair.model_dump(mode="json", exclude_none=True) for pair in self.pairs]
+        columns = {name: [row.get(name) for row in rows] for row in rows for name in row}
+        return {
+            name: column[0] if column.count(column[0]) == len(column) else column for name, column in columns.items()
+        }
 
     @property
     def pairs(self) -> tuple[GearPair, ...]:
@@ -245,6 +281,49 @@ class MachineSeries:
         """One unit of the model for each machine, by the unit in SI."""
         units = [pair.units for pair in self.pairs]
         return {unit: np.array([each[unit] for each in units]) for unit in units[0]}
+
+
+def machine_of(request: Mapping[str, Any]) -> GearPair | MachineSeries | None:
+    """Machine that a request's oscillator comes from, or the machines of its design.
+
+    Parameters
+    ----------
+    request : mapping
+        As JSON. Its oscillator and its design are valid.
+
+    Returns
+    -------
+    GearPair or MachineSeries, optional
+        None if the request is of the model alone.
+
+    Raises
+    ------
+    InvalidJob
+        If it is no machine, or another one than the oscillator says.
+    """
+    given, design = request.get(MACHINE), request.get("design")
+    if given is None:
+        return None
+    try:
+        found = GearPair(**given) if design is None else MachineSeries.of_request(given, design)
+    except InvalidFields as error:
+        raise InvalidFields([((MACHINE, *place), message) for place, message in error.faults]) from None
+    except InvalidJob as error:
+        raise InvalidJob(str(error), (MACHINE, *error.place)) from None
+    asked: Oscillator = _OSCILLATOR.validate_python(request.get("oscillator", {"model": "impacting"})).value
+    own = found.oscillator if isinstance(found, GearPair) else found.oscillators[0]
+    vary = request.get("vary", [])
+    swept = {each["parameter"] for each in (vary if isinstance(vary, list) else [vary])}
+    alike = asked.parameters == own.parameters
+    if isinstance(found, MachineSeries):
+        swept = {*found.design["parameters"]}
+        alike = alike and found.design == design
+    if not alike or any(asked.value_of(name) != own.value_of(name) for name in asked.parameters if name not in swept):
+        raise InvalidJob(
+            "the machine has another oscillator than the request: leave one out, as one follows from the other",
+            (MACHINE,),
+        )
+    return found
 
 
 def _with_orders(oscillator: Oscillator, orders: Sequence[float]) -> tuple[Harmonic, ...]:

@@ -1,7 +1,9 @@
 """Sweeps over a number of a machine, or over a list of machines: what the model gets, and units of what comes back."""
 
+import json
 import math
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -10,9 +12,11 @@ import rattle
 from rattle.arguments import job_of
 from rattle.cli import app
 from rattle.cli.options import arguments_from, options_of
-from rattle.machine_series import UNITS, MachineSeries
 from worker import gear_pair
 from worker.jobs.design import RESERVED, Design
+from worker.machine_series import UNITS, MachineSeries, machine_of
+from worker.results.figure import figure_of_store
+from worker.results.shares import shares_figure
 
 # The paper's scaled numbers at 100 rad/s: delta 0.6, eps 0.1, beta 0.6.
 TORQUE = 0.6 * 0.01 * 100.0**2 / (2 * math.pi)
@@ -55,7 +59,7 @@ def test_every_number_of_a_machine_can_be_stepped_through(name):
 
 
 def test_no_name_of_a_coordinate_or_of_a_unit_is_a_name_of_results():
-    own = {name for name, _ in gear_pair._IN_SI.values()}
+    own = {name for name, _ in gear_pair.IN_SI.values()}
     for name in (*UNITS, "machine"):
         assert Design(name=name, values=[1.0], parameters={"damping": [0.6]}).name == name
     assert not own & {*UNITS, "machine"} and "gamma" in RESERVED
@@ -127,6 +131,89 @@ def test_its_chart_is_over_rpm_with_watts_and_gamma(speeds):
     np.testing.assert_allclose(figure.axes[-1].get_lines()[0].get_ydata(), speeds.gamma)
     watts = speeds.rattle.loudness().expected_impact_power_w
     np.testing.assert_allclose(figure.axes[3].get_lines()[0].get_ydata(), watts)
+
+
+def test_a_store_keeps_its_machines(speeds, tmp_path):
+    store = tmp_path / "speeds.zarr"
+    kept = rattle.sweep(PAIR, speed=SPEEDS, cells=16, iterations=101, store=store, progress=False)
+    opened = rattle.open(store)
+    assert opened.identical(kept) and opened.equals(speeds)
+    assert opened.rattle.machines == speeds.rattle.machines
+    assert opened.rattle.job.machine_["speed"] == [pair.speed for pair in speeds.rattle.machines]
+    assert opened.rattle.job.machine_["inertia"] == PAIR.inertia  # what does not differ stands once
+    figures = shares_figure(str(store)), speeds.rattle.plot_shares()
+    watts, again = (figure.axes[3].get_lines()[0].get_ydata() for figure in figures)
+    np.testing.assert_array_equal(watts, again)
+
+
+def test_a_request_has_machines_of_any_kind_and_gives_them_back():
+    """Orders of the transmission error, losses and drag laws may differ; a loss may be missing."""
+    numbers = PAIR.model_dump(exclude_none=True)
+    rich = numbers | {"transmission_error": {1: 0.01, 3: {"amplitude": 1e-4, "phase": 0.2}}, "contact_damping": 0.01}
+    lossy = numbers | {"restitution": 0.9, "drag_law": "proportional"}
+    machines = [PAIR, rattle.GearPair(**rich), rattle.GearPair(**lossy)]
+    request = json.loads(json.dumps(job_of("sweep", {"machines": machines, "cells": 9}).request()))
+    assert machine_of(request).pairs == tuple(machines)
+    alone = json.loads(json.dumps(job_of("basin", {"machine": machines[1], "cells": 9}).request()))
+    assert machine_of(alone) == machines[1]
+    oscillators = [PAIR.oscillator, PAIR.oscillator._replace(damping=0.7)]
+    assert machine_of(job_of("sweep", {"machines": oscillators, "cells": 9}).request()) is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "change", "told"),
+    [
+        ("basin", {"machine": {"backlash": 0.11}}, "the machine has another oscillator than the request"),
+        ("basin", {"machine": {"mesh_stiffness": 1e5}}, "the machine has another oscillator than the request"),
+        ("basin", {"machine": {"transmission_error": {"1": 0.01, "2": 1e-4}}}, "another oscillator"),
+        ("basin", {"machine": {"backlash": [0.12, 0.12]}}, "machine.backlash"),
+        ("basin", {"machine": {"weight": 3.0}}, "machine.weight"),
+        ("sweep", {"machine": {"inertia": 0.011}}, "the machine has another oscillator than the request"),
+        ("sweep", {"machine": {"speed": [90.0]}}, "speed has 1 values for 3 machines"),
+        ("sweep", {"machine": {"speed": [90.0, 95.0, 101.0]}}, "the machine has another oscillator than the request"),
+    ],
+)
+def test_a_job_whose_machine_is_another_is_refused(kind, change, told):
+    stepped = {"speed": (90.0, 100.0, 3)} if kind == "sweep" else {}
+    job = job_of(kind, {"machine": PAIR, "cells": 9, **stepped})
+    request = job.request()
+    assert machine_of(request) is not None
+    other = type(job).from_request(request | {"machine": request["machine"] | change["machine"]})
+    with pytest.raises(rattle.InvalidJob, match=told):
+        rattle.compute(other, progress=False)
+
+
+def test_tables_have_the_units_that_are_asked_for(speeds, tmp_path):
+    both = speeds.rattle.to_table("speed")
+    model, si = (speeds.rattle.to_table("speed", units=units) for units in ("model", "si"))
+    assert set(both.columns) == {*model.columns} | {*si.columns}
+    assert set(both.columns) - {*si.columns} == {
+        name.removesuffix(suffix)
+        for name in set(both.columns) - {*model.columns}
+        for suffix in ("_w", "_m_s")
+        if name.endswith(suffix)
+    }
+    assert "expected_impact_power" in model and "expected_impact_power_w" in si and "gamma" in si
+    store = tmp_path / "basin.zarr"
+    rattle.basin(PAIR, cells=12, iterations=101, store=store, progress=False)
+    done = CliRunner().invoke(app, ["table", str(store), "--units", "si"])
+    assert done.exit_code == 0
+    header = done.output.splitlines()[0].split(",")
+    assert "impact_power_w" in header and "impact_power" not in header
+    with pytest.raises(rattle.InvalidJob, match="units of a table are both, model, si, not 'inches'"):
+        speeds.rattle.to_table(units="inches")
+    plain = rattle.basin(cells=8, iterations=101, progress=False)
+    assert plain.rattle.to_table(units="model").equals(plain.rattle.to_table())
+    with pytest.raises(rattle.InvalidJob, match="this result has no SI units: its request names no machine"):
+        plain.rattle.to_table(units="si")
+
+
+def test_a_picture_of_a_store_has_the_axes_of_the_machine(tmp_path):
+    store = tmp_path / "basin.zarr"
+    basin = rattle.basin(PAIR, cells=12, iterations=101, store=store, progress=False)
+    axes = figure_of_store(str(store)).axes[0], basin.rattle.plot()
+    assert [[each.get_ylabel() for each in one.child_axes] for one in axes] == [["", "m/s"]] * 2
+    plt.close("all")
 
 
 def test_the_window_is_that_of_the_machine_that_needs_the_largest():
