@@ -9,6 +9,7 @@ Floors, the highest first; each imports from lower ones alone ::
     pictures | basins
     run
     stores | cluster
+    machine_series
     estimate | gear_pair | kinds
     jobs | storage
     fence | motion_words | precision_limits | progress | rounding

@@ -91,8 +91,8 @@ def test_help_is_what_the_fields_say_of_themselves(kind):
     if kind == "trajectory":
         of_parts |= StartRequest.model_fields | TrajectoryRequest.model_fields
     for name, text in texts_of(ALL[kind]).items():
-        # What a measured curve or a list is written as, Python says in its own way.
-        if name in {"harmonics", "transmission_error", "sample", "seeds", "continuation", "curves"}:
+        # What a machine, a measured curve or a list is written as, Python says in its own way.
+        if name in {"machine", "harmonics", "transmission_error", "sample", "seeds", "continuation", "curves"}:
             continue
         field = own.get(name) or of_parts.get(name)
         if field is not None and field.description:
