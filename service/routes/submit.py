@@ -67,7 +67,7 @@ def submit_router(taken: Container[str]) -> APIRouter:
 
 
 def _submit(kind: JobKind) -> Callable[..., Awaitable[Response]]:
-    body_type: Any = described_as(kind.job_class, machine=True)
+    body_type: Any = described_as(kind.job_class)
 
     async def submit(
         request: body_type, jobs: JobsHere, runner: RunnerHere, settings: SettingsHere, submitter: SubmitterHere,
