@@ -6,12 +6,11 @@ import pytest
 from rattle_kernels import CellGrid, Oscillator, find_attractors, map_points, name_solutions, next_impacts
 from rattle_kernels.attractors.attractor import ENSEMBLE, Attractor, AttractorKind
 from rattle_kernels.attractors.chaotic_transient import follow_ensemble
-from rattle_kernels.impact_map.apply import next_impact
-from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
 from rattle_kernels.lanes.lyapunov import tangent_growth
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.outcome import Outcome
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
+from tests.rattle_kernels.impact_map.scalar_map import departure, derivative
 from tests.rattle_kernels.machine import MACHINE
 
 CHAOTIC = 0.553, 4.703
@@ -23,7 +22,7 @@ def growth_by_products(oscillator, t, v, impacts):
     scale = lane_tables(oscillator).largest_grazing_speed
     vector, growth, elapsed = np.array([1.0, 0.0]), 0.0, 0.0
     for n in range(64 + impacts):
-        impact, jacobian = next_impact_with_jacobian(oscillator, t, v)
+        impact, jacobian = derivative(oscillator, t, v)
         vector = np.array([[jacobian.tt, jacobian.tv * scale], [jacobian.vt / scale, jacobian.vv]]) @ vector
         if n >= 64:
             growth += np.log(np.hypot(*vector))
@@ -177,7 +176,7 @@ def impacts_until_settled(oscillator, t, v, most):
     """Impacts after which a motion is on an orbit of up to 12 impacts, or captured."""
     kept_t, kept_v = t, v
     for n in range(1, most):
-        impact = next_impact(oscillator, t, v)
+        impact = departure(oscillator, t, v)
         if impact.outcome != 0 or impact.v < 1e-3:
             return n
         t, v = impact.t, impact.v

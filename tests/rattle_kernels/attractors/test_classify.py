@@ -5,9 +5,8 @@ import pytest
 
 from rattle_kernels import AttractorKind, CellGrid, Oscillator, find_attractors, map_cells, name_solutions, next_impacts
 from rattle_kernels.attractors.seeds import landing_boxes
-from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
-from rattle_kernels.numerics.jit import inlined
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
+from tests.rattle_kernels.impact_map.scalar_map import derivative
 from tests.rattle_kernels.reference import entries, oscillator_of
 
 
@@ -111,15 +110,10 @@ def test_a_point_of_an_unknown_motion_is_a_stranger():
     assert [attractor.name for attractor in grown] == ["permanent contact", "P(1,1,0)"]
 
 
-@inlined
-def _jacobian(oscillator, t, v):
-    return next_impact_with_jacobian(oscillator, t, v)[1]
-
-
 @pytest.mark.parametrize("entry", entries("map_impacting.json"), ids=lambda entry: entry["category"])
 def test_the_derivative_of_the_map_agrees_with_the_reference(entry):
     printed = np.array([float(x) for x in entry["DP"]])
-    jacobian = np.array(_jacobian(oscillator_of(entry), float(entry["t0"]), float(entry["v0"])))
+    jacobian = np.array(derivative(oscillator_of(entry), float(entry["t0"]), float(entry["v0"]))[1])
     # Next to grazing DP goes with the inverse speed at -beta, which the input's last digit changes by DP^2 times
     # itself.
     largest = np.abs(printed).max()

@@ -11,7 +11,7 @@ from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.flight import rest_acceleration
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
-from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.jit import kernel
 
 GRID = CellGrid(time_cells=28, velocity_cells=28)
 PANELS = [
@@ -32,7 +32,7 @@ def whole(oscillator, grid, iterations, **options):
     return map_cells(oscillator, grid, iterations, (0, grid.velocity_cells), (0, grid.time_cells), **options)
 
 
-@inlined
+@kernel
 def _plain_image(oscillator, bound, grid, t, v, iterations):
     """Image cell by the careful scalar path, all applications done; how far a displacement of 1e-9 ever grows."""
     near_t, near_v, grown = t + 1e-9, v, 0.0
@@ -118,7 +118,7 @@ def test_landing_points_are_missing_exactly_where_captured():
     np.testing.assert_array_equal(np.isnan(images.landing_velocity), captured)
 
 
-@inlined
+@kernel
 def _highest_bounce(oscillator, t, v, impacts):
     highest = 0.0
     for _ in range(impacts):

@@ -1,14 +1,41 @@
-"""P and its inverse, many times, by the careful scalar path: to rounding, where lanes are good to 5e-11."""
+"""P, its inverse and its derivatives by the careful scalar path: to rounding, where lanes are good to 5e-11.
+
+These are kernels, kept on disk and shared by all tests. A piece that kernels inline can be called from Python as well,
+but every test process would compile it anew.
+"""
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import _apply_to_all
+from rattle_kernels.impact_map.apply import _apply_to_all, next_impact
+from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
+from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
+from rattle_kernels.numerics.jit import kernel
 
 
-def apply(oscillator, t, v, applications):
-    """Points after so many applications of P, of its inverse where negative."""
+@kernel
+def departure(oscillator, t, v):
+    return next_impact(oscillator, t, v)
+
+
+@kernel
+def derivative(oscillator, t, v):
+    return next_impact_with_jacobian(oscillator, t, v)
+
+
+@kernel
+def sensitivity(oscillator, parameter, t, v, over):
+    return next_impact_with_sensitivity(oscillator, parameter, t, v, over)
+
+
+def departures(oscillator, t, v, applications=1):
+    """Points after so many applications of P, of its inverse where negative; what the last one met."""
     phase, speed = np.array(t, np.float64), np.array(v, np.float64)
     lower_impacts, outcome = np.zeros(phase.shape, np.int64), np.zeros(phase.shape, np.int8)
     for _ in range(abs(applications)):
         _apply_to_all(oscillator, float(np.sign(applications)), phase, speed, lower_impacts, outcome)
-    return phase, speed
+    return phase, speed, lower_impacts, outcome
+
+
+def apply(oscillator, t, v, applications):
+    """Points after so many applications of P, of its inverse where negative."""
+    return departures(oscillator, t, v, applications)[:2]

@@ -7,12 +7,11 @@ import pytest
 from numba import types
 
 from rattle_kernels import Oscillator, Outcome, check_domain, find_orbits, next_impacts
-from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.lanes import short_run
 from rattle_kernels.model.domain import eccentricity_bound_smooth_maxima
-from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.orbits.closure import OrbitShape, closure
 from tests.rattle_kernels.impact_map.integrator import integrated_departure, integrated_impact
+from tests.rattle_kernels.impact_map.scalar_map import departures
 from tests.rattle_kernels.reference import phase_error
 
 LARGEST = 32
@@ -32,13 +31,6 @@ def oscillator_with(number, **fields):
     return check_domain(Oscillator(eccentricity=0.3 * bound, harmonics=harmonics, **fields))
 
 
-@kernel
-def carefully(oscillator, t, v, lower_impacts, outcome):
-    for i in range(t.size):
-        impact = next_impact(oscillator, t[i], v[i])
-        t[i], v[i], lower_impacts[i], outcome[i] = impact.t, impact.v, impact.lower_impacts, impact.outcome
-
-
 @pytest.mark.parametrize("fields", MODELS)
 @pytest.mark.parametrize("number", NUMBERS)
 def test_lanes_land_where_the_careful_path_does(number, fields):
@@ -46,8 +38,7 @@ def test_lanes_land_where_the_careful_path_does(number, fields):
     rng = np.random.default_rng(number)
     t, v = rng.random(2000), rng.uniform(0.01, 12.0, 2000)
     landed = next_impacts(oscillator, t, v)
-    lower, outcome = np.zeros(t.size, np.int64), np.zeros(t.size, np.int8)
-    carefully(oscillator, t, v, lower, outcome)
+    t, v, lower, outcome = departures(oscillator, t, v)
     np.testing.assert_array_equal(landed.outcome, outcome)
     np.testing.assert_array_equal(landed.lower_impacts, lower)
     there = outcome == Outcome.RETURNED

@@ -14,10 +14,11 @@ from rattle_kernels import (
     eccentricity_bound_smooth_maxima,
     grazing_velocity,
 )
-from rattle_kernels.impact_map.apply import LOWER, UPPER, next_impact
+from rattle_kernels.impact_map.apply import LOWER, UPPER
 from rattle_kernels.model.contact_end import follow_contact
-from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.jit import kernel
 from tests.rattle_kernels.impact_map.integrator import integrated_departure
+from tests.rattle_kernels.impact_map.scalar_map import departure
 from tests.rattle_kernels.reference import entries, oscillator_of, phase_error, speed_error
 from tests.strategies import oscillators, phases
 
@@ -25,12 +26,7 @@ ENVELOPE, ONE_ROTATION = math.inf, 1.0
 _CASES = 45
 
 
-@inlined
-def departure(oscillator, t, v):
-    return next_impact(oscillator, t, v)
-
-
-@inlined
+@kernel
 def contact_of(oscillator, side, phase, speed):
     return follow_contact(oscillator, side, phase, speed)
 

@@ -8,25 +8,13 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rattle_kernels import Oscillator, grazing_velocity
-from rattle_kernels.impact_map.apply import next_impact
-from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
 from rattle_kernels.model.oscillator import PARAMETERS
-from rattle_kernels.numerics.jit import kernel
+from tests.rattle_kernels.impact_map.scalar_map import departure, sensitivity
 from tests.strategies import oscillators, phases, speeds, stiff_oscillators
 
 
-@kernel
-def sensitivity(oscillator, parameter, t, v, over):
-    return next_impact_with_sensitivity(oscillator, parameter, t, v, over)
-
-
-@kernel
-def apply(oscillator, t, v):
-    return next_impact(oscillator, t, v)
-
-
 def elapsed_and_speed(oscillator, t, v):
-    impact = apply(oscillator, t, v)
+    impact = departure(oscillator, t, v)
     return np.array([impact.duration, impact.v])
 
 

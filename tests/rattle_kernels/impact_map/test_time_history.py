@@ -9,43 +9,33 @@ from hypothesis import strategies as st
 from scipy.integrate import simpson, solve_ivp
 
 from rattle_kernels import Direction, Oscillator, Outcome, OutsideDomain, eccentricity_bound_quiet, time_history
-from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.time_history import FREEPLAY, contact_along, end_of_piece, flight_along, piece_from
-from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.jit import kernel
+from tests.rattle_kernels.impact_map.scalar_map import departure
 from tests.rattle_kernels.reference import entries, oscillator_of, phase_error
 from tests.strategies import oscillators
 
 STIFF = Oscillator(stiffness=1000.0)
 
 
-@inlined
+@kernel
 def beginning(oscillator, phase, displacement, velocity):
     return piece_from(oscillator, phase, displacement, velocity)
 
 
-@inlined
+@kernel
 def ending(oscillator, piece):
     return end_of_piece(oscillator, piece)
 
 
-@inlined
+@kernel
 def along_flight(oscillator, piece, elapsed, displacement, velocity):
     flight_along(oscillator, piece, elapsed, displacement, velocity)
 
 
-@inlined
+@kernel
 def along_stay(oscillator, piece, elapsed, displacement, velocity):
     contact_along(oscillator, piece, elapsed, displacement, velocity)
-
-
-@inlined
-def impact_after(oscillator, t, v):
-    return next_impact(oscillator, t, v)
-
-
-@inlined
-def departure_after(oscillator, t, v):
-    return next_impact(oscillator, t, v)
 
 
 def state_along(oscillator, piece, elapsed):
@@ -233,15 +223,14 @@ def test_the_departures_are_those_of_the_impact_map(seed):
     history = time_history(oscillator, *start, departures=20)
     t, v = (field[history.departures] for field in (history.contacts.time, history.contacts.speed))
     lower = np.flatnonzero((history.contacts.wall < 0) & (history.contacts.direction != Direction.OUT))
-    one_after = impact_after if math.isinf(oscillator.stiffness) else departure_after
     for i in range(len(t) - 1):
-        impact = one_after(oscillator, t[i] % 1.0, v[i])
+        impact = departure(oscillator, t[i] % 1.0, v[i])
         assert phase_error(impact.t, repr(float(t[i + 1] % 1.0))) < 1e-12
         assert impact.v == pytest.approx(v[i + 1], rel=1e-11)
         assert impact.lower_impacts == ((history.departures[i] < lower) & (lower < history.departures[i + 1])).sum()
     if len(t) < 20:
         assert history.outcome == Outcome.PERMANENT_CONTACT
-        assert not len(t) or one_after(oscillator, t[-1] % 1.0, v[-1]).outcome == Outcome.PERMANENT_CONTACT
+        assert not len(t) or departure(oscillator, t[-1] % 1.0, v[-1]).outcome == Outcome.PERMANENT_CONTACT
 
 
 @given(starts())

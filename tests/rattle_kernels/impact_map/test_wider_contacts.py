@@ -6,19 +6,13 @@ from collections import Counter
 import pytest
 
 from rattle_kernels import Oscillator, Outcome, check_domain
-from rattle_kernels.impact_map.apply import next_impact
-from rattle_kernels.numerics.jit import inlined
 from tests.rattle_kernels.impact_map import balls
+from tests.rattle_kernels.impact_map.scalar_map import departure
 from tests.rattle_kernels.reference import phase_error, speed_error
 
 _ENTRIES = json.loads(balls.TABLE.read_text())["entries"]
 _PARAMETERS = ("damping", "eccentricity", "half_backlash", "stiffness", "contact_damping")
 _RESULTS = ("outcome", "duration", "t_next", "v_next", "lower_impacts")
-
-
-@inlined
-def departure(oscillator, t, v):
-    return next_impact(oscillator, t, v)
 
 
 def _case(entry):

@@ -10,24 +10,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rattle_kernels import Oscillator, Outcome, check_domain, grazing_velocity, previous_impacts
-from rattle_kernels.impact_map.apply import next_impact
-from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
-from rattle_kernels.numerics.jit import inlined
 from tests.rattle_kernels.impact_map.integrator import integrated_departure
+from tests.rattle_kernels.impact_map.scalar_map import departure, sensitivity
 from tests.rattle_kernels.reference import phase_error, speed_error
 from tests.strategies import phases, speeds, wider_oscillators, wider_stiff_oscillators
 
 _TABLE = json.loads((Path(__file__).parents[1] / "data" / "map_harmonics.json").read_text())["entries"]
-
-
-@inlined
-def departure(oscillator, t, v):
-    return next_impact(oscillator, t, v)
-
-
-@inlined
-def sensitivity(oscillator, parameter, t, v):
-    return next_impact_with_sensitivity(oscillator, parameter, t, v, False)
 
 
 def oscillator_of(entry):
@@ -96,7 +84,7 @@ def test_areas_shrink_by_damping_and_by_impacts(data):
     oscillator = data.draw(wider_oscillators())
     t, v = data.draw(phases), data.draw(speeds(oscillator, 0.05))
     assume(abs(v / grazing_velocity(oscillator, t) - 1) > 1e-3)
-    impact, jacobian, _ = sensitivity(oscillator, 0, t, v)
+    impact, jacobian, _ = sensitivity(oscillator, 0, t, v, False)
     area = jacobian.tt * jacobian.vv - jacobian.tv * jacobian.vt
     # Of (time, energy): a flight shrinks it by e^{-delta tau}, an impact by r^2.
     expected = math.exp(-oscillator.damping * impact.duration) * oscillator.restitution ** (
@@ -119,7 +107,7 @@ def _agree_with_differences(oscillator, name, t, v):
         return np.array([impact.duration, impact.v])
 
     step = 1e-4 * max(abs(value), 0.01)
-    impact, _, change = sensitivity(oscillator, number, t, v)
+    impact, _, change = sensitivity(oscillator, number, t, v, False)
     coarse, fine = _difference(varied, value, step), _difference(varied, value, step / 4)
     assume(np.isfinite(coarse).all() and np.abs(coarse - fine).max() < 1e-5 * (1 + np.abs(fine).max()))
     scale = np.abs(fine) + (abs(impact.duration) + impact.v) / max(abs(value), 1e-3)

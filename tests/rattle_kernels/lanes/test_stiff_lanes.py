@@ -8,30 +8,19 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rattle_kernels import Oscillator, Outcome, OutsideDomain, grazing_velocity, next_impacts, previous_impacts
-from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.chatter import bounce_level, ringing_radian
-from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.flight import rest_acceleration
-from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.jit import kernel
+from tests.rattle_kernels.impact_map.scalar_map import departure, derivative
 from tests.rattle_kernels.reference import entries, oscillator_of, phase_error, speed_error
 from tests.strategies import phases, speeds, stiff_oscillators
 
 RULES = [(math.inf, "plc_rigorous"), (1.0, "plc_one_rotation")]
 
 
-@inlined
-def scalar_path(oscillator, t, v):
-    return next_impact(oscillator, t, v)
-
-
-@inlined
-def derivative(oscillator, t, v):
-    return next_impact_with_jacobian(oscillator, t, v)
-
-
-@inlined
+@kernel
 def invariant(oscillator, t, v):
     acceleration = rest_acceleration(oscillator, t)
     return bounce_level(ringing_radian(oscillator), acceleration, v) / acceleration
@@ -54,7 +43,7 @@ def test_lanes_agree_with_the_reference(entry, permanent_after, rule):
 def test_lanes_and_scalar_path_agree(data):
     oscillator = data.draw(stiff_oscillators())
     t, v = data.draw(phases), data.draw(speeds(oscillator))
-    scalar, lanes = scalar_path(oscillator, t, v), next_impacts(oscillator, t, v)
+    scalar, lanes = departure(oscillator, t, v), next_impacts(oscillator, t, v)
     graze = abs(v / grazing_velocity(oscillator, t) - 1.0)
     assert lanes.outcome == scalar.outcome
     assert lanes.lower_impacts == scalar.lower_impacts or graze < 1e-14
@@ -83,7 +72,7 @@ def differences(oscillator, t, v, impact, part):
     """DP by central differences of a part of a period and of the speed; None where one of them straddles a graze."""
     columns = []
     for dt, dv in ((part, 0.0), (0.0, part * v)):
-        ends = [scalar_path(oscillator, t + sign * dt, v + sign * dv) for sign in (1.0, -1.0)]
+        ends = [departure(oscillator, t + sign * dt, v + sign * dv) for sign in (1.0, -1.0)]
         if {(end.outcome, end.lower_impacts) for end in ends} != {(impact.outcome, impact.lower_impacts)}:
             return None
         apart = ends[0].t - ends[1].t

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from rattle_kernels import Oscillator, Outcome, check_domain, next_impacts, tangent_growth
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
-from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.chatter import bounce_level, is_captured
 from rattle_kernels.impact_map.sticking import sticking_bound
 from rattle_kernels.model.flight import rest_acceleration
-from rattle_kernels.numerics.jit import inlined, kernel
+from rattle_kernels.numerics.jit import kernel
+from tests.rattle_kernels.impact_map.scalar_map import departure, departures
 from tests.strategies import wider_oscillators
 
 # Kernels are compiled for none, one, two, and more harmonics: two in the fast tests, as in `tests.strategies`.
@@ -28,21 +28,13 @@ OSCILLATORS = [
 ]
 
 
-@kernel
-def carefully(oscillator, t, v, lower_impacts, outcome):
-    for i in range(t.size):
-        impact = next_impact(oscillator, t[i], v[i])
-        t[i], v[i], lower_impacts[i], outcome[i] = impact.t, impact.v, impact.lower_impacts, impact.outcome
-
-
 @pytest.mark.parametrize("oscillator", OSCILLATORS)
 def test_lanes_land_where_the_careful_path_does(oscillator):
     oscillator = check_domain(oscillator)
     rng = np.random.default_rng(22)
     t, v = rng.random(4000), rng.uniform(0.01, 12.0, 4000)
     landed = next_impacts(oscillator, t, v)
-    lower, outcome = np.zeros(t.size, np.int64), np.zeros(t.size, np.int8)
-    carefully(oscillator, t, v, lower, outcome)
+    t, v, lower, outcome = departures(oscillator, t, v)
     np.testing.assert_array_equal(landed.outcome, outcome)
     np.testing.assert_array_equal(landed.lower_impacts, lower)
     there = outcome == Outcome.RETURNED
@@ -52,20 +44,15 @@ def test_lanes_land_where_the_careful_path_does(oscillator):
     assert np.quantile(np.abs(landed.v - v)[there], 0.99) < 1e-13
 
 
-@inlined
+@kernel
 def level(oscillator, t, v):
     acceleration = rest_acceleration(oscillator, t)
     return bounce_level(0.0, acceleration, v) / acceleration
 
 
-@inlined
+@kernel
 def captured(oscillator, bound, t, v):
     return is_captured(oscillator, bound, t, v)
-
-
-@inlined
-def bounce(oscillator, t, v):
-    return next_impact(oscillator, t, v)
 
 
 @settings(max_examples=150, deadline=None)
@@ -78,7 +65,7 @@ def test_impacts_that_lose_energy_capture_for_good(oscillator, t, part):
     v = (part * bound * rest_acceleration(oscillator, t)) ** (1.0 / 3.0)
     for _ in range(20):
         assert captured(oscillator, bound, t, v)
-        impact = bounce(oscillator, t, v)
+        impact = departure(oscillator, t, v)
         assert impact.outcome == Outcome.RETURNED and impact.lower_impacts == 0
         assert level(oscillator, impact.t, impact.v) < level(oscillator, t, v)
         t, v = impact.t, impact.v

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from rattle_kernels import Oscillator, next_impacts
-from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.flights import UPPER
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.lanes.tables import ABSCISSAE, BLOCK, CONTACT_ABOVE, ENDLESS, PHASES, ROW, lane_tables
@@ -17,6 +16,7 @@ from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.flight import acceleration_range
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
+from tests.rattle_kernels.impact_map.scalar_map import departure
 
 OSCILLATORS = [
     Oscillator(stiffness=30.0),
@@ -142,7 +142,7 @@ def test_lanes_and_the_careful_path_agree_where_contacts_take_several_swings():
     oscillator, rng = Oscillator(stiffness=1e3), np.random.default_rng(4)
     t, v = rng.random(6000), 1.2 * (1.0 - rng.random(6000))
     together = next_impacts(oscillator, t, v)
-    alone = [next_impact(oscillator, *each) for each in zip(t.tolist(), v.tolist(), strict=True)]
+    alone = [departure(oscillator, *each) for each in zip(t.tolist(), v.tolist(), strict=True)]
     assert [impact.outcome for impact in alone] == together.outcome.tolist()
     off = np.abs([impact.t for impact in alone] - together.t)
     assert np.nanmax(np.minimum(off, 1.0 - off)) < 1e-11
@@ -163,5 +163,5 @@ def test_a_contact_that_counts_as_permanent_after_a_time_does_so_in_lanes():
     strict = oscillator._replace(permanent_after=0.5)
     strictly = next_impacts(strict, t, v).outcome
     assert (next_impacts(oscillator, t, v).outcome != strictly).sum() > 30
-    alone = [next_impact(strict, *each).outcome for each in zip(t.tolist(), v.tolist(), strict=True)]
+    alone = [departure(strict, *each).outcome for each in zip(t.tolist(), v.tolist(), strict=True)]
     assert alone == strictly.tolist()
