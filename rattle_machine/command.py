@@ -95,6 +95,9 @@ def tolerances(
     fastest: Annotated[float | None, typer.Option(help="Upper end of the window of departures, m/s")] = None,
     limit: Annotated[float, typer.Option(help="Quiet share below which a machine is bad")] = 0.99,
     tighten: Annotated[float, typer.Option(help="Part of its width to which the guilty tolerance is tightened")] = 0.5,
+    prove: Annotated[
+        bool, typer.Option("--prove", help="Prove how fast teeth may part and fall quiet in every machine then")
+    ] = False,
     seed: Seed = 0,
     out_: Annotated[Path | None, typer.Option("--out", help="CSV file of the machines, one in each line")] = None,
     as_json: AsJson = False,
@@ -106,7 +109,8 @@ def tolerances(
                 machine, dict(map(_named, number)), machines=machines, departures=departures,
                 size=None if size is None else _number(size),
                 distribution=distribution, pressing=pressing,
-                rate=None if rate is None else _number(rate), fastest=fastest, limit=limit, tighten=tighten, seed=seed,
+                rate=None if rate is None else _number(rate), fastest=fastest, limit=limit, tighten=tighten,
+                prove=prove, seed=seed,
             )  # fmt: skip
     except (WorkerError, OutsideDomain) as error:
         give_up(str(error), 2)

@@ -23,6 +23,7 @@ from matplotlib.figure import Figure
 import rattle
 from rattle_machine.estimates import in_words, with_error
 from rattle_machine.numbers import unit_of
+from rattle_machine.proven import can_prove
 from rattle_machine.pulses import Distribution, Pressing, PulseStudy, pulses
 from rattle_machine.tolerances import QUIET, Range, ToleranceStudy, tolerances
 from worker.errors import InvalidJob
@@ -151,8 +152,9 @@ def report(
     production = None
     if numbers:
         production = tolerances(
-            pair, numbers, machines=machines, departures=max(departures // 2, 2), rate=rate, limit=limit, **hit
-        )
+            pair, numbers, machines=machines, departures=max(departures // 2, 2), rate=rate, limit=limit,
+            prove=can_prove(), **hit,
+        )  # fmt: skip
     sections = [
         _machine_section(pair), _gamma_section(pair), _basin_section(pair, basin), _speed_section(pair, over),
         *([] if of_pulses is None else [_pulse_section(of_pulses)]),
@@ -424,6 +426,8 @@ def _tolerance_section(study: ToleranceStudy) -> _Section:
                 f"{study.production.bad.times(100.0)} %.",
             )
         )
+    if study.proven is not None:
+        parts.append(_Part("text", str(study.proven)))
     return _Section("Which tolerance", parts)
 
 

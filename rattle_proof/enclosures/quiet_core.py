@@ -124,7 +124,7 @@ def quiet_level(machine: Machine, fastest: float, parts: int = PARTS, pause: Pau
         0 if nothing is proven.
     """
     number = itertools.count()
-    levels = [(_level_of(machine, fastest, pause), next(number), machine)]
+    levels = [(level_of(machine, fastest, pause), next(number), machine)]
     while len(levels) < parts:
         # The part with the least level, which is the level of all.
         halves = halves_of(levels[0][2])
@@ -132,11 +132,26 @@ def quiet_level(machine: Machine, fastest: float, parts: int = PARTS, pause: Pau
             break
         heapq.heappop(levels)
         for half in halves:
-            heapq.heappush(levels, (_level_of(half, fastest, pause), next(number), half))
+            heapq.heappush(levels, (level_of(half, fastest, pause), next(number), half))
     return levels[0][0] if machine.exact else down(_CLAIMED * levels[0][0])
 
 
-def _level_of(machine: Machine, fastest: float, pause: Pause) -> float:
+def level_of(machine: Machine, fastest: float, pause: Pause = never_stopped) -> float:
+    """The largest level found of machines within tolerances that are not cut.
+
+    Parameters
+    ----------
+    machine : Machine
+    fastest : float
+        Speed beyond which no core is sought.
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
+
+    Returns
+    -------
+    float
+        0 if nothing is proven.
+    """
     oscillator = centre_of(machine)
     stack = np.empty((_DEPTH + 2, 5))
     highest = float(machine.harmonics[:, 0].max())

@@ -6,6 +6,7 @@ from html.parser import HTMLParser
 import pytest
 
 import rattle
+from rattle_machine.proven import Proven
 from rattle_machine.pulses import pulses
 from rattle_machine.report import report
 from rattle_machine.tolerances import tolerances
@@ -49,8 +50,17 @@ def _read(path):
     return page
 
 
+@pytest.fixture(scope="module", autouse=True)
+def proven():
+    """Stands for a proof, whose kernels take minutes to compile."""
+    with pytest.MonkeyPatch.context() as patched:
+        said = Proven(0.125, 0.5, None, tightened=True)
+        patched.setattr("rattle_machine.tolerances.prove_quiet", lambda *given, **options: said)
+        yield said
+
+
 @pytest.fixture(scope="module")
-def written(tmp_path_factory):
+def written(tmp_path_factory, proven):
     path = tmp_path_factory.mktemp("report") / "pump.html"
     return report(PAIR, path, rate=RATE, size=SIZE, numbers=WITHIN, machines=64, title="Pump <3>", **QUICK)
 
@@ -65,8 +75,9 @@ def test_it_is_one_page_that_needs_no_other(written):
     assert not re.search(r"url\((?!#|&quot;#)", written.read_text(encoding="utf-8"))
 
 
-def test_it_says_what_the_studies_say(written):
+def test_it_says_what_the_studies_say(written, proven):
     text = "".join(_read(written).text)
+    assert text.count(str(proven)) == 1
     hit = pulses(PAIR, rate=RATE, size=SIZE, departures=64)
     production = tolerances(PAIR, WITHIN, machines=64, departures=32, size=SIZE, rate=RATE)
     assert f"{hit.lasting.times(100.0).value:.3g} % end in rattle that lasts" in text
@@ -83,6 +94,12 @@ def test_the_same_questions_give_the_same_bytes(written, tmp_path):
         PAIR, tmp_path / "other.html", rate=RATE, size=SIZE, numbers=WITHIN, machines=64, title="Pump <3>", **QUICK
     )
     assert again.read_bytes() == written.read_bytes()
+
+
+def test_a_page_is_written_where_nothing_can_be_proven(monkeypatch, tmp_path, proven):
+    monkeypatch.setattr("rattle_machine.report.can_prove", lambda: False)
+    text = "".join(_read(report(PAIR, tmp_path / "page.html", numbers=WITHIN, machines=64, **QUICK)).text)
+    assert "Which tolerance" in text and "of the tightened production" not in text
 
 
 def test_a_page_without_pulses_and_tolerances_says_nothing_of_them(tmp_path):
