@@ -88,7 +88,7 @@ def machine_from(value: Any, *path: str) -> GearPair:
 
 
 def in_model(body: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
-    """A request whose machine has become an oscillator, with a window that follows it if none is given.
+    """A request with the oscillator of its machine, and with a window that follows it if none is given.
 
     Parameters
     ----------
@@ -100,7 +100,8 @@ def in_model(body: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
     Returns
     -------
     dict
-        The body itself if it has no machine.
+        The body itself if it has no machine, or has its oscillator already. The machine stays in it if the model has a
+        field for it, its numbers in SI.
 
     Raises
     ------
@@ -109,12 +110,16 @@ def in_model(body: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
     """
     if MACHINE not in body:
         return body
+    fields = {field.alias or name for name, field in model.model_fields.items()}
     if "oscillator" in body:
-        raise InvalidJob("give the machine or the oscillator, not both: one follows from the other", (MACHINE,))
+        if MACHINE not in fields:
+            raise InvalidJob("give the machine or the oscillator, not both: one follows from the other", (MACHINE,))
+        return body
     pair = machine_from(body[MACHINE], MACHINE)
     pair.check_gamma()
     request = {name: value for name, value in body.items() if name != MACHINE}
-    fields = {field.alias or name for name, field in model.model_fields.items()}
+    if MACHINE in fields:
+        request[MACHINE] = pair.model_dump(mode="json", exclude_none=True)
     for window in fields & {"grid", "region"}:
         inside = request.get(window, {})
         if isinstance(inside, dict) and "velocity" not in inside:

@@ -1,4 +1,4 @@
-"""Diagrams, orbits, manifolds and grazing curves over HTTP, as a client sees them, and what is refused."""
+"""Diagrams, orbits, manifolds, grazing curves and reports over HTTP, as a client sees them, and what is refused."""
 
 import json
 
@@ -20,7 +20,7 @@ def submitted(service, route, body):
 
 @pytest.fixture(scope="module")
 def finished(service):
-    """All four kinds, computed one after another: the job and the result of each, by its route."""
+    """All of these kinds, computed one after another: the job and the result of each, by its route."""
     ids = {route: submitted(service, route, body)["id"] for route, body in ROUTES.items()}
     jobs = {route: service.wait(job_id) for route, job_id in ids.items()}
     for job in jobs.values():
