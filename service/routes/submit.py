@@ -11,6 +11,7 @@ from service.answers.job_views import view_of
 from service.answers.limits import settled_job
 from service.answers.result_view import result_is_gone
 from service.models.jobs import JobView
+from service.models.machines import MACHINE
 from service.models.requests import described_as
 from service.records.job_record import JobRecord
 from service.records.jobs import Jobs
@@ -67,7 +68,10 @@ def submit_router(taken: Container[str]) -> APIRouter:
 
 
 def _submit(kind: JobKind) -> Callable[..., Awaitable[Response]]:
-    body_type: Any = described_as(kind.job_class, machine=True)
+    fields = kind.job_class.model_fields
+    # A kind that is of machines describes its own.
+    own = any(field.is_required() for name, field in fields.items() if (field.alias or name) == MACHINE)
+    body_type: Any = described_as(kind.job_class, machine=not own)
 
     async def submit(
         request: body_type, jobs: JobsHere, runner: RunnerHere, settings: SettingsHere, submitter: SubmitterHere,
