@@ -47,9 +47,11 @@ def test_the_page_is_that_of_the_package_and_may_do_nothing(service, finished, t
 
 
 def test_a_page_that_is_known_is_not_sent_again(service, finished):
-    tag = page_of(service, finished).headers["etag"]
-    again = page_of(service, finished, headers={"if-none-match": tag})
+    first = page_of(service, finished)
+    again = page_of(service, finished, headers={"if-none-match": first.headers["etag"]})
     assert again.status_code == 304 and again.content == b""
+    policy = "content-security-policy"
+    assert again.headers[policy] == first.headers[policy], "a browser takes them for those of what it has"
 
 
 def test_the_job_shows_the_machine_and_the_result_its_answers(service, finished):
