@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated, Any, Literal, cast
+from typing import Annotated, Any, ClassVar, Literal, cast
 
 import numpy as np
 from pydantic import ConfigDict, Field, model_validator
@@ -57,6 +57,8 @@ class ReportJob(AnalysisJob):
     """
 
     model_config = ConfigDict(title="ReportRequest", json_schema_extra={"examples": [_EXAMPLE]})
+
+    result_version: ClassVar[int] = 1  # a page that says something else needs a new one, too
 
     kind_: Literal["report"] = "report"
     machine_: dict[str, Any] = Field(description="As the body of `POST /v1/machines`, in place of the oscillator")

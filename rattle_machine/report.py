@@ -37,6 +37,8 @@ def report(
 ) -> Path:
     """Write what a machine does on one page that prints.
 
+    What is computed for it is kept in `rattle.cache`.
+
     Parameters
     ----------
     machine : GearPair, str or path
