@@ -1,12 +1,15 @@
 """Studies of a machine in its own units, beside `rattle`: how often it rattles, from which value on, which tolerance.
 
-What they compute with is what any user has: `rattle`, and the public names of `rattle_kernels`. A proof is asked of
-`rattle_proof`, where that is installed.
+What they compute with is what any user has: `rattle`, and the public names of `rattle_kernels`. A report is a kind of
+job besides, as `worker.kinds` has them. A proof is asked of `rattle_proof`, where that is installed.
 
 Floors, the highest first; each imports from lower ones alone ::
 
     command
-    report
+    report | kind
+    routes
+    analysis
+    job | page
     threshold | tolerances
     departures | proven
     parameter_box | pulses

@@ -134,6 +134,12 @@ def report(
     cells: Annotated[int, typer.Option(min=1, help="Of the basin, each way")] = 300,
     speeds: Annotated[int, typer.Option(min=2, help="At which the machine is looked at")] = 16,
     limit: Annotated[float, typer.Option(help="Quiet share below which a machine is bad")] = 0.99,
+    prove: Annotated[
+        bool | None,
+        typer.Option(
+            help="Prove how fast teeth may part in every machine of the production", show_default="if installed"
+        ),
+    ] = None,
     seed: Seed = 0,
     title: Annotated[str | None, typer.Option(help="By default the name of the TOML file")] = None,
 ) -> None:
@@ -146,7 +152,7 @@ def report(
                 size=None if size is None else _number(size),
                 distribution=distribution, pressing=pressing,
                 numbers=dict(map(_named, number or ())) or None, machines=machines, departures=departures, cells=cells,
-                speeds=speeds, limit=limit, seed=seed, title=title, progress=not out.quiet,
+                speeds=speeds, limit=limit, prove=prove, seed=seed, title=title, progress=not out.quiet,
             )  # fmt: skip
     except (WorkerError, OutsideDomain) as error:
         give_up(str(error), 2)

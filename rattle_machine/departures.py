@@ -53,6 +53,7 @@ def sample_of(
         if fastest is not None:
             raise InvalidJob("fastest is of a window of departures: leave it out beside a size", ("fastest",))
         pulses = Pulses.drawn(size, distribution, departures, seed, pressing)
+        pulses.check_pressing(base)
         return lambda machine: pulses.departures_of(machine)[:2]  # type: ignore[arg-type]
     if distribution is not None:
         raise InvalidJob("distribution is of the sizes of pulses: give a size", ("distribution",))

@@ -1,5 +1,6 @@
 """Numbers of a machine by their names: as they are, in which unit, and the machine with another one."""
 
+import math
 from typing import Any
 
 from worker.errors import InvalidJob
@@ -10,6 +11,8 @@ UNITS = {
     "mesh_stiffness": "N/m", "inertia_ratio": "", "contact_damping": "", "restitution": "",
 }  # fmt: skip
 """Units in SI; empty of a pure number. Beside these there are ``transmission_error.ORDER.amplitude`` and ``.phase``."""
+RPM = 60.0 / (2.0 * math.pi)
+"""1 rad/s in rpm."""
 OF_ORDERS = {"amplitude": "m", "phase": "periods"}
 _ERROR = "transmission_error"
 

@@ -16,6 +16,7 @@ from functools import partial
 from importlib.util import find_spec
 
 from rattle_kernels import OutsideDomain, check_domain
+from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_machine.numbers import with_number
 from rattle_machine.parameter_box import Limits, parameter_box
 from worker.gear_pair import GearPair
@@ -81,8 +82,9 @@ def can_prove() -> bool:
 
 
 def prove_quiet(
-    pair: GearPair, limits: Limits, *, fastest: float | None = None, tightened: bool = False, mapper: Mapper = map
-) -> Proven:
+    pair: GearPair, limits: Limits, *, fastest: float | None = None, tightened: bool = False, mapper: Mapper = map,
+    pause: Pause = never_stopped,
+) -> Proven:  # fmt: skip
     """Prove for all machines within limits how fast teeth may part and fall quiet.
 
     Parameters
@@ -97,6 +99,8 @@ def prove_quiet(
         What the answer says of itself.
     mapper : callable
         As `map`; that of an executor proves parts in its threads.
+    pause : callable
+        Called several times a second; an exception raised there ends the proof.
 
     Returns
     -------
@@ -110,7 +114,7 @@ def prove_quiet(
             return Proven(None, None, f"{why}in every turn", tightened)
     middle = _machine_with(pair, {name: 0.5 * (low + high) for name, (low, high) in limits.items()})
     top = fastest or fastest_of(check_domain(middle.oscillator)) * middle.scales.speed
-    parts = _cut(pair, limits, top, mapper)
+    parts = _cut(pair, limits, partial(_proven_part, pair, top, pause), top, mapper)
     least = min(part.speed for part in parts)
     if least > 0.0:
         model_speed = min(part.model_speed for part in parts)
@@ -139,9 +143,10 @@ def _suspects(pair: GearPair, limits: Limits) -> Iterator[GearPair]:
         yield _machine_with(pair, values)
 
 
-def _cut(pair: GearPair, limits: Limits, top: float, mapper: Mapper) -> list[_Part]:
+def _cut(
+    pair: GearPair, limits: Limits, prove: Callable[[Limits], _Part], top: float, mapper: Mapper
+) -> list[_Part]:  # fmt: skip
     """Parts of limits, that of the least speed cut again and again."""
-    prove = partial(_proven_part, pair, top)
     parts = [prove(limits)]
     while len(parts) < PARTS:
         least = min(parts, key=lambda part: part.speed)
@@ -153,7 +158,7 @@ def _cut(pair: GearPair, limits: Limits, top: float, mapper: Mapper) -> list[_Pa
     return parts
 
 
-def _proven_part(pair: GearPair, top: float, limits: Limits) -> _Part:
+def _proven_part(pair: GearPair, top: float, pause: Pause, limits: Limits) -> _Part:
     from rattle_proof.enclosures.interval import down
     from rattle_proof.enclosures.machine import machine_of
     from rattle_proof.enclosures.quiet_core import level_of
@@ -164,7 +169,7 @@ def _proven_part(pair: GearPair, top: float, limits: Limits) -> _Part:
         machine = machine_of(box.oscillator, box.within)
     except OutsideDomain:
         return _Part(limits, 0.0, 0.0, meets_eq_8=False)
-    level = level_of(machine, top / unit)
+    level = level_of(machine, top / unit, pause)
     speed = _root_below(down(level * machine.least_acceleration))
     return _Part(limits, down(speed * unit), speed)
 

@@ -30,6 +30,7 @@ from rattle_kernels import (
     until_captured,
 )
 from rattle_kernels.basin_measures.shares import weighted_shares
+from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_machine.estimates import Estimate, for_json, in_words, mean_of, with_error
 from worker.errors import InvalidJob
 from worker.gear_pair import GearPair, in_si
@@ -231,6 +232,13 @@ class Pulses:
         phase = rng.random(departures)
         return cls(phase, _drawn_sizes(size, distribution, departures, rng), pressing)
 
+    def check_pressing(self, machine: GearPair) -> None:
+        """Refuse pulses that are held by teeth whose stiffness says otherwise, as an `InvalidJob`."""
+        if self.pressing == "held" and machine.mesh_stiffness is not None:
+            raise InvalidJob(
+                "pressing=held is for impacts: with a mesh_stiffness the teeth spring back as it says", ("pressing",)
+            )
+
     def departures_of(self, machine: GearPair) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """First departures from +beta of a quiet machine after the pulses, NaN where its teeth do not part.
 
@@ -251,19 +259,15 @@ class Pulses:
             If the machine has no quiet solution.
         """
         parting = self.size / machine.scales.impulse
+        self.check_pressing(machine)
         if self.pressing == "held":
-            if machine.mesh_stiffness is not None:
-                raise InvalidJob(
-                    "pressing=held is for impacts: with a mesh_stiffness the teeth spring back as it says",
-                    ("pressing",),
-                )
             parting = np.maximum(parting, 0.0)
         after = departures_after_pulses(machine.oscillator, self.phase, parting)
         return after.t, after.v, after.delay
 
 
 def _drawn_sizes(size: Any, distribution: Distribution | None, count: int, rng: np.random.Generator) -> np.ndarray:
-    measured = _measured_sizes(size)
+    measured = measured_sizes(size)
     if measured is not None:
         if distribution is not None:
             message = "leave it out: measured sizes are drawn as they are, each as likely as the other"
@@ -290,8 +294,14 @@ def _drawn_sizes(size: Any, distribution: Distribution | None, count: int, rng: 
     raise InvalidJob(message, ("distribution",))
 
 
-def _measured_sizes(size: Any) -> np.ndarray | None:
-    """Sizes that were measured, None for a single number."""
+def measured_sizes(size: Any) -> np.ndarray | None:
+    """Sizes that were measured: those of a list, or of a CSV file. None for a single number.
+
+    Raises
+    ------
+    InvalidJob
+        If they are none, or the file cannot be read.
+    """
     if isinstance(size, Path) or (isinstance(size, str) and size.lower().endswith(".csv")):
         return _sizes_in(Path(size))
     if not isinstance(size, Sequence | np.ndarray | pd.Series) or isinstance(size, str) or np.ndim(size) == 0:
@@ -420,26 +430,49 @@ def pulses(
     pair.check_gamma()
     every = rate_in_si(rate)
     check_quiet(pair.oscillator)
-    drawn = Pulses.drawn(size, distribution, departures, seed, pressing)
-    motions, solution, length, impacts, energy = _followed(pair, drawn)
-    return _study(pair, every, drawn, motions, solution, length, impacts, energy)
+    return follow(pair, every, Pulses.drawn(size, distribution, departures, seed, pressing))
+
+
+def follow(machine: GearPair, rate: float, drawn: Pulses, pause: Pause = never_stopped) -> PulseStudy:
+    """What pulses that are drawn do to a machine.
+
+    Parameters
+    ----------
+    machine : GearPair
+    rate : float
+        1/s.
+    drawn : Pulses
+    pause : callable
+        Called several times a second; an exception raised there ends the work.
+
+    Returns
+    -------
+    PulseStudy
+
+    Raises
+    ------
+    InvalidJob, OutsideDomain
+        As `pulses`.
+    """
+    motions, solution, length, impacts, energy = _followed(machine, drawn, pause)
+    return _study(machine, rate, drawn, motions, solution, length, impacts, energy)
 
 
 def _followed(
-    machine: GearPair, drawn: Pulses
+    machine: GearPair, drawn: Pulses, pause: Pause
 ) -> tuple[tuple[Attractor, ...], np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Catalogue, and for each pulse its motion, the time until captured, impacts and their energy, of the model."""
     oscillator = machine.oscillator
     t, v, delay = drawn.departures_of(machine)
     parts = np.isfinite(v)
-    found = shares_of(oscillator, t[parts], v[parts]) if parts.any() else None
+    found = shares_of(oscillator, t[parts], v[parts], pause=pause) if parts.any() else None
     solution = np.zeros(t.size, np.int64)
     length, impacts, energy = np.zeros((3, t.size))
     if found is None:
         return (), solution, length, impacts, energy
     solution[parts] = found.solution
     falls = parts & (solution == 0)
-    heard = until_captured(oscillator, t[falls], v[falls])
+    heard = until_captured(oscillator, t[falls], v[falls], pause=pause)
     # Bounces that are captured from the beginning are quiet at once, whatever came before them.
     length[falls] = np.where(heard.impacts > 0, heard.duration + delay[falls], 0.0)
     impacts[falls], energy[falls] = heard.impacts, heard.impact_energy

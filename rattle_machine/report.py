@@ -1,76 +1,21 @@
-"""One page for the person who decides: what a machine does, how loud, how often, and which tolerance is to blame.
+"""A report as a file: the job is computed here, and its page is written down."""
 
-The page is one HTML file with its pictures inside. It needs no network, and prints on A4. The same machine and the same
-questions give the same bytes.
-"""
-
-import io
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from importlib.metadata import version
-from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING
 
-import matplotlib.pyplot as plt
 import numpy as np
-import xarray as xr
-from jinja2 import Environment
-from markupsafe import Markup
-from matplotlib.figure import Figure
 
 import rattle
-from rattle_machine.estimates import in_words, with_error
-from rattle_machine.numbers import unit_of
+from rattle_machine.analysis import page_in
+from rattle_machine.job import ReportJob
 from rattle_machine.proven import can_prove
-from rattle_machine.pulses import Distribution, Pressing, PulseStudy, pulses
-from rattle_machine.tolerances import QUIET, Range, ToleranceStudy, tolerances
-from worker.errors import InvalidJob
+from rattle_machine.pulses import Distribution, Pressing, measured_sizes
 from worker.gear_pair import GearPair
-from worker.pictures.figure_file import PictureFormat, new_figure, save_figure
 
 if TYPE_CHECKING:
+    from rattle_machine.tolerances import Tolerance
     from worker.gear_pair import Quantity
-
-_RPM = 60.0 / (2.0 * math.pi)
-# Of the threshold, beyond which the model does not hold; and of the machine's own speed.
-_NEAR_THRESHOLD, _UP_TO, _FROM = 0.98, 2.0, 0.4
-_LISTED = 12
-_WORDS = {
-    "speed": "speed of the driven shaft", "inertia": "inertia of the driven shaft",
-    "inertia_ratio": "ratio of inertias, driven to driving", "drag_torque": "drag torque on the driven shaft",
-    "base_radius": "base radius of the driven gear", "backlash": "backlash along the line of action",
-    "mesh_stiffness": "mesh stiffness", "contact_damping": "damping ratio of the contact",
-    "restitution": "restitution of an impact", "drag_law": "drag torque over speed",
-    "turns": "turns after which the transmission error repeats",
-}  # fmt: skip
-_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
-_NOT_MODELLED = (
-    "Speeds are mean speeds in steady motion. A run-up from rest and a load that changes with time are not looked at.",
-    "The shafts are rigid, and there is one mesh: other meshes, bearings and the housing do not move.",
-    "Drag is linear in speed within a turn; the driving torque is constant.",
-    "There is no film of oil between the teeth: what it takes is part of the restitution or of the damping.",
-    "Impact power is what the teeth exchange, not the sound that the housing radiates.",
-)
-
-
-@dataclass(frozen=True)
-class _Part:
-    """A text, a note, a list, a table, or a picture."""
-
-    kind: Literal["text", "note", "list", "table", "picture"]
-    text: str = ""
-    head: Sequence[str] = ()
-    rows: Sequence[Any] = ()
-    numbers: Sequence[int] = ()
-    svg: Markup | str = ""
-
-
-@dataclass(frozen=True)
-class _Section:
-    heading: str
-    parts: Sequence[_Part]
 
 
 def report(
@@ -81,17 +26,20 @@ def report(
     size: "Quantity | Path | Sequence[float] | np.ndarray | None" = None,
     distribution: Distribution | None = None,
     pressing: Pressing = "bounces",
-    numbers: "Mapping[str, str | tuple[Quantity, Quantity]] | None" = None,
+    numbers: "Mapping[str, Tolerance] | None" = None,
     machines: int = 1024,
     departures: int = 2000,
     cells: int = 300,
     speeds: int = 16,
     limit: float = 0.99,
+    prove: bool | None = None,
     seed: int = 0,
     title: str | None = None,
     progress: bool = True,
 ) -> Path:
     """Write what a machine does on one page that prints.
+
+    What is computed for it is kept in `rattle.cache`.
 
     Parameters
     ----------
@@ -105,6 +53,8 @@ def report(
         Tolerances, as ``rattle.tolerances`` takes them.
     machines, limit
         Of the production, as ``rattle.tolerances`` takes them.
+    prove : bool, optional
+        Of the production, as ``rattle.tolerances`` takes it. By default if the package `rattle_proof` is installed.
     departures : int
         That are followed at each speed, and of pulses; of each machine of a production a half of them.
     cells : int
@@ -138,303 +88,18 @@ def report(
     >>> rattle.report(pair, "report.html", cells=24, speeds=3, departures=64, progress=False).name
     'report.html'
     """
-    pair = GearPair.of(machine)
-    pair.check_gamma()
-    if (rate is None) != (size is None):
-        raise InvalidJob("pulses have a rate and a size: give both, or neither", ("rate" if rate is None else "size",))
-    if isinstance(speeds, bool) or not isinstance(speeds, int) or speeds < 2:
-        raise InvalidJob(f"speeds must be a whole number from 2 on, not {speeds!r}", ("speeds",))
-    name = title or (Path(machine).stem if isinstance(machine, str | Path) else "A gear pair")
-    hit: dict[str, Any] = {"size": size, "distribution": distribution, "pressing": pressing, "seed": seed}
-    basin = rattle.basin(pair, cells=cells, progress=progress)
-    over = rattle.sweep(pair, speed=_speeds_of(pair, speeds), sample=departures, seed=seed, progress=progress)
-    of_pulses = None if rate is None else pulses(pair, rate=rate, departures=departures, **hit)
-    production = None
-    if numbers:
-        production = tolerances(
-            pair, numbers, machines=machines, departures=max(departures // 2, 2), rate=rate, limit=limit,
-            prove=can_prove(), **hit,
-        )  # fmt: skip
-    sections = [
-        _machine_section(pair), _gamma_section(pair), _basin_section(pair, basin), _speed_section(pair, over),
-        *([] if of_pulses is None else [_pulse_section(of_pulses)]),
-        *([] if production is None else [_tolerance_section(production)]),
-        _Section("What is not modelled", [_Part("list", rows=_NOT_MODELLED)]),
-    ]  # fmt: skip
-    template = Environment(autoescape=True, trim_blocks=True).from_string(
-        files("rattle_machine").joinpath("report.html").read_text(encoding="utf-8")
-    )
-    text = template.render(
-        title=f"{name}: does it rattle?",
-        sections=sections,
-        answers=_answers(pair, basin, of_pulses, production),
-        made=f"Computed by gear-rattle {version('gear-rattle')}. All numbers are of the model that is described below.",
-    )
+    name = title or (Path(machine).stem if isinstance(machine, str | Path) else None)
+    measured = measured_sizes(size)
+    given = {
+        "rate": rate, "size": size if measured is None else measured.tolist(), "distribution": distribution,
+        "numbers": dict(numbers) if numbers else None, "title": name,
+        "prove": bool(numbers) and can_prove() if prove is None else prove,
+    }  # fmt: skip
+    job = ReportJob(
+        machine=GearPair.of(machine), pressing=pressing, machines=machines, departures=departures, cells=cells,
+        speeds=speeds, limit=limit, seed=seed, **{each: value for each, value in given.items() if value is not None},
+    )  # fmt: skip
+    found = rattle.compute(job, progress=progress)
     target = Path(path)
-    target.write_text(text + "\n", encoding="utf-8")
+    target.write_bytes(page_in(found))
     return target
-
-
-def _speeds_of(pair: GearPair, count: int) -> list[str]:
-    """Speeds in rpm about that of the machine, below the threshold, its own among them."""
-    own, highest = pair.speed, min(_UP_TO * pair.speed, _NEAR_THRESHOLD * pair.threshold_speed)
-    speeds = np.linspace(_FROM * own, max(highest, own), count)
-    speeds[np.abs(speeds - own).argmin()] = own
-    return [f"{value * _RPM:.9g} rpm" for value in speeds]
-
-
-def _answers(
-    pair: GearPair, basin: xr.Dataset, of_pulses: PulseStudy | None, production: ToleranceStudy | None
-) -> list[str]:
-    """What the person who decides reads first."""
-    quiet = float(basin.share.values[0])
-    top = float(basin.rattle.job.grid.velocity_stop) * pair.scales.speed
-    lines = [
-        f"At {pair.speed * _RPM:.6g} rpm the machine can run quietly: inertia torque is {100.0 * pair.gamma:.3g} % of "
-        f"drag torque. Of all ways in which its teeth part with up to {_with_prefix(top, 'm/s')}, "
-        f"{100.0 * quiet:.3g} % end in quiet."
-    ]
-    if of_pulses is not None:
-        if of_pulses.lasting.value:
-            lines.append(
-                f"Of the torque pulses {100.0 * of_pulses.lasting.value:.3g} % end in rattle that lasts: once in "
-                f"{in_words(of_pulses.time_between.value)} on average."
-            )
-        else:
-            low, _ = of_pulses.time_between_interval
-            lines.append(
-                f"None of {of_pulses.departures:,} torque pulses ends in rattle that lasts: less often than once in "
-                f"{in_words(low)} (95 %)."
-            )
-    if production is not None:
-        bad = production.production.bad.times(100.0)
-        line = f"Of the production {bad} % are quiet after less than {100.0 * production.limit:g} % of departures."
-        if production.guilty is not None:
-            line += f" The tolerance of {_in_words(production.guilty)} is to blame most."
-        if production.tightened is not None:
-            tight, then = production.tightened
-            line += f" Within {_between(tight)} it is {then.bad.times(100.0)} %."
-        lines.append(line)
-    return lines
-
-
-def _in_words(name: str) -> str:
-    if name.startswith("transmission_error."):
-        _, order, part = name.split(".")
-        return f"the {part} of order {order} of the transmission error"
-    return f"the {_WORDS.get(name, name.replace('_', ' '))}"
-
-
-def _with_prefix(value: float, unit: str) -> str:
-    """A number with the prefix that makes it 1 to 1000."""
-    if value == 0.0 or not math.isfinite(value):
-        return f"{value:g} {unit}"
-    size, prefix = next((each for each in _PREFIXES if abs(value) >= each[0]), _PREFIXES[-1])
-    return f"{value / size:.4g} {prefix}{unit}"
-
-
-def _written(value: float, unit: str) -> str:
-    if unit == "rad/s":
-        return f"{value * _RPM:.6g} rpm"
-    if unit == "kg m^2":
-        return f"{value:.4g} kg m²"
-    if unit in ("m", "N m", "N/m"):
-        return _with_prefix(value, unit)
-    return f"{value:.6g} {unit}".rstrip()
-
-
-def _between(limits: Range) -> str:
-    return f"{_written(limits.low, limits.unit)} to {_written(limits.high, limits.unit)}"
-
-
-def _machine_section(pair: GearPair) -> _Section:
-    fields = pair.model_dump(exclude_none=True)
-    orders = fields.pop("transmission_error")
-    rows = [
-        (_WORDS[name], value if isinstance(value, str) else _written(float(value), unit_of(name)))
-        for name, value in fields.items()
-    ]
-    for order, each in sorted(orders.items()):
-        phase = f", phase {each['phase']:.4g} periods" if each["phase"] else ""
-        rows.append((f"transmission error, order {order}", _written(each["amplitude"], "m") + phase))
-    model, scales = pair.oscillator, pair.scales
-    numbers = [
-        ("damping δ", f"{model.damping:.6g}"), ("half backlash β", f"{model.half_backlash:.6g}"),
-        ("eccentricity ε", f"{model.eccentricity:.6g}"),
-    ]  # fmt: skip
-    if math.isfinite(model.stiffness):
-        numbers += [("stiffness κ", f"{model.stiffness:.6g}"), ("contact damping ζ", f"{model.contact_damping:.6g}")]
-    else:
-        numbers.append(("restitution r", f"{model.restitution:.6g}"))
-    units = [
-        ("a forcing period", _with_prefix(scales.time, "s")), ("a speed of 1", _with_prefix(scales.speed, "m/s")),
-        ("an impact power of 1", _with_prefix(scales.power, "W")),
-        ("a torque pulse that changes the speed by 1", _with_prefix(scales.impulse, "N m s")),
-    ]  # fmt: skip
-    return _Section(
-        "The machine",
-        [
-            _Part("table", head=("", "value"), rows=rows, numbers=[1]),
-            _Part("table", "In the model", ("", "value"), numbers, [1]),
-            _Part("table", "One unit of the model", ("", "is"), units, [1]),
-        ],
-    )
-
-
-def _gamma_section(pair: GearPair) -> _Section:
-    speed = pair.threshold_speed
-    reached = (
-        "It never reaches 1, since there is no transmission error."
-        if math.isinf(speed)
-        else f"It reaches 1 at {speed * _RPM:.6g} rpm. From there on the teeth part in every turn: the machine always "
-        "rattles, and this page does not reach so far."
-    )
-    return _Section(
-        "Inertia torque over drag torque",
-        [
-            _Part("text", f"Γ = {pair.gamma:.4g} at {pair.speed * _RPM:.6g} rpm. {reached}"),
-            _Part(
-                "text",
-                "Below 1, drag presses the teeth together all the time, and a machine that runs quietly goes on so. "
-                "A disturbance can still part the teeth. Then they bounce until they are quiet again, or rattle for "
-                "ever. The next sections say which.",
-            ),
-        ],
-    )
-
-
-def _basin_section(pair: GearPair, basin: xr.Dataset) -> _Section:
-    scales, heard = pair.scales, basin.rattle.loudness()
-    order = np.argsort(-basin.share.values, kind="stable")
-    rows = []
-    for place in order[:_LISTED].tolist():
-        motion = heard.isel(attractor=place)
-        rows.append(
-            (
-                str(basin["name"].values[place]),
-                f"{100.0 * float(basin.share.values[place]):.3g} %",
-                _or_unknown(float(motion.impacts_per_period) / scales.time, "/s"),
-                _or_unknown(float(motion.largest_impact_speed_m_s), "m/s"),
-                _or_unknown(float(motion.impact_power_w), "W"),
-            )  # fmt: skip
-        )
-    figure = Figure(figsize=(7.0, 4.6), layout="constrained")
-    axes = figure.subplots()
-    basin.rattle.plot(ax=axes, overlays=["grazing"])
-    quiet = float(basin.rattle.proven_quiet().min()) * scales.speed
-    more = [] if order.size <= _LISTED else [_Part("note", f"And {order.size - _LISTED} more motions.")]
-    return _Section(
-        "What it ends in when its teeth have parted",
-        [
-            _Part(
-                "table", "Motions", ("motion", "share", "impacts", "fastest impact", "impact power"), rows, [1, 2, 3, 4]
-            ),
-            *more,
-            _Part(
-                "text",
-                "Permanent contact is quiet. P(m, n, l) repeats after m forcing periods with n impacts on one flank "
-                "and l on the other. Shares are of all moments and speeds in the picture.",
-            ),
-            _Part("picture", "The motion that the teeth end in, by when and how fast they part.", svg=_as_svg(figure)),
-            _Part(
-                "text",
-                f"Teeth that part with less than {_with_prefix(quiet, 'm/s')}, at any moment, fall quiet: that is "
-                "proven by a bound, not tried.",
-            ),
-        ],
-    )
-
-
-def _or_unknown(value: float, unit: str) -> str:
-    return "not known" if math.isnan(value) else _with_prefix(value, unit) if value else "none"
-
-
-def _speed_section(pair: GearPair, over: xr.Dataset) -> _Section:
-    drawn = over.rattle.plot_shares()
-    picture = _as_svg(drawn)
-    plt.close(drawn)
-    return _Section(
-        "What it does at other speeds",
-        [
-            _Part("picture", "Shares of motions, loudness and Γ over speed.", svg=picture),
-            _Part(
-                "note",
-                f"At each speed the machine runs steadily: this is no run-up. Its drag torque is {pair.drag_law} over "
-                "speed.",
-            ),
-        ],
-    )
-
-
-def _pulse_section(study: PulseStudy) -> _Section:
-    rows = [
-        ("is quiet at once", f"{study.quiet.times(100.0)} %", "", ""),
-        ("rattles, then is quiet", f"{study.passing.times(100.0)} %", with_error(study.passing_time), ""),
-    ]
-    rows += [
-        (f"rattles on in {each.name}", f"{each.share.times(100.0)} %", "on", f"{each.impact_power} W")
-        for each in study.rattles
-    ]
-    return _Section(
-        "How often",
-        [
-            _Part("text", f"Torque pulses on the driven shaft, one in {in_words(1.0 / study.rate)} on average."),
-            _Part("table", "After a pulse the machine", ("", "share", "lasts", "impact power"), rows, [1, 2, 3]),
-            _Part(
-                "text",
-                f"Quiet is kept for {in_words(study.kept_at_least)} on average, at least (95 %). Expected impact power "
-                f"after a pulse: {study.impact_power} W.",
-            ),
-        ],
-    )
-
-
-def _tolerance_section(study: ToleranceStudy) -> _Section:
-    rows = [
-        (_in_words(each.name), _written(each.low, each.unit), _written(each.high, each.unit)) for each in study.ranges
-    ]
-    blamed = [
-        (
-            _in_words(str(row["number"])), f"{row['first']:.2f}",
-            f"{row['total']:.2f} ({row['total_low']:.2f} to {row['total_high']:.2f})",
-        )
-        for row in study.indices.sort_values("total", ascending=False).to_dict("records")
-    ]  # fmt: skip
-    figure = new_figure(7.0, 3.0)
-    axes = figure.subplots()
-    axes.hist(100.0 * study.table[QUIET], bins=30, color="#0b5394")
-    axes.set_xlabel("departures after which a machine is quiet (%)")
-    axes.set_ylabel("machines")
-    parts = [
-        _Part("table", f"{len(study.table):,} machines within", ("number", "from", "to"), rows, [1, 2]),
-        _Part("picture", "How quiet the machines of the production are.", svg=_as_svg(figure)),
-    ]
-    if study.guilty is not None:
-        parts.append(
-            _Part(
-                "table", "What the quiet share depends on (Sobol's indices)", ("number", "alone", "with all others"),
-                blamed, [1, 2],
-            )
-        )  # fmt: skip
-    if study.tightened is not None:
-        tight, then = study.tightened
-        parts.append(
-            _Part(
-                "text",
-                f"With {_in_words(tight.name)} within {_between(tight)}, {then.bad.times(100.0)} % of the machines are "
-                f"quiet after less than {100.0 * study.limit:g} % of departures, in place of "
-                f"{study.production.bad.times(100.0)} %.",
-            )
-        )
-    if study.proven is not None:
-        parts.append(_Part("text", str(study.proven)))
-    return _Section("Which tolerance", parts)
-
-
-def _as_svg(figure: Figure) -> Markup:
-    """A figure as an SVG element."""
-    file = io.BytesIO()
-    save_figure(figure, file, PictureFormat.SVG)
-    text = file.getvalue().decode()
-    # No declaration and no document type within HTML. The figure is the project's own: nothing in it is a user's.
-    return Markup(text[text.index("<svg") :])

@@ -29,11 +29,12 @@ from scipy.special import ndtr, ndtri
 from scipy.stats import qmc, sobol_indices
 
 from rattle_kernels import OutsideDomain, expected_loudness, loudness, shares_of
+from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_machine.departures import sample_of
 from rattle_machine.estimates import Estimate, for_json, mean_of
 from rattle_machine.numbers import number_of, unit_of, with_number
-from rattle_machine.proven import Proven, can_prove, prove_quiet
-from rattle_machine.pulses import Distribution, Pressing, rate_in_si
+from rattle_machine.proven import Mapper, Proven, can_prove, prove_quiet
+from rattle_machine.pulses import Distribution, Pressing, measured_sizes, rate_in_si
 from worker.errors import InvalidJob
 from worker.gear_pair import GearPair, in_si, number_and_unit
 
@@ -41,6 +42,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from worker.gear_pair import Quantity
+
+    # A text, or limits.
+    Tolerance = str | tuple[Quantity, Quantity] | tuple[Quantity, Quantity, str]
 
 YEAR = 31_557_600.0
 """Seconds of a year."""
@@ -50,9 +54,11 @@ _PLUS_MINUS = re.compile(
 )
 # Of a normal law the tolerance is three deviations, and parts beyond it are sorted out.
 _DEVIATIONS = 3.0
+_NORMAL = "normal"
 _CONFIDENCE = 0.95
 _RESAMPLES = 400
 _LEAST = 16
+_A_BLOCK = 32
 
 
 @dataclass(frozen=True)
@@ -87,6 +93,11 @@ class Range:
         """The same about the same middle, so many times as wide."""
         middle, half = 0.5 * (self.low + self.high), 0.5 * factor * (self.high - self.low)
         return replace(self, low=middle - half, high=middle + half)
+
+    @property
+    def limits(self) -> list[float | str]:
+        """As JSON: both limits, and ``"normal"`` behind them if it is."""
+        return [self.low, self.high, *([_NORMAL] if self.normal else [])]
 
     def __str__(self) -> str:
         """As it is written, in SI."""
@@ -198,7 +209,7 @@ class ToleranceStudy:
 
 def tolerances(
     machine: "GearPair | str | Path",
-    numbers: "Mapping[str, str | tuple[Quantity, Quantity]]",
+    numbers: "Mapping[str, Tolerance]",
     *,
     machines: int = 1024,
     departures: int = 1000,
@@ -221,7 +232,8 @@ def tolerances(
         The nominal machine, or a TOML file of it.
     numbers : mapping
         Tolerances of its numbers, as ``"35 +- 10 um"``, each value of which is as likely as the other;
-        ``"35 +- 10 um, normal"``, normal with three deviations to the limits; a pair of limits; or ``"any"`` phase.
+        ``"35 +- 10 um, normal"``, normal with three deviations to the limits; a pair of limits, with ``"normal"``
+        behind it or not; or ``"any"`` phase.
         Numbers are those of the machine (``speed``, ``backlash``, ...), and of its transmission error
         ``transmission_error.2.amplitude`` and ``transmission_error.2.phase``.
     machines : int
@@ -267,51 +279,198 @@ def tolerances(
     >>> len(found.table), [each.name for each in found.ranges]
     (32, ['transmission_error.1.amplitude', 'restitution'])
     """
-    pair = GearPair.of(machine)
-    ranges = tuple(_range_of(pair, name, given) for name, given in _checked(numbers).items())
-    count = _size(machines, len(ranges))
-    for name, value in (("limit", limit), ("tighten", tighten)):
-        if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value <= 1.0:
-            raise InvalidJob(f"{name} must be above 0 and at most 1, not {value!r}", (name,))
-    if rate is not None and size is None:
-        raise InvalidJob("rate is how often pulses come: give their size as well", ("rate",))
-    if prove and not can_prove():
-        raise InvalidJob("prove needs the package rattle_proof, which is not installed", ("prove",))
-    every = None if rate is None else rate_in_si(rate)
-    sample = sample_of(
-        pair, size=size, distribution=distribution, pressing=pressing, fastest=fastest, departures=departures, seed=seed
-    )
+    asked = Question.of(
+        GearPair.of(machine), numbers, machines=machines, departures=departures, size=size, distribution=distribution,
+        pressing=pressing, rate=rate, fastest=fastest, limit=limit, tighten=tighten, seed=seed,
+    )  # fmt: skip
+    if prove:
+        demand_proof()
     with ThreadPoolExecutor(workers or len(os.sched_getaffinity(0))) as threads:
 
-        def found(points: np.ndarray, ranges: tuple[Range, ...]) -> np.ndarray:
-            """Quiet share, expected impact power, and Gamma of machines, in columns."""
-            values = np.column_stack([each.at(part) for each, part in zip(ranges, points.T, strict=True)])
-            each = threads.map(lambda row: _machine_does(pair, ranges, row, sample), values)
-            return np.array(list(each))
+        def all_do(ranges: tuple[Range, ...], places: np.ndarray) -> np.ndarray:
+            return np.concatenate(list(threads.map(lambda block: asked.machines_do(ranges, block), blocks_of(places))))
 
-        first, second = np.hsplit(qmc.Sobol(2 * len(ranges), rng=seed).random_base2(count.bit_length() - 1), 2)
-        both = np.concatenate([first, second])
-        of_both = found(both, ranges)
-        columns = range(len(ranges)) if len(ranges) > 1 else ()
-        mixed = np.array([found(_with_column(first, second, column), ranges)[:, 0] for column in columns])
-        indices = _indices(ranges, of_both[:, 0], mixed, seed)
-        guilty = None if indices["total"].isna().all() else str(indices["number"][indices["total"].idxmax()])
-        tightened, narrow = None, ranges
-        if guilty is not None and tighten < 1.0:
-            narrow = tuple(each.tightened(tighten) if each.name == guilty else each for each in ranges)
+        found = all_do(asked.ranges, asked.places())
+        narrow = asked.narrowed(found)
+        then = None if narrow is None else all_do(narrow, asked.places_of_production())
+        proven = asked.prove(narrow, mapper=threads.map) if prove else None
+    return asked.study(found, then, proven)
+
+
+def demand_proof() -> None:
+    """Refuse to prove without the package that does."""
+    if not can_prove():
+        raise InvalidJob("prove needs the package rattle_proof, which is not installed", ("prove",))
+
+
+def blocks_of(places: np.ndarray) -> list[np.ndarray]:
+    """Machines in blocks, each of which is computed at one place."""
+    return [places[begin : begin + _A_BLOCK] for begin in range(0, len(places), _A_BLOCK)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question:
+    """What is asked of a production, checked: which machines there are, and what is made of what they do.
+
+    What each machine does depends on that machine alone, so they may be computed anywhere, in any order.
+
+    Parameters
+    ----------
+    machine : GearPair
+    ranges : tuple of Range
+    count : int
+        Machines in each of the two sets, a power of two.
+    departures, size, distribution, pressing, rate, fastest, limit, tighten, seed
+        As `tolerances` takes them; the rate in 1/s.
+    """
+
+    machine: GearPair
+    ranges: tuple[Range, ...]
+    count: int
+    departures: int
+    size: Any
+    distribution: Distribution | None
+    pressing: Pressing
+    rate: float | None
+    fastest: float | None
+    limit: float
+    tighten: float
+    seed: int
+
+    @classmethod
+    def of(
+        cls, machine: GearPair, numbers: Any, *, machines: Any, departures: int, size: Any,
+        distribution: Distribution | None, pressing: Pressing, rate: Any, limit: float, seed: int,
+        fastest: float | None = None, tighten: float = 0.5,
+    ) -> "Question":  # fmt: skip
+        """Question of the arguments of `tolerances`, with its errors."""
+        ranges = tuple(_range_of(machine, name, given) for name, given in _checked(numbers).items())
+        count = _size(machines, len(ranges))
+        for name, value in (("limit", limit), ("tighten", tighten)):
+            if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value <= 1.0:
+                raise InvalidJob(f"{name} must be above 0 and at most 1, not {value!r}", (name,))
+        if rate is not None and size is None:
+            raise InvalidJob("rate is how often pulses come: give their size as well", ("rate",))
+        every, measured = None if rate is None else rate_in_si(rate), measured_sizes(size)
+        asked = cls(
+            machine=machine, ranges=ranges, count=count, departures=departures,
+            size=size if measured is None else measured, distribution=distribution, pressing=pressing, rate=every,
+            fastest=fastest, limit=limit, tighten=tighten, seed=seed,
+        )  # fmt: skip
+        asked._sample()
+        return asked
+
+    def _sample(self) -> "Callable[[GearPair], tuple[np.ndarray, np.ndarray]]":
+        return sample_of(
+            self.machine, size=self.size, distribution=self.distribution, pressing=self.pressing, fastest=self.fastest,
+            departures=self.departures, seed=self.seed,
+        )  # fmt: skip
+
+    def places(self) -> np.ndarray:
+        """Where each machine lies within each tolerance, from 0 to 1: a row for each machine, the production first.
+
+        Behind the two sets that are the production come those in which one column is mixed, for the indices.
+        """
+        first, second = self._sets()
+        columns = range(len(self.ranges)) if len(self.ranges) > 1 else ()
+        return np.concatenate([first, second, *(_with_column(first, second, column) for column in columns)])
+
+    def places_of_production(self) -> np.ndarray:
+        """Those of the production alone."""
+        return np.concatenate(self._sets())
+
+    def _sets(self) -> tuple[np.ndarray, np.ndarray]:
+        points = qmc.Sobol(2 * len(self.ranges), rng=self.seed).random_base2(self.count.bit_length() - 1)
+        first, second = np.hsplit(points, 2)
+        return first, second
+
+    def machines_do(self, ranges: tuple[Range, ...], places: np.ndarray, pause: Pause = never_stopped) -> np.ndarray:
+        """Quiet share, expected impact power in W, and Gamma of machines, in columns.
+
+        Parameters
+        ----------
+        ranges : tuple of Range
+            The tolerances, or those of which one is narrower.
+        places : ndarray, shape (n, number of tolerances)
+        pause : callable
+            Called several times a second.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+        """
+        sample = self._sample()
+        values = np.column_stack([each.at(part) for each, part in zip(ranges, places.T, strict=True)])
+        return np.array([_machine_does(self.machine, ranges, row, sample, pause) for row in values])
+
+    def narrowed(self, found: np.ndarray) -> tuple[Range, ...] | None:
+        """Tolerances of which the guilty one is tightened; None if none is to blame, or none is to be tightened.
+
+        Parameters
+        ----------
+        found : ndarray
+            What the machines at `places` do.
+        """
+        guilty = _guilty(self._indices_of(found, _totals))
+        if guilty is None or self.tighten >= 1.0:
+            return None
+        return tuple(each.tightened(self.tighten) if each.name == guilty else each for each in self.ranges)
+
+    def prove(self, narrow: tuple[Range, ...] | None, *, mapper: Mapper = map, pause: Pause = never_stopped) -> Proven:
+        """Prove how fast teeth may part and fall quiet in every machine of the production that is tightened, or is not.
+
+        Parameters
+        ----------
+        narrow : tuple of Range, optional
+            The tolerances `narrowed`.
+        mapper, pause
+            As `prove_quiet` takes them.
+
+        Returns
+        -------
+        Proven
+        """
+        within = {each.name: (each.low, each.high) for each in narrow or self.ranges}
+        return prove_quiet(
+            self.machine, within, fastest=self.fastest, tightened=narrow is not None, mapper=mapper, pause=pause
+        )
+
+    def _indices_of(self, found: np.ndarray, of: "Callable[..., pd.DataFrame]") -> pd.DataFrame:
+        quiet = found[:, 0]
+        mixed = quiet[2 * self.count :].reshape(-1, self.count)
+        return of(self.ranges, quiet[: 2 * self.count], mixed, self.seed)
+
+    def study(self, found: np.ndarray, then: np.ndarray | None, proven: Proven | None = None) -> ToleranceStudy:
+        """What is said of the production.
+
+        Parameters
+        ----------
+        found : ndarray
+            What the machines at `places` do.
+        then : ndarray, optional
+            What those at `places_of_production` do with the tolerances `narrowed`.
+        proven : Proven, optional
+            What is proven of these, or of all.
+
+        Returns
+        -------
+        ToleranceStudy
+        """
+        both, narrow = found[: 2 * self.count], self.narrowed(found)
+        indices = self._indices_of(found, _indices)
+        guilty, tightened = _guilty(indices), None
+        if narrow is not None and then is not None:
             (tight,) = (each for each in narrow if each.name == guilty)
-            tightened = tight, _production(found(both, narrow), limit)
-        proven = None
-        if prove:
-            within = {each.name: (each.low, each.high) for each in narrow}
-            proven = prove_quiet(pair, within, fastest=fastest, tightened=tightened is not None, mapper=threads.map)
-    table = pd.DataFrame({each.name: each.at(part) for each, part in zip(ranges, both.T, strict=True)})
-    table = table.assign(**{QUIET: of_both[:, 0], POWER: of_both[:, 1], "gamma": of_both[:, 2]})
-    if every is not None:
-        table[EPISODES] = YEAR * every * (1.0 - of_both[:, 0])
-    return ToleranceStudy(
-        pair, ranges, departures, limit, _production(of_both, limit), indices, guilty, tightened, table, proven
-    )
+            tightened = tight, _production(then, self.limit)
+        parts = self.places_of_production().T
+        table = pd.DataFrame({each.name: each.at(part) for each, part in zip(self.ranges, parts, strict=True)})
+        table = table.assign(**{QUIET: both[:, 0], POWER: both[:, 1], "gamma": both[:, 2]})
+        if self.rate is not None:
+            table[EPISODES] = YEAR * self.rate * (1.0 - both[:, 0])
+        return ToleranceStudy(
+            self.machine, self.ranges, self.departures, self.limit, _production(both, self.limit), indices, guilty,
+            tightened, table, proven,
+        )  # fmt: skip
 
 
 def _checked(numbers: Any) -> Mapping[str, Any]:
@@ -345,8 +504,9 @@ def _range_of(pair: GearPair, name: str, given: Any) -> Range:
         normal = parts["law"] is not None
         middle, half = (_value(name, unit, f"{parts[each]} {parts['unit']}".strip()) for each in ("middle", "half"))
         low, high = middle - half, middle + half
-    elif isinstance(given, tuple | list) and len(given) == 2:
-        low, high = (_value(name, unit, each) for each in given)
+    elif isinstance(given, tuple | list) and (len(given) == 2 or (len(given) == 3 and given[2] == _NORMAL)):
+        low, high = (_value(name, unit, each) for each in given[:2])
+        normal = len(given) == 3
     else:
         raise InvalidJob(f"{name}: {given!r} is no tolerance: {right}", ("numbers", name))
     if not low < high:
@@ -376,9 +536,10 @@ def _value(name: str, unit: str, given: Any) -> float:
 
 def _machine_does(
     pair: GearPair, ranges: Sequence[Range], values: np.ndarray,
-    sample: "Callable[[GearPair], tuple[np.ndarray, np.ndarray]]",
+    sample: "Callable[[GearPair], tuple[np.ndarray, np.ndarray]]", pause: Pause,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Quiet share, expected impact power in W, and Gamma of one machine."""
+    pause()
     machine = pair
     for each, value in zip(ranges, values.tolist(), strict=True):
         machine = with_number(machine, each.name, value)
@@ -389,7 +550,7 @@ def _machine_does(
         parts = np.isfinite(v)
         if not parts.any():
             return 1.0, 0.0, machine.gamma
-        found = shares_of(machine.oscillator, t[parts], v[parts])
+        found = shares_of(machine.oscillator, t[parts], v[parts], pause=pause)
     except OutsideDomain:  # no quiet solution (Eq. 3)
         return 0.0, math.nan, machine.gamma
     counts = np.bincount(found.solution, minlength=len(found.attractors)) / t.size
@@ -405,29 +566,54 @@ def _with_column(first: np.ndarray, second: np.ndarray, column: int) -> np.ndarr
     return mixed
 
 
+_INDICES = ("first", "first_low", "first_high", "total", "total_low", "total_high")
+
+
+def _totals(ranges: Sequence[Range], of_both: np.ndarray, mixed: np.ndarray, seed: int) -> pd.DataFrame:
+    """Sobol's indices of the quiet share, without their intervals, which take a second."""
+    found = _without_sampling(ranges, of_both)
+    if found is not None:
+        return found
+    first, total = _sobol(np.arange(of_both.size // 2), of_both, mixed, seed)
+    return pd.DataFrame({"number": [each.name for each in ranges], "first": first, "total": total})
+
+
+def _without_sampling(ranges: Sequence[Range], of_both: np.ndarray) -> pd.DataFrame | None:
+    """Indices where nothing needs to be estimated; None elsewhere."""
+    names = [each.name for each in ranges]
+    if np.ptp(of_both) == 0.0:
+        return pd.DataFrame({"number": names} | dict.fromkeys(_INDICES, math.nan))
+    if len(ranges) == 1:  # all of it
+        return pd.DataFrame({"number": names} | dict.fromkeys(_INDICES, 1.0))
+    return None
+
+
+def _sobol(chosen: np.ndarray, of_both: np.ndarray, mixed: np.ndarray, seed: int) -> np.ndarray:
+    """First and total indices from chosen machines of the sets."""
+    a, b = np.split(of_both, 2)
+    values: Any = {"f_A": a[None, chosen], "f_B": b[None, chosen], "f_AB": mixed[:, None, chosen]}
+    with np.errstate(invalid="ignore", divide="ignore"):  # 0/0 of a resample whose machines all do the same
+        found = sobol_indices(func=values, n=a.size, rng=seed)
+    return np.array([np.ravel(found.first_order), np.ravel(found.total_order)])
+
+
 def _indices(ranges: Sequence[Range], of_both: np.ndarray, mixed: np.ndarray, seed: int) -> pd.DataFrame:
     """Sobol's indices of the quiet share, with bootstrapped intervals."""
-    names = [each.name for each in ranges]
-    columns = ["first", "first_low", "first_high", "total", "total_low", "total_high"]
-    if np.ptp(of_both) == 0.0:
-        return pd.DataFrame({"number": names} | dict.fromkeys(columns, math.nan))
-    if len(ranges) == 1:  # all of it
-        return pd.DataFrame({"number": names} | dict.fromkeys(columns, 1.0))
-    a, b = np.split(of_both, 2)
-
-    def of(chosen: np.ndarray) -> np.ndarray:
-        values: Any = {"f_A": a[None, chosen], "f_B": b[None, chosen], "f_AB": mixed[:, None, chosen]}
-        with np.errstate(invalid="ignore", divide="ignore"):  # 0/0 of a resample whose machines all do the same
-            found = sobol_indices(func=values, n=a.size, rng=seed)
-        return np.array([np.ravel(found.first_order), np.ravel(found.total_order)])
-
-    rng = np.random.default_rng(seed)
-    resampled = np.array([of(rng.integers(a.size, size=a.size)) for _ in range(_RESAMPLES)])
+    known = _without_sampling(ranges, of_both)
+    if known is not None:
+        return known
+    size, rng = of_both.size // 2, np.random.default_rng(seed)
+    resampled = np.array([_sobol(rng.integers(size, size=size), of_both, mixed, seed) for _ in range(_RESAMPLES)])
     tail = 0.5 * (1.0 - _CONFIDENCE)
     ends = np.nanquantile(resampled, (tail, 1.0 - tail), axis=0)
-    found = of(np.arange(a.size))
+    found = _sobol(np.arange(size), of_both, mixed, seed)
     numbers = [part for index in (0, 1) for part in (found[index], ends[0, index], ends[1, index])]
-    return pd.DataFrame({"number": names} | dict(zip(columns, numbers, strict=True)))
+    return pd.DataFrame({"number": [each.name for each in ranges]} | dict(zip(_INDICES, numbers, strict=True)))
+
+
+def _guilty(indices: pd.DataFrame) -> str | None:
+    """Number with the largest total index; None where all machines do the same."""
+    return None if indices["total"].isna().all() else str(indices["number"][indices["total"].idxmax()])
 
 
 def _production(of_both: np.ndarray, limit: float) -> Production:

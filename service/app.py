@@ -48,6 +48,7 @@ from service.runner.process import RunnerProcess
 from service.settings import Settings
 from worker.additions import additions
 from worker.estimate import measured_speed
+from worker.kinds import KINDS
 
 # Compiled kernels load in a second. Compiling them takes a minute, and a stopping service does not wait for that.
 _LOADED_SECONDS = 2.0
@@ -135,6 +136,7 @@ def create_app(settings: Settings) -> FastAPI:
         each.router for each in (checks, machines, previews, trajectories, jobs, events, results, viewer, health, pages)
     ]
     others += [addition.routes() for addition in additions()]
+    others += [kind.routes() for kind in KINDS.values() if kind.routes]
     taken = {route.path for router in others for route in router.routes if isinstance(route, APIRoute)}
     for router in (submit_router(taken), *others):
         app.include_router(router)

@@ -17,4 +17,18 @@ ORBITS = {
 }
 MANIFOLD = {"saddles": [{"time": 0.6, "velocity": 3.77}], "side": "both", "arclength": 3}
 GRAZING = {"order": 1}
-ROUTES = {"bifurcations": DIAGRAM, "orbits": ORBITS, "manifolds": MANIFOLD, "grazing-curves": GRAZING}
+REPORT = {
+    # Nearly the paper's numbers: some of its departures end in rattle.
+    "machine": {
+        "speed": 100.0, "inertia": 0.01, "drag_torque": 9.5493, "base_radius": 0.1, "backlash": 0.12,
+        "transmission_error": 0.01,
+    },
+    "cells": 24,
+    "speeds": 3,
+    "departures": 64,
+    "numbers": {"backlash": [0.11, 0.13]},
+    "machines": 64,
+}  # fmt: skip
+ROUTES = {
+    "bifurcations": DIAGRAM, "orbits": ORBITS, "manifolds": MANIFOLD, "grazing-curves": GRAZING, "reports": REPORT,
+}  # fmt: skip

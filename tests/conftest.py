@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 
+import matplotlib.pyplot as plt
 import pytest
 from hypothesis import settings
 
@@ -31,6 +32,22 @@ def pytest_configure(config):
             rest = subprocess.Popen([sys.executable, "-c", _COMPILE_THE_REST])
             warm_up()
             assert rest.wait(600) == 0
+
+
+@pytest.fixture(autouse=True, scope="session")
+def kept(tmp_path_factory):
+    """Folder in which results are kept, in place of the user's."""
+    folder = tmp_path_factory.mktemp("kept")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RATTLE_CACHE", str(folder))
+        yield folder
+
+
+@pytest.fixture(autouse=True)
+def closed():
+    """No figure is left open."""
+    yield
+    plt.close("all")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -129,7 +129,7 @@ class JobKind(ResultKind):
     summary, description : str
         Of the route.
     command : str
-        What ``rattle --help`` says of its command.
+        What ``rattle --help`` says of its command; nothing where it has none, since a package has one of its own.
     job : str
         Its class, as ``module:name``.
     view : str
@@ -143,6 +143,8 @@ class JobKind(ResultKind):
     fingerprint : callable
         ``fingerprint(location)``: bytes that change whenever a picture of the store does.
     figure : DrawStore
+    routes : callable, optional
+        ``routes()``: routes of its own, a `fastapi.APIRouter`.
     """
 
     path: str
@@ -158,6 +160,7 @@ class JobKind(ResultKind):
     summarise: Summarise
     fingerprint: Callable[[str], bytes]
     figure: DrawStore
+    routes: Callable[[], Any] | None = None
 
     def __post_init__(self) -> None:
         for what, text, pattern in (("name", self.name, _NAME), ("path", self.path, _PATH)):
@@ -190,8 +193,8 @@ def analysis_kind(analysis: str, **said: Any) -> JobKind:
     analysis : str
         Its `worker.analyses.analysis.Analysis`, as ``module:name``.
     **said
-        The name, path, title, summary, description, command, job and table of a `JobKind`, and its overlays if it has
-        any.
+        The name, path, title, summary, description, command, job and table of a `JobKind`, and its overlays and routes
+        if it has any.
 
     Returns
     -------

@@ -63,7 +63,7 @@ EXAMPLES.update({name: examples for name, (_, _, examples) in _BESIDE.items()})
 
 def _kinds_by_command() -> dict[str, str]:
     """Kind of job that a command computes."""
-    return {name.replace("_", "-"): name for name in KINDS}
+    return {name.replace("_", "-"): name for name, kind in KINDS.items() if kind.command}
 
 
 def _loaded(name: str) -> Any:

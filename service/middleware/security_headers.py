@@ -34,7 +34,8 @@ class SecurityHeaders(OfHttp):
                 headers = MutableHeaders(scope=message)
                 headers["x-content-type-options"] = "nosniff"
                 headers["referrer-policy"] = "no-referrer"
-                headers["content-security-policy"] = _PAGES.get(scope["path"], _NOTHING)
+                # A page that is a result says itself what it needs.
+                headers.setdefault("content-security-policy", _PAGES.get(scope["path"], _NOTHING))
                 headers.setdefault("cache-control", "private, no-cache" if "etag" in headers else "no-store")
             await send(message)
 

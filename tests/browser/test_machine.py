@@ -81,3 +81,84 @@ def test_the_form_has_no_barriers(filled):
     filled.page.evaluate(AXE.read_text())
     found = filled.page.evaluate("axe.run().then(({ violations }) => violations)")
     assert [each["id"] for each in found] == []
+
+
+QUICK = {"speed": "955 rpm", "inertia": "0.01 kg m^2", "drag_torque": "9.55 N m", "base_radius": "100 mm",
+         "backlash": "60 mm", "transmission_error": "10 mm"}  # fmt: skip
+
+
+@pytest.fixture
+def quick(explorer):
+    """The form of a machine, with reports that take seconds: of few cells, speeds and departures."""
+
+    def smaller(route):
+        few = {"cells": 30, "speeds": 3, "departures": 64, "machines": 64}
+        route.continue_(post_data=route.request.post_data_json | few)
+
+    explorer.page.route("**/v1/reports", smaller)
+    explorer.visit("?damping=0.7&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=100,100&k=211").state("Complete")
+    expect(explorer.page.locator("#report-ask")).to_be_disabled()
+    fill(explorer, QUICK)
+    expect(explorer.page.locator("#machine-said")).to_contain_text("Γ =")
+    return explorer
+
+
+def test_a_report_is_asked_for_followed_and_opened(quick):
+    page = quick.page
+    page.locator("#report-rate").fill("3 / hour")
+    page.locator("#report-size").fill("50 N m s")
+    page.locator("#report-numbers").fill("backlash = 50 to 70 mm")
+    page.locator("#report-ask").click()
+    link = page.locator("#report-done a")
+    expect(link).to_have_text("Open the report", timeout=120_000)
+    expect(page.locator("#report-said")).to_contain_text("the machine can run quietly")
+    expect(page.locator("#report-cancel")).to_be_hidden()
+    with quick.context.expect_page() as opened:
+        link.click()
+    report = opened.value
+    complaints = []
+    report.on("console", lambda message: complaints.append(message.text))
+    report.reload()
+    expect(report.get_by_role("heading", name="does it rattle?")).to_be_visible()
+    for heading in ("How often", "Which tolerance", "What is not modelled"):
+        expect(report.get_by_role("heading", name=heading)).to_be_visible()
+    assert report.locator("svg").count() == 3
+    assert complaints == [], "what the page holds is allowed where it is served"
+
+
+def test_what_is_wrong_with_a_report_is_said_and_a_machine_that_is_refused_has_none(quick):
+    quick.forgiven += ("422",)
+    page = quick.page
+    page.locator("#report-rate").fill("3 / hour")
+    page.locator("#report-ask").click()
+    expect(page.locator("#report-said")).to_contain_text("give both, or neither")
+    expect(page.locator("#report-size")).to_have_attribute("aria-invalid", "true")
+    page.locator("#report-numbers").fill("backlash")
+    page.locator("#report-ask").click()
+    expect(page.locator("#report-said")).to_contain_text("backlash = 120 +- 20 um")
+    page.locator("#machine-speed").fill("3000")
+    expect(page.locator("#machine-said")).to_contain_text("the teeth part in every turn")
+    expect(page.locator("#report-ask")).to_be_disabled()
+
+
+def test_a_report_is_cancelled(explorer):
+    explorer.visit("?damping=0.7&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=100,100&k=211").state("Complete")
+    fill(explorer, QUICK | {"backlash": "61 mm"})
+    explorer.page.locator("#report-numbers").fill("backlash = 50 to 70 mm; restitution = 0.8 to 1")
+    explorer.page.locator("#machine-restitution").fill("0.9")
+    explorer.page.locator("#report-ask").click()
+    explorer.page.locator("#report-cancel").click()
+    expect(explorer.page.locator("#report-said")).to_contain_text("The report was cancelled", timeout=30_000)
+    expect(explorer.page.locator("#report-cancel")).to_be_hidden()
+
+
+def test_a_service_without_reports_offers_none(explorer):
+    def without(route):
+        answer = route.fetch()
+        route.fulfill(json={name: kind for name, kind in answer.json().items() if name != "report"})
+
+    explorer.page.route("**/explorer/kinds.json", without)
+    explorer.visit("?damping=0.7&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=100,100&k=211").state("Complete")
+    explorer.page.locator("#machine summary").click()
+    expect(explorer.page.locator("#machine-speed")).to_be_visible()
+    expect(explorer.page.locator("#report-ask")).to_be_hidden()

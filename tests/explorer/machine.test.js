@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { decode, encode } from "../../service/explorer/js/state/address.js";
-import { gammaInWords, inUnits, machineIn, machineOf, parts, PUMP } from "../../service/explorer/js/state/machine.js";
+import { gammaInWords, inUnits, machineIn, machineOf, parts, PUMP, tolerancesIn } from "../../service/explorer/js/state/machine.js";
 import { loudnessInWords } from "../../service/explorer/js/look/explain.js";
 
 test("a machine is asked for once all that it needs is written, and pure numbers are numbers", () => {
@@ -34,4 +34,13 @@ test("a machine's loudness is in its own units", () => {
   const heard = { impacts_per_period: 2, largest_impact_speed: 0.5, impact_power: 0.1 };
   assert.equal(loudnessInWords(heard, { time: 0.02, speed: 0.1, power: 30 }), "100 impacts a second, the fastest at 50 mm/s, impact power 3 W");
   assert.match(loudnessInWords(heard), /2 impacts a forcing period/);
+});
+
+test("tolerances are written one after the other, and limits have one unit", () => {
+  const text = "backlash = 120 +- 20 um, normal; restitution=0.8 to 1; base radius = 90 to 110 mm;transmission error = 8 um to 0.01 mm; transmission_error.2.phase = any;";
+  assert.deepEqual(tolerancesIn(text), {
+    backlash: "120 +- 20 um, normal", restitution: ["0.8", "1"], base_radius: ["90 mm", "110 mm"],
+    "transmission_error.1.amplitude": ["8 um", "0.01 mm"], "transmission_error.2.phase": "any",
+  });
+  for (const wrong of ["backlash", "= 3", "backlash =", "a = b = c"]) assert.throws(() => tolerancesIn(wrong), /write “/);
 });

@@ -1,25 +1,8 @@
-"""Results are kept in a folder of the tests, and figures are closed."""
+"""Results that tests of the front door share."""
 
-import matplotlib.pyplot as plt
 import pytest
 
 import rattle
-
-
-@pytest.fixture(autouse=True, scope="session")
-def kept(tmp_path_factory):
-    """Folder in which results are kept."""
-    folder = tmp_path_factory.mktemp("kept")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("RATTLE_CACHE", str(folder))
-        yield folder
-
-
-@pytest.fixture(autouse=True)
-def closed():
-    """No figure is left open."""
-    yield
-    plt.close("all")
 
 
 @pytest.fixture(scope="session")

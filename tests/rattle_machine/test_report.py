@@ -90,6 +90,7 @@ def test_it_says_what_the_studies_say(written, proven):
 
 
 def test_the_same_questions_give_the_same_bytes(written, tmp_path):
+    rattle.cache.clear()
     again = report(
         PAIR, tmp_path / "other.html", rate=RATE, size=SIZE, numbers=WITHIN, machines=64, title="Pump <3>", **QUICK
     )

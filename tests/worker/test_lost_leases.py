@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from tests.analysis_requests import DIAGRAM, GRAZING, MANIFOLD, ORBITS
+from tests.analysis_requests import DIAGRAM, GRAZING, MANIFOLD, ORBITS, REPORT
 from tests.object_store import BUCKET
 from worker.cluster.driver import Driver
 from worker.errors import LeaseLost
@@ -25,6 +25,7 @@ REQUESTS = {
     "orbits": ORBITS | {"continuation": None},
     "manifold": MANIFOLD,
     "grazing_curve": GRAZING,
+    "report": REPORT,
 }
 
 

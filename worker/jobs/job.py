@@ -155,7 +155,7 @@ class Job(Request, ABC):
         first = {name: oscillator.value_of(name) for axis in self.axes for name in axis.columns}
         settled["oscillator_"] = self.oscillator_.settled(first, quiet=not allowed or self.quiet)
         if self.machine_ is not None:
-            settled["machine_"] = self.machine_
+            settled.setdefault("machine_", self.machine_)
         fields = type(self).model_fields.items()
         unused = {name: field.get_default(call_default_factory=True) for name, field in fields if name not in settled}
         self.__dict__.update(unused | settled)

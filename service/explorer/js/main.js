@@ -356,6 +356,7 @@ function start() {
     knowKinds(kinds);
     knowAdditions(found);
     form.offer();
+    machine.offer();
     overlays.list(additions.map(({ mask }) => mask));
   });
   const offered = Promise.all([get("explorer/presets.json"), known]).then(([presets]) => examples.offer(presets));

@@ -4,6 +4,7 @@ import jsonschema_rs
 import pytest
 
 from service.openapi import document
+from tests.analysis_requests import REPORT
 from worker.jobs.preview_request import PreviewRequest
 from worker.jobs.trajectory_request import TrajectoryRequest
 from worker.kinds import KINDS
@@ -95,6 +96,8 @@ REFUSED = {
                                {"start": {"velocity": 0, "displacement": 0.1}}),
     "displacement": ("trajectories", {"start": {"velocity": 0, "displacement": 2e6}},
                      {"start": {"velocity": 0, "displacement": 0.1}}),
+    "report-at-one-speed": ("reports", REPORT | {"speeds": 1}, REPORT | {"speeds": 2}),
+    "report-of-no-machine": ("reports", {"speeds": 3}, REPORT),
     "iterations-of-a-preview": ("previews", {"iterations": ITERATIONS + 1}, {"iterations": 127}),
 }  # fmt: skip
 
@@ -147,6 +150,7 @@ WHOLE = {
     "orbits": {"seeds": [SEED | {"period": 2}]},
     "manifolds": {"saddles": [SEED | {"period": 2}], "most_points": 1000, "cells": 20},
     "grazing-curves": {"order": 3, "most_points": 1000},
+    "reports": REPORT,
 }  # fmt: skip
 
 

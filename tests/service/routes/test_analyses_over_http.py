@@ -1,4 +1,4 @@
-"""Diagrams, orbits, manifolds and grazing curves over HTTP, as a client sees them, and what is refused."""
+"""Diagrams, orbits, manifolds, grazing curves and reports over HTTP, as a client sees them, and what is refused."""
 
 import json
 
@@ -20,7 +20,7 @@ def submitted(service, route, body):
 
 @pytest.fixture(scope="module")
 def finished(service):
-    """All four kinds, computed one after another: the job and the result of each, by its route."""
+    """All of these kinds, computed one after another: the job and the result of each, by its route."""
     ids = {route: submitted(service, route, body)["id"] for route, body in ROUTES.items()}
     jobs = {route: service.wait(job_id) for route, job_id in ids.items()}
     for job in jobs.values():
@@ -113,6 +113,7 @@ def test_a_shell_submits_every_kind_and_prints_what_was_found(service, finished,
     answer = CliRunner().invoke(app, command)
     assert answer.exit_code == 0, answer.output
     told = {"bifurcations": "permanent contact", "orbits": "0.59971576259", "manifolds": "3.7699111843"}
+    told["reports"] = "the machine can run quietly"
     assert job["id"] in answer.output and told.get(route, "vertices") in answer.output
 
 

@@ -91,8 +91,8 @@ def test_any_json_is_answered_below_500(service, path, body):
 
 def test_these_are_all_routes_that_take_a_body(service):
     assert [path.removeprefix("/v1/") for path in paths_with_bodies(service)] == sorted(
-        ["basins", "sweeps", "bifurcations", "orbits", "manifolds", "grazing-curves", "checks", "machines",
-         "trajectories", "previews"]
+        ["basins", "sweeps", "bifurcations", "orbits", "manifolds", "grazing-curves", "reports", "checks",
+         "machines", "trajectories", "previews"]
     )  # fmt: skip
 
 

@@ -4,6 +4,11 @@ let key = "";
 /** @type {(wrong: string) => Promise<string>} */
 let askForKey = async () => "";
 
+/** Whether the service has asked for a key, which only `send` carries. */
+export function hasKey() {
+  return key !== "";
+}
+
 /** Set the function that asks for a key. It gets the error of the last key and resolves to a new key. */
 export function whenKeyIsNeeded(asker) {
   askForKey = asker;
@@ -97,9 +102,9 @@ export function knowKinds(found) {
   kinds = found;
 }
 
-/** Path to which the request of a job is sent. */
+/** Path to which the request of a job is sent; nothing where the service has no such kind. */
 export function pathOf({ kind }) {
-  return kinds[kind].path;
+  return kinds[kind]?.path;
 }
 
 /** Kind of a job, in a word or two. */

@@ -4,6 +4,7 @@ import { by } from "../page/by.js";
 import { Latest } from "../net/latest.js";
 import { post, Refusal } from "../net/api.js";
 import { FIELDS, gammaInWords, inUnits, machineOf, parts, PUMP } from "../state/machine.js";
+import { Report } from "./report.js";
 
 const WAIT_MS = 180;
 
@@ -26,6 +27,7 @@ export class MachineForm {
     pump.title = "Numbers of the paper's pump; its speed, radius and inertia are guesses";
     pump.addEventListener("click", () => (this.fill(PUMP), this.#ask()));
     place.append(...[...this.rows.values()].map(({ row }) => row), pump, this.said);
+    this.report = new Report(place, () => (this.answer?.refused === null ? machineOf(this.written) : null));
     this.latest = new Latest((machine, signal) => post("/v1/machines", machine, { signal }), (answer) => this.#show(answer), (error) => this.#fail(error));
     place.addEventListener("input", () => {
       clearTimeout(this.timer);
@@ -77,6 +79,11 @@ export class MachineForm {
     if (request) this.#take(await post("/v1/machines", request));
   }
 
+  /** Offer what the service has besides, once its kinds of jobs are known. */
+  offer() {
+    this.report.offer();
+  }
+
   /** What one unit of the model is, if an oscillator is that of the machine; null otherwise. @param {Oscillator|null} oscillator */
   scalesOf(oscillator) {
     return oscillator && this.answer && same(oscillator, this.answer.oscillator) ? this.answer.scales : null;
@@ -125,6 +132,7 @@ export class MachineForm {
   #say(text, wrong) {
     this.said.textContent = text;
     this.said.classList.toggle("wrong", wrong);
+    this.report.enable();
   }
 }
 

@@ -45,6 +45,24 @@ export function machineOf(given) {
   return Object.fromEntries(written.map(({ name, units }) => [name, units.length ? given[name] : Number(given[name])]));
 }
 
+/**
+ * Tolerances of a report from a text as "backlash = 120 +- 20 um; restitution = 0.8 to 1".
+ * @param {string} text
+ * @returns {Object<string, string|string[]>}
+ */
+export function tolerancesIn(text) {
+  const each = text.split(";").map((part) => part.trim()).filter(Boolean).map((part) => {
+    const [name, ...rest] = part.split("=").map((side) => side.trim());
+    if (!name || rest.length !== 1 || !rest[0]) throw new Error(`write “${part}” as backlash = 120 +- 20 um, or restitution = 0.8 to 1`);
+    const [low, high] = rest[0].split(" to ").map((side) => side.trim());
+    const key = name.replaceAll(" ", "_");
+    const { unit } = parts(high ?? "");
+    const first = unit && !parts(low).unit ? `${low} ${unit}` : low;
+    return [key === "transmission_error" ? `${key}.1.amplitude` : key, high === undefined ? low : [first, high]];
+  });
+  return Object.fromEntries(each);
+}
+
 /** A machine as addresses have it. @param {Object<string, string>} given */
 export function machineText(given) {
   return FIELDS.filter(({ name }) => given[name]).map(({ name }) => `${name}:${given[name].replaceAll(" ", "_")}`).join(",");
