@@ -34,11 +34,14 @@ from rattle_kernels.model.flight import FOUR_PI, acceleration_range, rest_accele
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
+from rattle_kernels.numerics.least_squares import least_squares
 
 _POWERS = (2, 4, 6)
 _HARMONICS = 20
 _FIT_PHASES, _FIT_SIZES = 80, 16
 _TEST_PHASES, _TEST_SIZES = 320, 32
+# Of the length of a column: below it is rounding.
+_LEAST = 1e-12
 # Bounces of a twelfth of a period are in resonance at every damping for which this is used.
 _LARGEST_SIZE = 0.04
 _SHRINK = 0.92
@@ -76,57 +79,69 @@ def _bounce_all(oscillator, sizes, phases, next_size, next_phase, elapsed):
     return True
 
 
+def _powers(size: np.ndarray) -> np.ndarray:
+    return np.stack([size**power for power in _POWERS], axis=-1)
+
+
+def _waves(phase: np.ndarray) -> np.ndarray:
+    return np.cos(2.0 * np.pi * np.arange(_HARMONICS + 1) * phase[..., None])
+
+
 def _terms(size: np.ndarray, phase: np.ndarray) -> np.ndarray:
-    waves = np.cos(2.0 * np.pi * np.arange(_HARMONICS + 1) * phase[..., None])
-    powers = np.stack([size**power for power in _POWERS], axis=-1)
-    return (powers[..., None] * waves[..., None, :]).reshape(*size.shape, -1)
+    return _powers(size)[..., :, None] * _waves(phase)[..., None, :]
+
+
+def _correction(size: np.ndarray, phase: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+    """Sum of all terms, L - ln J: over the waves first, which may be fewer than the sizes."""
+    by_power = np.einsum("...w,pw->...p", _waves(phase), coefficients)
+    corrected: np.ndarray = (_powers(size) * by_power).sum(axis=-1)
+    return corrected
 
 
 class _Bounces:
     """Bounces of some sizes (rows) at some phases (columns), and the bounces after them."""
 
     def __init__(self, oscillator: Oscillator, sizes: np.ndarray, phases: np.ndarray) -> None:
-        shape = sizes.size, phases.size
-        later, when, elapsed = np.full((3, *shape), math.nan)
-        self.low = bool(_bounce_all(oscillator, sizes, phases, later, when, elapsed))
+        self.size, self.phase = sizes[:, None], phases
+        self.later, self.when, elapsed = np.full((3, sizes.size, phases.size), math.nan)
+        self.low = bool(_bounce_all(oscillator, sizes, phases, self.later, self.when, elapsed))
         with np.errstate(divide="ignore"):
-            self.growth = 3.0 * np.log(later / sizes[:, None])
+            self.growth = 3.0 * np.log(self.later / self.size)
+        self.known = np.isfinite(self.growth)
         self.decay = oscillator.damping * elapsed
-        self.before = _terms(*np.broadcast_arrays(sizes[:, None], phases))
-        self.change = _terms(later, when) - self.before
 
     def fit(self) -> np.ndarray:
-        """Coefficients of the terms with which L falls most nearly by delta T."""
-        known = np.isfinite(self.growth)
-        weight = 1.0 / self.decay[known]
-        system = self.change[known] * weight[:, None]
-        scale = np.linalg.norm(system, axis=0)
-        scale[scale == 0.0] = 1.0
-        goal = -self.growth[known] * weight - 1.0
-        return np.linalg.lstsq(system / scale, goal, rcond=1e-12)[0] / scale
+        """Coefficients, shape (powers, waves), with which L falls most nearly by delta T."""
+        known, weight = self.known, 1.0 / self.decay[self.known]
+        size, phase = (each[known] for each in np.broadcast_arrays(self.size, self.phase))
+        change = _terms(self.later[known], self.when[known]) - _terms(size, phase)
+        system = change.reshape(weight.size, -1) * weight[:, None]
+        return least_squares(system, -self.growth[known] * weight - 1.0, _LEAST).reshape(change.shape[1:])
+
+    def correction(self, coefficients: np.ndarray) -> np.ndarray:
+        return _correction(self.size, self.phase, coefficients)
 
     def descents(self, coefficients: np.ndarray) -> np.ndarray:
         """Change of L in units of delta T; -1 where no bounce follows."""
-        descent = (self.growth + self.change @ coefficients) / self.decay
-        return np.where(np.isfinite(self.growth), descent, -1.0)
+        change = _correction(self.later, self.when, coefficients) - self.correction(coefficients)
+        return np.where(self.known, (self.growth + change) / self.decay, -1.0)
 
 
 def _bound_below(oscillator: Oscillator, size: float) -> float:
     """Safe bound on ``1.5 J`` within the bounces of at most this size; 0 unless L falls at all of them."""
     nodes = 0.5 - 0.5 * np.cos(np.pi * (np.arange(_FIT_SIZES) + 0.5) / _FIT_SIZES)
     fitted = _Bounces(oscillator, size * nodes, (np.arange(_FIT_PHASES) + 0.5) / _FIT_PHASES)
-    if not fitted.low or np.isfinite(fitted.growth).sum() < fitted.change.shape[-1]:
+    if not fitted.low or fitted.known.sum() < len(_POWERS) * (_HARMONICS + 1):
         return 0.0
     coefficients = fitted.fit()
     sizes = size * (np.arange(_TEST_SIZES) + 1) / _TEST_SIZES
     tested = _Bounces(oscillator, sizes, np.arange(_TEST_PHASES) / _TEST_PHASES)
     if not tested.low or not descends_everywhere(tested.descents(coefficients)):
         return 0.0
-    correction = tested.before @ coefficients
-    known = np.isfinite(tested.growth)
+    correction = tested.correction(coefficients)
     # At every bounce below the bound, L is less than anywhere on the edge of the region tested. L falls, so J stays
     # inside; the margin is more than J changes in one bounce.
-    if np.abs(tested.growth[known]).max() > _MARGIN:
+    if np.abs(tested.growth[tested.known]).max() > _MARGIN:
         return 0.0
     gravity = FOUR_PI * oscillator.damping
     return float(gravity**2 * size**3 * math.exp(correction.min() - correction.max() - _MARGIN))
