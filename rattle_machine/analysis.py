@@ -146,7 +146,7 @@ def plan_at(location: str, job: ReportJob, parts: Parts) -> Plan:
             then = [] if narrow is None else _pieces(asked, narrow, asked.places_of_production(), _THEN)
             if then and all(piece.name in parts for piece in then):
                 narrow_found = _all_of(parts, _THEN)
-            if job.prove:
+            if job.certain:
                 then.append(Piece(_PROOF, compute_proof, (asked, narrow)))
                 proven = _proven_in(parts[_PROOF], tightened=narrow is not None) if _PROOF in parts else None
     ready = [piece for piece in first + then if piece.name not in parts]

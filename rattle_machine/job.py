@@ -79,7 +79,7 @@ class ReportJob(AnalysisJob):
     limit: Annotated[Real, in_schema(exclusiveMinimum=0, maximum=1)] = Field(
         0.99, description="Quiet share below which a machine of the production is bad"
     )
-    prove: Annotated[bool, Field(strict=True)] = Field(
+    certain: Annotated[bool, Field(strict=True)] = Field(
         False,
         description="Prove how fast teeth may part and fall quiet in every machine of the production that is tightened",
     )
@@ -227,11 +227,12 @@ class ReportJob(AnalysisJob):
         if asked is not None:
             limits = {each.name: each.limits for each in asked.ranges}
             settled |= {"numbers": limits, "machines": self.machines, "limit": self.limit}
-        if self.prove:
+        if self.certain:
             if asked is None:
-                raise InvalidJob("prove is of a production: give numbers, which are its tolerances", ("prove",))
+                message = "what is proven is of a production: give numbers, which are its tolerances"
+                raise InvalidJob(message, ("certain",))
             demand_proof()
-            settled["prove"] = True
+            settled["certain"] = True
         assert self.basin.basins and self.sweep.basins  # both are checked where they are made
         return settled if self.title is None else settled | {"title": self.title}
 

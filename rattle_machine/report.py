@@ -93,7 +93,7 @@ def report(
     given = {
         "rate": rate, "size": size if measured is None else measured.tolist(), "distribution": distribution,
         "numbers": dict(numbers) if numbers else None, "title": name,
-        "prove": bool(numbers) and can_prove() if prove is None else prove,
+        "certain": bool(numbers) and can_prove() if prove is None else prove,
     }  # fmt: skip
     job = ReportJob(
         machine=GearPair.of(machine), pressing=pressing, machines=machines, departures=departures, cells=cells,

@@ -56,7 +56,7 @@ def test_where_inertia_torque_reaches_drag_torque_nothing_is_proven(limits):
 
 def test_without_what_proves_it_is_refused_before_anything_is_drawn(monkeypatch):
     monkeypatch.setattr("rattle_machine.tolerances.can_prove", lambda: False)
-    monkeypatch.setattr("rattle_machine.tolerances.sample_of", None)
+    monkeypatch.setattr("rattle_machine.tolerances.ThreadPoolExecutor", None)
     with pytest.raises(rattle.InvalidJob, match="prove needs the package rattle_proof"):
         tolerances(PAIR, {"backlash": (0.11, 0.13)}, prove=True)
 

@@ -120,6 +120,7 @@ def test_a_normal_tolerance_stays_normal_in_the_request():
         ({"machine": {"speed": 400.0}}, ("machine",), "Gamma is"),
         ({"machine": {"backlash": 0}}, ("machine",), "backlash"),
         ({"oscillator": {"damping": 0.5}}, ("machine",), "not both"),
+        ({"certain": True, "numbers": {}}, ("certain",), "give numbers, which are its tolerances"),
     ],
 )
 def test_what_is_wrong_is_said_where_it_is_written(change, place, said):
@@ -128,6 +129,23 @@ def test_what_is_wrong_is_said_where_it_is_written(change, place, said):
     with pytest.raises(InvalidJob, match=said) as refused:
         ReportJob.from_request(request)
     assert refused.value.place == place
+
+
+@pytest.mark.proof
+@pytest.mark.timeout(600)  # the first proof compiles its kernels
+def test_what_is_certain_of_the_production_is_on_the_page(client, tmp_path):
+    job = ReportJob(**ASKED | {"certain": True, "numbers": {"backlash": [0.118, 0.122]}})
+    location = str(tmp_path / "report.zarr")
+    run_job(job, location, Driver(client), report=lambda _: None, cancel=threading.Event())
+    study = rattle.tolerances(PAIR, {"backlash": (0.118, 0.122)}, machines=64, departures=32, prove=True)
+    assert study.proven.speed > 0.0
+    assert page_in(REPORT.read(location)[1]).decode().count(str(study.proven)) == 1
+
+
+def test_nothing_is_certain_without_what_proves(monkeypatch):
+    monkeypatch.setattr("rattle_machine.tolerances.can_prove", lambda: False)
+    with pytest.raises(InvalidJob, match="prove needs the package rattle_proof, which is not installed"):
+        ReportJob(**ASKED, certain=True)
 
 
 @pytest.mark.parametrize("machine", ["machine.toml", 3, None])

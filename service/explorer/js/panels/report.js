@@ -5,7 +5,6 @@ import { stateInWords } from "../jobs/words.js";
 import { get, hasKey, pathOf, post, Refusal, send } from "../net/api.js";
 import { follow } from "../net/follow.js";
 import { inWords } from "../page/say.js";
-import { additions } from "../state/additions.js";
 import { tolerancesIn } from "../state/machine.js";
 
 const KIND = "report";
@@ -34,14 +33,14 @@ export class Report {
     this.job = null;
     this.inputs = new Map(QUESTIONS.map(({ name, placeholder }) => [name, make("input", { id: `report-${name}`, autocomplete: "off", placeholder })]));
     const rows = QUESTIONS.map(({ name, label }) => make("div", { className: "field long" }, make("label", { htmlFor: `report-${name}`, textContent: label }), this.inputs.get(name)));
-    this.prove = make("input", { type: "checkbox", id: "report-prove" });
-    this.proof = make("label", { htmlFor: "report-prove", hidden: true }, this.prove, " Prove how fast teeth may part and fall quiet within all tolerances: some minutes more");
+    this.certain = make("input", { type: "checkbox", id: "report-certain" });
+    const certain = make("label", { htmlFor: "report-certain" }, this.certain, " How fast teeth may part and fall quiet for certain, within all tolerances: some minutes more");
     this.button = make("button", { type: "button", id: "report-ask", textContent: "Report", title: "One page that prints: what the machine does, how loud, how often, and which tolerance is to blame" });
     this.cancel = make("button", { type: "button", id: "report-cancel", textContent: "Cancel the report", hidden: true });
     this.said = make("p", { className: "note", id: "report-said" });
     this.said.setAttribute("role", "status");
     this.done = make("p", { id: "report-done" });
-    this.section = make("div", { id: "report", hidden: true }, ...rows, this.proof, this.button, this.cancel, this.said, this.done);
+    this.section = make("div", { id: "report", hidden: true }, ...rows, certain, this.button, this.cancel, this.said, this.done);
     // What is asked of the report changes nothing of the machine.
     this.section.addEventListener("input", (event) => event.stopPropagation());
     this.button.addEventListener("click", () => this.ask());
@@ -52,8 +51,6 @@ export class Report {
   /** Offer reports where the service has them. */
   offer() {
     this.section.hidden = !pathOf({ kind: KIND });
-    // What proves is a package that a service need not have.
-    this.proof.hidden = !additions.some(({ name }) => name === "prove");
     this.enable();
   }
 
@@ -83,7 +80,7 @@ export class Report {
   #questions() {
     const written = [...this.inputs].map(([name, input]) => [name, input.value.trim()]).filter(([, text]) => text);
     const asked = Object.fromEntries(written.map(([name, text]) => [name, name === "numbers" ? tolerancesIn(text) : text]));
-    return this.prove.checked ? { ...asked, prove: true } : asked;
+    return this.certain.checked ? { ...asked, certain: true } : asked;
   }
 
   #refused(error) {
