@@ -85,7 +85,7 @@ def test_a_report_that_has_not_begun_has_no_page_yet(idle):
         ({"machine": REPORT["machine"] | {"speed": "4000 rpm"}}, "Gamma is"),
         ({"machine": REPORT["machine"] | {"backlash": "3 kg"}}, "which cannot be in m"),
         ({"machine": "machine.toml"}, "a machine is an object"),
-        ({"speads": 3}, "did you mean speeds?"),
+        ({"cell": 3}, "did you mean cells?"),
         ({"cells": 100_000}, "RATTLE_MAX_CELLS"),
         ({"departures": 100_000_000}, "RATTLE_MAX_CELLS"),
         ({"speeds": 100_000}, "RATTLE_MAX_BASINS"),
