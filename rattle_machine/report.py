@@ -54,7 +54,7 @@ def report(
     machines, limit
         Of the production, as ``rattle.tolerances`` takes them.
     prove : bool, optional
-        Of the production, as ``rattle.tolerances`` takes it. By default if the package `rattle_proof` is installed.
+        Of the production, as ``rattle.tolerances`` takes it. By default if the package ``rattle_proof`` is installed.
     departures : int
         That are followed at each speed, and of pulses; of each machine of a production a half of them.
     cells : int

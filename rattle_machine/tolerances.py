@@ -253,7 +253,7 @@ def tolerances(
         Part of its width to which the guilty tolerance is tightened; 1 leaves that out.
     prove : bool
         Whether to prove how fast teeth may part and fall quiet in every machine of the tightened production, or of the
-        whole one where none is tightened. It takes minutes, and the package `rattle_proof`.
+        whole one where none is tightened. It takes minutes, and the package ``rattle_proof``.
     seed : int
         Of all random numbers.
     workers : int, optional
