@@ -155,7 +155,7 @@ def in_si(value: Any, unit: str) -> Any:
     except pint.UndefinedUnitError as error:
         raise InvalidJob(f"{value!r}: {error}: {right}") from None
     except pint.DimensionalityError:
-        raise InvalidJob(f"{value!r} is in {quantity.units:~C}, which cannot be in {unit}: {right}") from None
+        raise InvalidJob(f"{value!r} cannot be in {unit}: {right}") from None
     except pint.OffsetUnitCalculusError:
         raise InvalidJob(f"{value!r} is a temperature: {right}") from None
     # For pint a radian is the number 1, so 50 Hz would be 50 rad/s, and 50 rpm 5.2 a second.

@@ -251,7 +251,7 @@ FAST = PAIR.at_speed(2 * PAIR.threshold_speed)
         ({"speed": []}, "speed needs at least one value"),
         ({"speed": [90.0, True]}, "number 1 of speed is True: a quantity is wanted"),
         ({"speed": [90.0, 0.0]}, "machine 1, speed = 0 rad/s: Input should be greater than 0"),
-        ({"speed": ["900 um"]}, "speed: '900 um' is in µm"),
+        ({"speed": ["900 um"]}, "speed: '900 um' cannot be in rad/s"),
         ({"speed": ["900"]}, "speed: '900' has no unit"),
         ({"speed": ["900 rpm", "900 rpm"]}, "values of speed must ascend or descend"),
         ({"inertia_ratio": ["1"]}, "number 0 of inertia_ratio is '1': a number is wanted"),
