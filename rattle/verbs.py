@@ -80,9 +80,9 @@ def compute(
     from worker.stores.opening import is_complete
 
     if job.machine_ is not None:
-        from worker.machine_series import machine_of
+        from worker.machine_series import settled_with_machine
 
-        machine_of(job.request())  # refuses one that is not the oscillator's
+        job = settled_with_machine(job)
     location = cache.location_of(job) if store is None else str(store)
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be 1 or more, not {workers}")

@@ -10,7 +10,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 from pydantic import TypeAdapter
@@ -24,6 +24,10 @@ from worker.jobs.swept_parameter import Spacing, spaced
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+    from worker.jobs.job import Job
+
+_Job = TypeVar("_Job", bound="Job")
 
 UNITS: dict[str, str | None] = {
     "speed": "rad/s",
@@ -324,6 +328,33 @@ def machine_of(request: Mapping[str, Any]) -> GearPair | MachineSeries | None:
             (MACHINE,),
         )
     return found
+
+
+def settled_with_machine(job: "_Job") -> "_Job":
+    """The job with its machine in canonical form: one machine, one digest, in whatever units it was written.
+
+    Parameters
+    ----------
+    job : Job
+
+    Returns
+    -------
+    Job
+        The job itself if it has no machine, or one in this form.
+
+    Raises
+    ------
+    InvalidJob
+        If it is no machine, or another one than the oscillator says.
+    """
+    found = machine_of(job.request()) if job.machine_ is not None else None
+    if found is None:
+        return job
+    own = found.columns if isinstance(found, MachineSeries) else found.model_dump(mode="json", exclude_none=True)
+    # 1 and 1.0 are equal, but not as texts.
+    if json.dumps(own, sort_keys=True) == json.dumps(job.machine_, sort_keys=True):
+        return job
+    return type(job).from_request(job.request() | {MACHINE: own})
 
 
 def _with_orders(oscillator: Oscillator, orders: Sequence[float]) -> tuple[Harmonic, ...]:

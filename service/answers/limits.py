@@ -8,7 +8,7 @@ from service.models.machines import in_model
 from service.settings import Settings
 from worker.estimate import estimate
 from worker.jobs.job import Job
-from worker.machine_series import machine_of
+from worker.machine_series import settled_with_machine
 
 
 def job_from(job_class: type[Job], body: dict[str, Any], settings: Settings) -> Job:
@@ -32,9 +32,7 @@ def job_from(job_class: type[Job], body: dict[str, Any], settings: Settings) -> 
         Naming the field at fault, or the limit.
     """
     body = in_model(body, job_class)
-    job = job_class.from_request(body, partial(_check_size, settings=settings))
-    if job.machine_ is not None:
-        machine_of(job.request())  # refuses one that is not the oscillator's
+    job = settled_with_machine(job_class.from_request(body, partial(_check_size, settings=settings)))
     expected = estimate(job, settings.workers, measuring=False)  # nothing is compiled while a client waits
     if expected.seconds > 3600.0 * settings.max_hours:
         most = f"the limit of {settings.max_hours:g} hours (RATTLE_MAX_HOURS)"

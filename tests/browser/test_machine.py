@@ -1,5 +1,6 @@
 """A machine in its own units on the page: the oscillator follows it, and what is heard is in m/s and W."""
 
+import json
 import re
 from pathlib import Path
 
@@ -54,6 +55,30 @@ def test_an_address_opens_the_machine_again(filled):
     expect(filled.page.locator("#machine-said")).to_contain_text("Γ =")
     filled.page.mouse.move(*filled.spot(0.5, 0.5))
     expect(filled.page.locator("#reading")).to_contain_text("m/s")
+
+
+def test_a_job_keeps_the_machine_wherever_it_is_opened(filled, service, tmp_path, monkeypatch):
+    page = filled.page
+    page.locator("#compute").click()
+    expect(page).to_have_url(re.compile("job="))
+    filled.state("Complete")
+    job = service.wait(re.search(r"job=([\w-]+)", page.url)[1])
+    assert rattle.GearPair(**job["request"]["machine"]) == rattle.GearPair(**NEAR)
+    page.locator("#away summary").click()
+    (code,) = (block for block in page.locator("#takeaway pre").all_inner_texts() if "rattle.basin(" in block)
+    # What the page says is the same, from Python: the same request.
+    monkeypatch.setenv("RATTLE_CACHE", str(tmp_path))
+    said = {}
+    exec(code, said)
+    assert said["basin"].attrs["request"] == json.dumps(job["request"])
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Table (CSV)", exact=True).click()
+    assert "impact_power_w" in download.value.path().read_text().splitlines()[0]
+    filled.visit(f"?job={job['id']}").state("Complete")
+    expect(page.locator("#machine-speed")).to_have_value("955")
+    expect(page.locator("#machine-said")).to_contain_text("Γ =")
+    filled.page.mouse.move(*filled.spot(0.5, 0.5))
+    expect(page.locator("#reading")).to_contain_text("m/s")
 
 
 def test_an_oscillator_that_is_turned_away_from_the_machine_has_no_units(filled):

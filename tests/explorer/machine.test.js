@@ -2,13 +2,23 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { decode, encode } from "../../service/explorer/js/state/address.js";
-import { gammaInWords, inUnits, machineIn, machineOf, parts, PUMP, tolerancesIn } from "../../service/explorer/js/state/machine.js";
+import { gammaInWords, inUnits, machineIn, machineOf, parts, PUMP, tolerancesIn, writtenOf } from "../../service/explorer/js/state/machine.js";
 import { loudnessInWords } from "../../service/explorer/js/look/explain.js";
 
 test("a machine is asked for once all that it needs is written, and pure numbers are numbers", () => {
   const written = { ...PUMP, inertia_ratio: "0.5", mesh_stiffness: "", restitution: "0.8" };
   assert.deepEqual(machineOf(written), { ...PUMP, inertia_ratio: 0.5, restitution: 0.8 });
   assert.equal(machineOf({ ...written, backlash: "" }), null);
+});
+
+test("the machine of a job is written in units that make its numbers short, if there are fields for all of them", () => {
+  const machine = { speed: 305, inertia: 0.01, inertia_ratio: 1, drag_torque: 0.0942, base_radius: 0.0571, backlash: 61e-6, transmission_error: { 1: { amplitude: 5.2e-6, phase: 0 } }, drag_law: "constant", turns: 1 };
+  const written = { speed: "305 rad/s", inertia: "10 g m^2", inertia_ratio: "1", drag_torque: "94.2 mN m", base_radius: "57.1 mm", backlash: "61 um", transmission_error: "5.2 um" };
+  assert.deepEqual(writtenOf(machine), written);
+  assert.deepEqual(writtenOf({ ...machine, speed: 100 * Math.PI, mesh_stiffness: 3.1e7 }), { ...written, speed: "3000 rpm", mesh_stiffness: "31 N/um" });
+  assert.equal(writtenOf({ ...machine, turns: 2 }), null);
+  assert.equal(writtenOf({ ...machine, contact_damping: 0.1 }), null);
+  assert.equal(writtenOf({ ...machine, transmission_error: { 1: { amplitude: 1e-6, phase: 0 }, 2: { amplitude: 1e-6, phase: 0 } } }), null);
 });
 
 test("a machine comes back from an address", () => {

@@ -11,8 +11,9 @@ from worker.jobs.oscillator_request import HarmonicRequest, ImpactingOscillator,
 
 IMPACTING, STIFF = json.loads((Path(__file__).parent / "full_requests.json").read_text())
 WITHOUT_DEFAULT = {"model", "stiffness", "order", "amplitude"}
-# A sample is no picture of the plane; a measured curve is sent as its harmonics; the kind follows from the rest.
-NOT_WRITTEN = {"kind", "sample", "transmission_error"}
+# A sample is no picture of the plane; a measured curve is sent as its harmonics; the kind follows from the rest; a
+# machine is written with its units, beside the request.
+NOT_WRITTEN = {"kind", "machine", "sample", "transmission_error"}
 
 
 def names_of(model):

@@ -14,7 +14,7 @@ from rattle.cli import app
 from rattle.cli.options import arguments_from, options_of
 from worker import gear_pair
 from worker.jobs.design import RESERVED, Design
-from worker.machine_series import UNITS, MachineSeries, machine_of
+from worker.machine_series import UNITS, MachineSeries, machine_of, settled_with_machine
 from worker.results.figure import figure_of_store
 from worker.results.shares import shares_figure
 
@@ -158,6 +158,22 @@ def test_a_request_has_machines_of_any_kind_and_gives_them_back():
     assert machine_of(alone) == machines[1]
     oscillators = [PAIR.oscillator, PAIR.oscillator._replace(damping=0.7)]
     assert machine_of(job_of("sweep", {"machines": oscillators, "cells": 9}).request()) is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "written"),
+    [
+        ("basin", {"speed": 100, "inertia_ratio": 1, "backlash": "120 mm"}),
+        ("sweep", {"speed": [90, "100 rad/s", 110], "transmission_error": 0.01}),
+    ],
+)
+def test_a_machine_has_one_digest_in_whatever_units_it_was_written(kind, written):
+    job = job_of(kind, {"machine": PAIR, "cells": 9, **({"speed": (90.0, 110.0, 3)} if kind == "sweep" else {})})
+    request = job.request()
+    other = type(job).from_request(request | {"machine": dict(reversed((request["machine"] | written).items()))})
+    assert other.digest != job.digest
+    assert settled_with_machine(other).digest == job.digest
+    assert settled_with_machine(job) is job
 
 
 @pytest.mark.parametrize(

@@ -120,7 +120,7 @@ function compute(request) {
 function ask(request) {
   [at.request, at.edited, at.panel] = [request, false, 0];
   remember(true);
-  jobs.ask(request);
+  jobs.ask(machine.named(request));
 }
 
 function showExample(request) {
@@ -211,6 +211,7 @@ function begun(job) {
   if (steps.length) sweep.show(steps, at.panel);
   else sweep.hide();
   enableTools(cells || job.kind in charts);
+  if (job.request.machine && !job.request.design) attempt(() => machine.read(job.request.machine));
   remember(false);
 }
 
@@ -288,7 +289,7 @@ function caption() {
 }
 
 function takeaway() {
-  const request = jobs.job?.request ?? at.request;
+  const request = jobs.job?.request ?? (at.request && machine.named(at.request));
   const seen = { plane, motions, caption: document.title, overlays: overlays.drawn, panel: at.panel };
   if (request) showTakeaway(by("takeaway"), { job: at.edited ? null : jobs.job, request, ...seen });
 }
@@ -325,8 +326,9 @@ async function openAddress() {
   try {
     if (request) show(request, seen);
     if (seen.machine) await machine.open(seen.machine);
-    if (job) await jobs.open(job, request);
-    else if (request) jobs.ask(request);
+    const asked = request && machine.named(request);
+    if (job) await jobs.open(job, asked);
+    else if (asked) jobs.ask(asked);
     at.edited = false;
     motions.forget();
     for (const [i, [t, v]] of seen.motions.entries()) await motions.pick({ t, v }, i > 0, true);

@@ -108,6 +108,22 @@ def test_a_machine_at_fault_is_named_where_it_stands(service, path):
     refused("a machine is an object", machine=3)
 
 
+def test_the_same_machine_is_the_same_job_in_whatever_units_it_was_written(service):
+    """A page writes 1 where Python writes 1.0."""
+    answer = service.request("POST", "/v1/machines", json=NOISY).json()
+    oscillator, machine = answer["oscillator"], answer["machine"]
+    grid = {"time": {"cells": 9}, "velocity": {"stop": 5.5, "cells": 9}}
+    jobs = [
+        service.request("POST", "/v1/basins", json=fields | {"grid": grid, "iterations": 5}).json()
+        for fields in (
+            {"machine": NOISY},
+            {"machine": machine | {"inertia_ratio": 1}, "oscillator": oscillator},
+            {"machine": NOISY, "oscillator": oscillator},
+        )
+    ]
+    assert len({job["id"] for job in jobs}) == 1 and jobs[0]["request"]["machine"] == machine
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [

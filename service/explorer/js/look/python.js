@@ -1,6 +1,7 @@
 /** The Python that computes what is seen. */
 
 import { additions } from "../state/additions.js";
+import { NUMBERS } from "../state/oscillator.js";
 
 function literal(value) {
   if (Array.isArray(value)) return `[${value.map(literal).join(", ")}]`;
@@ -12,17 +13,27 @@ function pair(one, other) {
   return `(${literal(one)}, ${literal(other)})`;
 }
 
+/** A machine in SI, as Python makes it. @param {Object<string, any>} machine */
+function machineIn({ transmission_error: orders, ...numbers }) {
+  const order = ([order, { amplitude, phase }]) => `${order}: ${phase ? `{"amplitude": ${amplitude}, "phase": ${phase}}` : amplitude}`;
+  const fields = [...Object.entries(numbers).map(([name, value]) => `${name}=${literal(value)}`), `transmission_error={${Object.entries(orders).map(order).join(", ")}}`];
+  return `machine=rattle.GearPair(${fields.join(", ")})`;
+}
+
 /**
  * Python for the request of a basin or a sweep.
  * @param {BasinRequest} request
  */
 export function pythonOf(request) {
-  const { oscillator, grid, iterations, vary } = request;
+  const { oscillator, machine, grid, iterations, vary } = request;
   const { model: _, harmonics, ...parameters } = oscillator;
+  // They follow from the machine.
+  if (machine) for (const name of NUMBERS) delete parameters[name];
   const swept = Object.fromEntries((vary ?? []).map(({ parameter, values, start, stop, count }) =>
     [parameter, values ? literal(values) : `(${start}, ${stop}, ${count})`]));
   const fields = Object.entries({ ...parameters, ...swept }).map(([name, value]) => `${name}=${swept[name] ?? literal(value)}`);
-  if (harmonics?.length) fields.push(`harmonics=[${harmonics.map(({ order, amplitude, phase = 0 }) => `(${order}, ${amplitude}, ${phase})`).join(", ")}]`);
+  if (machine) fields.unshift(machineIn(machine));
+  else if (harmonics?.length) fields.push(`harmonics=[${harmonics.map(({ order, amplitude, phase = 0 }) => `(${order}, ${amplitude}, ${phase})`).join(", ")}]`);
   const { time, velocity } = grid;
   const lines = [
     fields.join(", "),

@@ -3,7 +3,8 @@
 import { by } from "../page/by.js";
 import { Latest } from "../net/latest.js";
 import { post, Refusal } from "../net/api.js";
-import { FIELDS, gammaInWords, inUnits, machineOf, parts, PUMP } from "../state/machine.js";
+import { FIELDS, gammaInWords, inUnits, machineOf, parts, PUMP, writtenOf } from "../state/machine.js";
+import { NUMBERS, USUAL } from "../state/oscillator.js";
 import { Report } from "./report.js";
 
 const WAIT_MS = 180;
@@ -27,7 +28,7 @@ export class MachineForm {
     pump.title = "Numbers of the paper's pump; its speed, radius and inertia are guesses";
     pump.addEventListener("click", () => (this.fill(PUMP), this.#ask()));
     place.append(...[...this.rows.values()].map(({ row }) => row), pump, this.said);
-    this.report = new Report(place, () => (this.answer?.refused === null ? machineOf(this.written) : null));
+    this.report = new Report(place, () => (this.answer?.refused === null ? machineOf(this.written) ?? this.answer.machine : null));
     this.latest = new Latest((machine, signal) => post("/v1/machines", machine, { signal }), (answer) => this.#show(answer), (error) => this.#fail(error));
     place.addEventListener("input", () => {
       clearTimeout(this.timer);
@@ -79,6 +80,28 @@ export class MachineForm {
     if (request) this.#take(await post("/v1/machines", request));
   }
 
+  /** Show the machine of a job. What is written stays if it is that machine. @param {Object<string, any>} machine in SI */
+  async read(machine) {
+    const own = this.answer?.machine;
+    if (own && [...Object.keys(own), ...Object.keys(machine)].every((name) => JSON.stringify(own[name]) === JSON.stringify(machine[name]))) return;
+    const answer = await post("/v1/machines", machine);
+    const written = writtenOf(machine);
+    this.latest.drop();
+    this.fill(written ?? {});
+    this.#take(answer);
+    if (!written) this.#say(`The machine of this job has numbers for which there are no fields here. ${this.said.textContent}`, false);
+    this.tell.changed();
+  }
+
+  /** A request with the machine that its oscillator is: its result then has SI units wherever it is opened. @param {BasinRequest} request */
+  named(request) {
+    if (this.answer?.refused !== null || !this.scalesOf(request.oscillator)) return request;
+    const { machine, oscillator } = this.answer;
+    // An address has fewer digits than the machine.
+    const numbers = Object.fromEntries([...NUMBERS, "harmonics"].filter((name) => name in oscillator).map((name) => [name, oscillator[name]]));
+    return { ...request, machine, oscillator: { ...request.oscillator, ...numbers } };
+  }
+
   /** Offer what the service has besides, once its kinds of jobs are known. */
   offer() {
     this.report.offer();
@@ -96,8 +119,11 @@ export class MachineForm {
       hint.textContent = "";
       hint.classList.remove("wrong");
     }
-    if (machine) this.latest.want(machine);
-    else this.#say("Fill in what has no “none”: the oscillator follows.", false);
+    if (machine) return this.latest.want(machine);
+    this.latest.drop();
+    this.answer = null;
+    this.#say("Fill in what has no “none”: the oscillator follows.", false);
+    this.tell.changed();
   }
 
   #take(answer) {
@@ -138,12 +164,13 @@ export class MachineForm {
 
 /** Whether two oscillators are the same to the digits that a form has. */
 function same(one, other) {
-  const numbers = ["damping", "eccentricity", "half_backlash", "stiffness", "restitution", "contact_damping"];
-  const value = (oscillator, name) => oscillator[name] ?? (name === "restitution" ? 1 : 0);
-  return (one.model ?? "impacting") === other.model && !(one.harmonics?.length) && numbers.every((name) => {
-    const [a, b] = [value(one, name), value(other, name)];
-    return Math.abs(a - b) <= 1e-9 * Math.max(Math.abs(a), Math.abs(b));
-  });
+  const close = (a, b) => Math.abs(a - b) <= 1e-9 * Math.max(Math.abs(a), Math.abs(b));
+  const numbers = (/** @type {Oscillator} */ oscillator) => [
+    ...NUMBERS.map((name) => oscillator[name] ?? USUAL[name] ?? 0),
+    ...(oscillator.harmonics ?? []).flatMap(({ order, amplitude, phase = 0 }) => [order, amplitude, phase]),
+  ];
+  const [mine, its] = [numbers(one), numbers(other)];
+  return (one.model ?? "impacting") === other.model && mine.length === its.length && mine.every((value, i) => close(value, its[i]));
 }
 
 /** The form of the page. @param {ConstructorParameters<typeof MachineForm>[1]} tell */

@@ -200,7 +200,8 @@ export function decode(search) {
 export function encode({ job, panel, request, view, whole, layer, palette, overlays, motions, beside, part, compare, machine }) {
   const fields = [];
   if (job) fields.push(["job", job]);
-  if (machine) fields.push(["machine", machineText(machine)]);
+  const numbers = machineText(machine ?? {});
+  if (numbers) fields.push(["machine", numbers]);
   if (panel) fields.push(["panel", String(panel)]);
   const asked = request ? viewOf(request.grid) : null;
   if (asked && view && !same(view, whole ?? asked)) fields.push(["window", windowText(view)]);

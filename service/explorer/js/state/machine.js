@@ -2,6 +2,7 @@
 
 /**
  * @typedef {object} MachineAnswer
+ * @property {Object<string, any>} machine its numbers in SI
  * @property {Oscillator} oscillator
  * @property {number|null} velocity_stop
  * @property {number} iterations
@@ -28,6 +29,25 @@ export const FIELDS = [
 export const PUMP = {
   speed: "3000 rpm", inertia: "0.01 kg m^2", drag_torque: "94.2 mN m", base_radius: "100 mm", backlash: "120 um", transmission_error: "10 um",
 };
+
+const IN_SI = { rpm: Math.PI / 30, "kg cm^2": 1e-4, "g m^2": 1e-3, "mN m": 1e-3, mm: 1e-3, um: 1e-6, "N/um": 1e6 };
+
+/**
+ * Texts of the fields for a machine in SI, each in the unit in which its number is shortest; null if it has numbers for
+ * which there is no field.
+ * @param {Object<string, any>} machine
+ * @returns {Object<string, string>|null}
+ */
+export function writtenOf({ transmission_error: orders, drag_law: law = "constant", turns = 1, ...machine }) {
+  const { 1: first, ...others } = orders;
+  const known = Object.keys(machine).every((name) => FIELDS.some((field) => field.name === name));
+  if (!known || !first || first.phase || Object.keys(others).length || law !== "constant" || turns !== 1) return null;
+  const numbers = { ...machine, transmission_error: first.amplitude };
+  const text = (value, unit) => `${Number((value / (IN_SI[unit] ?? 1)).toPrecision(12))} ${unit}`.trim();
+  const shortest = (texts) => texts.reduce((best, each) => (parts(each).number.length < parts(best).number.length ? each : best));
+  const written = FIELDS.filter(({ name }) => numbers[name] !== undefined);
+  return Object.fromEntries(written.map(({ name, units }) => [name, shortest((units.length ? units : [""]).map((unit) => text(numbers[name], unit)))]));
+}
 
 /** A number and its unit in a text as "3000 rpm". @param {string} text */
 export function parts(text) {
