@@ -48,6 +48,7 @@ def test_it_has_the_verbs_of_the_package_with_the_same_arguments(there):
             there.basin(**given)
 
 
+@pytest.mark.slow
 def test_a_result_of_a_machine_has_its_units_wherever_it_is_opened(there):
     # The paper's scaled numbers at 100 rad/s: delta = 2 pi T/(I Omega^2).
     pair = rattle.GearPair(

@@ -89,6 +89,7 @@ def test_it_says_what_the_studies_say(written, proven):
         assert f"{name}{100.0 * share:.3g} %" in text.replace("\n", "")
 
 
+@pytest.mark.slow
 def test_the_same_questions_give_the_same_bytes(written, tmp_path):
     rattle.cache.clear()
     again = report(
@@ -97,6 +98,7 @@ def test_the_same_questions_give_the_same_bytes(written, tmp_path):
     assert again.read_bytes() == written.read_bytes()
 
 
+@pytest.mark.slow
 def test_a_page_is_written_where_nothing_can_be_proven(monkeypatch, tmp_path, proven):
     monkeypatch.setattr("rattle_machine.report.can_prove", lambda: False)
     text = "".join(_read(report(PAIR, tmp_path / "page.html", numbers=WITHIN, machines=64, **QUICK)).text)

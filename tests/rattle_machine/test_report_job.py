@@ -54,7 +54,9 @@ def test_its_result_says_first_what_the_page_says_first_and_what_happens_at_each
     assert [each.impact_power_w for each in told.speeds] == power and max(power) > 0.0
 
 
-@pytest.mark.parametrize("reports", [1, 3, 5, 8], ids="after {} reports".format)
+@pytest.mark.parametrize(
+    "reports", [1, *(pytest.param(each, marks=pytest.mark.slow) for each in (3, 5, 8))], ids="after {} reports".format
+)
 def test_a_cancelled_report_goes_on_to_the_same_bytes(client, undisturbed, tmp_path, reports):
     cancel, seen, location = threading.Event(), [], tmp_path / "report.zarr"
 
@@ -74,6 +76,7 @@ def test_a_cancelled_report_goes_on_to_the_same_bytes(client, undisturbed, tmp_p
     assert not (location / PARTS).exists(), "the basin and the sweep were for the page alone"
 
 
+@pytest.mark.slow
 def test_a_report_whose_page_is_damaged_is_mended(client, undisturbed, tmp_path):
     location = tmp_path / "report.zarr"
     run(client, location)

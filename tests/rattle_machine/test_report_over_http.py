@@ -35,6 +35,7 @@ def page_of(service, job, **options):
     return service.request("GET", f"/v1/jobs/{job['id']}/report.html", **options)
 
 
+@pytest.mark.slow
 def test_the_page_is_that_of_the_package_and_may_do_nothing(service, finished, tmp_path):
     answer = page_of(service, finished)
     assert answer.status_code == 200 and answer.headers["content-type"] == "text/html; charset=utf-8"
@@ -46,6 +47,7 @@ def test_the_page_is_that_of_the_package_and_may_do_nothing(service, finished, t
     assert not re.search(r"<script|<iframe|\son\w+=", answer.text)
 
 
+@pytest.mark.slow
 def test_a_page_that_is_known_is_not_sent_again(service, finished):
     first = page_of(service, finished)
     again = page_of(service, finished, headers={"if-none-match": first.headers["etag"]})
@@ -54,6 +56,7 @@ def test_a_page_that_is_known_is_not_sent_again(service, finished):
     assert again.headers[policy] == first.headers[policy], "a browser takes them for those of what it has"
 
 
+@pytest.mark.slow
 def test_the_job_shows_the_machine_and_the_result_its_answers(service, finished):
     assert finished["request"]["machine"] == PAIR.model_dump(mode="json", exclude_none=True)
     result = service.request("GET", finished["links"]["result"]).json()

@@ -17,7 +17,7 @@ ROAD = [Oscillator(0.06, 0.01, 0.06), Oscillator(6e-3, 1e-3, 6e-3), Oscillator(6
 _TWO = ((2, 1e-4, 0.3), (3, 3e-5, 0.1))
 WIDER = [
     Oscillator(6e-3, 1e-3, 6e-3, restitution=0.9995),
-    Oscillator(6e-3, 8e-4, 6e-3, restitution=0.999, harmonics=_TWO),
+    pytest.param(Oscillator(6e-3, 8e-4, 6e-3, restitution=0.999, harmonics=_TWO), marks=pytest.mark.slow),
     pytest.param(Oscillator(6e-3, 1e-3, 6e-3, harmonics=_TWO), marks=pytest.mark.slow),
     pytest.param(Oscillator(6e-3, 1e-3, 6e-3, 1000.0, contact_damping=1e-4, harmonics=_TWO), marks=pytest.mark.slow),
 ]

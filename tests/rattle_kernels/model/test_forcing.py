@@ -48,7 +48,10 @@ def test_two_gears_are_the_orders_by_which_they_turn():
     assert opposed["eccentricity"] == pytest.approx(math.hypot(0.1, 0.06), rel=1e-11) and opposed["harmonics"] == ()
 
 
-@pytest.mark.parametrize(("p", "q", "assembly"), [(3, 2, 0.3), (2, 5, 0.85), (5, 3, 0.0)])
+@pytest.mark.parametrize(
+    ("p", "q", "assembly"),
+    [(3, 2, 0.3), pytest.param(2, 5, 0.85, marks=pytest.mark.slow), pytest.param(5, 3, 0.0, marks=pytest.mark.slow)],
+)
 def test_two_gears_in_the_units_of_one_turn_of_the_first_are_the_same_machine(p, q, assembly):
     """A flight by DOP853 as one turn of the first gear tells time; its forcing is the way that both centres move."""
     damping, first, second, half_backlash = 0.25, 0.03, 0.004, 0.4

@@ -58,14 +58,25 @@ PART = st.one_of(INNER, st.lists(INNER, max_size=3), st.dictionaries(st.sampled_
 BODIES = st.one_of(VALUES, st.dictionaries(st.sampled_from(FIELDS), PART, max_size=4))
 
 
+MACHINE = {
+    "speed": 100,
+    "inertia": 1,
+    "drag_torque": "1 N m",
+    "base_radius": 1,
+    "backlash": 1,
+    "transmission_error": 0.01,
+}
+OSCILLATOR = {"damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6}
+
+
 def sent(value):
     return json.dumps(value).encode()
 
 
 @pytest.mark.parametrize("path", ["basins", "sweeps", "bifurcations", "orbits", "manifolds", "grazing-curves", "checks",
-    "trajectories", "previews"])  # fmt: skip
+    "trajectories", "previews", "reports", "machines"])  # fmt: skip
 @given(body=BODIES)
-@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
 @example(body={"vary": [{"parameter": "\ud800", "values": [1]}]})
 @example(body={"kind": [1]})
 @example(body={"kind": {}})
@@ -81,6 +92,13 @@ def sent(value):
 @example(body={"oscillator": {"damping": 5e-324, "half_backlash": 1e308}})
 @example(body={"oscillator": {"transmission_error": {"angle": [0, 1e308, 1.7e308], "error": [1e308, -1e308, 0]}}})
 @example(body={"oscillator": {"model": "piecewise_linear", "stiffness": 5e-324, "damping": 1e308}})
+@example(body={"machine": 1, "oscillator": {}})
+@example(body={"machine": {}, "oscillator": {}})
+@example(body={"machine": MACHINE | {"speed": 10**300}})
+@example(body={"machine": MACHINE | {"speed": "9e999 rpm"}, "oscillator": OSCILLATOR})
+@example(body={"machine": MACHINE | {"backlash": [1, "\ud800"]}, "oscillator": OSCILLATOR})
+@example(body={"machine": MACHINE | {"transmission_error": {"1e300": {"amplitude": {}}}}, "oscillator": OSCILLATOR})
+@example(body=MACHINE | {"inertia": "1e300 lb ft^2", "turns": 10**300})
 def test_any_json_is_answered_below_500(service, path, body):
     answer = service.request("POST", f"/v1/{path}", content=sent(body), headers={"content-type": "application/json"})
     assert answer.status_code < 500, (body, answer.text)

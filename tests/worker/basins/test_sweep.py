@@ -111,7 +111,7 @@ def test_killed_workers_leave_no_trace_in_a_sweep(client, undisturbed, tmp_path)
     assert content(tmp_path / "sweep.zarr") == content(undisturbed[0])
 
 
-@pytest.mark.parametrize("done", [0, 1, 2])
+@pytest.mark.parametrize("done", [0, *(pytest.param(each, marks=pytest.mark.slow) for each in (1, 2))])
 def test_a_cancelled_sweep_is_readable_basin_by_basin_and_resumes_to_the_same_bytes(
     client, undisturbed, tmp_path, done
 ):

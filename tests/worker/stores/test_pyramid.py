@@ -130,7 +130,13 @@ def test_a_job_that_is_stopped_within_its_levels_resumes_to_the_same_bytes(clien
 
 @pytest.mark.parametrize(
     ("damage", "path"),
-    [("flipped", "pyramid/1/solution/c/0/1"), ("missing", "pyramid/3/group/c/0/0"), ("missing", "pyramid/2/time/c/0")],
+    [
+        ("flipped", "pyramid/1/solution/c/0/1"),
+        *(
+            pytest.param("missing", f"pyramid/{path}", marks=pytest.mark.slow)
+            for path in ("3/group/c/0/0", "2/time/c/0")
+        ),
+    ],
 )
 def test_a_damaged_level_is_found_and_mended(computed, tmp_path, path, damage):
     store = shutil.copytree(computed, tmp_path / "store")
@@ -192,7 +198,7 @@ def test_the_page_shows_1e10_cells_by_the_chunks_of_one_level(large, monkeypatch
     assert read_tile_labels(location, 1, level=7) is None
 
 
-@pytest.mark.parametrize("width", [1.0, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.3, 0.05)), 0.004])
+@pytest.mark.parametrize("width", [*(pytest.param(each, marks=pytest.mark.slow) for each in (1.0, 0.3, 0.05)), 0.004])
 def test_a_picture_of_any_window_reads_few_chunks_and_shows_its_cells(large, monkeypatch, width):
     location, store = large
     cells = (40_000, min(40_000 + round(width * 100_000), 100_000)) if width < 1.0 else (0, 100_000)
