@@ -212,8 +212,7 @@ def _read_machine(values: Values, kind: str) -> None:
     if kind in _OF_WINDOWS and "velocity" not in values:
         values["velocity"] = (0.0, max(map(fastest_of, oscillators)))
     values.update(numbers | values)
-    own = machine.columns if isinstance(machine, MachineSeries) else machine.model_dump(mode="json", exclude_none=True)
-    if kind != _TRAJECTORY and own is not None:
+    if kind != _TRAJECTORY and (own := machine.as_request) is not None:
         values[MACHINE] = own
 
 

@@ -7,8 +7,6 @@ is computed.
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
-from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -31,7 +29,7 @@ from worker.fence import Fence
 from worker.progress import Stage
 from worker.results.summary import FiniteOrNone
 from worker.run import Run
-from worker.stores.analysis_store import PARTS, AnalysisStore
+from worker.stores.analysis_store import PARTS, AnalysisStore, StoredParts
 from worker.stores.layout import NOT_THERE, Columns, Variable
 from worker.stores.table import Column, Table
 
@@ -128,8 +126,8 @@ def _pieces(asked: Question, ranges: tuple[Range, ...], places: np.ndarray, pref
     ]
 
 
-def plan_at(location: str, job: ReportJob, parts: Parts) -> Plan:
-    """What is to be done for a report at a location.
+def plan(job: ReportJob, parts: StoredParts) -> Plan:
+    """What is to be done for a report.
 
     First the production; then the narrower one, once it is known which tolerance is guilty, and what is proven of it;
     the page comes last.
@@ -150,7 +148,7 @@ def plan_at(location: str, job: ReportJob, parts: Parts) -> Plan:
                 then.append(Piece(_PROOF, compute_proof, (asked, narrow)))
                 proven = _proven_in(parts[_PROOF], tightened=narrow is not None) if _PROOF in parts else None
     ready = [piece for piece in first + then if piece.name not in parts]
-    page = Piece(_PAGE, compute_page, (location, found, narrow_found, proven))
+    page = Piece(_PAGE, compute_page, (parts.location, found, narrow_found, proven))
     done = sum(piece.name in parts for piece in (*first, *then, page))
     if not ready and _PAGE not in parts:
         ready = [page]
@@ -198,13 +196,9 @@ class Reports(Analysis):
         if not (store.complete or _PAGE in store.parts()):
             for name, own in ((_BASIN, job.basin), (_SWEEP, job.sweep)):
                 yield from basin_runs(own, _below(location, name), driver, fence)
-        yield from Analysis.runs(replace(self, plan=partial(plan_at, location)), job, location, driver, fence)
-
-
-def _nothing(job: Any, parts: Parts) -> Plan:
-    raise NotImplementedError("the plan of a report knows its location")
+        yield from super().runs(job, location, driver, fence)
 
 
 REPORT = Reports(
-    "Report on a rattling gear pair", ReportJob, _nothing, assemble, layout, summarise, ReportView, draw_speeds
+    "Report on a rattling gear pair", ReportJob, plan, assemble, layout, summarise, ReportView, draw_speeds
 )

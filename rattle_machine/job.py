@@ -99,7 +99,7 @@ class ReportJob(AnalysisJob):
             return given
         machine = given[MACHINE]
         if isinstance(machine, GearPair):
-            machine = machine.model_dump(mode="json", exclude_none=True)
+            machine = machine.as_request
         own = {} if "oscillator" in given else {"oscillator": _pair_of(machine).oscillator}
         return {**given, MACHINE: machine, **own}
 
@@ -218,7 +218,7 @@ class ReportJob(AnalysisJob):
         settled: dict[str, Any] = {
             name: getattr(self, name) for name in ("kind_", "departures", "cells", "speeds", "seed")
         }
-        settled["machine_"] = self.pair.model_dump(mode="json", exclude_none=True)
+        settled["machine_"] = self.pair.as_request
         if self.rate is not None:
             self._pulses(2).check_pressing(self.pair)
             settled |= {"rate": rate_in_si(self.rate), "size": self._size, "pressing": self.pressing}

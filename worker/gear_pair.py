@@ -614,6 +614,11 @@ class GearPair(Request):
         scales = self.scales
         return {"s": scales.time, "m": scales.length, "m/s": scales.speed, "W": scales.power}
 
+    @property
+    def as_request(self) -> dict[str, Any]:
+        """The machine as requests have it: its numbers in SI."""
+        return self.model_dump(mode="json", exclude_none=True)
+
     def __str__(self) -> str:
         """The numbers in SI, as JSON."""
-        return json.dumps(self.model_dump(exclude_none=True))
+        return json.dumps(self.as_request)

@@ -160,7 +160,7 @@ class MachineSeries:
 
     @classmethod
     def of_request(cls, machine: Mapping[str, Any], design: Mapping[str, Any]) -> "MachineSeries":
-        """The machines of a request: its field `machine`, as `columns` has it, and its design.
+        """The machines of a request: its field `machine`, as `as_request` has it, and its design.
 
         Raises
         ------
@@ -179,11 +179,11 @@ class MachineSeries:
         return cls(design["name"], design.get("units"), design["values"], pairs)
 
     @property
-    def columns(self) -> dict[str, Any] | None:
+    def as_request(self) -> dict[str, Any] | None:
         """The machines as a request has them: numbers that differ as lists. None if they are the model's alone."""
         if not self.pairs:
             return None
-        rows = [pair.model_dump(mode="json", exclude_none=True) for pair in self.pairs]
+        rows = [pair.as_request for pair in self.pairs]
         columns = {name: [row.get(name) for row in rows] for row in rows for name in row}
         return {
             name: column[0] if column.count(column[0]) == len(column) else column for name, column in columns.items()
@@ -256,7 +256,7 @@ class MachineSeries:
         units = {unit: xr.Variable((self.name,), scales) for unit, scales in self._scales.items()}
         said = {"long_name": "inertia torque over drag torque"}
         gamma = ((self.name,), [pair.gamma for pair in self.pairs], said)
-        machines = json.dumps([json.loads(str(pair)) for pair in self.pairs])
+        machines = json.dumps([pair.as_request for pair in self.pairs])
         return beside_in_si(result, units).assign(gamma=gamma).assign_attrs({MACHINES: machines})
 
     def with_columns(self, table: "pd.DataFrame") -> "pd.DataFrame":
@@ -350,7 +350,7 @@ def settled_with_machine(job: "_Job") -> "_Job":
     found = machine_of(job.request()) if job.machine_ is not None else None
     if found is None:
         return job
-    own = found.columns if isinstance(found, MachineSeries) else found.model_dump(mode="json", exclude_none=True)
+    own = found.as_request
     # 1 and 1.0 are equal, but not as texts.
     if json.dumps(own, sort_keys=True) == json.dumps(job.machine_, sort_keys=True):
         return job

@@ -50,7 +50,7 @@ class MachineView(BaseModel):
         except InvalidJob as error:
             refused = str(error)
         return cls(
-            machine=pair.model_dump(mode="json", exclude_none=True), oscillator=_oscillator_of(pair),
+            machine=pair.as_request, oscillator=_oscillator_of(pair),
             velocity_stop=fastest, iterations=settled_iterations(pair.oscillator.damping),
             scales=ScalesView(**pair.scales._asdict()), gamma=pair.gamma,
             threshold_speed=pair.threshold_speed, refused=refused,
@@ -117,7 +117,7 @@ def in_model(body: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
     pair.check_gamma()
     request = {name: value for name, value in body.items() if name != MACHINE}
     if MACHINE in fields:
-        request[MACHINE] = pair.model_dump(mode="json", exclude_none=True)
+        request[MACHINE] = pair.as_request
     for window in fields & {"grid", "region"}:
         inside = request.get(window, {})
         if isinstance(inside, dict) and "velocity" not in inside:

@@ -93,7 +93,7 @@ def test_a_request_is_the_same_job_however_it_is_written():
     assert ReportJob(**written).digest == JOB.digest
     again = ReportJob.from_request(json.loads(json.dumps(JOB.request())))
     assert again.digest == JOB.digest and again.request() == JOB.request()
-    assert JOB.request()["machine"] == PAIR.model_dump(mode="json", exclude_none=True)
+    assert JOB.request()["machine"] == PAIR.as_request
     assert ReportJob.trusted(JOB.request(), JOB.digest).oscillator == PAIR.oscillator
 
 

@@ -58,7 +58,7 @@ def test_a_page_that_is_known_is_not_sent_again(service, finished):
 
 @pytest.mark.slow
 def test_the_job_shows_the_machine_and_the_result_its_answers(service, finished):
-    assert finished["request"]["machine"] == PAIR.model_dump(mode="json", exclude_none=True)
+    assert finished["request"]["machine"] == PAIR.as_request
     result = service.request("GET", finished["links"]["result"]).json()
     assert result["kind"] == "report" and result["answers"] and len(result["speeds"]) == 3
     rows = service.request("GET", f"/v1/jobs/{finished['id']}/result.json").json()

@@ -27,7 +27,7 @@ from worker.pictures.figure_file import new_figure
 from worker.progress import Progress, Stage
 from worker.results.panel import USUAL_LOOK, Look
 from worker.run import Run
-from worker.stores.analysis_store import AnalysisStore
+from worker.stores.analysis_store import AnalysisStore, StoredParts
 from worker.stores.layout import Columns, Variable
 
 Parts = Mapping[str, Columns]
@@ -87,7 +87,7 @@ class Analysis:
 
     title: str
     job: type[AnalysisJob]
-    plan: Callable[[Any, Parts], Plan]
+    plan: Callable[[Any, StoredParts], Plan]
     assemble: Callable[[Any, Parts], Columns]
     layout: Callable[[Any], tuple[Variable, ...]]
     summarise: Callable[[Any, Columns], dict[str, Any]]

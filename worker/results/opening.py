@@ -247,7 +247,7 @@ def basin_of(dataset: xr.Dataset, **values: float) -> xr.Dataset:
     pair = series.pairs[next(iter(place.values()))] if isinstance(series, MachineSeries) else None
     alone = BasinJob(
         oscillator=oscillator, grid=job.grid, iterations=job.iterations, sample=job.sample,
-        machine=None if pair is None else pair.model_dump(mode="json", exclude_none=True),
+        machine=None if pair is None else pair.as_request,
     )  # fmt: skip
     request = {"request": json.dumps(alone.request()), "request_sha256": alone.digest}
     basin = dataset.isel(place).assign_attrs(request | at)

@@ -214,6 +214,11 @@ class StoredParts(Mapping[str, Columns]):
         self._store = store
         self._columns: dict[str, Columns | None] = dict.fromkeys(names)
 
+    @property
+    def location(self) -> str:
+        """Of their store."""
+        return self._store.location
+
     def add(self, name: str) -> None:
         """Note that a part is complete."""
         self._columns[name] = None

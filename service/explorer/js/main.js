@@ -211,7 +211,7 @@ function begun(job) {
   if (steps.length) sweep.show(steps, at.panel);
   else sweep.hide();
   enableTools(cells || job.kind in charts);
-  if (job.request.machine && !job.request.design) attempt(() => machine.read(job.request.machine));
+  if (job.request.machine && !job.request.design) machine.read(job.request.machine);
   remember(false);
 }
 

@@ -59,13 +59,8 @@ BODIES = st.one_of(VALUES, st.dictionaries(st.sampled_from(FIELDS), PART, max_si
 
 
 MACHINE = {
-    "speed": 100,
-    "inertia": 1,
-    "drag_torque": "1 N m",
-    "base_radius": 1,
-    "backlash": 1,
-    "transmission_error": 0.01,
-}
+    "speed": 100, "inertia": 1, "drag_torque": "1 N m", "base_radius": 1, "backlash": 1, "transmission_error": 0.01,
+}  # fmt: skip
 OSCILLATOR = {"damping": 0.6, "eccentricity": 0.1, "half_backlash": 0.6}
 
 

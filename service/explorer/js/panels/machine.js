@@ -29,7 +29,9 @@ export class MachineForm {
     pump.addEventListener("click", () => (this.fill(PUMP), this.#ask()));
     place.append(...[...this.rows.values()].map(({ row }) => row), pump, this.said);
     this.report = new Report(place, () => (this.answer?.refused === null ? machineOf(this.written) ?? this.answer.machine : null));
-    this.latest = new Latest((machine, signal) => post("/v1/machines", machine, { signal }), (answer) => this.#show(answer), (error) => this.#fail(error));
+    const convert = (machine, signal) => post("/v1/machines", machine, { signal });
+    this.ofJob = new Latest(convert, (answer, machine) => this.#showOfJob(answer, machine), (error) => this.#fail(error));
+    this.latest = new Latest(convert, (answer) => this.#show(answer), (error) => this.#fail(error));
     place.addEventListener("input", () => {
       clearTimeout(this.timer);
       this.timer = setTimeout(() => this.#ask(), WAIT_MS);
@@ -81,12 +83,15 @@ export class MachineForm {
   }
 
   /** Show the machine of a job. What is written stays if it is that machine. @param {Object<string, any>} machine in SI */
-  async read(machine) {
-    const own = this.answer?.machine;
-    if (own && [...Object.keys(own), ...Object.keys(machine)].every((name) => JSON.stringify(own[name]) === JSON.stringify(machine[name]))) return;
-    const answer = await post("/v1/machines", machine);
-    const written = writtenOf(machine);
+  read(machine) {
+    this.ofJob.drop();
+    if (JSON.stringify(this.answer?.machine) === JSON.stringify(machine)) return;
     this.latest.drop();
+    this.ofJob.want(machine);
+  }
+
+  #showOfJob(answer, machine) {
+    const written = writtenOf(machine);
     this.fill(written ?? {});
     this.#take(answer);
     if (!written) this.#say(`The machine of this job has numbers for which there are no fields here. ${this.said.textContent}`, false);
@@ -113,6 +118,7 @@ export class MachineForm {
   }
 
   #ask() {
+    this.ofJob.drop();
     const machine = machineOf(this.written);
     for (const { input, hint } of this.rows.values()) {
       input.removeAttribute("aria-invalid");
