@@ -45,6 +45,7 @@ def test_the_demo_says_what_it_does_what_it_has_found_and_what_to_try_next(tmp_p
         assert basin.solution.shape == (40, 40)
 
 
+@pytest.mark.slow
 def test_a_service_of_the_demo_that_does_not_start_is_explained_by_its_log(tmp_path):
     refused = demo(tmp_path, {}, RATTLE_HOST="0.0.0.0")
     assert refused.returncode == 1 and "Traceback" not in refused.stderr

@@ -105,6 +105,7 @@ def test_equations_37_and_38_and_the_parity_below_40(kappa):
         assert np.sign(curvature) == sign  # a maximum at even m
 
 
+@pytest.mark.slow
 def test_above_the_grazing_curve_the_first_pre_image_strikes_the_lower_wall_first():
     oscillator = Oscillator(DELTA, EPS, BETA)
     _, first = grazing_preimages(oscillator, 1, velocity_limits=(0.0, 7.0))
@@ -125,6 +126,7 @@ def test_above_the_grazing_curve_the_first_pre_image_strikes_the_lower_wall_firs
     assert min(seen.values()) >= 5
 
 
+@pytest.mark.slow
 def test_a_larger_prime_than_1499_changes_the_basin_at_a_damping_of_0_525():
     oscillator, grid = Oscillator(0.525, EPS, BETA), CellGrid(time_cells=50, velocity_cells=50)
     (orbit,) = (o.orbit for o in find_orbits(oscillator, longest=3) if o.orbit.name == "P(3,3,2)" and o.orbit.attracts)

@@ -17,7 +17,7 @@ def test_the_guides_python_runs(service, tmp_path, monkeypatch):
     small = 'rattle.BasinJob(grid={"time": {"cells": 20}, "velocity": {"cells": 20}})'
     others = {"http://127.0.0.1:8000": service.url, "cells=1000": "cells=40", "rattle.BasinJob()": small}
     blocks, names = re.findall(r"```python\n(.*?)```", DOCUMENT, re.DOTALL), {}
-    assert len(blocks) == 6
+    assert len(blocks) == 7
     for block in blocks:
         if "large.zarr" in block:
             continue  # 1e10 cells: tests/worker/stores and tests/worker/results have some

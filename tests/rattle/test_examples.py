@@ -34,10 +34,17 @@ def module_of(documented):
     return vars(sys.modules[getattr(documented, "__module__", "rattle")])
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=pytest.mark.proof) if name.startswith("rattle_proof.") else name for name in DOCUMENTED],
-)
+# Each of these computes for a second or more.
+LONG = {"rattle.NotFound", "rattle.report", "rattle.sweep", "rattle.tolerances", ".rattle.measures"}
+
+
+def marked(name):
+    if name.startswith("rattle_proof."):
+        return pytest.param(name, marks=pytest.mark.proof)
+    return pytest.param(name, marks=pytest.mark.slow) if name in LONG else name
+
+
+@pytest.mark.parametrize("name", [marked(name) for name in DOCUMENTED])
 def test_a_public_name_has_an_example_that_runs(name, tmp_path, monkeypatch, request, capsys):
     """Where an example asks a service, one of the tests answers."""
     monkeypatch.chdir(tmp_path)

@@ -17,6 +17,7 @@ def without(missing, *arguments):
     )
 
 
+@pytest.mark.slow
 def test_the_base_install_computes_draws_and_lists(tmp_path):
     store, picture = tmp_path / "basin.zarr", tmp_path / "basin.svg"
     done = without(BASE_ONLY, "basin", "--cells", 16, 16, "--iterations", 101, "--out", store)

@@ -83,6 +83,7 @@ def test_a_job_is_submitted_followed_listed_and_deleted(there, service):
         there.job(job.id)
 
 
+@pytest.mark.slow
 def test_the_shell_draws_and_lists_what_lies_at_an_address(there, tmp_path):
     job = there.submit(rattle.SweepJob.from_request(SWEEP)).wait(progress=False)
     shell, picture = CliRunner(), tmp_path / "sweep.png"

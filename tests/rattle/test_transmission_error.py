@@ -37,6 +37,7 @@ def test_a_file_may_be_numbers_alone_or_name_other_columns(tmp_path):
     assert rattle.transmission_error(path, columns=("theta", "te")).forcing == expected
 
 
+@pytest.mark.slow
 def test_it_goes_into_any_verb_as_forcing_as_a_value_or_as_a_file(file, tmp_path):
     error = rattle.transmission_error(file, unit="degrees", scale=0.01)
     expected = job_of("basin", FORCING | {"damping": 0.8}).digest

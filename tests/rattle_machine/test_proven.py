@@ -69,8 +69,9 @@ def test_what_proves_is_found_where_it_is(monkeypatch):
 
 @pytest.mark.parametrize(
     ("given", "prove", "tighten", "tightened"),
-    [({AMPLITUDE: "10 +- 2 mm"}, True, 0.5, True), ({AMPLITUDE: "10 +- 2 mm"}, True, 1.0, False),
-     ({AMPLITUDE: "10 +- 2 mm"}, False, 0.5, False)],
+    [pytest.param({AMPLITUDE: "10 +- 2 mm"}, True, 0.5, True, marks=pytest.mark.slow),
+     ({AMPLITUDE: "10 +- 2 mm"}, True, 1.0, False),
+     pytest.param({AMPLITUDE: "10 +- 2 mm"}, False, 0.5, False, marks=pytest.mark.slow)],
 )  # fmt: skip
 def test_a_study_proves_the_tightened_production_if_it_is_asked(monkeypatch, given, prove, tighten, tightened):
     asked = []

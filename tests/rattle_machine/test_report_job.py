@@ -35,11 +35,13 @@ def undisturbed(client, tmp_path_factory):
     return location
 
 
+@pytest.mark.slow
 def test_its_page_is_the_one_that_the_package_writes(undisturbed, tmp_path):
     written = report(PAIR, tmp_path / "pump.html", title="Pump", prove=False, progress=False, **ALONE, **HIT)
     assert page_in(REPORT.read(str(undisturbed))[1]) == written.read_bytes()
 
 
+@pytest.mark.slow
 def test_its_result_says_first_what_the_page_says_first_and_what_happens_at_each_speed(undisturbed):
     told = REPORT.summary(str(undisturbed))
     text = page_in(REPORT.read(str(undisturbed))[1]).decode()
@@ -54,9 +56,8 @@ def test_its_result_says_first_what_the_page_says_first_and_what_happens_at_each
     assert [each.impact_power_w for each in told.speeds] == power and max(power) > 0.0
 
 
-@pytest.mark.parametrize(
-    "reports", [1, *(pytest.param(each, marks=pytest.mark.slow) for each in (3, 5, 8))], ids="after {} reports".format
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("reports", [1, 3, 5, 8], ids="after {} reports".format)
 def test_a_cancelled_report_goes_on_to_the_same_bytes(client, undisturbed, tmp_path, reports):
     cancel, seen, location = threading.Event(), [], tmp_path / "report.zarr"
 

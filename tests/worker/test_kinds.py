@@ -107,6 +107,7 @@ def test_an_installed_kind_is_served_drawn_listed_and_computed_by_python_here_an
         assert int(python(packages, tmp_path, IN_PYTHON, service.url)) == result["impacts"]
 
 
+@pytest.mark.slow
 def test_an_installed_kind_has_a_command_and_its_store_is_drawn_listed_exported_and_checked(packages, tmp_path):
     assert "List the impacts" in python(packages, tmp_path, SHELL, "--help")
     assert "--request" in python(packages, tmp_path, SHELL, "impact-speeds", "--help")
@@ -171,6 +172,7 @@ def test_a_kind_that_is_not_there_is_named_with_those_that_are():
     assert KINDS.get("impact_speeds") is None and "impact_speeds" not in KINDS
 
 
+@pytest.mark.slow
 def test_a_store_whose_package_is_gone_is_named_by_every_command(packages, tmp_path):
     (tmp_path / "request.json").write_text(json.dumps(REQUEST))
     python(packages, tmp_path, SHELL, "impact-speeds", "--request", "request.json", "--out", "shell.zarr")

@@ -227,6 +227,7 @@ def test_a_sweep_is_computed_and_drawn_without_a_service(tmp_path):
         assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_a_figure_of_the_paper_is_drawn_and_its_numbers_written_down(tmp_path):
     done = rattle("paper", "fig4", "--out", tmp_path / "figures")
     assert done.returncode == 0, done.stderr
@@ -247,6 +248,7 @@ def test_an_interrupted_figure_says_that_the_same_command_goes_on(tmp_path, monk
     assert answer.exit_code == 1 and "the same command goes on with the basins" in " ".join(answer.output.split())
 
 
+@pytest.mark.slow
 def test_a_manifold_is_grown_here_told_and_drawn(tmp_path):
     store, picture = tmp_path / "manifold.zarr", tmp_path / "manifold.png"
     command = ("manifold", "--saddle", "0.6,3.77", "--arclength", "1", "--out", store)

@@ -86,6 +86,7 @@ def test_chaos_that_falls_into_low_bounces_is_a_transient_also_where_they_are_ca
     assert abs(chaos.mean_life - life) < 4.0 * chaos.mean_life_error
 
 
+@pytest.mark.slow
 def test_low_bounces_are_followed_to_their_capture():
     oscillator = Oscillator(eccentricity=0.1895)
     rng = np.random.default_rng(9)

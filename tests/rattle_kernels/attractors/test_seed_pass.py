@@ -1,6 +1,7 @@
 """The seed pass finds what to be trapped by where damping is weak, and keeps out of the way elsewhere."""
 
 import numpy as np
+import pytest
 
 from rattle_kernels import CellGrid, Oscillator, map_points
 from rattle_kernels.attractors.seed_pass import traps_of_seeds
@@ -16,6 +17,7 @@ def test_the_papers_damping_and_small_jobs_are_not_scouted():
     assert traps_of_seeds(WEAK, WINDOW, 150_001, 100) is NO_TRAPS
 
 
+@pytest.mark.slow
 def test_scouted_traps_shorten_what_they_do_not_change():
     iterations = BasinJob(oscillator=WEAK, grid=WINDOW).iterations
     traps = traps_of_seeds(WEAK, WINDOW, iterations, WINDOW.cells)

@@ -45,7 +45,7 @@ def fine_stripes(t, v):
     ("label", "exponent", "distances"),
     [
         (below_a_line, 1.0, 10.0 ** -np.arange(1.5, 3.6, 0.5)),
-        (gap_of_a_cantor_set, CANTOR, 3.0 ** -np.arange(3, 9)),
+        pytest.param(gap_of_a_cantor_set, CANTOR, 3.0 ** -np.arange(3, 9), marks=pytest.mark.slow),
     ],
     ids=["line", "Cantor"],
 )

@@ -14,13 +14,15 @@ from tests.rattle_kernels.impact_map.integrator import integrated_departure, int
 from tests.rattle_kernels.impact_map.scalar_map import departures
 from tests.rattle_kernels.reference import phase_error
 
+# Most of it is compiling for each number. Applications with up to three harmonics are tested in test_wider_contacts.
+pytestmark = pytest.mark.slow
+
 LARGEST = 32
 MODELS = [
     pytest.param({"restitution": 0.9}, id="impacting"),
     pytest.param({"stiffness": 1e4, "contact_damping": 0.05}, id="stiff"),
 ]
-FEW = (0, 1, 3, LARGEST)
-NUMBERS = [n if n in FEW else pytest.param(n, marks=pytest.mark.slow) for n in range(LARGEST + 1)]
+NUMBERS = range(LARGEST + 1)
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -92,7 +94,6 @@ def test_the_change_by_the_highest_order_is_that_of_finite_differences(number, p
     np.testing.assert_allclose(found, (8.0 * near - far) / (12.0 * step), rtol=1e-6, atol=1e-6 * size + 1e-15 / step)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("fields", [{}, {"stiffness": 1e4}])
 @pytest.mark.parametrize("number", [3, LARGEST])
 def test_orbits_close(number, fields):

@@ -50,7 +50,7 @@ def test_two_gears_are_the_orders_by_which_they_turn():
 
 @pytest.mark.parametrize(
     ("p", "q", "assembly"),
-    [(3, 2, 0.3), pytest.param(2, 5, 0.85, marks=pytest.mark.slow), pytest.param(5, 3, 0.0, marks=pytest.mark.slow)],
+    [pytest.param(*given, marks=pytest.mark.slow) for given in ((3, 2, 0.3), (2, 5, 0.85), (5, 3, 0.0))],
 )
 def test_two_gears_in_the_units_of_one_turn_of_the_first_are_the_same_machine(p, q, assembly):
     """A flight by DOP853 as one turn of the first gear tells time; its forcing is the way that both centres move."""

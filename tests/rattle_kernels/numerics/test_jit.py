@@ -31,7 +31,9 @@ def test_sources_that_do_not_change_keep_their_folder(package):
     assert _cache_folder(package) == _cache_folder(package)
 
 
-@pytest.mark.parametrize("changed", ["warm_up.py", "model/flight.py", "lanes/run.py"])
+@pytest.mark.parametrize(
+    "changed", [pytest.param("warm_up.py", marks=pytest.mark.slow), "model/flight.py", "lanes/run.py"]
+)
 def test_any_changed_source_has_another_folder(package, changed):
     before = _cache_folder(package)
     with (package / changed).open("a") as source:

@@ -52,6 +52,7 @@ def test_a_branch_that_begins_on_the_edge_has_nothing_beyond():
     assert sorted(end.value for end in branch.ends) == pytest.approx([0.98, 1.0])
 
 
+@pytest.mark.slow
 def test_a_curve_ends_on_the_edge_too():
     branch = continue_orbit(LOSSY, single_contact(LOSSY), "eccentricity", (0.03, 0.11))
     (fold,) = (point for point in branch.special_points if point.kind == SpecialKind.SADDLE_NODE)

@@ -51,6 +51,7 @@ def test_a_seed_many_periods_away_is_the_same_seed():
     assert 0.0 <= far.orbit.t[0] < 1.0
 
 
+@pytest.mark.slow
 def test_the_map_returns_to_all_orbits_of_some_random_oscillators():
     assert search_and_check(np.random.default_rng(41), 15, longest=2, cells=12) > 15
 

@@ -25,7 +25,7 @@ AS_DESCRIBED = (
 )
 REFUSED = (checks.negative_data_rejection, checks.unsupported_method)
 SCHEMA = schemathesis.openapi.from_dict(create_app(Settings.model_construct()).openapi())
-FEW, MANY = 8, 300
+FEW, MANY = 4, 300
 # A first preview with harmonics compiles its kernels.
 _SECONDS = 120
 

@@ -113,7 +113,9 @@ def test_files_that_others_write_are_no_parts(client, tmp_path):
     assert list(store.parts()) == ["done"]
 
 
-@each_kind
+@pytest.mark.parametrize(
+    "job", [*(pytest.param(job, marks=pytest.mark.slow) for job in JOBS[:2]), *JOBS[2:]], ids=lambda job: job.kind
+)
 def test_who_reads_while_the_driver_finishes_is_told_the_end(client, stores, tmp_path, job, monkeypatch):
     location = tmp_path / "store"
     read, finished = AnalysisStore.parts, []

@@ -41,6 +41,7 @@ def colours_of_the_page():
     return own, pool
 
 
+@pytest.mark.slow
 def test_each_departure_has_the_colour_of_the_motion_there(store):
     figure = figure_of_store(store)
     (axes,) = figure.axes

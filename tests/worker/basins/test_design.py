@@ -56,6 +56,7 @@ def test_each_basin_is_the_one_computed_alone(client, designed, tmp_path, number
         np.testing.assert_array_equal(*names)
 
 
+@pytest.mark.slow
 def test_of_one_parameter_it_gives_the_numbers_of_a_swept_parameter(client, tmp_path):
     """Only the name of the axis and what the request says of it differ."""
     values = (0.5, 0.6, 0.7)

@@ -85,6 +85,7 @@ def test_the_pace_of_a_finished_job_is_that_of_its_whole_run(client, tmp_path):
     assert JOB.grid.cells / whole <= last.cells_per_second <= JOB.grid.cells / stages
 
 
+@pytest.mark.slow
 def test_killed_workers_leave_no_trace_in_the_result(client, undisturbed, tmp_path):
     killed = []
 
@@ -156,7 +157,7 @@ def test_orphans_of_killed_writers_are_swept(client, tmp_path):
     assert not orphan.exists()
 
 
-@pytest.mark.parametrize("iterations", [1, 7])
+@pytest.mark.parametrize("iterations", [pytest.param(1, marks=pytest.mark.slow), 7])
 def test_a_window_is_coloured_like_the_same_cells_of_the_full_one(client, undisturbed, tmp_path, iterations):
     # v in [4.2, 4.8), t in [0.5, 0.7): every attractor but the chaotic one lies outside.
     window = CellGrid(0.5, 0.7, 40, 4.2, 4.8, 40)

@@ -60,6 +60,7 @@ def run(driver, task, cancel, compiling):
     return [receipt for _, receipt in done]
 
 
+@pytest.mark.slow
 def test_a_cancelled_worker_leaves_a_kernel_that_compiles_for_ever(driver):
     cancel, told, place = threading.Event(), threading.Event(), Path(os.environ[_COMPILER])
 

@@ -41,6 +41,7 @@ class DiesAsItRegisters(SchedulerPlugin):
             await asyncio.sleep(0.05)  # for the end of the connection
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_missed_for_long_comes_back(client):
     first = computed_by(client)
     os.kill(first, signal.SIGKILL)

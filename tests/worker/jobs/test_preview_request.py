@@ -28,6 +28,7 @@ CASES = {
     "little damped": WEAK,
     "a window": {"grid": {"time": {"start": 0.7, "stop": 1.1}, "velocity": {"start": 3, "stop": 4}}},
 }
+LONG = "a chaotic transient", "little damped"
 
 
 def request_of(body, cells=48, k=127):
@@ -39,8 +40,11 @@ def names_of(seen):
     return np.array([attractor.name for attractor in seen.attractors])[seen.solution]
 
 
-@pytest.mark.parametrize("body", CASES.values(), ids=CASES)
-def test_the_labels_are_those_of_the_basin_of_the_same_request(body, client, tmp_path):
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name in LONG else name for name in CASES]
+)
+def test_the_labels_are_those_of_the_basin_of_the_same_request(name, client, tmp_path):
+    body = CASES[name]
     body = request_of(body)
     shown = preview_basin(PreviewRequest(**body))
     store = str(tmp_path / "basin.zarr")

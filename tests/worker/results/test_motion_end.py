@@ -23,7 +23,11 @@ def follow(oscillator, t, v, periods, samples=1):
     )
 
 
-@pytest.mark.parametrize("oscillator", OSCILLATORS, ids=["paper", "weakly damped", "losses", "stiff"])
+@pytest.mark.parametrize(
+    "oscillator",
+    [pytest.param(OSCILLATORS[0], marks=pytest.mark.slow), *OSCILLATORS[1:]],
+    ids=["paper", "weakly damped", "losses", "stiff"],
+)
 def test_what_is_said_of_a_motion_is_what_it_does(oscillator):
     random = np.random.default_rng(41)
     kinds = set()

@@ -130,6 +130,7 @@ def test_what_a_power_cut_leaves_is_gone_on_with_to_the_same_bytes(name, disk, t
         assert content(location) == undisturbed, place
 
 
+@pytest.mark.slow
 def test_after_a_cut_before_any_sync_what_the_next_driver_reads_is_whole(disk, threads, tmp_path):
     left = cut_before_syncs(SWEEP, disk, threads, tmp_path, 2, (0.7,))
     left = [each for each in left if holds_store(str(each))]

@@ -113,6 +113,7 @@ def test_a_sweep_has_levels_of_each_basin(client, tmp_path):
         assert coarse[name].equals(sampled[name]), name
 
 
+@pytest.mark.slow
 def test_a_job_that_is_stopped_within_its_levels_resumes_to_the_same_bytes(client, computed, tmp_path):
     location, cancel = tmp_path / "basin.zarr", threading.Event()
 
@@ -198,7 +199,7 @@ def test_the_page_shows_1e10_cells_by_the_chunks_of_one_level(large, monkeypatch
     assert read_tile_labels(location, 1, level=7) is None
 
 
-@pytest.mark.parametrize("width", [*(pytest.param(each, marks=pytest.mark.slow) for each in (1.0, 0.3, 0.05)), 0.004])
+@pytest.mark.parametrize("width", [pytest.param(each, marks=pytest.mark.slow) for each in (1.0, 0.3, 0.05, 0.004)])
 def test_a_picture_of_any_window_reads_few_chunks_and_shows_its_cells(large, monkeypatch, width):
     location, store = large
     cells = (40_000, min(40_000 + round(width * 100_000), 100_000)) if width < 1.0 else (0, 100_000)
