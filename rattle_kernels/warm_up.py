@@ -14,6 +14,8 @@ from rattle_kernels.cell_mapping.cell_grid import CellGrid
 from rattle_kernels.cell_mapping.cell_groups import find_groups, label_cells
 from rattle_kernels.cell_mapping.cell_map import map_cells
 from rattle_kernels.cell_mapping.image_set import has_members, mark_images, members_of, place_images, unite
+from rattle_kernels.impact_map.capture_velocity import capture_velocity
+from rattle_kernels.impact_map.pulse import departures_after_pulses
 from rattle_kernels.impact_map.time_history import time_history
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.manifolds.grazing_preimages import grazing_preimages
@@ -34,17 +36,16 @@ from rattle_kernels.orbits.touching_orbit import touches_of, touching_orbit
 
 OF_ANALYSES = frozenset(
     {
-        "impact_map.grazing_distance", "orbits.bifurcation_diagram", "orbits.bifurcation_point", "orbits.closure",
-        "orbits.near_graze", "orbits.orbit_equations", "orbits.orbit_search", "orbits.orbit_seeds",
-        "orbits.touching_orbit",
+        "impact_map.capture_velocity", "impact_map.grazing_distance", "impact_map.pulse", "orbits.bifurcation_diagram",
+        "orbits.bifurcation_point", "orbits.closure", "orbits.near_graze", "orbits.orbit_equations",
+        "orbits.orbit_search", "orbits.orbit_seeds", "orbits.touching_orbit",
     }
 )  # fmt: skip
-"""Modules whose kernels analyses need, and basins do not."""
+"""Modules whose kernels analyses and reports need, and basins do not."""
 FROM_PYTHON_ALONE = frozenset(
     {
         "basin_measures.entropy", "basin_measures.integrity", "basin_measures.uncertainty_exponent",
-        "impact_map.apply", "impact_map.capture_velocity", "impact_map.pulse", "numerics.distance_transform",
-        "orbits.orbit_beyond_graze",
+        "impact_map.apply", "numerics.distance_transform", "orbits.orbit_beyond_graze",
     }
 )  # fmt: skip
 """Modules whose kernels the service does not need: measures of pictures, inverse maps, orbits beyond a graze."""
@@ -148,7 +149,7 @@ def warm_up_curves() -> None:
 
 
 def warm_up_analyses(report: Report | None = None) -> None:
-    """Run every kernel of searches for orbits, of continuation, diagrams and manifolds once.
+    """Run every kernel of searches for orbits, of continuation, diagrams, manifolds and reports once.
 
     Parameters
     ----------
@@ -161,6 +162,9 @@ def warm_up_analyses(report: Report | None = None) -> None:
 
 def _run_kernels_of_analyses() -> None:
     oscillator = Oscillator()
+    capture_velocity(oscillator, 0.0)
+    for each in (oscillator, _STIFF):
+        departures_after_pulses(each, 0.25, 2.0)
     find_orbits(oscillator, longest=1, cells=2)
     found = find_orbit(oscillator, _T, _V)
     assert found is not None
