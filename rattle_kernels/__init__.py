@@ -41,6 +41,7 @@ from rattle_kernels.cell_mapping.cell_map import NOT_CONVERGED, PERMANENT_CONTAC
 from rattle_kernels.cell_mapping.iterations import expected_applications, settled_iterations
 from rattle_kernels.impact_map.apply import Impacts, previous_impacts
 from rattle_kernels.impact_map.capture_velocity import capture_velocity
+from rattle_kernels.impact_map.grazing_velocity import grazing_velocity
 from rattle_kernels.impact_map.pulse import PulseDepartures, departures_after_pulses
 from rattle_kernels.impact_map.time_history import Contacts, Direction, TimeHistory, time_history
 from rattle_kernels.lanes.listening import Episodes, until_captured
@@ -62,9 +63,15 @@ from rattle_kernels.model.bounds import (
     eccentricity_bound_smooth_maxima,
     stiffness_bound,
 )
-from rattle_kernels.model.domain import OutsideDomain, check_domain, check_impacting, check_quiet
+from rattle_kernels.model.domain import (
+    OutsideDomain,
+    check_domain,
+    check_impacting,
+    check_oscillator,
+    check_quiet,
+)
 from rattle_kernels.model.forcing import Forcing, eccentric_gears, torque_ripple
-from rattle_kernels.model.grazing_curve import grazing_velocity, largest_grazing_speed
+from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.harmonics import Harmonic
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import Outcome
@@ -145,6 +152,7 @@ __all__ = [
     "capture_velocity",
     "check_domain",
     "check_impacting",
+    "check_oscillator",
     "check_quiet",
     "continue_attractor",
     "continue_orbit",

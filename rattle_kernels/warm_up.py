@@ -15,13 +15,13 @@ from rattle_kernels.cell_mapping.cell_groups import find_groups, label_cells
 from rattle_kernels.cell_mapping.cell_map import map_cells
 from rattle_kernels.cell_mapping.image_set import has_members, mark_images, members_of, place_images, unite
 from rattle_kernels.impact_map.capture_velocity import capture_velocity
+from rattle_kernels.impact_map.grazing_velocity import grazing_velocity
 from rattle_kernels.impact_map.pulse import departures_after_pulses
 from rattle_kernels.impact_map.time_history import time_history
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.manifolds.grazing_preimages import grazing_preimages
 from rattle_kernels.manifolds.saddle import find_saddle
 from rattle_kernels.manifolds.stable_manifold import ManifoldLimits, stable_manifold
-from rattle_kernels.model.grazing_curve import grazing_velocity
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.fused_multiply_add import fuses_multiply_add
 from rattle_kernels.numerics.jit import KERNELS, watch_compiling

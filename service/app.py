@@ -69,9 +69,9 @@ def _load_kernels() -> None:
     """Load what outlines and estimates need."""
     with compiled_apart(lambda: None):  # a process that dies with this one
         warm_up_curves()
-        for stiff in (False, True):
+        for model in ("impacting", "stiff"):
             for together in (True, False):
-                measured_speed(stiff, together)
+                measured_speed(model, together)
     # Objects loaded so far stay. The garbage collector would scan them otherwise and delay responses by 150 ms.
     gc.freeze()
 

@@ -83,7 +83,7 @@ class InvalidSettings(WorkerError, ValueError):
 
 
 class SweptOutsideDomain(OutsideDomain):
-    """Some value of a swept parameter lies where the impact map is not defined.
+    """Some value of a swept parameter lies where what is asked for is not computed.
 
     Attributes
     ----------

@@ -11,14 +11,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels import Oscillator, next_impacts
+from rattle_kernels import Oscillator, OutsideDomain, check_domain, next_impacts
 from worker.additions import asked_of
 from worker.jobs.basin_job import BasinJob
 from worker.jobs.job import Job
 
-_STIFF = 1e4
+# Of each model, the machine whose speed stands for all.
+_MACHINES = {
+    "impacting": Oscillator(),
+    "stiff": Oscillator(stiffness=1e4),
+    "loose": Oscillator(eccentricity=0.4, restitution=0.7),
+}
 # Departures, and how often P is applied to each: cells fly together, 64 at a time; analyses follow one at a time.
-_TOGETHER, _ALONE = (512, 500), (1, 20_000)
+_TOGETHER, _TOGETHER_LOOSE, _ALONE = (512, 500), (64, 500), (1, 20_000)
 
 
 # Seconds that a job takes to begin and to end, with its store and its tasks; and that a core takes for the catalogue,
@@ -46,16 +51,18 @@ class Estimate(NamedTuple):
 
 # Applications in a second where none is measured yet, of many together or of one alone: a third of what machines do.
 _USUAL = {True: 1e7, False: 3e5}
-_measured: dict[tuple[bool, bool], float] = {}
+# Loose gears are followed one by one.
+_USUAL_LOOSE = 1e5
+_measured: dict[tuple[str, bool], float] = {}
 
 
-def measured_speed(stiff: bool, together: bool) -> float:
+def measured_speed(model: str, together: bool) -> float:
     """Applications of P in a second on one core, measured when it is first needed.
 
     Parameters
     ----------
-    stiff : bool
-        Of the piecewise linear model.
+    model : str
+        ``impacting``, ``stiff``, or ``loose`` beyond the bound of Eq. (8).
     together : bool
         Of many trajectories together, as for cells, or of one alone, as in analyses.
 
@@ -63,17 +70,29 @@ def measured_speed(stiff: bool, together: bool) -> float:
     -------
     float
     """
-    if (stiff, together) in _measured:
-        return _measured[stiff, together]
-    oscillator = Oscillator(stiffness=_STIFF if stiff else math.inf)
-    departures, applications = _TOGETHER if together else _ALONE
+    if (model, together) in _measured:
+        return _measured[model, together]
+    oscillator = _MACHINES[model]
+    at_once = _TOGETHER_LOOSE if model == "loose" else _TOGETHER
+    departures, applications = at_once if together else _ALONE
     # About the paper's chaotic attractor, where a motion takes all applications.
     t, v = 0.55 + np.arange(departures) / (10.0 * departures), np.full(departures, 4.67)
     next_impacts(oscillator, t[:1], v[:1], applications)  # loads the kernels of short and long runs, and makes tables
     begun = time.perf_counter()
     next_impacts(oscillator, t, v, applications)
-    _measured[stiff, together] = departures * applications / (time.perf_counter() - begun)
-    return _measured[stiff, together]
+    _measured[model, together] = departures * applications / (time.perf_counter() - begun)
+    return _measured[model, together]
+
+
+def _model_of(job: Job) -> str:
+    """Of the slowest machine of a job."""
+    if not math.isinf(job.oscillator.stiffness):
+        return "stiff"
+    try:
+        job.check_oscillators(check_domain)
+    except OutsideDomain:
+        return "loose"
+    return "impacting"
 
 
 def estimate(job: Job, cores: int = 1, *, measuring: bool = True) -> Estimate:
@@ -97,9 +116,9 @@ def estimate(job: Job, cores: int = 1, *, measuring: bool = True) -> Estimate:
     >>> estimate(BasinJob(iterations=1)).bytes
     38000000
     """
-    stiff = not math.isinf(job.oscillator.stiffness)
+    model = _model_of(job)
     shared = {True: job.impacts_together, False: job.impacts - job.impacts_together}
-    flying = sum(impacts / _speed(stiff, together, measuring) for together, impacts in shared.items() if impacts)
+    flying = sum(impacts / _speed(model, together, measuring) for together, impacts in shared.items() if impacts)
     basins = job.basins if isinstance(job, BasinJob) else 0
     at_once = max(min(basins, cores), 1)
     added = [each.cost(job) for each in asked_of(job)]
@@ -108,9 +127,10 @@ def estimate(job: Job, cores: int = 1, *, measuring: bool = True) -> Estimate:
     return Estimate(seconds, job.bytes + sum(each.bytes for each in added))
 
 
-def _speed(stiff: bool, together: bool, measuring: bool) -> float:
-    known = measuring or (stiff, together) in _measured
-    return measured_speed(stiff, together) if known else _USUAL[together]
+def _speed(model: str, together: bool, measuring: bool) -> float:
+    if measuring or (model, together) in _measured:
+        return measured_speed(model, together)
+    return _USUAL_LOOSE if model == "loose" else _USUAL[together]
 
 
 def _in_words(seconds: float) -> str:

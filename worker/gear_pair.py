@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self, Typ
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from rattle_kernels import Harmonic, Oscillator
-from rattle_kernels.model.bounds import rest_acceleration_over_phases
+from rattle_kernels.model.arcs import rest_acceleration_over_phases
 from rattle_kernels.numerics.trigonometric_minimum import least_value
 from worker.errors import InvalidFields, InvalidJob
 from worker.jobs.oscillator_request import MOST_HARMONICS

@@ -1,5 +1,6 @@
 """Attractors and chaotic transients: permanent contact, periodic orbits and chaos."""
 
+import math
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -46,9 +47,10 @@ class Attractor(NamedTuple):
 
     @property
     def name(self) -> str:
-        """``P(m, n+, n-)`` (Sec. 4), chaotic, chaotic transient, permanent contact or undecided."""
+        """``P(m, n+, n-)`` (Sec. 4), starred if it rests; chaotic, chaotic transient, permanent contact, undecided."""
         if self.kind == AttractorKind.PERIODIC:
-            return orbit_name(self.forcing_periods, self.upper_contacts, self.lower_contacts)
+            rests = math.isinf(self.lyapunov_exponent)
+            return orbit_name(self.forcing_periods, self.upper_contacts, self.lower_contacts, rests=rests)
         return self.kind.name.lower().replace("_", " ")
 
     @property

@@ -37,7 +37,7 @@ from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
 from rattle_kernels.lanes.lane_fields import LANES
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.model.departures import check_departures
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import Outcome
 from rattle_kernels.numerics.pausing import Pause, never_stopped
@@ -241,7 +241,7 @@ def find_attractors(
     ValueError
         If a seed is no departure: not finite, or without a positive speed.
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     catalogue = list(known) or [PERMANENT_CONTACT_ATTRACTOR]
     seeds = np.unique(np.column_stack(check_departures(t, v)), axis=0)
     every = max(1, math.ceil(len(seeds) / LANES))

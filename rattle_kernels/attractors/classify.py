@@ -6,7 +6,7 @@ import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor
 from rattle_kernels.attractors.neighbourhoods import locate, neighbourhoods
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap_all
@@ -57,7 +57,7 @@ def name_solutions(
     ValueError
         If a point is not a departure: not finite, or without a positive speed.
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
     if not (np.isfinite(times).all() and np.isfinite(speeds).all() and (speeds > 0.0).all()):
         raise ValueError("landing points must be finite with positive speeds; captured cells have none: leave them out")

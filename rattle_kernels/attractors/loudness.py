@@ -17,9 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
-from rattle_kernels.lanes.listening import IMPACTS, LARGEST, SQUARES, TIME, listen
-from rattle_kernels.lanes.tables import lane_tables
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.lanes.listening import IMPACTS, LARGEST, SQUARES, TIME, listen, listening_tables
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 
@@ -50,7 +49,7 @@ _NOT_KNOWN = Loudness(*(math.nan,) * 5)
 def _heard(oscillator: Oscillator, t: np.ndarray, v: np.ndarray, applications: int) -> np.ndarray:
     """What is heard from each departure on, without those that fall quiet on the way."""
     heard, outcome = np.zeros((t.size, 4)), np.empty(t.size, np.int8)
-    listen(oscillator, lane_tables(oscillator), applications, t.copy(), v.copy(), heard, outcome)
+    listen(oscillator, listening_tables(oscillator), applications, t.copy(), v.copy(), heard, outcome)
     going: np.ndarray = heard[outcome == OUTCOME_RETURNED]
     return going
 
@@ -92,7 +91,7 @@ def loudness(oscillator: Oscillator, attractor: Attractor) -> Loudness:
     >>> orbit.name, round(loudness(Oscillator(), orbit).largest_impact_speed / (2 * math.pi * 0.6), 9)
     ('P(1,1,0)', 1.0)
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     if attractor.kind == AttractorKind.PERMANENT_CONTACT:
         return _SILENT
     points = attractor.time.size

@@ -4,7 +4,7 @@ import numpy as np
 
 from rattle_kernels.attractors.attractor import Attractor, AttractorKind
 from rattle_kernels.attractors.settled_orbit import attractor_of
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
@@ -39,7 +39,7 @@ def continue_attractor(oscillator: Oscillator, attractor: Attractor) -> Attracto
     """
     if attractor.kind != AttractorKind.PERIODIC:
         return None
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     scale = fall_speed(checked)
     for t, v in zip(attractor.time[:_STARTS].tolist(), attractor.velocity[:_STARTS].tolist(), strict=True):
         orbit = find_periodic_orbit(checked, t, v, attractor.upper_contacts, scale)

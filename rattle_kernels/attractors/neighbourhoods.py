@@ -89,7 +89,7 @@ def _norms_after(
     t, v = orbit.t[at] + offsets[0], orbit.v[at] + offsets[1] * scale
     if not v.min() > 0.0:
         return None
-    landed = next_impacts(oscillator, t, v, orbit.upper_contacts - at)
+    landed = next_impacts(oscillator, t, v, orbit.upper_contacts - at, shortcuts=oscillator.is_loose)
     apart = landed.t - orbit.t[0]
     offset = np.array([apart - np.rint(apart), (landed.v - orbit.v[0]) / scale])
     return np.sqrt(np.einsum("in,ij,jn->n", offset, form, offset))

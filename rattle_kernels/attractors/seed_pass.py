@@ -31,7 +31,7 @@ _CELLS_PER_SEED = 8
 def traps_of_seeds(
     oscillator: Oscillator, grid: CellGrid, iterations: int, places: int, pause: Pause = never_stopped
 ) -> LaneTraps:
-    """Traps of the attractors that a sample of the window ends in; none if they would not pay.
+    """Traps of the attractors that a sample of the window ends in; none if they would not pay, or beyond Eq. (8).
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def traps_of_seeds(
     -------
     LaneTraps
     """
-    if oscillator.damping > _LARGEST_DAMPING:
+    if oscillator.damping > _LARGEST_DAMPING or oscillator.is_loose:
         return NO_TRAPS
     attractors: tuple[Attractor, ...] = ()
     traps = NO_TRAPS

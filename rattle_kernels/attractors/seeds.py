@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 
@@ -40,7 +40,7 @@ def landing_boxes(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typing.A
     ndarray of int64, shape (n,)
         Box numbers, -1 for NaN.
     """
-    scale = largest_grazing_speed(check_domain(oscillator))
+    scale = largest_grazing_speed(check_oscillator(oscillator))
     times, speeds = np.asarray(t, np.float64), np.asarray(v, np.float64)
     known = np.isfinite(times) & np.isfinite(speeds)
     columns = np.minimum((np.where(known, times, 0.0) * _LATTICE).astype(np.int64), _LATTICE - 1)

@@ -32,8 +32,8 @@ import numpy as np
 
 from rattle_kernels.impact_map.chatter import descends_everywhere
 from rattle_kernels.lanes.run import next_impacts
-from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.lanes.traps import DEGREE, POWERS
+from rattle_kernels.model.grazing_curve import grazing_speeds
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap_all
@@ -90,7 +90,7 @@ class _Turn:
     def __init__(self, oscillator: Oscillator, orbit: PeriodicOrbit, frame: np.ndarray) -> None:
         self.oscillator, self.orbit, self.frame = oscillator, orbit, frame
         self.back = np.linalg.inv(frame)
-        speeds = lane_tables(oscillator).graze_speed
+        speeds = grazing_speeds(oscillator)[::2]
         self.grazes = np.linspace(0.0, 1.0, speeds.size), speeds
 
     def departures(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -28,7 +28,7 @@ import numpy as np
 from rattle_kernels.attractors.attractor import Attractor
 from rattle_kernels.attractors.attractor_search import find_attractors
 from rattle_kernels.attractors.classify import UNASSIGNED, name_solutions
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
@@ -259,7 +259,7 @@ def boundary_dimension(
     >>> print(f"{found.uncertain_share[-1]:.2f}, {found.exponent:.1f}")
     0.07, 0.8
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     _checked(time, velocity, distances, pairs)
     if attractors is None:
         seeds_t, seeds_v = _pairs(np.random.default_rng([seed, 1]), time, velocity, 0.0, _SEEDS)

@@ -22,7 +22,7 @@ from rattle_kernels.attractors.attractor import Attractor
 from rattle_kernels.attractors.classify import name_solutions
 from rattle_kernels.basin_measures.arrays import check_basins
 from rattle_kernels.cell_mapping.cell_grid import CellGrid, check_grid
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.phase import wrap_all
 
@@ -89,7 +89,7 @@ def least_disturbance(
     thinner than a cell. Its minimum over all phases is the local integrity measure of permanent contact times the
     velocity scale, at a resolution finer than the cells.
     """
-    checked, array, grid = check_domain(oscillator), check_basins(solution), check_grid(grid)
+    checked, array, grid = check_oscillator(oscillator), check_basins(solution), check_grid(grid)
     if array.shape != grid.shape or grid.velocity_start > 0.0:
         raise ValueError(f"the picture of shape {array.shape} must be that of a grid from velocity 0 up, not {grid}")
     if not (math.isfinite(tolerance) and tolerance > 0.0):

@@ -24,7 +24,7 @@ from rattle_kernels.attractors.attractor import Attractor, AttractorKind, with_u
 from rattle_kernels.attractors.attractor_search import find_attractors
 from rattle_kernels.attractors.classify import UNASSIGNED, name_solutions
 from rattle_kernels.model.departures import check_departures
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
@@ -135,7 +135,7 @@ def shares_of(
     >>> print(found.attractors[0].name, f"{found.share[0]:.2f} +- {found.error[0]:.2f}")
     permanent contact 0.94 +- 0.01
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     times, speeds = check_departures(t, v)
     if times.ndim != 1 or times.shape != speeds.shape or not times.size:
         raise ValueError(f"t and v must be lists of the same length, 1 or more, not {times.shape} and {speeds.shape}")

@@ -24,7 +24,7 @@ from rattle_kernels.cell_mapping.cell_groups import find_groups, label_cells
 from rattle_kernels.cell_mapping.cell_map import NOT_CONVERGED, PERMANENT_CONTACT, CellImages, join_images, map_cells
 from rattle_kernels.cell_mapping.image_set import MarkedWords, mark_images, place_images, unite
 from rattle_kernels.cell_mapping.iterations import check_iterations, expected_applications, settled_iterations
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
@@ -167,7 +167,7 @@ def basin(
     >>> print(found.period[53, 89], found.step[53, 89], found.step[found.group == found.group[53, 89]].max() > 0)
     1 0 True
     """
-    checked, grid = check_domain(oscillator), check_grid(grid)
+    checked, grid = check_oscillator(oscillator), check_grid(grid)
     k = check_iterations(settled_iterations(checked.damping) if iterations is None else iterations)
     tiling = cut(grid, _applications(checked, k))
     tiles = [tiling.tile(number) for number in range(tiling.tiles)]

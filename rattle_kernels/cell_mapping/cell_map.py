@@ -14,7 +14,7 @@ from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
 from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.lanes.run import run_lanes
 from rattle_kernels.lanes.traps import NO_TRAPS, LaneTraps
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
@@ -155,7 +155,7 @@ def map_points(
     ValueError
         If ``iterations`` is not valid.
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     check_iterations(iterations)
     landing, run = run_lanes(checked, t, v, iterations, shortcuts=shortcuts, traps=traps, pause=pause)
     image_cell = np.empty(t.size, np.int64)

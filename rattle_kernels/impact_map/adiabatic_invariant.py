@@ -178,8 +178,11 @@ def capture_bound(oscillator: Oscillator) -> float:
     Returns
     -------
     float
-        0 where no region is safe: then nothing is ever captured.
+        0 where no region is safe: then nothing is ever captured. Nothing is beyond the bound of Eq. (8), where every
+        gear that lies on +beta is released.
     """
+    if oscillator.is_loose:
+        return 0.0
     # An impact that loses energy takes a departure to a lower one: what is safe without losses is safe with them.
     elastic = oscillator._replace(restitution=1.0)
     bound = _raise_bound(elastic, descent_bound(elastic, np.empty(12), np.empty(12)))

@@ -5,11 +5,12 @@ periods, [0, 1)) with speed v > 0. In an elastic impact v is also the speed of a
 from +beta, either directly (case a) or by way of -beta (case b); above the grazing curve v*(t) it is case b.
 
 Both models have the same flights (`flights`). The impacting model reverses the velocity at a wall, and multiplies it by
-the restitution. In the piecewise
-linear model the gears stay beyond the wall for a while (`model.contact`), beyond +beta perhaps for ever.
+the restitution. In the piecewise linear model the gears stay beyond the wall for a while (`model.contact`), beyond
++beta perhaps for ever.
 
 By Eq. (31) turning points beyond -beta are minima, too: every contact there ends, the flight after it reaches +beta,
-and one application of P meets -beta at most once.
+and one application of P meets -beta at most once. All this holds below the bound of Eq. (8); beyond it `loose_map` has
+P, and `next_impact` chooses by the oscillator.
 """
 
 import math
@@ -18,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd, fly_over, next_contact
+from rattle_kernels.impact_map.loose_map import Impact, next_loose_impact
 from rattle_kernels.model.contact_end import Contact, follow_contact
 from rattle_kernels.model.departures import check_departures
 from rattle_kernels.model.domain import check_impacting
@@ -27,7 +29,7 @@ from rattle_kernels.model.outcome import (
     OUTCOME_OUTSIDE_SECTION,
     OUTCOME_RETURNED,
 )
-from rattle_kernels.numerics.jit import inlined, kernel
+from rattle_kernels.numerics.jit import chosen_by_field, inlined, kernel
 from rattle_kernels.numerics.phase import part_turn, wrap
 
 INVERSE_OF_IMPACTS = "the inverse of P is needed, and a contact of finite stiffness is followed forwards only"
@@ -36,19 +38,6 @@ INVERSE_OF_IMPACTS = "the inverse of P is needed, and a contact of finite stiffn
 # Which way P is applied.
 FORWARDS = 1.0
 BACKWARDS = -1.0
-
-
-class Impact(NamedTuple):
-    """One application of P to one point: the next departure, contacts with -beta on the way, how it ended, how long.
-
-    ``t``, ``v`` and ``duration`` (forcing periods) are NaN unless the outcome is RETURNED.
-    """
-
-    t: float
-    v: float
-    lower_impacts: int
-    outcome: int
-    duration: float
 
 
 class Impacts(NamedTuple):
@@ -151,7 +140,7 @@ def _apply(oscillator, t, v, direction):
     return Impact(phase, upper.speed, passage.lower_impacts, OUTCOME_RETURNED, passage.flown + upper.duration)
 
 
-@inlined
+@chosen_by_field("arcs", next_loose_impact)
 def next_impact(oscillator, t, v):
     """One application of P, the careful scalar path.
 

@@ -43,8 +43,8 @@ def _reach_residual(problem, tau):
     return displacement - target, velocity_after(flight, tau, displacement)
 
 
-_find_return = root_finder(_return_residual)
-_find_crossing = root_finder(_reach_residual)
+find_return = root_finder(_return_residual)
+find_crossing = root_finder(_reach_residual)
 
 
 @inlined
@@ -62,7 +62,7 @@ def _fly_back(flight, acceleration, direction):
     below, above = direction * near, direction * far
     if direction < 0.0:  # y/tau has the other sign at tau < 0
         below, above = above, below
-    return _find_return(flight, below, above, direction * (near if near > 0.0 else far))
+    return find_return(flight, below, above, direction * (near if near > 0.0 else far))
 
 
 @inlined
@@ -73,7 +73,7 @@ def _fly_down(flight, two_beta, graze_duration, direction):
     """
     lands = direction * graze_duration
     start = direction * min(two_beta / abs(flight.velocity), graze_duration)
-    return _find_crossing((flight, -two_beta), lands, 0.0, start)
+    return find_crossing((flight, -two_beta), lands, 0.0, start)
 
 
 @inlined
@@ -85,7 +85,7 @@ def _fly_up(flight, two_beta, acceleration, direction):
     while direction * far * displacement_rate(flight, direction * far) < two_beta:
         near = far
         far *= 2.0
-    return _find_crossing((flight, two_beta), direction * near, direction * far, direction * far)
+    return find_crossing((flight, two_beta), direction * near, direction * far, direction * far)
 
 
 @inlined

@@ -23,7 +23,8 @@ from typing import NamedTuple
 
 from rattle_kernels.impact_map.apply import FORWARDS, walk
 from rattle_kernels.impact_map.flights import LOWER, UPPER
-from rattle_kernels.impact_map.jacobian import by_speeds, contact_jacobian, flight_jacobian, impact_after, multiply
+from rattle_kernels.impact_map.jacobian import impact_after
+from rattle_kernels.impact_map.variations import by_speeds, contact_jacobian, flight_jacobian, multiply
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI, rest_acceleration, second_phi, second_phi_slope
 from rattle_kernels.model.harmonics import Harmonic, states_at
 from rattle_kernels.model.slow_harmonics import response, response_change

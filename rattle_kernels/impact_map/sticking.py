@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from rattle_kernels.model.bounds import rest_acceleration_over_phases
+from rattle_kernels.model.arcs import rest_acceleration_over_phases
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.trigonometric_minimum import least_value
 

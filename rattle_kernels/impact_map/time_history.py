@@ -19,6 +19,9 @@ tau summed up to a finite time, the product of these factors would stay away fro
 ever lower bounces shrink like ``e^{-delta t/3}``, and their number in a period grows accordingly. So the number of
 contacts is bounded. Impacts that lose energy may be infinitely many within a finite time, after which the teeth stay
 together: `_end_of_impact` ends them there.
+
+*Beyond Eq. (8)* a flight goes from arc to arc (`arc_flights`). What is left of a chatter once its bounces are too low
+to be seen is a rest, which lasts until the arc ends (`complete_chatter`).
 """
 
 import math
@@ -28,11 +31,13 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.adiabatic_invariant import capture_bound
+from rattle_kernels.impact_map.arc_flights import next_loose_contact_from
 from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd, next_contact
+from rattle_kernels.impact_map.loose_map import RELEASED, leave
 from rattle_kernels.model.contact import enter_contact, state_in_contact
 from rattle_kernels.model.contact_end import follow_contact_from
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.flight import displacement_rate, fall_speed, start_flight, velocity_after
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import (
@@ -41,11 +46,13 @@ from rattle_kernels.model.outcome import (
     OUTCOME_RETURNED,
     Outcome,
 )
-from rattle_kernels.numerics.jit import inlined, kernel
+from rattle_kernels.numerics.jit import chosen_by_field, inlined, kernel
 from rattle_kernels.numerics.phase import part_turn
 
 # Bounces as slow as this part of the scale of speeds, times 1 - r, take less than 1e-12 of a period all together.
 _NO_BOUNCE = 1e-12
+# Errors of a phase that is counted on over a rest add up to less: the gear leaves at the end of its arc or just behind.
+_BEHIND = 2.0**-51
 # The third regime, beside UPPER and LOWER.
 FREEPLAY = 0.0
 
@@ -68,13 +75,26 @@ class MotionPieceEnd(NamedTuple):
 
 
 @inlined
+def _loose_rests_below(oscillator, velocity):
+    return velocity == 0.0
+
+
+@chosen_by_field("arcs", _loose_rests_below)
+def _rests_below(oscillator, velocity):
+    return False
+
+
+@inlined
 def piece_from(oscillator, phase, displacement, velocity):
-    """Piece that begins with a state. At rest on a wall the forcing presses towards +beta (Eq. 8)."""
+    """Piece that begins with a state.
+
+    At rest on a wall the forcing presses towards +beta (Eq. 8). A loose gear at rest on -beta is in contact first.
+    """
     beta = oscillator.half_backlash
     regime = FREEPLAY
     if displacement > beta or (displacement == beta and velocity >= 0.0):
         regime = UPPER
-    elif displacement < -beta or (displacement == -beta and velocity < 0.0):
+    elif displacement < -beta or (displacement == -beta and (velocity < 0.0 or _rests_below(oscillator, velocity))):
         regime = LOWER
     return MotionPiece(regime, phase, displacement, velocity)
 
@@ -119,6 +139,33 @@ def _end_of_impact(oscillator, piece):
 
 
 @inlined
+def _end_of_flight_piece(beta, end):
+    """End of a piece in freeplay."""
+    # Arriving at almost no speed, rounding may leave the wrong sign of nothing.
+    into = end.wall * max(end.wall * end.velocity, 0.0)
+    next_piece = MotionPiece(end.wall, end.phase, end.wall * beta, into)
+    return MotionPieceEnd(end.duration, next_piece, OUTCOME_RETURNED if end.found else OUTCOME_NOT_CONVERGED)
+
+
+@inlined
+def _end_of_loose_piece(oscillator, piece):
+    """`end_of_piece` beyond Eq. (8): a contact lasts no time, or until a release."""
+    beta, side = oscillator.half_backlash, piece.regime
+    if side == FREEPLAY:
+        above, below = beta - piece.displacement, beta + piece.displacement
+        return _end_of_flight_piece(
+            beta, next_loose_contact_from(oscillator, above, below, piece.phase, piece.velocity)
+        )
+    restitution = oscillator.restitution
+    no_bounce = _NO_BOUNCE * (1.0 - restitution) * fall_speed(oscillator)
+    leaves = leave(oscillator, side, piece.phase, restitution * abs(piece.velocity), no_bounce)
+    phase = part_turn(piece.phase) + (leaves.after + _BEHIND if leaves.rests else 0.0)
+    speed = leaves.speed if leaves.speed > RELEASED else 0.0
+    outcome = OUTCOME_RETURNED if math.isfinite(leaves.after) else OUTCOME_PERMANENT_CONTACT
+    return MotionPieceEnd(leaves.after, MotionPiece(FREEPLAY, phase, side * beta, -side * speed), outcome)
+
+
+@chosen_by_field("arcs", _end_of_loose_piece)
 def end_of_piece(oscillator, piece):
     """Follow a piece to its first end.
 
@@ -137,11 +184,7 @@ def end_of_piece(oscillator, piece):
     damping, eccentricity, beta, stiffness, _, restitution, contact_damping, harmonics = oscillator
     side = piece.regime
     if side == FREEPLAY:
-        end = _end_of_flight(oscillator, piece)
-        # Arriving at almost no speed, rounding may leave the wrong sign of nothing.
-        into = end.wall * max(end.wall * end.velocity, 0.0)
-        next_piece = MotionPiece(end.wall, end.phase, end.wall * beta, into)
-        return MotionPieceEnd(end.duration, next_piece, OUTCOME_RETURNED if end.found else OUTCOME_NOT_CONVERGED)
+        return _end_of_flight_piece(beta, _end_of_flight(oscillator, piece))
     if math.isinf(stiffness):
         return _end_of_impact(oscillator, piece)
     exact = Oscillator(damping, eccentricity, beta, stiffness, math.inf, restitution, contact_damping, harmonics)
@@ -162,12 +205,17 @@ def flight_along(oscillator, piece, elapsed, displacement, velocity):
 
 
 @inlined
+def _rest_along(oscillator, piece, elapsed, displacement, velocity):
+    displacement[:] = piece.displacement
+    velocity[:] = 0.0
+
+
+@chosen_by_field("arcs", _rest_along)
 def contact_along(oscillator, piece, elapsed, displacement, velocity):
     """Write the state of a contact at some times after its beginning into the two arrays."""
     side, beta = piece.regime, oscillator.half_backlash
     if math.isinf(oscillator.stiffness):
-        displacement[:] = piece.displacement  # at rest: other contacts last no time
-        velocity[:] = 0.0
+        _rest_along(oscillator, piece, elapsed, displacement, velocity)  # other contacts last no time
         return
     entered = enter_contact(oscillator, side, piece.phase, side * piece.displacement - beta, side * piece.velocity)
     for i in range(elapsed.size):
@@ -195,7 +243,8 @@ class Contacts(NamedTuple):
     """What happens at the walls, in order; arrays of one shape.
 
     ``time`` counts forcing periods and is not reduced. ``wall`` is +1 or -1. ``direction`` holds `Direction` codes.
-    ``speed`` is the speed of crossing, or of arrival at an impact.
+    ``speed`` is the speed of crossing, or of arrival at an impact. A rest of a loose gear begins with IN and ends with
+    OUT, the release.
     """
 
     time: np.ndarray
@@ -312,17 +361,22 @@ def _sample(oscillator, pieces, end, samples_per_period, time, displacement, vel
     return filled
 
 
-def _contacts(oscillator: Oscillator, pieces: np.ndarray, shift: float) -> Contacts:
-    """Contacts: where all pieces but the first begin; in the impacting model, where the flights among them begin."""
-    later = pieces[1:]
+def _contacts(oscillator: Oscillator, pieces: np.ndarray, end: float, shift: float) -> Contacts:
+    """Contacts: where all pieces but the first begin; in the impacting model, where the flights among them begin.
+
+    Contacts of the impacting model that last are rests of a loose gear.
+    """
+    free = pieces[:, _REGIME] == FREEPLAY
+    direction, kept = np.where(free, Direction.OUT, Direction.IN), np.ones(len(pieces), bool)
     if math.isinf(oscillator.stiffness):
-        later = later[later[:, _REGIME] == FREEPLAY]
-        direction = np.full(len(later), Direction.IMPACT, np.int8)
-    else:
-        direction = np.where(later[:, _REGIME] == FREEPLAY, Direction.OUT, Direction.IN).astype(np.int8)
+        rests = ~free & (np.diff(pieces[:, _BEGIN], append=end) > 0.0) & oscillator.is_loose
+        direction = np.where(rests, Direction.IN, np.where(np.roll(rests, 1), Direction.OUT, Direction.IMPACT))
+        kept = free | rests
+    kept[0] = False
+    later, direction = pieces[kept], direction[kept].astype(np.int8)
     wall = np.sign(later[:, _DISPLACEMENT]).astype(np.int8)
     # A flight begins with what its impact has left of the speed.
-    speed = np.abs(later[:, _VELOCITY]) / oscillator.restitution
+    speed = np.abs(later[:, _VELOCITY]) / np.where(direction == Direction.IMPACT, oscillator.restitution, 1.0)
     return Contacts(later[:, _BEGIN] + shift, wall, direction, speed)
 
 
@@ -391,7 +445,7 @@ def time_history(
     >>> history.contacts.wall[0], round(float(history.time[-1]), 3)
     (np.int8(1), 3.25)
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     _check_start(checked, (time, displacement, velocity))
     _check_goal(periods, departures, samples_per_period, most_contacts)
     impacting = math.isinf(checked.stiffness)
@@ -408,6 +462,6 @@ def time_history(
     t, phi, rate = (array[:filled].copy() for array in samples)
     outcome = Outcome(followed.outcome)
     return TimeHistory(
-        t + shift, phi, rate, _contacts(checked, pieces, shift), outcome, followed.truncated,
+        t + shift, phi, rate, _contacts(checked, pieces, followed.end, shift), outcome, followed.truncated,
         followed.permanent_from + shift,
     )  # fmt: skip

@@ -8,14 +8,15 @@ vectors (`lyapunov`).
 from rattle_kernels.lanes.contact import follow_contacts_carefully, guess_contacts, refine_contacts
 from rattle_kernels.lanes.flight import fly_carefully, guess_durations, refine_durations
 from rattle_kernels.lanes.lane_fields import END_PHASE, END_VELOCITY, LANES, PHASE, VELOCITY
-from rattle_kernels.numerics.jit import always_inlined, inlined
+from rattle_kernels.lanes.loose_flight import fly_loosely, stay_in_no_contact
+from rattle_kernels.numerics.jit import always_inlined, chosen_by_field, inlined
 from rattle_kernels.numerics.phase import wrap
 
 # A lane without a point flies at so many times the largest grazing speed, where it is never unsure.
 IDLE_SPEED = 1e6
 
 
-@inlined
+@chosen_by_field("arcs", fly_loosely)
 def fly(lanes, corners, oscillator, tables):
     """Fly every lane to the next wall; return how many took the careful path."""
     guess_durations(lanes, corners, oscillator, tables)
@@ -25,7 +26,7 @@ def fly(lanes, corners, oscillator, tables):
     return unsure
 
 
-@inlined
+@chosen_by_field("arcs", stay_in_no_contact)
 def stay(lanes, corners, oscillator, tables, slow):
     """Follow the contact of every lane after its flight (finite stiffness); return how many took the careful path."""
     guess_contacts(lanes, corners, tables)

@@ -15,17 +15,17 @@ from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, st
 from rattle_kernels.lanes.lane_fields import (
     DROPS,
     DURATION,
-    END_VELOCITY,
     FLIGHT_FIELDS,
     LANES,
     PHASE,
     VELOCITY,
     lane_buffer,
 )
-from rattle_kernels.lanes.tables import lane_tables
+from rattle_kernels.lanes.loose_flight import arrival_speed, chatters_on
+from rattle_kernels.lanes.tables import LaneTables, LooseTables, lane_tables
 from rattle_kernels.model.contact import slow_part
 from rattle_kernels.model.departures import check_departures
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import (
     OUTCOME_NOT_CONVERGED,
@@ -39,8 +39,29 @@ IMPACTS, SQUARES, LARGEST, TIME = range(4)
 """Columns of what is heard: impacts, sum of the squares of their speeds, the largest speed, and the time taken."""
 
 _NOBODY = -1
+# Of the scale of speeds. Bounces of a chatter that are slower have 1e-16 of an impact's energy, all together.
+_INAUDIBLE = 1e-9
 # Between two pauses: a leg of so many applications of so many points takes a quarter of a second.
 _POINTS_AT_A_TIME, _APPLICATIONS_A_LEG = 4096, 4096
+
+
+def listening_tables(oscillator: Oscillator) -> LaneTables | LooseTables:
+    """What lanes that are listened to need to know: bounces of a chatter are heard until they are nothing.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        Checked by the caller.
+
+    Returns
+    -------
+    LaneTables or LooseTables
+    """
+    tables = lane_tables(oscillator)
+    if isinstance(tables, LooseTables):
+        nothing = _INAUDIBLE * tables.largest_grazing_speed
+        return tables._replace(upper_jumps_below=nothing, lower_jumps_below=nothing)
+    return tables
 
 
 @inlined
@@ -91,7 +112,7 @@ def listen(oscillator, tables, applications, t, v, heard, outcome):
         fly(lanes, corners, oscillator, tables)
         for i in range(LANES):
             if point[i] != _NOBODY:
-                at, speed = point[i], abs(lanes[END_VELOCITY + i]) / oscillator.restitution
+                at, speed = point[i], arrival_speed(oscillator, lanes, i)
                 heard[at, IMPACTS] += 1.0
                 heard[at, SQUARES] += speed * speed
                 heard[at, LARGEST] = max(heard[at, LARGEST], speed)
@@ -105,7 +126,7 @@ def listen(oscillator, tables, applications, t, v, heard, outcome):
             at, phase, speed = point[i], lanes[PHASE + i], -lanes[VELOCITY + i]
             # A contact that does not end takes no time: the motion is quiet from its beginning on.
             heard[at, TIME] += lanes[DURATION + i] if stiff and speed != 0.0 else 0.0
-            if phase == phase and lanes[DROPS + i] != 0.0:
+            if phase == phase and (lanes[DROPS + i] != 0.0 or chatters_on(oscillator, lanes, i)):
                 continue
             left[i] -= 1
             outcome[at] = _end_of(oscillator, bound, phase, speed)
@@ -170,12 +191,12 @@ def until_captured(
     >>> heard.captured, heard.impacts
     (array([ True,  True]), array([ 0, 32]))
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     if applications < 1:
         raise ValueError(f"applications must be at least 1, not {applications}")
     times, speeds = (np.array(each) for each in np.broadcast_arrays(*np.atleast_1d(*check_departures(t, v))))
     shape, times, speeds = times.shape, times.ravel(), speeds.ravel()
-    tables, heard = lane_tables(checked), np.zeros((times.size, 4))
+    tables, heard = listening_tables(checked), np.zeros((times.size, 4))
     captured = np.zeros(times.size, bool)
     for first in range(0, times.size, _POINTS_AT_A_TIME):
         going = np.arange(first, min(first + _POINTS_AT_A_TIME, times.size))

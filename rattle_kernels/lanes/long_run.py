@@ -28,7 +28,7 @@ from rattle_kernels.lanes.shortcuts import (
     note_events,
     settles,
 )
-from rattle_kernels.lanes.tables import LaneTables
+from rattle_kernels.lanes.tables import LaneTables, LooseTables
 from rattle_kernels.lanes.traps import LaneTraps
 from rattle_kernels.model.contact import slow_part
 from rattle_kernels.model.oscillator import Oscillator
@@ -138,7 +138,7 @@ def _fly_leg(oscillator, tables, traps, rules, batch, flights):
 
 
 def run_long(
-    oscillator: Oscillator, tables: LaneTables, traps: LaneTraps, rules: Rules, batch: Batch, pause: Pause
+    oscillator: Oscillator, tables: LaneTables | LooseTables, traps: LaneTraps, rules: Rules, batch: Batch, pause: Pause
 ) -> LaneRun:
     """Apply P to points that have behind them what a short run may do.
 
@@ -146,7 +146,7 @@ def run_long(
     ----------
     oscillator : Oscillator
         Checked by the caller.
-    tables : LaneTables
+    tables : LaneTables or LooseTables
     traps : LaneTraps
     rules : Rules
     batch : Batch

@@ -13,13 +13,14 @@ import numpy as np
 
 from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd
-from rattle_kernels.impact_map.jacobian import contact_jacobian, flight_jacobian
+from rattle_kernels.impact_map.variations import contact_jacobian, flight_jacobian
 from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, stay
 from rattle_kernels.lanes.lane_fields import DROPS, DURATION, END_VELOCITY, FLIGHT_FIELDS, LANES, PHASE, VELOCITY
+from rattle_kernels.lanes.loose_flight import has_rested
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.contact import slow_part
 from rattle_kernels.model.contact_end import Contact
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import inlined, lane_kernel
@@ -33,6 +34,7 @@ class TangentGrowth(NamedTuple):
 
     ``growth`` is the change of the logarithm of the vector's length, ``elapsed`` the time (forcing periods) that it
     took. ``t``, ``v`` are the departures after the last impact. All are NaN where contact became permanent on the way.
+    Of a loose gear it is the growth between rests: a rest forgets the vector, and another begins.
     """
 
     growth: np.ndarray
@@ -75,6 +77,8 @@ def _turn_by_flights(lanes, oscillator, tangents, elapsed, left):
             end = FlightEnd(UPPER, phase + duration, duration, arrives, True)
             _turn(tangents, i, flight_jacobian(oscillator, phase, lanes[VELOCITY + i], end))
             tangents[1, i] *= oscillator.restitution
+            if has_rested(oscillator, lanes, i):  # what it was is forgotten: a new vector
+                tangents[0, i], tangents[1, i] = 1.0, 0.0
             elapsed[i] += duration
 
 
@@ -161,7 +165,7 @@ def tangent_growth(
     >>> chaos.exponent > 0.1
     True
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     if impacts < 1:
         raise ValueError(f"impacts must be at least 1, not {impacts}")
     phase, speed = np.asarray(t, np.float64), np.asarray(v, np.float64)

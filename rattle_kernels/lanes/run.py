@@ -10,10 +10,10 @@ from rattle_kernels.impact_map.apply import Impacts
 from rattle_kernels.lanes.batch import Batch, LaneRun, Rules
 from rattle_kernels.lanes.long_run import run_long
 from rattle_kernels.lanes.short_run import LONGEST_SHORT_RUN, run_short
-from rattle_kernels.lanes.tables import lane_tables
+from rattle_kernels.lanes.tables import LooseTables, lane_tables
 from rattle_kernels.lanes.traps import NO_TRAPS, LaneTraps
 from rattle_kernels.model.departures import check_departures
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.pausing import Pause, never_stopped
@@ -43,8 +43,9 @@ def run_lanes(
     applications : int
         How often P is applied, at least 1.
     shortcuts : bool
-        Whether captured points end early (outcome PERMANENT_CONTACT, state at capture) and locked ones skip whole
-        periods. With shortcuts ``lower_impacts`` counts contacts of the applications done, without them all contacts.
+        Whether captured points end early (outcome PERMANENT_CONTACT, state at capture), locked ones skip whole periods,
+        and those of a loose gear that chatter to rest depart next at their release. With shortcuts ``lower_impacts``
+        counts contacts of the applications done, without them all contacts.
     traps : LaneTraps
         A point inside a trap lands on its orbit at once.
     pause : callable
@@ -56,6 +57,8 @@ def run_lanes(
         Landing points, and what it took.
     """
     tables = lane_tables(oscillator)
+    if isinstance(tables, LooseTables) and not shortcuts:
+        tables = tables._replace(upper_jumps_below=0.0)
     capture_bound, lock_tolerance = (tables.capture_bound, LOCK_TOLERANCE) if shortcuts else (0.0, -1.0)
     begins = Rules(float(min(applications, LONGEST_SHORT_RUN)), capture_bound, lock_tolerance)
     batch = Batch(np.empty(t.size), np.empty(t.size), np.empty(t.size, np.int8), np.empty(t.size, np.int64))
@@ -94,6 +97,8 @@ def next_impacts(
     shortcuts : bool
         Whether a motion that ever lower bounces have captured ends early (outcome PERMANENT_CONTACT, state at capture),
         and one that is locked to a periodic orbit skips whole turns. Long motions then take a fraction of the time.
+        Beyond the bound of Eq. (8) a motion that comes to rest departs next at its release, with a speed of 1e-300: all
+        bounces that lead to a rest are one application.
 
     Returns
     -------
@@ -113,7 +118,7 @@ def next_impacts(
     >>> impacts.lower_impacts
     array([0, 1])
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     if applications < 1:
         raise ValueError(f"applications must be at least 1, not {applications}")
     points = check_departures(t, v, ended=True)

@@ -24,7 +24,7 @@ from rattle_kernels.lanes.lane_fields import (
     VELOCITY,
     lane_buffer,
 )
-from rattle_kernels.lanes.tables import LaneTables
+from rattle_kernels.lanes.tables import LaneTables, LooseTables
 from rattle_kernels.model.contact import slow_part
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import (
@@ -178,7 +178,7 @@ def _fly_leg(oscillator, tables, rules, departures, batch, first, last):
 
 def run_short(
     oscillator: Oscillator,
-    tables: LaneTables,
+    tables: LaneTables | LooseTables,
     rules: Rules,
     departures: tuple[np.ndarray, np.ndarray],
     batch: Batch,
@@ -190,7 +190,7 @@ def run_short(
     ----------
     oscillator : Oscillator
         Checked by the caller.
-    tables : LaneTables
+    tables : LaneTables or LooseTables
     rules : Rules
     departures : tuple of ndarray, each of shape (n,)
         Phases and speeds.

@@ -30,7 +30,7 @@ from rattle_kernels.model.contact import enter_contact
 from rattle_kernels.model.contact_end import follow_contact
 from rattle_kernels.model.contact_swings import ends_late_around, lasts_around
 from rattle_kernels.model.flight import TWO_PI, acceleration_range, rest_acceleration
-from rattle_kernels.model.grazing_curve import LEAVING, MESH, grazing_flight, grazing_speeds
+from rattle_kernels.model.grazing_curve import LEAVING, MESH, grazing_flight, grazing_speeds, largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import inlined, kernel
@@ -91,6 +91,25 @@ class LaneTables(NamedTuple):
     contact: np.ndarray
     contact_speed: float
     capture_bound: float
+
+
+class LooseTables(NamedTuple):
+    """What lanes need to know about a loose oscillator: its flights have no tables.
+
+    Parameters
+    ----------
+    largest_grazing_speed : float
+        The scale of speeds.
+    capture_bound : float
+        0: no motion is captured for ever.
+    upper_jumps_below, lower_jumps_below : float
+        Speed of leaving a wall below which a motion that chatters to rest there departs next at its release.
+    """
+
+    largest_grazing_speed: float
+    capture_bound: float
+    upper_jumps_below: float = math.inf
+    lower_jumps_below: float = math.inf
 
 
 @inlined
@@ -259,7 +278,7 @@ def _graze_table(oscillator: Oscillator) -> tuple[np.ndarray, float, float]:
 
 
 @lru_cache(maxsize=32)
-def lane_tables(oscillator: Oscillator) -> LaneTables:
+def lane_tables(oscillator: Oscillator) -> LaneTables | LooseTables:
     """Tables of one oscillator, built in some 10 ms and kept for the last 32 oscillators.
 
     Parameters
@@ -269,11 +288,11 @@ def lane_tables(oscillator: Oscillator) -> LaneTables:
 
     Returns
     -------
-    LaneTables
+    LaneTables or LooseTables
     """
-    graze_speed, error, largest_grazing_speed = _graze_table(oscillator)
+    if oscillator.is_loose:
+        return LooseTables(largest_grazing_speed(oscillator), capture_bound(oscillator))
+    graze_speed, error, largest = _graze_table(oscillator)
     guess = np.empty(3 * BLOCK)
-    _fill_guess(oscillator, largest_grazing_speed, _ALONG_ROW, _ALONG_COLUMN, guess)
-    return LaneTables(
-        guess, graze_speed, error, largest_grazing_speed, *_contact_table(oscillator), capture_bound(oscillator)
-    )
+    _fill_guess(oscillator, largest, _ALONG_ROW, _ALONG_COLUMN, guess)
+    return LaneTables(guess, graze_speed, error, largest, *_contact_table(oscillator), capture_bound(oscillator))

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
+from rattle_kernels.impact_map.grazing_velocity import grazing_velocity
 from rattle_kernels.manifolds.curve_images import (
     BACKWARDS,
     CurveMap,
@@ -32,7 +33,7 @@ from rattle_kernels.manifolds.polyline import (
 )
 from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.flight import acceleration_range
-from rattle_kernels.model.grazing_curve import grazing_velocity, largest_grazing_speed
+from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 

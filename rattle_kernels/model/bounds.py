@@ -8,33 +8,13 @@ value is found to rounding (`numerics.trigonometric_minimum`).
 import math
 from collections.abc import Callable
 
-import numpy as np
-
+from rattle_kernels.model.arcs import largest_eccentricity_of_one, rest_acceleration_over_phases
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outside_domain import check_is_oscillator, demand_positive
 from rattle_kernels.numerics.trigonometric_minimum import TrigonometricPolynomial, least_value
 
 _TWO_PI = 2.0 * math.pi
-_FOUR_PI = 4.0 * math.pi
 _HALVINGS = 60
-
-
-def rest_acceleration_over_phases(oscillator: Oscillator) -> TrigonometricPolynomial:
-    """Acceleration felt at rest in freeplay, Eq. (7), as a polynomial in the phase.
-
-    Parameters
-    ----------
-    oscillator : Oscillator
-        Either model.
-
-    Returns
-    -------
-    TrigonometricPolynomial
-    """
-    order, amplitude, phase = np.array(oscillator.all_harmonics).T
-    rate = _TWO_PI * order
-    response = amplitude * np.exp(1j * _TWO_PI * phase) * (-rate * rate + 1j * rate * oscillator.damping)
-    return TrigonometricPolynomial(_FOUR_PI * oscillator.damping, order, response.real, -response.imag)
 
 
 def quiet_depth_over_phases(oscillator: Oscillator) -> TrigonometricPolynomial:
@@ -131,7 +111,7 @@ def eccentricity_bound_smooth_maxima(oscillator: Oscillator) -> float:
     demand_positive(oscillator, "damping")
     if oscillator.harmonics:
         return _largest_eccentricity(oscillator, rest_acceleration_over_phases)
-    return 2 * oscillator.damping / math.hypot(2 * math.pi, oscillator.damping)
+    return largest_eccentricity_of_one(oscillator.damping)
 
 
 def eccentricity_bound_convexity(oscillator: Oscillator) -> float:

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from rattle_kernels.model.arcs import rest_acceleration_over_phases
 from rattle_kernels.model.bounds import (
     eccentricity_bound_quiet,
     eccentricity_bound_smooth_maxima,
     quiet_depth_over_phases,
-    rest_acceleration_over_phases,
     stiffness_bound,
 )
 from rattle_kernels.model.harmonics import Harmonic
@@ -21,13 +21,21 @@ from rattle_kernels.numerics.trigonometric_minimum import TrigonometricPolynomia
 _STIFFNESS_BOUND = "damping^2/8", "damping^2/(8 (1 - contact_damping)^2)"
 
 
-def check_domain(oscillator: Oscillator) -> Oscillator:
-    """Return the oscillator with plain float fields, or raise if P is not defined for it.
+# By whether the stiffness is infinite.
+_LOOSE = (
+    "and this is followed in the impacting model alone",
+    "and basins, sweeps, diagrams and time histories alone follow that",
+)
+
+
+def check_oscillator(oscillator: Oscillator) -> Oscillator:
+    """Return the oscillator with plain float fields, or raise if its motion cannot be followed.
 
     Parameters
     ----------
     oscillator : Oscillator
-        As a user gave it; fields may be integers, harmonics any sequences of three numbers. Either model.
+        As a user gave it; fields may be integers, harmonics any sequences of three numbers. The impacting model is
+        followed beyond the bound of Eq. (8), too; the piecewise linear model is not.
 
     Returns
     -------
@@ -39,6 +47,35 @@ def check_domain(oscillator: Oscillator) -> Oscillator:
     OutsideDomain
         Naming the parameter, the bound and its value.
     """
+    checked = _checked_parameters(oscillator)
+    if not math.isinf(checked.stiffness):
+        _check_eccentricity(checked)
+    return checked
+
+
+def check_domain(oscillator: Oscillator) -> Oscillator:
+    """Return the oscillator as `check_oscillator` does, or raise if it lies beyond the bound of Eq. (8).
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        As a user gave it. Either model.
+
+    Returns
+    -------
+    Oscillator
+
+    Raises
+    ------
+    OutsideDomain
+        Naming the parameter, the bound and its value.
+    """
+    checked = _checked_parameters(oscillator)
+    _check_eccentricity(checked)
+    return checked
+
+
+def _checked_parameters(oscillator: Oscillator) -> Oscillator:
     check_is_oscillator(oscillator)
     numbers: list[Any] = [float(value) for value in oscillator[:-1]]
     checked = Oscillator(*numbers)._replace(harmonics=_checked_harmonics(oscillator.harmonics))
@@ -47,7 +84,10 @@ def check_domain(oscillator: Oscillator) -> Oscillator:
         message = f"permanent_after must be positive, not {checked.permanent_after}"
         raise OutsideDomain("permanent_after", checked.permanent_after, "positivity", 0.0, message)
     _check_contacts(checked)
-    _check_eccentricity(checked)
+    if not (math.isfinite(checked.eccentricity) and checked.eccentricity >= 0.0):
+        message = f"eccentricity must be at least 0 and finite, not {checked.eccentricity}"
+        raise OutsideDomain("eccentricity", checked.eccentricity, "positivity", 0.0, message)
+    _check_size(checked)
     _check_stiffness(checked)
     return checked
 
@@ -91,19 +131,27 @@ def _check_contacts(checked: Oscillator) -> None:
 
 
 def _check_eccentricity(checked: Oscillator) -> None:
-    if not checked.eccentricity >= 0.0:
-        message = f"eccentricity must be at least 0, not {checked.eccentricity}"
-        raise OutsideDomain("eccentricity", checked.eccentricity, "positivity", 0.0, message)
     if checked.harmonics:
         _demand_positive(rest_acceleration_over_phases, "Eq. 8", "the acceleration at rest", checked)
         return
-    limit = eccentricity_bound_smooth_maxima(checked)
+    limit, followed = eccentricity_bound_smooth_maxima(checked), _LOOSE[math.isinf(checked.stiffness)]
     if not checked.eccentricity < limit:
         message = (
             f"eccentricity must be below epsilon_crit2 = {limit:.6g} at damping {checked.damping:g} (Eq. 8), "
-            f"not {checked.eccentricity:g}: beyond it freeplay has smooth maxima and the impact map is not defined"
+            f"not {checked.eccentricity:g}: beyond it teeth part in every period, {followed}"
         )
         raise OutsideDomain("eccentricity", checked.eccentricity, "epsilon_crit2", limit, message)
+
+
+def _check_size(checked: Oscillator) -> None:
+    """Refuse a forcing whose acceleration overflows."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        bend = rest_acceleration_over_phases(checked).bend
+    if not math.isfinite(bend):
+        parameter = "harmonics" if checked.harmonics else "eccentricity"
+        message = "too large for the acceleration at rest (Eq. 8) to be computed: lower"
+        message = f"harmonics are {message} their amplitudes" if checked.harmonics else f"eccentricity is {message} it"
+        raise OutsideDomain(parameter, bend, "Eq. 8", 0.0, message)
 
 
 def _demand_positive(

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.model.arcs import arcs_of
 from rattle_kernels.model.domain import check_domain
 from rattle_kernels.model.flight import (
     acceleration_range,
@@ -97,41 +98,18 @@ def grazing_flight(oscillator, phase, side):
 
 
 @kernel
-def _grazing_velocities(oscillator, phase, velocity):
-    for i in range(phase.size):
-        speed, _, found = grazing_flight(oscillator, phase[i], LEAVING)
-        velocity[i] = speed if found else np.nan
-
-
-def grazing_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarray:
-    """Grazing curve v*(t): departures faster than v* reach -beta, slower ones fall back to +beta.
+def fill_grazing_velocities(oscillator, phase, velocity):
+    """Fill an array with v*(t) at phases of departure, NaN where no root is found.
 
     Parameters
     ----------
     oscillator : Oscillator
-        Either model: the curve depends on freeplay alone.
-    t : array_like
-        Phases of departure from +beta, forcing periods, any finite value.
-
-    Returns
-    -------
-    ndarray of float64, shape of ``t``
-        Positive; NaN where ``t`` is not finite.
-
-    Raises
-    ------
-    OutsideDomain
-        Where the oscillator's parameters lie outside the domain of the map.
-
-    References
-    ----------
-    Sec. 2.1, Eqs. (9-13), solved for the time between departure and graze.
+        Checked by the caller (Eq. 8 holds), of infinite stiffness.
+    phase, velocity : ndarray of float64, one shape (n,)
     """
-    phase = np.asarray(t, dtype=np.float64)
-    velocity = np.empty(phase.size)
-    freeplay = check_domain(oscillator)._replace(stiffness=math.inf)
-    _grazing_velocities(freeplay, phase.ravel(), velocity)
-    return velocity.reshape(phase.shape)
+    for i in range(phase.size):
+        speed, _, found = grazing_flight(oscillator, phase[i], LEAVING)
+        velocity[i] = speed if found else np.nan
 
 
 @lru_cache(maxsize=32)
@@ -153,7 +131,8 @@ def grazing_speeds(oscillator: Oscillator) -> np.ndarray:
     OutsideDomain
         Where the oscillator's parameters lie outside the domain of the map.
     """
-    speeds = grazing_velocity(oscillator, np.arange(MESH + 1) / MESH)
+    speeds = np.empty(MESH + 1)
+    fill_grazing_velocities(check_domain(oscillator)._replace(stiffness=math.inf), np.arange(MESH + 1) / MESH, speeds)
     speeds.setflags(write=False)
     return speeds
 
@@ -170,10 +149,15 @@ def largest_grazing_speed(oscillator: Oscillator) -> float:
     Returns
     -------
     float
+        Beyond the bound of Eq. (8), where v*(t) is no function, the speed of a fall from +beta to -beta under a bound
+        on the acceleration at rest.
 
     Raises
     ------
     OutsideDomain
         Where the oscillator's parameters lie outside the domain of the map.
     """
+    arcs = arcs_of(oscillator)
+    if arcs is not None:
+        return math.sqrt(4.0 * oscillator.half_backlash * arcs.strongest)
     return float(grazing_speeds(oscillator).max())

@@ -3,6 +3,7 @@
 import math
 from typing import Any, NamedTuple
 
+from rattle_kernels.model.arcs import Arcs, arcs_of
 from rattle_kernels.model.harmonics import MOST_IN_A_TUPLE, Harmonic, records_of
 
 
@@ -61,9 +62,17 @@ class Oscillator(NamedTuple):
         return (Harmonic(1.0, self.eccentricity, 0.0), *self.harmonics)
 
     @property
-    def in_kernels(self) -> "Oscillator":
-        """The oscillator as kernels take it: more than two harmonics are an array of records."""
-        return self if len(self.harmonics) <= MOST_IN_A_TUPLE else self._replace(harmonics=records_of(self.harmonics))
+    def is_loose(self) -> bool:
+        """Whether inertia torque exceeds drag torque at some phases: the bound of Eq. (8) is exceeded."""
+        return arcs_of(self) is not None
+
+    @property
+    def in_kernels(self) -> "Oscillator | LooseOscillator":
+        """The oscillator as kernels take it: more than two harmonics are an array of records; a loose one has arcs."""
+        few = len(self.harmonics) <= MOST_IN_A_TUPLE
+        inside = self if few else self._replace(harmonics=records_of(self.harmonics))
+        arcs = arcs_of(self)
+        return inside if arcs is None else LooseOscillator(*inside, arcs)
 
     def value_of(self, parameter: str) -> float:
         """Value of one of `parameters`.
@@ -98,6 +107,20 @@ class Oscillator(NamedTuple):
             raise ValueError(f"parameter must be one of {', '.join(self.parameters)}, not {parameter!r}")
         place, part = divmod(names.index(parameter), 2)
         return place, 1 + part
+
+
+class LooseOscillator(NamedTuple):
+    """A loose oscillator in kernels: its type alone chooses the flights from arc to arc. Fields as in `Oscillator`."""
+
+    damping: float
+    eccentricity: float
+    half_backlash: float
+    stiffness: float
+    permanent_after: float
+    restitution: float
+    contact_damping: float
+    harmonics: tuple[Harmonic, ...]
+    arcs: Arcs
 
 
 # The numbers that a study may vary, beside those of harmonics. `permanent_after` is a rule, not a property.

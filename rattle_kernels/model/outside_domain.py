@@ -7,7 +7,7 @@ from rattle_kernels.model.oscillator import Oscillator
 
 
 class OutsideDomain(ValueError):
-    """A parameter lies where the impact map is not defined.
+    """A parameter lies where what is asked for is not computed.
 
     Attributes
     ----------

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rattle_kernels.model.bounds import rest_acceleration_over_phases
+from rattle_kernels.model.arcs import rest_acceleration_over_phases
 from rattle_kernels.model.forcing import Forcing, shifted_forcing
 from rattle_kernels.model.harmonics import Harmonic
 from rattle_kernels.model.oscillator import Oscillator

@@ -15,7 +15,7 @@ import hashlib
 import os
 from collections.abc import Callable, Iterator
 from contextvars import ContextVar
-from functools import cache
+from functools import cache, wraps
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -202,6 +202,29 @@ def mapped_over_tuple(of_one: Any, result: type[NamedTuple]) -> Any:
 
     overload(each, jit_options=_INLINED, strict=False)(choose)
     return each
+
+
+def chosen_by_field(field: str, having: Any) -> Callable[[Any], Any]:
+    """Compile a function in one of two ways, by the types of its arguments: a caller's machine code has one alone.
+
+    Parameters
+    ----------
+    field : str
+        Where an argument is a named tuple with this field, `having` is compiled.
+    having : callable
+        Inlined, of the same arguments as the function that is decorated, which is compiled elsewhere.
+    """
+
+    def decorate(function: Any) -> Any:
+        @wraps(function)
+        def choose(*arguments: Any) -> Any:
+            has = any(field in getattr(argument, "fields", ()) for argument in arguments)
+            return having.py_func if has else function
+
+        overload(function, jit_options=_INLINED, strict=False)(choose)
+        return function
+
+    return decorate
 
 
 def record_type(fields: type[NamedTuple]) -> np.dtype[Any]:

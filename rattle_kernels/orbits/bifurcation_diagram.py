@@ -18,7 +18,7 @@ from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.chatter import is_captured
 from rattle_kernels.model.bounds import eccentricity_bound_quiet
 from rattle_kernels.model.departures import check_departures
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
@@ -230,7 +230,7 @@ def follow_values(
     )  # fmt: skip
     for i, value in enumerate(run.values.tolist()):
         pause()
-        _settle_at(check_domain(oscillator.at(**{parameter: value})), after, transient, run, i, pause)
+        _settle_at(check_oscillator(oscillator.at(**{parameter: value})), after, transient, run, i, pause)
     return run, after
 
 

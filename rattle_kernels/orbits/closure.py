@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.impact_map.jacobian import Jacobian, multiply
 from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
+from rattle_kernels.impact_map.variations import Jacobian, multiply
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED

@@ -17,8 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.apply import next_impact
-from rattle_kernels.impact_map.jacobian import Jacobian, multiply, next_impact_with_jacobian
-from rattle_kernels.model.grazing_curve import grazing_velocity
+from rattle_kernels.impact_map.grazing_velocity import grazing_velocity
+from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
+from rattle_kernels.impact_map.variations import Jacobian, multiply
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel

@@ -7,6 +7,8 @@ The product of the multipliers is e^{-delta m} in both models. The flow of (Phi,
 everywhere, and an elastic impact preserves them. On the section the flow carries the area v dv dt, so det DP = (v0/v1)
 e^{-delta T}. Hence a complex pair always lies inside the unit circle: there is no Neimark-Sacker bifurcation. The trace
 decides everything. Stability is lost at a multiplier +1 (trace = 1 + e^{-delta m}) or -1 (trace = -1 - e^{-delta m}).
+
+An orbit of a loose gear that comes to rest is superstable: both multipliers are 0. Its name has a star.
 """
 
 import math
@@ -15,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.apply import next_impact
-from rattle_kernels.impact_map.jacobian import Jacobian, multiply, next_impact_with_jacobian
+from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
+from rattle_kernels.impact_map.variations import Jacobian, multiply
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import inlined, kernel
@@ -27,15 +30,17 @@ NEWTON_ROUNDS = 40
 _DISTANCE = 1e-11
 # Largest residual of an orbit, or this much for its multiplier; and that of its other departures.
 _RESIDUAL, _ROUNDING, _RETURNS = 1e-11, 1e-13, 1e-10
+# Between two rests rounding grows by so much at most. Beyond that it decides where the next rest is.
+_RESOLVED = 1e8
 # Longer orbits are followed for one turn alone, from their first departure: p turns take p^2 impacts.
 _CHECKED_ONE_BY_ONE = 64
 # Impacts between two pauses, if a round takes no more: milliseconds, but in the softest contacts most of a second.
 _IMPACTS_A_LEG = 512
 
 
-def orbit_name(forcing_periods: int, upper_contacts: int, lower_contacts: int) -> str:
-    """``P(m, n+, n-)``, the name of a periodic orbit (Sec. 4)."""
-    return f"P({forcing_periods},{upper_contacts},{lower_contacts})"
+def orbit_name(forcing_periods: int, upper_contacts: int, lower_contacts: int, *, rests: bool = False) -> str:
+    """``P(m, n+, n-)``, the name of a periodic orbit (Sec. 4); with a star if it comes to rest."""
+    return f"P({forcing_periods},{upper_contacts},{lower_contacts}){'*' if rests else ''}"
 
 
 class PeriodicOrbit(NamedTuple):
@@ -56,8 +61,13 @@ class PeriodicOrbit(NamedTuple):
 
     @property
     def name(self) -> str:
-        """``P(m, n+, n-)``."""
-        return orbit_name(self.forcing_periods, self.upper_contacts, self.lower_contacts)
+        """``P(m, n+, n-)``, with a star if it comes to rest."""
+        return orbit_name(self.forcing_periods, self.upper_contacts, self.lower_contacts, rests=self.rests)
+
+    @property
+    def rests(self) -> bool:
+        """Whether it comes to rest on a wall in every turn."""
+        return not self.jacobians.any()
 
     @property
     def multipliers(self) -> np.ndarray:
@@ -71,8 +81,9 @@ class PeriodicOrbit(NamedTuple):
 
     @property
     def lyapunov_exponent(self) -> float:
-        """Largest Lyapunov exponent, per forcing period."""
-        return float(np.log(np.abs(self.multipliers).max()) / self.forcing_periods)
+        """Largest Lyapunov exponent, per forcing period; -infinity where both multipliers are 0 (superstable)."""
+        largest = np.abs(self.multipliers).max()
+        return float(np.log(largest) / self.forcing_periods) if largest > 0.0 else -math.inf
 
 
 @inlined
@@ -207,7 +218,8 @@ def find_periodic_orbit(
     Returns
     -------
     PeriodicOrbit or None
-        None if Newton's method reaches none, or ends at rest on the wall. The departures that are stored return to
+        None if Newton's method reaches none, or ends at rest on the wall; or if a loose gear moves so irregularly
+        between two rests that rounding decides where the next one is. The departures that are stored return to
         themselves, by P and with reduced phases: within 1e-10 times the greatest multiplier, if that is above 1.
     """
     t, v, distance = newton_orbit(oscillator, t, v, period, scale, pause)
@@ -219,6 +231,8 @@ def find_periodic_orbit(
     elapsed, lower = _orbit_points(oscillator, t, v, period, times, speeds, steps, jacobians)
     if not (math.isfinite(elapsed) and round(elapsed) >= 1):
         return None  # the limit v -> 0, where every phase maps to itself, is not an orbit
+    if not jacobians.any() and _largest_error(steps, scale) > _RESOLVED:
+        return None
     multiplier = float(np.abs(np.linalg.eigvals(jacobians[0])).max())
     residual = _residual(oscillator, times, speeds, scale, multiplier, pause)
     if residual is None:
@@ -228,6 +242,16 @@ def find_periodic_orbit(
         np.roll(times, -first), np.roll(speeds, -first), round(elapsed), period, int(lower),
         np.roll(jacobians, -first, axis=0), residual,
     )  # fmt: skip
+
+
+def _largest_error(steps: np.ndarray, scale: float) -> float:
+    """What an error on a superstable orbit grows to until the rest that forgets it, for the worst place on the way."""
+    rest = int(np.flatnonzero(~steps.any(axis=(1, 2)))[-1])
+    onward, largest, units = np.eye(2), 1.0, np.array([[1.0, scale], [1.0 / scale, 1.0]])
+    for step in np.roll(steps, -rest - 1, axis=0)[-2::-1]:
+        onward = onward @ (units * step)
+        largest = max(largest, float(np.abs(onward).max()))
+    return largest
 
 
 @kernel

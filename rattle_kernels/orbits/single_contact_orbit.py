@@ -23,9 +23,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rattle_kernels.impact_map.grazing_velocity import grazing_velocity
 from rattle_kernels.model.domain import check_impacting
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI, second_phi, second_phi_slope
-from rattle_kernels.model.grazing_curve import grazing_velocity
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outside_domain import check_is_oscillator
 from rattle_kernels.numerics.trigonometric_minimum import TrigonometricPolynomial, least_value

@@ -24,13 +24,13 @@ import numpy as np
 
 from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd, next_contact
-from rattle_kernels.impact_map.jacobian import Jacobian, contact_jacobian, flight_jacobian, multiply
 from rattle_kernels.impact_map.sensitivity import (
     carry,
     contact_sensitivity,
     flight_sensitivity,
     next_impact_with_sensitivity,
 )
+from rattle_kernels.impact_map.variations import Jacobian, contact_jacobian, flight_jacobian, multiply
 from rattle_kernels.model.contact_end import follow_contact
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
 from rattle_kernels.model.oscillator import Oscillator

@@ -28,6 +28,7 @@ class BoundView(BaseModel):
     field: str
     above: float | None = Field(None, description="The value must be above this")
     below: float | None = Field(None, description="The value must be below this")
+    loose_from: float | None = Field(None, description="From this value on teeth part in every period (Eq. 8)")
     why: str
 
 
@@ -66,10 +67,12 @@ def check_request(body: dict[str, Any], settings: Settings) -> CheckView:
         expected = {"applications": job.impacts} | estimate(job, settings.workers, measuring=False)._asdict()
     except (LimitExceeded, OutsideDomain, InvalidJob) as error:
         errors = [FieldError(**fault) for fault in faults_of(error)]
-    return CheckView(accepted=not errors, errors=errors, bounds=_bounds(body.get("oscillator")), **expected)
+    loose = isinstance(kind, str) and kind in KINDS and KINDS[kind].job_class.loose_gears
+    bounds = _bounds(body.get("oscillator"), loose=loose)
+    return CheckView(accepted=not errors, errors=errors, bounds=bounds, **expected)
 
 
-def _bounds(oscillator: Any) -> list[BoundView]:
+def _bounds(oscillator: Any, *, loose: bool) -> list[BoundView]:
     """Bounds that follow from the numeric fields. All other fields take their defaults."""
     given = oscillator if isinstance(oscillator, dict) else {}
     stiff = given.get("model") == PIECEWISE_LINEAR
@@ -77,7 +80,7 @@ def _bounds(oscillator: Any) -> list[BoundView]:
     known = Oscillator(**{name: given[name] for name in names if _is_positive(given.get(name))})
     bounds = [
         BoundView(field="damping", above=0.0, why="damping is positive"),
-        _eccentricity_bound(known, stiff and given.get("allow_no_quiet_solution") is not True),
+        _eccentricity_bound(known, stiff and given.get("allow_no_quiet_solution") is not True, loose and not stiff),
         BoundView(field="half_backlash", above=0.0, why="the backlash is positive"),
     ]
     if stiff:
@@ -86,11 +89,14 @@ def _bounds(oscillator: Any) -> list[BoundView]:
     return bounds
 
 
-def _eccentricity_bound(known: Oscillator, quiet: bool) -> BoundView:
+def _eccentricity_bound(known: Oscillator, quiet: bool, loose: bool) -> BoundView:
     quietly, smoothly = eccentricity_bound_quiet(known), eccentricity_bound_smooth_maxima(known)
     if quiet and quietly < smoothly:
         return BoundView(field="eccentricity", below=quietly, why="beyond it there is no quiet solution (Eq. 3)")
-    why = "beyond it freeplay has smooth maxima and the impact map is not defined (Eq. 8)"
+    if loose:
+        why = "from it on inertia torque exceeds drag torque, and teeth part in every period (Eq. 8)"
+        return BoundView(field="eccentricity", loose_from=smoothly, why=why)
+    why = "beyond it teeth part in every period (Eq. 8), which is not followed here"
     return BoundView(field="eccentricity", below=smoothly, why=why)
 
 

@@ -217,9 +217,9 @@ def test_what_would_be_refused_is_explained_before_it_is_sent(explorer, fields, 
 def test_bounds_are_shown_live(explorer):
     explorer.visit()
     hint = explorer.page.locator("#hint-eccentricity")
-    expect(hint).to_have_text("below 0.19012")
+    expect(hint).to_have_text("loose from 0.19012")
     explorer.fill(damping=0.5)
-    expect(hint).to_have_text("below 0.15865")
+    expect(hint).to_have_text("loose from 0.15865")
     explorer.page.locator("[name=model]").select_option("piecewise_linear")
     explorer.fill(stiffness=100, damping=0.6)
     expect(hint).to_have_text("below 0.15263")

@@ -13,7 +13,7 @@ from worker.jobs.basin_job import BasinJob
 
 @pytest.fixture(autouse=True)
 def known_speed(monkeypatch):
-    monkeypatch.setattr(estimates, "measured_speed", lambda stiff, together: 1e6)
+    monkeypatch.setattr(estimates, "measured_speed", lambda model, together: 1e6)
 
 
 # Seconds of a core for a box and all that follows from it, as measured: where most cells are proven (damping 0.6), and

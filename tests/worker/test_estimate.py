@@ -28,7 +28,8 @@ SPEED = 1e6
 
 @pytest.fixture(autouse=True)
 def known_speed(monkeypatch):
-    monkeypatch.setattr(estimates, "measured_speed", lambda stiff, together: SPEED / (2 if stiff else 1))
+    slower = {"impacting": 1, "stiff": 2, "loose": 10}
+    monkeypatch.setattr(estimates, "measured_speed", lambda model, together: SPEED / slower[model])
 
 
 def basin(cells, **fields):
@@ -65,7 +66,7 @@ def sweep(values, cells):
 
 def test_what_a_job_takes_besides_its_impacts_is_counted(monkeypatch):
     """A basin of one tile takes some 0.1 to 0.5 s, however fast its few impacts are; so do those of a sweep, each."""
-    monkeypatch.setattr(estimates, "measured_speed", lambda stiff, together: 1e12)
+    monkeypatch.setattr(estimates, "measured_speed", lambda model, together: 1e12)
     assert all(0.1 <= estimate(basin(20, iterations=101), cores).seconds <= 0.6 for cores in (1, 2, 64))
     # One basin is not solved twice as fast on two cores, many are.
     one, many = estimate(basin(20), 1).seconds, [estimate(sweep(101, 20), cores).seconds for cores in (1, 2)]
@@ -122,7 +123,7 @@ def test_what_is_timed_needs_no_kernel_that_is_not_loaded_yet(monkeypatch, toget
     calls = []
     monkeypatch.setattr(estimates, "_measured", {})
     monkeypatch.setattr(estimates, "next_impacts", lambda oscillator, t, v, applications: calls.append(applications))
-    measured_speed(stiff=False, together=together)
+    measured_speed("impacting", together=together)
     loaded, timed = calls
     # Short runs and long ones have kernels of their own.
     assert loaded == timed
@@ -193,7 +194,7 @@ def test_a_diagram_without_seeds_takes_the_impacts_of_a_search_and_of_its_motion
     kept = sum(columns["time"].size for name, columns in parts.items() if name != "seeds")
     assert 17 * kept <= job.bytes <= 4 * 17 * kept
     # The search flies many at once; motions are followed one by one.
-    monkeypatch.setattr(estimates, "measured_speed", lambda stiff, together: 30 * SPEED if together else SPEED)
+    monkeypatch.setattr(estimates, "measured_speed", lambda model, together: 30 * SPEED if together else SPEED)
     impacts = job.impacts_together / 30 + job.impacts - job.impacts_together
     assert estimate(job).seconds - estimates._OF_A_JOB == pytest.approx(impacts / SPEED)
 
@@ -283,3 +284,13 @@ def test_the_shortest_chord_gives_a_branch_its_most_points():
         for chord in (5e-324, 1e-9)
     )
     assert estimate(tiny).bytes == estimate(most).bytes == 2 * 100 * 16  # two branches of a side
+
+
+def test_a_loose_gear_is_told_to_take_as_much_longer_as_its_flights_do():
+    small = {"grid": {"time": {"cells": 20}, "velocity": {"cells": 20}}}
+    below, beyond = (BasinJob.from_request(small | {"oscillator": {"eccentricity": eps}}) for eps in (0.1, 0.2))
+    swept = SweepJob.from_request(small | {"vary": [{"parameter": "eccentricity", "values": [0.1, 0.2]}]})
+    more = below.impacts * (9.0 / SPEED)
+    assert estimate(beyond).seconds - estimate(below).seconds == pytest.approx(more)
+    # Of a sweep through the bound nobody counts which basins are loose: at most all are.
+    assert estimate(swept).seconds > estimate(beyond).seconds

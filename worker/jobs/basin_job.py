@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
-from rattle_kernels import CellGrid, Oscillator, OutsideDomain, check_domain, expected_applications, settled_iterations
+from rattle_kernels import CellGrid, Oscillator, OutsideDomain, expected_applications, settled_iterations
 from rattle_kernels.cell_mapping.cell_grid import check_grid
 from rattle_kernels.cell_mapping.iterations import check_iterations
 from worker.additions import additions, asked_of, with_fields
@@ -164,6 +164,7 @@ class BasinJob(_AllFields):
 
     model_config = ConfigDict(title="BasinRequest", json_schema_extra={"examples": [_BASIN_EXAMPLE]} | _SAMPLED)
     result_version: ClassVar[int] = 4
+    loose_gears = True
 
     @property
     def kind(self) -> str:
@@ -235,7 +236,7 @@ class BasinJob(_AllFields):
             check_iterations(self.iterations)
         except ValueError as error:
             raise InvalidJob(str(error)) from error
-        self.check_oscillators(check_domain)
+        self.check_oscillators(self.check_oscillator)
         self._let_window_follow()
         self.check_oscillators(lambda oscillator: check_window(oscillator, self.grid, self.iterations))
         settled = {"grid_": self.grid_.settled(with_cells=self.sample is None), "iterations_": self.iterations}
@@ -336,7 +337,7 @@ class BasinJob(_AllFields):
         -------
         Oscillator
         """
-        return check_domain(self.oscillator_.value.at(**changes_at(self.axes, self.place_of(basin))))
+        return self.check_oscillator(self.oscillator_.value.at(**changes_at(self.axes, self.place_of(basin))))
 
 
 def _behind(axis: SweepAxis) -> str:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import ConfigDict, Field
 
-from rattle_kernels import Oscillator, check_domain
+from rattle_kernels import Oscillator
 from worker.errors import InvalidJob
 from worker.jobs.design import SweepAxis
 from worker.jobs.job import AnalysisJob, Sizes
@@ -59,6 +59,8 @@ class BifurcationJob(AnalysisJob):
     """
 
     model_config = ConfigDict(title="BifurcationRequest", json_schema_extra={"examples": [_EXAMPLE]} | _SEEDS_OR_REGION)
+
+    loose_gears = True
 
     kind_: Literal["bifurcation"] = "bifurcation"
     vary_: SweptParameter = Field(description="The parameter and its values")
@@ -119,7 +121,7 @@ class BifurcationJob(AnalysisJob):
     def _settled(self) -> dict[str, Any]:
         if self.seeds and self.region:
             raise InvalidJob("give seeds, or a region to look for attractors in, not both", ("region",))
-        self.check_oscillators(check_domain)
+        self.check_oscillators(self.check_oscillator)
         names = ("direction", "transient", "kept")
         vary = self.vary_.settled()
         settled = {"kind_": self.kind_, "vary_": vary if vary.is_rule else self.vary}

@@ -18,7 +18,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 
-from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_impacting, check_quiet
+from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_impacting, check_oscillator, check_quiet
 from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.design import SweepAxis, changes_at
@@ -62,6 +62,9 @@ class Job(Request, ABC):
 
     impacting_only: ClassVar[bool] = False
     """Whether only the impacting model can be computed."""
+
+    loose_gears: ClassVar[bool] = False
+    """Whether machines of the impacting model are followed beyond the bound of Eq. (8), too."""
 
     oscillator_: OscillatorRequest = Field(default_factory=ImpactingOscillator)
     machine_: dict[str, Any] | None = Field(
@@ -181,8 +184,28 @@ class Job(Request, ABC):
     @cached_property
     def oscillator(self) -> Oscillator:
         """Oscillator of the kernels, at the first values of what is swept, checked."""
-        asked = self.oscillator_.value.at(**changes_at(self.axes, (0,) * len(self.axes)))
-        return check_impacting(asked, INVERSE_OF_IMPACTS) if self.impacting_only else check_domain(asked)
+        return self.check_oscillator(self.oscillator_.value.at(**changes_at(self.axes, (0,) * len(self.axes))))
+
+    @classmethod
+    def check_oscillator(cls, oscillator: Oscillator) -> Oscillator:
+        """Return an oscillator, or raise if jobs of this kind cannot be computed with it.
+
+        Parameters
+        ----------
+        oscillator : Oscillator
+
+        Returns
+        -------
+        Oscillator
+
+        Raises
+        ------
+        OutsideDomain
+            Naming the parameter, the bound and its value.
+        """
+        if cls.impacting_only:
+            return check_impacting(oscillator, INVERSE_OF_IMPACTS)
+        return check_oscillator(oscillator) if cls.loose_gears else check_domain(oscillator)
 
     @property
     def axes(self) -> tuple[SweepAxis, ...]:
@@ -223,19 +246,18 @@ class Job(Request, ABC):
         return SweptOutsideDomain(error, ("vary", "values", at), f"{axis.name} = {axis.values[at]:g}")
 
     def check_quiet(self) -> None:
-        """Refuse a job that has an oscillator without a quiet solution (Eq. 3).
+        """Refuse a job that has an oscillator of finite stiffness without a quiet solution (Eq. 3).
 
         Raises
         ------
         OutsideDomain
         """
-        # In the impacting model this is the bound of the domain.
-        impacting = math.isinf(self.oscillator.stiffness)
-        self.check_oscillators(check_quiet, convex=None if impacting else ())
+        if not math.isinf(self.oscillator.stiffness):
+            self.check_oscillators(check_quiet, convex=())
 
     @cached_property
     def quiet(self) -> bool:
-        """Whether every oscillator of the job has a quiet solution."""
+        """Whether every oscillator of the job has a quiet solution; of the impacting model it is not asked."""
         try:
             self.check_quiet()
         except OutsideDomain:

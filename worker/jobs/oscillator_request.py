@@ -116,7 +116,7 @@ class _Common(Request):
 
     model: str
     damping: Real = Field(_DEFAULT.damping, gt=0, description="delta")
-    eccentricity: Real = Field(_DEFAULT.eccentricity, ge=0, description="epsilon, below the bound of Eq. (8)")
+    eccentricity: Real = Field(_DEFAULT.eccentricity, ge=0, description="epsilon, amplitude of the first harmonic")
     half_backlash: Real = Field(_DEFAULT.half_backlash, gt=0, description="beta")
     harmonics: Annotated[tuple[HarmonicRequest, ...], Field(max_length=MOST_HARMONICS)] = Field(
         (), description="Harmonics of the forcing beside the first"
@@ -179,8 +179,8 @@ class ImpactingOscillator(_Common):
 
     @property
     def allow_no_quiet_solution(self) -> bool:
-        """Always false: in this model the bounds of Eqs. (3) and (8) are the same."""
-        return False
+        """Always true: Eqs. (3) and (8) are one bound in this model, beyond which loose gears are followed."""
+        return True
 
     @model_validator(mode="before")
     @classmethod
@@ -264,7 +264,7 @@ def check_quiet_unless_allowed(check: Callable[[], object], *, allowed: bool) ->
     """Refuse an oscillator without a quiet solution (Eq. 3), unless the request allows it.
 
     Between epsilon_crit1 and epsilon_crit2 everything is defined, but no motion stays quiet. Beyond epsilon_crit2
-    every oscillator is refused earlier.
+    every oscillator of finite stiffness is refused earlier.
 
     Parameters
     ----------

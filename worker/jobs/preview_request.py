@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, ConfigDict, Field
 from rattle_kernels import (
     CellGrid,
     Oscillator,
-    check_domain,
+    check_oscillator,
     check_quiet,
     expected_applications,
     settled_iterations,
@@ -94,7 +94,7 @@ class PreviewRequest(Request):
         OutsideDomain, InvalidJob
             Naming the field at fault.
         """
-        oscillator = check_domain(self.oscillator.value)
+        oscillator = check_oscillator(self.oscillator.value)
         check_quiet_unless_allowed(lambda: check_quiet(oscillator), allowed=self.oscillator.allow_no_quiet_solution)
         try:
             grid = check_grid(self.grid.value)

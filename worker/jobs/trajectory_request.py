@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, ConfigDict, Field
 
-from rattle_kernels import Oscillator, OutsideDomain, TimeHistory, check_domain, check_quiet, time_history
+from rattle_kernels import Oscillator, OutsideDomain, TimeHistory, check_oscillator, check_quiet, time_history
 from worker.errors import InvalidJob
 from worker.jobs.oscillator_request import ImpactingOscillator, OscillatorRequest, check_quiet_unless_allowed
 from worker.jobs.request import Count, Real, Request, as_real
@@ -89,7 +89,7 @@ class TrajectoryRequest(Request):
         OutsideDomain, InvalidJob
             Naming what is wrong.
         """
-        oscillator = check_decidable(check_domain(self.oscillator.value))
+        oscillator = check_decidable(check_oscillator(self.oscillator.value))
         why = f"at half backlash {oscillator.half_backlash:g} double precision does not resolve shorter flights"
         check_fastest(abs(self.start.velocity), fastest_resolved(oscillator), why, ("start", "velocity"))
         check_quiet_unless_allowed(lambda: check_quiet(oscillator), allowed=self.oscillator.allow_no_quiet_solution)

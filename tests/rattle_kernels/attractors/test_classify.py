@@ -110,7 +110,10 @@ def test_a_point_of_an_unknown_motion_is_a_stranger():
     assert [attractor.name for attractor in grown] == ["permanent contact", "P(1,1,0)"]
 
 
-@pytest.mark.parametrize("entry", entries("map_impacting.json"), ids=lambda entry: entry["category"])
+_BEYOND = entries("map_impacting.json", inside_domain=False)
+
+
+@pytest.mark.parametrize("entry", entries("map_impacting.json") + _BEYOND, ids=lambda entry: entry["category"])
 def test_the_derivative_of_the_map_agrees_with_the_reference(entry):
     printed = np.array([float(x) for x in entry["DP"]])
     jacobian = np.array(derivative(oscillator_of(entry), float(entry["t0"]), float(entry["v0"]))[1])

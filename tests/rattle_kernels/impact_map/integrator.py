@@ -14,7 +14,7 @@ def _force(oscillator, time):
     return total
 
 
-def _integrated(oscillator, time, state, spring, crossings, longest):
+def _integrated(oscillator, time, state, spring, crossings, longest, step=0.05):
     """Follow Eq. (1) on one branch to the first of some crossings (level, direction)."""
     square = 2.0 * oscillator.stiffness
     drag = oscillator.damping
@@ -35,7 +35,7 @@ def _integrated(oscillator, time, state, spring, crossings, longest):
     events = [crossing(*each) for each in crossings]
     small = min(abs(state[1]) / math.sqrt(square), 1.0)
     run = solve_ivp(
-        motion, (time, time + longest), state, "DOP853", events=events, rtol=1e-12, atol=1e-12 * small, max_step=0.05
+        motion, (time, time + longest), state, "DOP853", events=events, rtol=1e-12, atol=1e-12 * small, max_step=step
     )
     met = [i for i, times in enumerate(run.t_events) if times.size]
     return run.t[-1], float(run.y[1, -1]), met[0] if met else None
@@ -59,4 +59,16 @@ def integrated_impact(oscillator, t, v):
     time, speed, lower = _integrated(free, t, [beta, -v], None, [(beta, 1.0), (-beta, -1.0)], 1e3)
     if lower:
         time, speed, _ = _integrated(free, time, [-beta, -kept * speed], None, [(beta, 1.0)], 1e3)
+    return time, kept * speed, lower
+
+
+def integrated_loose_impact(oscillator, t, v):
+    """One application of P of a loose gear by an ODE integrator whose steps resolve its highest order."""
+    free, beta, kept = oscillator._replace(stiffness=1.0), oscillator.half_backlash, oscillator.restitution
+    step = 0.02 / max([1.0, *(harmonic[0] for harmonic in oscillator.harmonics)])
+    walls, lower = [(beta, 1.0), (-beta, -1.0)], 0
+    time, speed, met = _integrated(free, t, [beta, -v], None, walls, 1e3, step)
+    while met == 1:
+        lower += 1
+        time, speed, met = _integrated(free, time, [-beta, -kept * speed], None, walls, 1e3, step)
     return time, kept * speed, lower

@@ -8,6 +8,7 @@ import numpy as np
 
 from rattle_kernels.impact_map.apply import _apply_to_all, next_impact
 from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
+from rattle_kernels.impact_map.loose_map import contact_by_contact
 from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
 from rattle_kernels.numerics.jit import kernel
 
@@ -15,6 +16,11 @@ from rattle_kernels.numerics.jit import kernel
 @kernel
 def departure(oscillator, t, v):
     return next_impact(oscillator, t, v)
+
+
+@kernel
+def bounce(oscillator, t, v):
+    return contact_by_contact(oscillator, t, v)
 
 
 @kernel

@@ -70,7 +70,8 @@ def test_the_next_impact_is_that_of_an_ode_integrator(number, fields):
 def test_more_than_two_harmonics_share_their_machine_code(fields):
     for number in (3, 4, 17, LARGEST):
         next_impacts(oscillator_with(number, **fields), 0.3, 2.0)
-    harmonics = [oscillator[-1] for oscillator, *_ in short_run._fly_leg.signatures]
+    below = [oscillator for oscillator, *_ in short_run._fly_leg.signatures if "arcs" not in oscillator.fields]
+    harmonics = [oscillator[-1] for oscillator in below]
     assert sum(isinstance(each, types.Array) for each in harmonics) == 1
     assert max((len(each) for each in harmonics if not isinstance(each, types.Array)), default=0) <= 2
 

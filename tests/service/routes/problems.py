@@ -1,5 +1,8 @@
 """Checks of refused requests: the problem document, and that nothing is left behind."""
 
+# Of finite stiffness, machines beyond the bound of Eq. (8) are refused.
+STIFF = {"model": "piecewise_linear", "stiffness": 1e4, "allow_no_quiet_solution": True}
+
 
 def left_behind(service):
     """Everything that a refused request could have left."""

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from rattle.cli import app
 from tests.analysis_requests import ROUTES
-from tests.service.routes.problems import assert_problem, left_behind
+from tests.service.routes.problems import STIFF, assert_problem, left_behind
 
 
 def submitted(service, route, body):
@@ -135,7 +135,11 @@ def test_what_is_no_saddle_is_said_by_the_job_that_fails(service, saddle, told):
     [
         ("bifurcations", {"seeds": [{"time": 0.1, "velocity": -3}]}, "section of departures from +beta"),
         ("bifurcations", {"seeds": []}, "at least 1 item"),
-        ("bifurcations", {"vary": {"parameter": "damping", "values": [0.6, 0.2]}}, "epsilon_crit2"),
+        (
+            "bifurcations",
+            {"oscillator": STIFF, "vary": {"parameter": "damping", "values": [0.6, 0.2]}},
+            "epsilon_crit2",
+        ),
         ("bifurcations", {"vary": {"parameter": "damping", "values": [0.6, 0.6]}}, "must ascend"),
         ("bifurcations", {"vary": {"parameter": "colour", "values": [1]}}, "body.vary.parameter"),
         ("bifurcations", {"region": {}}, "not both"),

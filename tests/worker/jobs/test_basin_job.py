@@ -66,13 +66,19 @@ def test_what_is_swept_counts_for_nothing_in_the_oscillator():
 
 def test_a_value_outside_the_domain_is_named_with_its_place():
     with pytest.raises(SweptOutsideDomain, match="value 1 of damping .*epsilon_crit2") as refused:
-        SweepJob(vary=(SweptParameter("damping", (0.5, 0.1)),))
+        SweepJob(oscillator=Oscillator(stiffness=1e4), vary=(SweptParameter("damping", (0.5, 0.1)),))
     assert refused.value.place == ("vary", 0, "values", 1)
 
 
 def test_an_oscillator_outside_the_domain_is_refused():
     with pytest.raises(OutsideDomain, match="epsilon_crit2"):
-        BasinJob(oscillator=Oscillator(eccentricity=0.2))
+        BasinJob(oscillator=Oscillator(eccentricity=0.2, stiffness=1e4))
+
+
+def test_an_oscillator_of_the_impacting_model_may_be_loose():
+    assert BasinJob(oscillator=Oscillator(eccentricity=0.2)).oscillator.is_loose
+    swept = SweepJob(vary=(SweptParameter("eccentricity", (0.19, 0.2)),))
+    assert [swept.oscillator_of(basin).is_loose for basin in range(2)] == [False, True]
 
 
 WEAK = {"damping": 6e-4, "eccentricity": 1e-4, "half_backlash": 6e-4}

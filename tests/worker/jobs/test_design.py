@@ -112,7 +112,7 @@ def curved(count):
 
 def test_the_first_machine_outside_the_domain_is_named_wherever_it_lies():
     machines = curved(41)
-    oscillators = [Oscillator(*each) for each in zip(*machines.values(), strict=True)]
+    oscillators = [Oscillator(*each, stiffness=1e4) for each in zip(*machines.values(), strict=True)]
 
     def accepted(oscillator):
         try:
@@ -125,7 +125,10 @@ def test_the_first_machine_outside_the_domain_is_named_wherever_it_lies():
     assert taken[0] and taken[-1] and first > 1
     speeds = np.linspace(600.0, 1000.0, 41).tolist()
     with pytest.raises(SweptOutsideDomain, match=rf"machine {first} \(at speed = {speeds[first]:g} rpm\)") as refused:
-        SweepJob(design={"name": "speed", "units": "rpm", "values": speeds, "parameters": machines})
+        SweepJob(
+            oscillator=oscillators[0],
+            design={"name": "speed", "units": "rpm", "values": speeds, "parameters": machines},
+        )
     assert refused.value.place == ("design", "parameters", "eccentricity", first)
     # A bound of one number alone is no less seen.
     half_backlash = [0.6] * 20 + [-0.6] + [0.6] * 20

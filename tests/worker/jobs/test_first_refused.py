@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_quiet
+from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_oscillator, check_quiet
 from worker.errors import SweptOutsideDomain
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.bifurcation_job import BifurcationJob
@@ -74,7 +74,7 @@ def test_a_million_values_are_decided_with_few_checks(monkeypatch):
         return lambda oscillator: (checked.append(1), check(oscillator))[1]
 
     monkeypatch.setattr("worker.jobs.job.check_quiet", counting(check_quiet))
-    monkeypatch.setattr("worker.jobs.bifurcation_job.check_domain", counting(check_domain))
+    monkeypatch.setattr("worker.jobs.job.check_oscillator", counting(check_oscillator))
     seeds = [{"time": 0.553, "velocity": 4.703}]
     vary = {"parameter": "stiffness", "start": 1e3, "stop": 1e4, "count": 1_000_000}
     body = {"oscillator": {"model": "piecewise_linear", "eccentricity": 0.05}, "vary": vary, "seeds": seeds, "kept": 1}

@@ -9,7 +9,7 @@ import pytest
 
 from rattle_kernels import OutsideDomain
 from worker.errors import InvalidJob, SweptOutsideDomain
-from worker.jobs import basin_job, bifurcation_job, job
+from worker.jobs import job
 from worker.jobs.basin_job import SweepJob
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.jobs.budget import CheckTooLong, within
@@ -19,17 +19,21 @@ from worker.jobs.swept_parameter import MOST_LISTED
 SEEDS = [{"time": 0.553, "velocity": 4.703}]
 
 
-def diagram(**vary):
-    return BifurcationJob.from_request({"vary": vary, "seeds": SEEDS, "kept": 1, "transient": 0})
+# Of finite stiffness, machines beyond the bound of Eq. (8) are refused.
+STIFF = {"model": "piecewise_linear", "stiffness": 1e4, "allow_no_quiet_solution": True}
+
+
+def diagram(oscillator=None, **vary):
+    request = {"vary": vary, "seeds": SEEDS, "kept": 1, "transient": 0}
+    return BifurcationJob.from_request(request | ({"oscillator": oscillator} if oscillator else {}))
 
 
 @pytest.fixture
 def checks(monkeypatch):
     """Oscillators that were checked against the domain."""
     seen = []
-    for module in (job, basin_job, bifurcation_job):
-        check = module.check_domain
-        monkeypatch.setattr(module, "check_domain", lambda each, check=check: (seen.append(each), check(each))[1])
+    check = job.check_oscillator
+    monkeypatch.setattr(job, "check_oscillator", lambda each: (seen.append(each), check(each))[1])
     return seen
 
 
@@ -62,7 +66,7 @@ def test_a_short_range_is_listed():
 def test_the_first_value_outside_the_domain_is_named_as_if_all_were_checked():
     vary = {"parameter": "eccentricity", "start": 0.0, "stop": 0.4, "count": 3001}
     with pytest.raises(SweptOutsideDomain) as refused:
-        diagram(**vary)
+        diagram(STIFF, **vary)
     bound = 2 * 0.6 / np.hypot(2 * np.pi, 0.6)
     values = np.linspace(0.0, 0.4, 3001)
     assert refused.value.place == ("vary", "values", int(np.flatnonzero(values >= bound)[0]))
@@ -75,7 +79,7 @@ def test_the_first_basin_outside_the_domain_is_named_as_if_all_were_checked():
         {"parameter": "eccentricity", "values": eccentricity.tolist()},
     ]
     with pytest.raises(SweptOutsideDomain) as refused:
-        SweepJob.from_request({"vary": vary})
+        SweepJob.from_request({"oscillator": STIFF, "vary": vary})
     outside = eccentricity >= (2 * damping / np.hypot(2 * np.pi, damping))[:, None]
     assert refused.value.place == ("vary", 1, "values", int(np.argwhere(outside)[0][1]))
     assert f"damping = {damping[np.argwhere(outside)[0][0]]:g}" in str(refused.value)

@@ -72,7 +72,7 @@ export class Turn {
   bound(bounds) {
     for (const { field, below } of bounds) {
       const row = this.rows.get(field);
-      if (row && below !== null) row.most = Math.min(row.slider.most, Math.floor(below / row.slider.step - 1e-6) * row.slider.step);
+      if (row) row.most = below === null ? row.slider.most : Math.min(row.slider.most, Math.floor(below / row.slider.step - 1e-6) * row.slider.step);
     }
   }
 }

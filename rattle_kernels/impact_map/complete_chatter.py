@@ -1,0 +1,97 @@
+"""Complete chatter: bounces on one wall that accumulate before their arc ends. Then the gear rests until it ends.
+
+Let a gear leave a wall at speed v, and let p(t) be the acceleration that presses it back: a on +beta, -a on -beta. With
+L a bound on its rate of change, ``p >= p_- = p(t)/2`` holds for the time ``W = min(R, p(t)/(2 L))``, R what is left of
+the arc, and ``p <= 3 p_-``. Within W a bounce that leaves with a speed of at most v
+
+- rises for ``v/p_-`` at most and to ``v^2/(2 p_min)`` at most, p_min the least p on its way, for damping holds it, too;
+- arrives with ``u <= v sqrt(p_max/p_min) <= sqrt(3) v``, for damping takes from what the fall gives;
+- falls for ``2 v/p_-`` at most if ``sqrt(3) delta v <= 3/4 p_-``, for then it is accelerated by ``p_-/4`` at least.
+
+So it takes ``T <= 3 v/p_-``, in which p changes by L T at most. After its impact the speed is
+
+    r u <= q v,    q = r sqrt(1 + 3 L v/p_-^2).
+
+If q < 1 the speeds fall geometrically, durations with them, and all bounces together take ``3 v/(p_- (1 - q))`` at
+most. If that is within W, all of this holds to their end. The gear then lies on the wall and is pressed to it until the
+arc ends. The other wall is not met if ``v^2/(2 p_-) < 2 beta``.
+
+If this cannot be shown the bounces are followed one by one (`accumulates`). Either they come to where it can be shown,
+or one of them lasts beyond the end of the arc or meets the other wall.
+"""
+
+import math
+
+from rattle_kernels.impact_map.arc_flights import next_loose_contact
+from rattle_kernels.model.arcs import is_pressed, time_to_release
+from rattle_kernels.model.flight import rest_acceleration
+from rattle_kernels.numerics.jit import inlined
+from rattle_kernels.numerics.phase import wrap
+
+# Kept from the bounds, for rounding; of a(t) it is a part of its largest value.
+_MARGIN = 1.0 - 1e-9
+_ROUNDING = 1e-13
+# Bounces on one arc that are followed. At r = 0.999 speeds fall by a factor of 1e43 within them.
+_MOST_BOUNCES = 100_000
+
+
+@inlined
+def comes_to_rest(oscillator, wall, phase, speed):
+    """Whether a departure is sure to come to rest on the wall that it leaves, by bounces that end before the arc does.
+
+    Parameters
+    ----------
+    oscillator : LooseOscillator
+        Checked by the caller.
+    wall : float
+        UPPER or LOWER.
+    phase, speed : float
+        Of the departure; the phase in [0, 1).
+
+    Returns
+    -------
+    bool
+        Never where impacts are elastic.
+    """
+    restitution, arcs = oscillator.restitution, oscillator.arcs
+    pressing = wall * rest_acceleration(oscillator, phase) - _ROUNDING * arcs.strongest
+    if not (pressing > 0.0 and restitution < 1.0):
+        return False
+    least = 0.5 * _MARGIN * pressing
+    window = _MARGIN * min(time_to_release(arcs, phase), 0.5 * pressing / arcs.change)
+    shrink = restitution * math.sqrt(1.0 + 3.0 * arcs.change * speed / (least * least))
+    low = math.sqrt(3.0) * oscillator.damping * speed <= 0.75 * least
+    below = speed * speed < 4.0 * _MARGIN * oscillator.half_backlash * least
+    return low and below and shrink < _MARGIN and 3.0 * speed <= window * least * (1.0 - shrink)
+
+
+@inlined
+def accumulates(oscillator, wall, phase, speed):
+    """Whether the bounces of a departure accumulate on the wall that it leaves before the arc ends: a complete chatter.
+
+    Parameters
+    ----------
+    oscillator : LooseOscillator
+        Checked by the caller.
+    wall : float
+        UPPER or LOWER.
+    phase, speed : float
+        Of the departure; the phase in [0, 1).
+
+    Returns
+    -------
+    bool
+        Never where impacts are elastic, or where the gear is not pressed to the wall.
+    """
+    if oscillator.restitution == 1.0 or not is_pressed(oscillator.arcs, wall, phase):
+        return False
+    left = time_to_release(oscillator.arcs, phase)
+    for _ in range(_MOST_BOUNCES):
+        if comes_to_rest(oscillator, wall, phase, speed):
+            return True
+        end = next_loose_contact(oscillator, wall, phase, -wall * speed)
+        left -= end.duration
+        if not (end.found and end.wall == wall and left > 0.0):
+            return False
+        phase, speed = wrap(end.phase), oscillator.restitution * abs(end.velocity)
+    return False

@@ -1,0 +1,171 @@
+"""P beyond the bound of Eq. (8): against references, an integrator, the bouncing ball, and what must hold."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rattle_kernels import Oscillator, Outcome, OutsideDomain, grazing_velocity, next_impacts
+from rattle_kernels.impact_map.loose_map import RELEASED
+from rattle_kernels.model.domain import check_oscillator
+from tests.rattle_kernels.impact_map.integrator import integrated_loose_impact
+from tests.rattle_kernels.impact_map.scalar_map import bounce, departure, derivative
+from tests.rattle_kernels.reference import phase_error, speed_error
+
+_TABLE = json.loads((Path(__file__).parents[1] / "data" / "beyond.json").read_text())
+
+
+def _oscillator(entry):
+    names = "damping", "eccentricity", "half_backlash", "restitution"
+    harmonics = tuple(map(tuple, entry["harmonics"]))
+    return check_oscillator(Oscillator(**{name: entry[name] for name in names}, harmonics=harmonics))
+
+
+def _start(entry):
+    return float.fromhex(entry["t"]), float.fromhex(entry["v"])
+
+
+def _name(entry):
+    return f"{len(entry['harmonics'])}-{entry['restitution']}"
+
+
+@pytest.mark.parametrize("entry", _TABLE["applications"], ids=_name)
+def test_next_departure_agrees_with_the_reference(entry):
+    oscillator = _oscillator(entry)
+    assert oscillator.is_loose
+    impact, rests_below = bounce(oscillator, *_start(entry))
+    assert (impact.outcome, rests_below) == (Outcome.RETURNED, entry["sticks_below"])
+    assert impact.lower_impacts == entry["lower_impacts"]
+    assert phase_error(impact.t, entry["t_next"]) <= 1e-13
+    assert speed_error(impact.v, entry["v_next"]) <= 1e-12
+    assert impact.duration == pytest.approx(float(entry["duration"]), rel=1e-12)
+
+
+@pytest.mark.parametrize("entry", _TABLE["rests"], ids=_name)
+def test_motion_that_comes_to_rest_is_released_where_its_arc_ends(entry):
+    oscillator, (t, v) = _oscillator(entry), _start(entry)
+    for _ in range(10_000):
+        t, v, _, outcome, _ = departure(oscillator, t, v)
+        assert outcome == Outcome.RETURNED
+        if v == RELEASED:
+            break
+    assert v == RELEASED and phase_error(t, entry["released_at"]) <= 1e-11
+
+
+# Gamma is inertia torque over drag torque, 1 at the bound of Eq. (8).
+def random_machine(seed, *, most_orders=3, least_gamma=1.05, largest_gamma=32.0):
+    rng = np.random.default_rng(seed)
+    damping = 10.0 ** rng.uniform(-2.0, 0.0)
+    orders = np.concatenate([[1], rng.choice(np.arange(2, most_orders + 30), rng.integers(0, most_orders), False)])
+    shares, phases = rng.dirichlet(np.ones(orders.size)), rng.random(orders.size)
+    rates = 2.0 * math.pi * orders
+    gamma = math.exp(rng.uniform(math.log(least_gamma), math.log(largest_gamma)))
+    # Bounds on what each order adds to the acceleration.
+    amplitudes = shares * gamma * 4.0 * math.pi * damping / (rates * np.hypot(rates, damping))
+    harmonics = tuple(zip(orders[1:].tolist(), amplitudes[1:].tolist(), phases[1:].tolist(), strict=True))
+    restitution = rng.choice([0.6, 0.7, 0.8, 0.9, 0.95, 1.0])
+    half_backlash = damping * 10.0 ** rng.uniform(-1.0, 1.0)
+    machine = Oscillator(damping, amplitudes[0], half_backlash, restitution=restitution, harmonics=harmonics)
+    scale = math.sqrt(4.0 * half_backlash * 4.0 * math.pi * damping * gamma)
+    return check_oscillator(machine), rng, scale
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_next_departure_agrees_with_an_ode_integrator(seed):
+    oscillator, rng, scale = random_machine(seed, most_orders=2)
+    t, v = rng.random(), scale * rng.uniform(0.05, 1.0)
+    impact, rests_below = bounce(oscillator, t, v)
+    assert impact.outcome == Outcome.RETURNED
+    if rests_below or impact.lower_impacts > 20:
+        pytest.skip("bounces that accumulate are no task for an integrator")
+    time, speed, lower = integrated_loose_impact(oscillator, t, v)
+    assert impact.lower_impacts == lower
+    assert phase_error(impact.t, repr(float(time % 1.0))) < 1e-8
+    assert abs(impact.v - speed) < 1e-7 * scale
+
+
+def _loss(r):
+    return (1.0 - r) / (1.0 + r)
+
+
+_BALLS = [(m, r, gamma) for m in (1, 2, 3) for r in (0.6, 0.8, 0.95, 1.0) for gamma in (1.5, 3.0, 6.0)]
+
+
+@pytest.mark.parametrize(("m", "r", "gamma"), [each for each in _BALLS if each[2] > math.pi * each[0] * _loss(each[1])])
+def test_bouncing_ball_has_its_orbits_and_multipliers_in_closed_form(m, r, gamma):
+    damping = 1e-10
+    ball = check_oscillator(Oscillator(damping, gamma * damping / math.pi, 1.0, restitution=r))
+    v, sine = 4.0 * math.pi * damping * m * r / (1.0 + r), -math.pi * m * _loss(r) / gamma
+    motions = 0
+    for cosine in (-math.sqrt(1.0 - sine * sine), math.sqrt(1.0 - sine * sine)):
+        t = math.atan2(sine, cosine) / (2.0 * math.pi) % 1.0
+        (impact, _), (_, jacobian) = bounce(ball, t, v), derivative(ball, t, v)
+        if impact.duration < m - 0.01:  # the ground is in the way of this one
+            continue
+        motions += 1
+        assert phase_error(impact.t, repr(t)) < 1e-8 and impact.v == pytest.approx(v, rel=1e-8)
+        determinant = jacobian.tt * jacobian.vv - jacobian.tv * jacobian.vt
+        assert determinant == pytest.approx(r * r, rel=1e-6)
+        # It is -1 - r^2, and the orbit doubles, where gamma cos = 2 (1 + r^2)/(1 + r)^2.
+        trace = (1.0 + r) ** 2 * (1.0 - gamma * cosine) - 2.0 * r
+        assert jacobian.tt + jacobian.vv == pytest.approx(trace, rel=1e-6, abs=1e-6)
+    assert motions > 0
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_lanes_follow_the_scalar_path(seed):
+    oscillator, rng, scale = random_machine(seed)
+    t, v = rng.random(300), scale * 10.0 ** rng.uniform(-4.0, 0.3, 300)
+    once, settled = next_impacts(oscillator, t, v), next_impacts(oscillator, t, v, shortcuts=True)
+    for i in range(t.size):
+        one, _ = bounce(oscillator, t[i], v[i])
+        assert (once.t[i], once.v[i], once.lower_impacts[i], once.outcome[i]) == one[:4]
+        assert (settled.t[i], settled.v[i], settled.lower_impacts[i]) == departure(oscillator, t[i], v[i])[:3]
+
+
+def _follow(seeds, departures, applications, **drawn):
+    """How random departures of random machines end, and what is no number or no phase without a name."""
+    outcomes, nameless = np.zeros(len(Outcome), np.int64), 0
+    for seed in seeds:
+        oscillator, rng, scale = random_machine(seed, **drawn)
+        t, v = rng.random(departures), scale * 10.0 ** rng.uniform(-12.0, 1.0, departures)
+        after = next_impacts(oscillator, t, v, applications, shortcuts=True)
+        outcomes += np.bincount(after.outcome, minlength=len(Outcome))
+        lands = (0.0 <= after.t) & (after.t < 1.0) & (after.v > 0.0) & np.isfinite(after.v)
+        nameless += int((~lands & (after.outcome == Outcome.RETURNED)).sum())
+    return outcomes, nameless
+
+
+def test_random_departures_of_random_machines_never_end_without_a_name():
+    outcomes, nameless = _follow(range(40), 250, 4, most_orders=2, least_gamma=1.05)
+    assert nameless == 0 and outcomes[Outcome.NOT_CONVERGED] == outcomes[Outcome.OUTSIDE_SECTION] == 0
+
+
+@pytest.mark.slow
+def test_a_million_random_departures_never_end_without_a_name():
+    outcomes, nameless = _follow(range(1000), 1000, 4, least_gamma=0.6)
+    assert nameless == 0 and outcomes[Outcome.NOT_CONVERGED] == outcomes[Outcome.OUTSIDE_SECTION] == 0
+
+
+def test_machine_below_the_bound_is_followed_as_before():
+    oscillator = check_oscillator(Oscillator())
+    assert not oscillator.is_loose and oscillator.in_kernels is oscillator
+    assert check_oscillator(Oscillator(eccentricity=0.2)).is_loose
+
+
+def test_stiff_machine_beyond_the_bound_is_refused():
+    with pytest.raises(OutsideDomain, match="epsilon_crit2"):
+        check_oscillator(Oscillator(eccentricity=0.2, stiffness=1e4))
+
+
+@pytest.mark.parametrize(("gamma", "r"), [(1.1, 0.7), (2.0, 0.9), (4.0, 1.0), (16.0, 0.6)])
+def test_grazing_curve_divides_departures_that_meet_the_lower_wall_from_those_that_come_back(gamma, r):
+    oscillator = Oscillator(0.6, gamma * 0.6 / math.pi, 0.6, restitution=r)
+    t = np.arange(200) / 200
+    speeds = grazing_velocity(oscillator, t)
+    above = next_impacts(oscillator, t, np.maximum(speeds * (1.0 + 1e-9), 1e-9))
+    below = next_impacts(oscillator, t, np.maximum(speeds * (1.0 - 1e-9), 1e-12))
+    assert (above.lower_impacts[speeds > 0.0] > 0).all() and (below.lower_impacts[speeds > 0.0] == 0).all()
+    assert (above.lower_impacts[speeds == 0.0] > 0).all() and np.isfinite(speeds).all()
