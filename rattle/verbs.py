@@ -220,7 +220,7 @@ def basin(
     damping : float or (float, float), default 0.6
         delta
     eccentricity : float or (float, float), optional
-        epsilon, below the bound of Eq. (8); 0.1 without a measured curve
+        epsilon, amplitude of the first harmonic; 0.1 without a measured curve
     half_backlash : float or (float, float), default 0.6
         beta
     stiffness : float or (float, float), optional
@@ -343,7 +343,7 @@ def sweep(
     damping : float or several, default 0.6
         delta
     eccentricity : float or several, optional
-        epsilon, below the bound of Eq. (8); 0.1 without a measured curve
+        epsilon, amplitude of the first harmonic; 0.1 without a measured curve
     half_backlash : float or several, default 0.6
         beta
     stiffness : float or several, optional
@@ -465,7 +465,7 @@ def bifurcation(
     damping : float or several, default 0.6
         delta
     eccentricity : float or several, optional
-        epsilon, below the bound of Eq. (8); 0.1 without a measured curve
+        epsilon, amplitude of the first harmonic; 0.1 without a measured curve
     half_backlash : float or several, default 0.6
         beta
     stiffness : float or several, optional
@@ -567,7 +567,7 @@ def orbits(
     damping : float, default 0.6
         delta
     eccentricity : float, optional
-        epsilon, below the bound of Eq. (8); 0.1 without a measured curve
+        epsilon, amplitude of the first harmonic; 0.1 without a measured curve
     half_backlash : float, default 0.6
         beta
     stiffness : float, optional
@@ -664,7 +664,7 @@ def manifolds(
     damping : float, default 0.6
         delta
     eccentricity : float, optional
-        epsilon, below the bound of Eq. (8); 0.1 without a measured curve
+        epsilon, amplitude of the first harmonic; 0.1 without a measured curve
     half_backlash : float, default 0.6
         beta
     harmonics : sequence of tuples, optional
@@ -749,7 +749,7 @@ def grazing_curve(
     damping : float, default 0.6
         delta
     eccentricity : float, optional
-        epsilon, below the bound of Eq. (8); 0.1 without a measured curve
+        epsilon, amplitude of the first harmonic; 0.1 without a measured curve
     half_backlash : float, default 0.6
         beta
     harmonics : sequence of tuples, optional
@@ -831,7 +831,7 @@ def trajectory(
     damping : float, default 0.6
         delta
     eccentricity : float, optional
-        epsilon, below the bound of Eq. (8); 0.1 without a measured curve
+        epsilon, amplitude of the first harmonic; 0.1 without a measured curve
     half_backlash : float, default 0.6
         beta
     stiffness : float, optional

@@ -15,7 +15,7 @@ class Oscillator(NamedTuple):
     damping : float
         delta > 0.
     eccentricity : float
-        epsilon, amplitude of the order-one forcing, ``0 <= epsilon < epsilon_crit2`` (Eq. 8).
+        epsilon, amplitude of the order-one forcing, at least 0; from ``epsilon_crit2`` on (Eq. 8) gears are loose.
     half_backlash : float
         beta > 0.
     stiffness : float

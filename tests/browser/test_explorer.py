@@ -197,7 +197,7 @@ def test_a_waiting_job_knows_its_place_in_the_queue(explorer, service):
 @pytest.mark.parametrize(
     ("fields", "where", "words"),
     [
-        ({"eccentricity": 0.3}, "eccentricity", "below epsilon_crit2 = 0.190121"),
+        ({"half_backlash": 0}, "half_backlash", "greater than 0"),
         ({"damping": "much"}, "damping", "valid number"),
         ({"iterations": 1500}, "", "nearest: 1499 or 1511"),
         ({"time__stop": 0}, "time.stop", "greater than 0"),

@@ -284,7 +284,7 @@ def test_a_manifold_is_grown_here_told_and_drawn(tmp_path):
         (["sweep", "--out", "x.zarr"], 2, "--vary"),
         (["sweep", "--vary", "damping", "--out", "x.zarr"], 2, "damping needs at least one value"),
         (["sweep", "--vary", "damping=0.5:0.6", "--out", "x.zarr"], 2, "how many, damping=0.5:0.7:21"),
-        (["sweep", "--vary", "damping=0.5,0.2", "--out", "x.zarr"], 2, "value 1 of damping"),
+        (["sweep", "--vary", "damping=0.5,-0.2", "--out", "x.zarr"], 2, "value 1 of damping"),
         (["plot", "nowhere.zarr", "--out", "x.png"], 1, "nowhere.zarr is no basin store"),
         (["bifurcation", "--vary", "damping=0.5:0.6", "--out", "x.zarr"], 2, "how many, damping=0.5:0.7:21"),
         (["bifurcation", "--vary", "damping=0.6", "--seed", "3", "--out", "x.zarr"], 2, "as in 0.6,3.77"),

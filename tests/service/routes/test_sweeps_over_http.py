@@ -136,6 +136,7 @@ MACHINES = {
     "parameters": {"damping": [0.7, 0.6], "half_backlash": [0.6, 0.5]},
 }  # fmt: skip
 DAMPING = {"parameter": "damping", "values": [0.5, 0.6]}
+STIFF = {"oscillator": {"model": "piecewise_linear", "stiffness": 1e4, "eccentricity": 0.1, "half_backlash": 0.6}}
 REFUSED = [
     ({}, "Field required: the swept parameters, or else a design", ["body", "vary"]),
     (vary(), "at least 1 item", ["body", "vary"]),
@@ -144,10 +145,14 @@ REFUSED = [
     (vary({"parameter": "stiffness", "values": [100, 200]}), "impacting model", ["body", "vary", 0, "parameter"]),
     (vary({"parameter": "colour", "values": [1]}), "vary.0.parameter", ["body", "vary", 0, "parameter"]),
     (vary(DAMPING | {"values": [0.5, 0.0]}), "value 1 of damping", ["body", "vary", 0, "values", 1]),
-    (vary(DAMPING | {"values": [0.5, 0.2]}), "value 1 of damping", ["body", "vary", 0, "values", 1]),
-    (vary(DAMPING | {"values": [0.5, 0.2]}), "below epsilon_crit2 = 0.06", ["body", "vary", 0, "values", 1]),
+    (vary(DAMPING | {"values": [0.5, 0.2]}) | STIFF, "value 1 of damping", ["body", "vary", 0, "values", 1]),
     (
-        vary({"parameter": "eccentricity", "values": [0.1, 0.15, 0.19]}, DAMPING),
+        vary(DAMPING | {"values": [0.5, 0.2]}) | STIFF,
+        "below epsilon_crit2 = 0.06",
+        ["body", "vary", 0, "values", 1],
+    ),
+    (
+        vary({"parameter": "eccentricity", "values": [0.1, 0.15, 0.19]}, DAMPING) | STIFF,
         "value 2 of eccentricity (at eccentricity = 0.19, damping = 0.5)",
         ["body", "vary", 0, "values", 2],
     ),
@@ -180,7 +185,7 @@ REFUSED = [
     (design(parameters={}), "at least 1 item", ["body", "design", "parameters"]),
     (design(name="time"), "a name of results already", ["body", "design", "name"]),
     (
-        design(parameters={"damping": [0.7, 0.2]}),
+        design(parameters={"damping": [0.7, 0.2]}) | STIFF,
         "machine 1 (at speed = 1000 rpm): eccentricity must be below",
         ["body", "design", "values", 1],
     ),
