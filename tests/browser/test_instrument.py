@@ -105,10 +105,14 @@ def test_the_plane_stays_where_it_is_under_the_pointer_when_a_motion_is_followed
 
 
 def test_where_there_is_no_picture_the_old_one_is_dimmed_and_nothing_offers_to_refine_it(explorer):
-    """Below a damping of 0.314 at this eccentricity there is no quiet solution."""
+    """Below a damping of 0.314 at this eccentricity there is no quiet solution of the piecewise linear model."""
     page = explorer.page
     explorer.forgiven += ("422",)
     explorer.visit().pictured("Preview")
+    explorer.open_drawer()
+    page.locator("[name=model]").select_option("piecewise_linear")
+    explorer.fill(stiffness=1e4)
+    expect(page.locator("#shown")).to_contain_text("κ = ")
     slider = page.locator("[data-turn=damping]")
 
     def slide(damping):
