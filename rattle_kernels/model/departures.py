@@ -25,7 +25,7 @@ def check_phases(t: np.typing.ArrayLike, name: str = "t") -> np.ndarray:
     ValueError
         Naming the first that is not finite.
     """
-    phases = np.asarray(t, dtype=np.float64)
+    phases = _writable(t)
     _demand(np.isfinite(phases), phases, name, _PHASE)
     return phases
 
@@ -51,12 +51,16 @@ def check_departures(
     ValueError
         Naming the first phase that is not finite, or the first speed that is not finite and positive.
     """
-    speeds = np.asarray(v, dtype=np.float64)
-    phases = np.asarray(t, dtype=np.float64)
+    speeds, phases = _writable(v), _writable(t)
     rest = np.isnan(phases) & np.isnan(speeds) if ended else np.False_
     _demand(np.isfinite(phases) | rest, phases, "t", _PHASE)
     _demand((np.isfinite(speeds) & (speeds > 0.0)) | rest, speeds, "v", _SPEED)
     return phases, speeds
+
+
+def _writable(values: np.typing.ArrayLike) -> np.ndarray:
+    # A read-only array, as a coordinate of xarray is, is another type to Numba: kernels would be compiled once more.
+    return np.require(values, np.float64, "W")
 
 
 def _demand(right: np.ndarray, values: np.ndarray, name: str, what: str) -> None:

@@ -5,6 +5,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from rattle_kernels import Oscillator
 
@@ -15,6 +16,13 @@ def entries(name, *, inside_domain=True):
     """Entries of a table; those beyond the bound of Eq. (8) only where asked for."""
     table = json.loads((_DATA / name).read_text())["entries"]
     return [entry for entry in table if (entry.get("category") != "beyond_crit2") == inside_domain]
+
+
+def spare_compiling(table):
+    """Entries as parameters. Kernels are compiled for each number of harmonics: of one and three in the slow tests."""
+    rare = {1, 3}
+    marks = {True: [pytest.mark.slow], False: []}
+    return [pytest.param(entry, marks=marks[len(entry["harmonics"]) in rare]) for entry in table]
 
 
 def low_bounces(machine):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rattle
-from rattle_kernels import OutsideDomain, capture_velocity, shares_of
+from rattle_kernels import capture_velocity, shares_of
 from rattle_machine import proven as of_proofs
 from rattle_machine.numbers import with_number
 from rattle_machine.proven import Proven, prove_quiet
@@ -184,8 +184,6 @@ def test_where_eq_8_is_not_proven_that_is_said(monkeypatch):
     monkeypatch.setattr(of_proofs, "_suspects", lambda pair, limits: iter(()))
     found = prove_quiet(PAIR, {"speed": (300.0, 500.0)})
     assert found.speed is None and "(Eq. 8); narrower tolerances may be proven" in found.reason
-    with pytest.raises(OutsideDomain):
-        shares_of(PAIR.at_speed(500.0).oscillator, [0.1], [0.1])
 
 
 @pytest.mark.proof

@@ -28,6 +28,7 @@ from rattle_kernels import (
     stiffness_bound,
     unstable_manifold,
 )
+from rattle_kernels.model.departures import check_departures, check_phases
 
 OF_DEPARTURES = {
     "next_impacts": next_impacts,
@@ -126,3 +127,12 @@ def test_what_needs_the_inverse_of_the_map_says_why_it_refuses_a_stiffness():
         with pytest.raises(OutsideDomain, match="stiffness must be infinite.*the inverse of P is needed") as refusal:
             each()
         assert refusal.value.parameter == "stiffness"
+
+
+def test_kernels_see_one_type_whatever_is_given():
+    """A read-only array has another, for which each kernel would be compiled once more."""
+    read_only = np.broadcast_to(0.5, 3)
+    arrays = (check_phases(read_only), *check_departures(read_only, read_only))
+    assert all(each.flags.writeable and each.dtype == np.float64 and each.shape == (3,) for each in arrays)
+    own = np.array([0.5])
+    assert check_phases(own) is own

@@ -9,6 +9,7 @@ import schemathesis
 from schemathesis.checks import not_a_server_error
 from schemathesis.specs.openapi import checks
 
+from service.answers import previews
 from service.app import create_app
 from service.records.job_record import JobState
 from service.settings import Settings
@@ -34,6 +35,7 @@ _SECONDS = 120
 def service(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         limits = {"max_samples": 1000, "max_contacts": 1000}
+        patch.setattr(previews, "_MOST_SECONDS", 2.0)
         with idle_service(patch, tmp_path_factory.mktemp("idle"), **limits) as service:
             service.ended = service.add_job()
             service.jobs.transition(service.ended.id, JobState.QUEUED, JobState.SUCCEEDED)
