@@ -53,12 +53,19 @@ def comes_to_rest(oscillator, wall, phase, speed):
     bool
         Never where impacts are elastic.
     """
+    left = time_to_release(oscillator.arcs, phase)
+    return is_sure_to_rest(oscillator, wall * rest_acceleration(oscillator, phase), left, speed)
+
+
+@inlined
+def is_sure_to_rest(oscillator, pressing, left, speed):
+    """As `comes_to_rest`, of a gear that is pressed to the wall by an acceleration, with some time left on the arc."""
     restitution, arcs = oscillator.restitution, oscillator.arcs
-    pressing = wall * rest_acceleration(oscillator, phase) - _ROUNDING * arcs.strongest
+    pressing -= _ROUNDING * arcs.strongest
     if not (pressing > 0.0 and restitution < 1.0):
         return False
     least = 0.5 * _MARGIN * pressing
-    window = _MARGIN * min(time_to_release(arcs, phase), 0.5 * pressing / arcs.change)
+    window = _MARGIN * min(left, 0.5 * pressing / arcs.change)
     shrink = restitution * math.sqrt(1.0 + 3.0 * arcs.change * speed / (least * least))
     low = math.sqrt(3.0) * oscillator.damping * speed <= 0.75 * least
     below = speed * speed < 4.0 * _MARGIN * oscillator.half_backlash * least

@@ -170,9 +170,9 @@ def guess_durations(lanes, corners, oscillator, tables):
 
 
 @always_inlined
-def _expand(lanes, d):
+def _expand(lanes, d, first, last):
     """Polynomials in the guessed duration of every flight, beside those of its phase."""
-    for i in range(LANES):
+    for i in range(first, last):
         tau = lanes[DURATION + i]
         r = part_turn(tau)
         rest, versine = sine_rest_of_half_turns(r), versine_of_half_turns(r)
@@ -184,9 +184,9 @@ def _expand(lanes, d):
 
 
 @always_inlined
-def _evaluate(lanes, d, e, harmonics):
+def _close(lanes, d, e, harmonics, first, last):
     """Distance by which the guess misses the target, and the velocity there."""
-    for i in range(LANES):
+    for i in range(first, last):
         tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]
         x = d * tau
         p2, sh, ch = lanes[PHI2 + i], lanes[HALF_SINE + i], lanes[HALF_COSINE + i]
@@ -201,6 +201,18 @@ def _evaluate(lanes, d, e, harmonics):
 
 
 @always_inlined
+def evaluate(lanes, oscillator, first, last):
+    """Distance by which lanes miss their target after the guessed duration, and the velocity there.
+
+    Three loops: in a single one, chains are so long that the processor waits for them.
+    """
+    d, harmonics = oscillator.damping, oscillator.harmonics
+    _expand(lanes, d, first, last)
+    sum_over_flights(harmonics, 0.0, (lanes, d, first, last))
+    _close(lanes, d, oscillator.eccentricity, harmonics, first, last)
+
+
+@always_inlined
 def refine_durations(lanes, oscillator):
     """Second pass: one evaluation of every flight, one step of fifth order, and the state at its end.
 
@@ -212,10 +224,7 @@ def refine_durations(lanes, oscillator):
     d, e, harmonics, restitution = (
         oscillator.damping, oscillator.eccentricity, oscillator.harmonics, oscillator.restitution,
     )  # fmt: skip
-    # Three loops: in a single one, chains are so long that the processor waits for them.
-    _expand(lanes, d)
-    sum_over_flights(harmonics, 0.0, (lanes, d))
-    _evaluate(lanes, d, e, harmonics)
+    evaluate(lanes, oscillator, 0, LANES)
     highest = highest_order(harmonics, 1.0, None)
     for i in range(LANES):
         tau, w, s0, c0 = lanes[DURATION + i], lanes[VELOCITY + i], lanes[SINE + i], lanes[COSINE + i]

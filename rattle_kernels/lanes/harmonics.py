@@ -95,12 +95,39 @@ def doubt(terms, total, place):
 
 
 @inlined
-def _turn(turns):
+def turn(turns):
     """Sine and cosine of an angle in turns, as in `flight.turn_phases`."""
     halves = math.floor(2.0 * turns + 0.5)
     r = 2.0 * turns - halves
     sign = 1.0 - 2.0 * (halves - 2.0 * math.floor(0.5 * halves))
     return sign * sine_of_half_turns(r), sign * cosine_of_half_turns(r)
+
+
+@summed_over_tuple
+def plus_error(terms, total, place):
+    """Add the harmonics of e and e' to those of the first, at a phase."""
+    error, rate = total
+    for harmonic in terms:
+        s, c = turn(part_turn(harmonic.order * place + part_turn(harmonic.phase)))
+        error += harmonic.amplitude * c
+        rate -= TWO_PI * harmonic.order * harmonic.amplitude * s
+    return error, rate
+
+
+@summed_over_tuple
+def _plus_bounds(terms, total, place):
+    error, rate = total
+    for harmonic in terms:
+        error += harmonic.amplitude
+        rate += TWO_PI * harmonic.order * harmonic.amplitude
+    return error, rate
+
+
+@inlined
+def bounds_on_error(oscillator):
+    """Bounds on ``|e|`` and ``|e'|``."""
+    first = oscillator.eccentricity, TWO_PI * oscillator.eccentricity
+    return _plus_bounds(oscillator.harmonics, first, None)
 
 
 @inlined
@@ -110,9 +137,9 @@ def _forget(lanes):
 
 
 @inlined
-def _double(lanes):
+def _double(lanes, first, last):
     """The angles of order 2, twice those that the first harmonic has computed."""
-    for i in range(LANES):
+    for i in range(first, last):
         s, c = lanes[SINE + i], lanes[COSINE + i]
         lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i] = 2.0 * s * c, c * c - s * s
         s, c = lanes[HALF_SINE + i], lanes[HALF_COSINE + i]
@@ -123,9 +150,9 @@ def _double(lanes):
 
 
 @inlined
-def _turn_on(lanes):
+def _turn_on(lanes, first, last):
     """Go on to the angles of the next order: they are those of this one and of order 1 together."""
-    for i in range(LANES):
+    for i in range(first, last):
         s, c, s1, c1 = lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i], lanes[SINE + i], lanes[COSINE + i]
         lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i] = s * c1 + c * s1, c * c1 - s * s1
         s, c = lanes[ORDER_HALF_SINE + i], lanes[ORDER_HALF_COSINE + i]
@@ -136,10 +163,10 @@ def _turn_on(lanes):
 
 
 @inlined
-def _turn_to(lanes, order):
+def _turn_to(lanes, order, first, last):
     """The angles of an order, without those before it."""
-    for i in range(LANES):
-        lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i] = _turn(part_turn(order * lanes[PHASE + i]))
+    for i in range(first, last):
+        lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i] = turn(part_turn(order * lanes[PHASE + i]))
         turns = order * lanes[DURATION + i]
         r = part_turn(turns)
         rest, versine = sine_rest_of_half_turns(r), versine_of_half_turns(r)
@@ -156,22 +183,25 @@ def _add(lanes, at, term, more):
 
 @summed_over_tuple
 def sum_over_flights(terms, total, place):
-    """Evaluate the harmonics at the guessed end of every flight; `place` is (lanes, delta). The total is not used."""
-    lanes, damping = place
-    _double(lanes)
+    """Evaluate the harmonics at the guessed ends of flights; `place` is (lanes, delta, first, last + 1).
+
+    The total is not used.
+    """
+    lanes, damping, first, last = place
+    _double(lanes, first, last)
     reached = 2.0
     for harmonic in terms:
         order, amplitude = harmonic.order, harmonic.amplitude
         if order - reached > _LONGEST_WAY:
-            _turn_to(lanes, order)
+            _turn_to(lanes, order, first, last)
             reached = order
         while reached < order:
-            _turn_on(lanes)
+            _turn_on(lanes, first, last)
             reached += 1.0
         rate, angle = TWO_PI * order, TWO_PI * part_turn(harmonic.phase)
         square, turn_sine, turn_cosine = rate * rate, math.sin(angle), math.cos(angle)
         more = order > terms[0].order  # the first one begins the sums
-        for i in range(LANES):
+        for i in range(first, last):
             s, c, sh, ch = (
                 lanes[ORDER_SINE + i], lanes[ORDER_COSINE + i], lanes[ORDER_HALF_SINE + i],
                 lanes[ORDER_HALF_COSINE + i],
@@ -227,7 +257,7 @@ def sum_over_contacts(terms, total, place):
         rate = TWO_PI * order
         square = rate * rate
         for i in range(LANES):
-            s0, c0 = _turn(part_turn(order * lanes[END_PHASE + i]))
+            s0, c0 = turn(part_turn(order * lanes[END_PHASE + i]))
             r = part_turn(order * lanes[DURATION + i])
             sh, ch = sine_of_half_turns(r), cosine_of_half_turns(r)
             here, quarter = cosine * c0 + sine * s0, sine * c0 - cosine * s0

@@ -32,6 +32,8 @@ class Arcs(NamedTuple):
         Phases in [0, 1), ascending, where a(t) changes its sign. Each arc ends where the next one begins.
     sign : ndarray of float64, shape (n,)
         Sign of a(t) on each, in turn +1.0 and -1.0.
+    error, error_rate : ndarray of float64, shape (n,)
+        e and e' where each begins.
     change : float
         Bound on ``|a'(t)|``.
     strongest : float
@@ -40,6 +42,8 @@ class Arcs(NamedTuple):
 
     begin: np.ndarray
     sign: np.ndarray
+    error: np.ndarray
+    error_rate: np.ndarray
     change: float
     strongest: float
 
@@ -60,6 +64,12 @@ def rest_acceleration_over_phases(oscillator: "Oscillator") -> TrigonometricPoly
     rate = _TWO_PI * order
     response = amplitude * np.exp(1j * _TWO_PI * phase) * (-rate * rate + 1j * rate * oscillator.damping)
     return TrigonometricPolynomial(_FOUR_PI * oscillator.damping, order, response.real, -response.imag)
+
+
+def _error_over_phases(oscillator: "Oscillator") -> TrigonometricPolynomial:
+    order, amplitude, phase = np.array(oscillator.all_harmonics).T
+    angle = _TWO_PI * phase
+    return TrigonometricPolynomial(0.0, order, amplitude * np.cos(angle), -amplitude * np.sin(angle))
 
 
 def largest_eccentricity_of_one(damping: float) -> float:
@@ -92,9 +102,11 @@ def arcs_of(oscillator: "Oscillator") -> Arcs | None:
         begin = np.array([least_value(felt)[1]])
     middle = begin + 0.5 * np.diff(begin, append=begin[0] + 1.0)
     sign = np.sign(felt.at(middle))
-    for each in (begin, sign):
+    error = _error_over_phases(oscillator)
+    ends = begin, sign, error.at(begin), error.slope.at(begin)
+    for each in ends:
         each.setflags(write=False)
-    return Arcs(begin, sign, felt.slope.size, felt.size)
+    return Arcs(*ends, felt.slope.size, felt.size)
 
 
 @inlined

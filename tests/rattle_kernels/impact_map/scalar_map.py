@@ -8,8 +8,9 @@ import numpy as np
 
 from rattle_kernels.impact_map.apply import _apply_to_all, next_impact
 from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
-from rattle_kernels.impact_map.loose_map import contact_by_contact
+from rattle_kernels.impact_map.loose_map import _follow, contact_by_contact
 from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
+from rattle_kernels.impact_map.variations import by_speeds
 from rattle_kernels.numerics.jit import kernel
 
 
@@ -21,6 +22,12 @@ def departure(oscillator, t, v):
 @kernel
 def bounce(oscillator, t, v):
     return contact_by_contact(oscillator, t, v)
+
+
+@kernel
+def bounce_with_derivative(oscillator, t, v):
+    loose, jacobian = _follow(oscillator, t, v, 0.0)
+    return loose.impact, by_speeds(jacobian)
 
 
 @kernel
