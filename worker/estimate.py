@@ -23,7 +23,7 @@ _MACHINES = {
     "loose": Oscillator(eccentricity=0.4, restitution=0.7),
 }
 # Departures, and how often P is applied to each: cells fly together, 64 at a time; analyses follow one at a time.
-_TOGETHER, _TOGETHER_LOOSE, _ALONE = (512, 500), (64, 500), (1, 20_000)
+_TOGETHER, _ALONE = (512, 500), (1, 20_000)
 
 
 # Seconds that a job takes to begin and to end, with its store and its tasks; and that a core takes for the catalogue,
@@ -51,8 +51,7 @@ class Estimate(NamedTuple):
 
 # Applications in a second where none is measured yet, of many together or of one alone: a third of what machines do.
 _USUAL = {True: 1e7, False: 3e5}
-# Loose gears are followed one by one.
-_USUAL_LOOSE = 1e5
+_USUAL_LOOSE = {True: 1e6, False: 1e5}
 _measured: dict[tuple[str, bool], float] = {}
 
 
@@ -73,8 +72,7 @@ def measured_speed(model: str, together: bool) -> float:
     if (model, together) in _measured:
         return _measured[model, together]
     oscillator = _MACHINES[model]
-    at_once = _TOGETHER_LOOSE if model == "loose" else _TOGETHER
-    departures, applications = at_once if together else _ALONE
+    departures, applications = _TOGETHER if together else _ALONE
     # About the paper's chaotic attractor, where a motion takes all applications.
     t, v = 0.55 + np.arange(departures) / (10.0 * departures), np.full(departures, 4.67)
     next_impacts(oscillator, t[:1], v[:1], applications)  # loads the kernels of short and long runs, and makes tables
@@ -130,7 +128,7 @@ def estimate(job: Job, cores: int = 1, *, measuring: bool = True) -> Estimate:
 def _speed(model: str, together: bool, measuring: bool) -> float:
     if measuring or (model, together) in _measured:
         return measured_speed(model, together)
-    return _USUAL_LOOSE if model == "loose" else _USUAL[together]
+    return (_USUAL_LOOSE if model == "loose" else _USUAL)[together]
 
 
 def _in_words(seconds: float) -> str:

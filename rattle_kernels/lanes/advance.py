@@ -7,13 +7,10 @@ vectors (`lyapunov`).
 
 from rattle_kernels.lanes.contact import follow_contacts_carefully, guess_contacts, refine_contacts
 from rattle_kernels.lanes.flight import fly_carefully, guess_durations, refine_durations
-from rattle_kernels.lanes.lane_fields import END_PHASE, END_VELOCITY, LANES, PHASE, VELOCITY
+from rattle_kernels.lanes.lane_fields import END_PHASE, END_VELOCITY, IDLE_SPEED, LANES, PHASE, VELOCITY
 from rattle_kernels.lanes.loose_flight import fly_loosely, stay_in_no_contact
 from rattle_kernels.numerics.jit import always_inlined, chosen_by_field, inlined
 from rattle_kernels.numerics.phase import wrap
-
-# A lane without a point flies at so many times the largest grazing speed, where it is never unsure.
-IDLE_SPEED = 1e6
 
 
 @chosen_by_field("arcs", fly_loosely)

@@ -6,6 +6,9 @@ from rattle_kernels.numerics.jit import always_inlined, inlined
 
 LANES = 64
 
+# A lane without a point flies at so many times the largest grazing speed, where it is never unsure.
+IDLE_SPEED = 1e6
+
 # Fields of the buffer. A flight reads PHASE and VELOCITY. It writes END_PHASE, END_VELOCITY (after an impact with
 # the wall) and DURATION. DROPS is 1.0 where it ended on -beta, UNSURE is 1.0 where the careful path must decide.
 PHASE = 0 * LANES

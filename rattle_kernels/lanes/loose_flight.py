@@ -45,6 +45,7 @@ from rattle_kernels.lanes.lane_fields import (
     END_PHASE,
     END_VELOCITY,
     FLIGHT_FIELDS,
+    IDLE_SPEED,
     LANES,
     MISS,
     PHASE,
@@ -481,13 +482,20 @@ def fly_loosely(lanes, corners, oscillator, tables):
     highest = highest_order(oscillator.harmonics, 1.0, None)
     two_beta = 2.0 * oscillator.half_backlash
     machine = _Machine(oscillator.damping, two_beta, arcs.strongest, error, error_rate, highest)
-    work, careful, flying = unset_lane_buffer(_FIELDS), 0, LANES
+    work, careful, flying = unset_lane_buffer(_FIELDS), 0, 0
+    idle = -IDLE_SPEED * tables.largest_grazing_speed
     for i in range(LANES):
-        corners[i], lanes[_LEFT + i], lanes[END_ACCELERATION + i] = i, -1.0, 1.0
-        work[PHASE + i] = lanes[PHASE + i]
+        work[PHASE + i] = 0.0
+        lanes[_LEFT + i], lanes[END_ACCELERATION + i] = -1.0, 1.0
+        if lanes[VELOCITY + i] == idle:
+            lanes[DURATION + i], lanes[END_PHASE + i], lanes[END_VELOCITY + i], lanes[DROPS + i] = 0.0, 0.0, -idle, 1.0
+        else:
+            corners[flying], work[PHASE + flying] = i, lanes[PHASE + i]
+            flying += 1
     turn_phases(work, PHASE)
-    for i in range(LANES):
-        _begin(work, i, i, machine, table, oscillator, lanes[PHASE + i], lanes[VELOCITY + i])
+    for j in range(flying):
+        i = corners[j]
+        _begin(work, i, j, machine, table, oscillator, lanes[PHASE + i], lanes[VELOCITY + i])
     while flying > 0:
         for first in range(0, flying, _BLOCK):
             _look(work, oscillator, first, first + _BLOCK)

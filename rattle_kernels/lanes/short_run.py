@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from rattle_kernels.impact_map.chatter import is_below, ringing_radian
-from rattle_kernels.lanes.advance import IDLE_SPEED, fly, idle, stay
+from rattle_kernels.lanes.advance import fly, idle, stay
 from rattle_kernels.lanes.batch import Batch, LaneRun, Rules
 from rattle_kernels.lanes.lane_fields import (
     DROPS,
@@ -19,6 +19,7 @@ from rattle_kernels.lanes.lane_fields import (
     END_PHASE,
     END_VELOCITY,
     FLIGHT_FIELDS,
+    IDLE_SPEED,
     LANES,
     PHASE,
     VELOCITY,
