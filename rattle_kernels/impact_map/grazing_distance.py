@@ -4,17 +4,27 @@ import math
 
 import numpy as np
 
+from rattle_kernels.impact_map.arc_flights import next_loose_contact
 from rattle_kernels.impact_map.flights import LOWER, UPPER, next_contact
-from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
+from rattle_kernels.impact_map.grazing_velocity import grazing_velocity
 from rattle_kernels.model.oscillator import Oscillator
-from rattle_kernels.numerics.jit import kernel
+from rattle_kernels.numerics.jit import chosen_by_field, inlined, kernel
+
+
+@inlined
+def _next_loose_contact(oscillator, phase, velocity):
+    return next_loose_contact(oscillator, UPPER, phase, velocity)
+
+
+@chosen_by_field("arcs", _next_loose_contact)
+def _next_contact(oscillator, phase, velocity):
+    return next_contact(oscillator, UPPER, phase, velocity, 1.0)
 
 
 @kernel
-def _grazing_distances(oscillator, t, v, margin, lower_speed):
+def _fill_lower_speeds(oscillator, t, v, lower_speed):
     for i in range(t.size):
-        margin[i] = v[i] - grazing_flight(oscillator, t[i], LEAVING)[0]
-        end = next_contact(oscillator, UPPER, t[i], -v[i], 1.0)
+        end = _next_contact(oscillator, t[i], -v[i])
         lower_speed[i] = -end.velocity if end.wall == LOWER else math.nan
 
 
@@ -32,6 +42,6 @@ def grazing_distances(oscillator: Oscillator, t: np.ndarray, v: np.ndarray) -> t
     (ndarray, ndarray), shape (n,)
         The margin, positive where -beta is met; the speed there, NaN where it is not met.
     """
-    margin, lower_speed = np.empty(t.size), np.empty(t.size)
-    _grazing_distances(oscillator, t, v, margin, lower_speed)
-    return margin, lower_speed
+    lower_speed = np.empty(t.size)
+    _fill_lower_speeds(oscillator, t, v, lower_speed)
+    return v - grazing_velocity(oscillator, t), lower_speed

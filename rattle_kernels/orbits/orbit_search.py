@@ -15,7 +15,7 @@ import numpy as np
 
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
 from rattle_kernels.model.departures import check_departures
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import kernel
@@ -152,7 +152,7 @@ def find_orbits(
     ValueError
         If ``longest`` or ``cells`` is not positive, or the region is none.
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     if longest < 1 or cells < 1:
         raise ValueError(f"longest and cells must be positive, not {longest} and {cells}")
     if not (0.0 <= time[0] < time[1] <= 1.0):
@@ -190,7 +190,7 @@ def merge_orbits(oscillator: Oscillator, found: Iterable[FoundOrbit]) -> tuple[F
     tuple of FoundOrbit
         In the order of `find_orbits`.
     """
-    catalogue, kept = _Catalogue(float(fall_speed(check_domain(oscillator)))), []
+    catalogue, kept = _Catalogue(float(fall_speed(check_oscillator(oscillator)))), []
     for each in found:
         if not catalogue.holds(each.orbit.t[0], each.orbit.v[0]):
             catalogue.add(each.orbit)
@@ -226,7 +226,7 @@ def find_orbit(
     ValueError
         If the seed is no departure: not finite, or without a positive speed; or ``period`` is below 1.
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     check_departures(t, v)
     if period < 1:
         raise ValueError(f"period must be at least 1, the number of impacts with +beta in one turn, not {period}")

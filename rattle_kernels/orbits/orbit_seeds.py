@@ -78,16 +78,16 @@ def _beside_the_grazing_curve(
     touching = grazing_velocity(oscillator, t)
     heights = np.array(_ABOVE + _BELOW)
     beside = np.multiply.outer(1.0 + heights, touching).ravel()
+    t_beside = np.repeat(np.tile(t, heights.size), longest)
+    v_beside, periods = np.repeat(beside, longest), np.tile(np.arange(1, longest + 1), beside.size)
+    if oscillator.is_loose:  # the curve may jump, and P need not be a function of the root
+        moves = v_beside > 0.0
+        return t_beside[moves], v_beside[moves], periods[moves]
     roots = np.sqrt(np.multiply.outer(np.array(_FAR_ABOVE), touching)).ravel()
-    above_t, above_v, above_period = approach_above(
-        oscillator, np.tile(t, len(_FAR_ABOVE)), roots, longest, _ROUNDS_ABOVE, pause
-    )
-    beside_t = np.tile(t, heights.size)
-    return (
-        np.concatenate([np.repeat(beside_t, longest), above_t]),
-        np.concatenate([np.repeat(beside, longest), above_v]),
-        np.concatenate([np.tile(np.arange(1, longest + 1), beside.size), above_period]),
-    )
+    above = approach_above(oscillator, np.tile(t, len(_FAR_ABOVE)), roots, longest, _ROUNDS_ABOVE, pause)
+    joined = (np.concatenate(each) for each in zip((t_beside, v_beside, periods), above, strict=True))
+    times, speeds, turns = joined
+    return times, speeds, turns
 
 
 @kernel

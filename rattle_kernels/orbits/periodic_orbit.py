@@ -123,6 +123,12 @@ def _size(jacobian):
     return max(1.0, abs(jacobian.tt + jacobian.vv))
 
 
+@inlined
+def _forgets(jacobian):
+    """Whether a motion comes to rest, after which nothing is left of where it was."""
+    return jacobian.tt == 0.0 and jacobian.tv == 0.0 and jacobian.vt == 0.0 and jacobian.vv == 0.0
+
+
 @kernel
 def newton_rounds(oscillator, t, v, period, scale, rounds):
     """Some rounds of Newton's method on P^p(x) - x: phase, speed, distance from an orbit before the last step, the end.
@@ -136,6 +142,11 @@ def newton_rounds(oscillator, t, v, period, scale, rounds):
         f = part_turn(t1 - t)
         g = v1 - v
         distance = math.hypot(f, g / scale) / _size(jacobian)
+        if _forgets(jacobian):  # the release is on the orbit itself
+            if f == 0.0 and g == 0.0:
+                return t, v, distance, True
+            t, v = t1, v1
+            continue
         if not distance > 1e-15:
             return t, v, distance, True
         a, b, c, d = jacobian.tt - 1.0, jacobian.tv, jacobian.vt, jacobian.vv - 1.0

@@ -140,6 +140,8 @@ class OrbitsJob(AnalysisJob):
 
     model_config = ConfigDict(title="OrbitsRequest", json_schema_extra={"examples": [_EXAMPLE], "allOf": _TOGETHER})
 
+    loose_gears = True
+
     kind_: Literal["orbits"] = "orbits"
     longest: Annotated[Count, in_schema(maximum=_LONGEST_PERIOD)] = Field(
         4, description="Greatest n+ that is searched for"
@@ -194,6 +196,9 @@ class OrbitsJob(AnalysisJob):
         if self.longest > _LONGEST_PERIOD:
             raise InvalidJob(f"longest must be at most {_LONGEST_PERIOD}, not {self.longest}", ("longest",))
         if self.continuation:
+            if self.oscillator.is_loose:
+                message = "branches are followed within Eq. (8), and this machine's gears are loose: leave it out"
+                raise InvalidJob(message, ("continuation",))
             self.continuation.check(self.oscillator, "continuation")
         if self.curves:
             self._check_curves(self.curves)
