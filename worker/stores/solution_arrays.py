@@ -128,10 +128,10 @@ class SolutionArrays:
         filled = [column[:room] != variable.fill for column, variable in zip(motions, layout.MOTIONS[:4], strict=True)]
         known = int(np.cumprod(np.all(filled, axis=0)).sum())
         columns = [column.reshape(self._job.basins, column.shape[-1])[:, :known] for column in columns]
-        rests = np.isneginf(columns[1]).any(axis=0).tolist()
+        rests = np.any(np.isneginf(columns[1]), axis=0)
         listed = [
-            Motion(AttractorKind(kind), *contacts, rests=rest)
-            for kind, *contacts, rest in zip(*(column[:known].tolist() for column in motions), rests, strict=True)
+            Motion(AttractorKind(kind), *contacts)
+            for kind, *contacts in zip(*(column[:known].tolist() for column in (*motions, rests)), strict=True)
         ]
         return SolutionTable(listed, *columns)
 
