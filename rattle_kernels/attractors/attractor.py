@@ -49,9 +49,13 @@ class Attractor(NamedTuple):
     def name(self) -> str:
         """``P(m, n+, n-)`` (Sec. 4), starred if it rests; chaotic, chaotic transient, permanent contact, undecided."""
         if self.kind == AttractorKind.PERIODIC:
-            rests = math.isinf(self.lyapunov_exponent)
-            return orbit_name(self.forcing_periods, self.upper_contacts, self.lower_contacts, rests=rests)
+            return orbit_name(self.forcing_periods, self.upper_contacts, self.lower_contacts, rests=self.rests)
         return self.kind.name.lower().replace("_", " ")
+
+    @property
+    def rests(self) -> bool:
+        """Whether it is a periodic orbit that comes to rest in every turn: no other has the exponent -infinity."""
+        return self.lyapunov_exponent == -math.inf
 
     @property
     def mean_life_error(self) -> float:

@@ -51,6 +51,7 @@ test("shares and counts are written for readers", () => {
 test("a motion is explained in a sentence", () => {
   assert.equal(solutionInWords({ kind: "periodic", name: "P(1,1,0)" }), "P(1,1,0) repeats every forcing period, with 1 contact at +β and no contacts at −β.");
   assert.equal(solutionInWords({ kind: "periodic", name: "P(3,3,2)" }), "P(3,3,2) repeats every 3 forcing periods, with 3 contacts at +β and 2 contacts at −β.");
+  assert.match(solutionInWords({ kind: "periodic", name: "P(1,1,0)*" }), /^P\(1,1,0\)\* repeats .* at −β\. In every turn it comes to rest on a wall\.$/);
   assert.match(solutionInWords({ kind: "chaotic", name: "chaotic" }), /never repeats/);
 });
 

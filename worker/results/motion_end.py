@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels import Attractor, Direction, Oscillator, TimeHistory
+from rattle_kernels import Attractor, Direction, Oscillator, TimeHistory, next_impacts
 from rattle_kernels.attractors.attractor import PERMANENT_CONTACT_ATTRACTOR
 from rattle_kernels.attractors.settled_orbit import attractor_of, settled_orbit
+from rattle_kernels.impact_map.loose_map import RELEASED
 from rattle_kernels.orbits.periodic_orbit import orbit_name
 from worker.errors import InvalidJob
 from worker.jobs.trajectory_request import TrajectoryRequest
@@ -75,6 +76,13 @@ def _repeated_at_first(departures: np.ndarray, lower: np.ndarray) -> Repeated | 
     return None
 
 
+def _without_chatter(oscillator: Oscillator, departures: np.ndarray, released: np.ndarray) -> np.ndarray:
+    """Departures of a loose gear from which P leads to each other: from the contact before a chatter to its release."""
+    departures[:, 1] = np.maximum(departures[:, 1], RELEASED)
+    chatters = next_impacts(oscillator, *departures[:-1].T, shortcuts=True).v == RELEASED
+    return departures[np.append(True, released[1:] | ~chatters)]
+
+
 def motion_end(oscillator: Oscillator, history: TimeHistory, start: tuple[float, float]) -> MotionEnd:
     """What a motion from +beta does in the end, by its history alone.
 
@@ -107,6 +115,9 @@ def motion_end(oscillator: Oscillator, history: TimeHistory, start: tuple[float,
     # The speed of an impact is that of its arrival.
     speed = np.where(contacts.direction == Direction.IMPACT, oscillator.restitution, 1.0) * contacts.speed
     departures = np.vstack([start, np.column_stack([contacts.time, speed])[history.departures]])
+    if oscillator.is_loose:
+        released = contacts.direction[history.departures] == Direction.OUT
+        departures = _without_chatter(oscillator, departures, np.append(False, released))
     lower = contacts.time[(contacts.wall == -1) & (contacts.direction != Direction.OUT)]
     settled: Attractor | None = None
     until = float(history.time[-1])

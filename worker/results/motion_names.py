@@ -8,7 +8,8 @@ import pandas as pd
 import xarray as xr
 
 from rattle_kernels import Direction, Oscillator, Outcome, time_history
-from rattle_kernels.orbits.periodic_orbit import orbit_name
+from rattle_kernels.model.flight import fall_speed
+from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit, orbit_name
 from worker.jobs.bifurcation_job import BifurcationJob
 from worker.stores.layout import Columns
 
@@ -24,6 +25,9 @@ _CONTACTS_A_DEPARTURE = 64
 @lru_cache(maxsize=2 * MOST_NAMED)
 def itinerary(oscillator: Oscillator, t: float, v: float, impact_period: int) -> str:
     """Name P(m,n+,n-) of a motion that repeats itself, from one of its departures and its impact period."""
+    if oscillator.is_loose:  # a history has the bounces of a chatter one by one
+        orbit = find_periodic_orbit(oscillator, t, v, impact_period, fall_speed(oscillator))
+        return NO_PERIOD if orbit is None else orbit.name
     beta = oscillator.half_backlash
     most = _CONTACTS_A_DEPARTURE * impact_period
     history = time_history(

@@ -48,7 +48,7 @@ class SolutionArrays:
             if room == there:
                 return
             names = [motion.name for motion in table.motions]
-            columns = [np.array(column) for column in zip(*table.motions, strict=True)]
+            *columns, _ = (np.array(column) for column in zip(*table.motions, strict=True))
             for variable in self._measured():
                 self._arrays.array(variable).resize((*self._job.sweep_shape, room[0]))
             columns.append(np.array(names, np.dtypes.StringDType()))
@@ -127,13 +127,13 @@ class SolutionArrays:
         room = min(column.shape[-1] for column in motions + columns)
         filled = [column[:room] != variable.fill for column, variable in zip(motions, layout.MOTIONS[:4], strict=True)]
         known = int(np.cumprod(np.all(filled, axis=0)).sum())
+        columns = [column.reshape(self._job.basins, column.shape[-1])[:, :known] for column in columns]
+        rests = np.any(np.isneginf(columns[1]), axis=0)
         listed = [
             Motion(AttractorKind(kind), *contacts)
-            for kind, *contacts in zip(*(column[:known].tolist() for column in motions), strict=True)
+            for kind, *contacts in zip(*(column[:known].tolist() for column in (*motions, rests)), strict=True)
         ]
-        return SolutionTable(
-            listed, *(column.reshape(self._job.basins, column.shape[-1])[:, :known] for column in columns)
-        )
+        return SolutionTable(listed, *columns)
 
     def read_catalogue(self, basin: int, table: SolutionTable, numbers: Sequence[int]) -> tuple[Attractor, ...]:
         """Attractors of a basin with these numbers. An attractor whose points are still being written has none.
@@ -153,7 +153,7 @@ class SolutionArrays:
         there = np.isfinite(time) & np.isfinite(velocity)
         return tuple(
             Attractor(
-                *table.motions[number], float(table.exponent[basin, number]), float(table.error[basin, number]),
+                *table.motions[number][:4], float(table.exponent[basin, number]), float(table.error[basin, number]),
                 time[row][there[row]], velocity[row][there[row]], float(table.mean_life[basin, number]),
                 ends_in(ends[number]) if number < len(ends) else (),
             )

@@ -15,22 +15,24 @@ WITHOUT_POINTS = AttractorKind.PERMANENT_CONTACT, AttractorKind.UNDECIDED
 
 
 class Motion(NamedTuple):
-    """Kind and P(m, n+, n-). Solutions of neighbouring basins can only be the same if these are equal."""
+    """Kind, P(m, n+, n-) and star. Solutions of neighbouring basins can only be the same if these are equal."""
 
     kind: AttractorKind
     forcing_periods: int
     upper_contacts: int
     lower_contacts: int
+    rests: bool
 
     @property
     def name(self) -> str:
         """Name, in the form of an attractor's."""
-        return Attractor(*self, np.nan, np.nan, np.empty(0), np.empty(0)).name
+        exponent = -np.inf if self.rests else np.nan
+        return Attractor(*self[:4], exponent, np.nan, np.empty(0), np.empty(0)).name
 
 
 def motion_of(attractor: Attractor) -> Motion:
-    """Kind and itinerary of an attractor."""
-    return Motion(*attractor[:4])
+    """Kind and itinerary of an attractor, and whether it rests."""
+    return Motion(*attractor[:4], attractor.rests)
 
 
 def share_error(counts: np.ndarray, points: int) -> np.ndarray:

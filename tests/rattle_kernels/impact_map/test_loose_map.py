@@ -1,4 +1,4 @@
-"""P beyond the bound of Eq. (8): against references, an integrator, the bouncing ball, and what must hold."""
+"""P beyond the bound of Eq. (8): against references, an integrator, closed forms, and what must hold."""
 
 import json
 import math
@@ -10,6 +10,7 @@ import pytest
 from rattle_kernels import Oscillator, Outcome, OutsideDomain, grazing_velocity, next_impacts
 from rattle_kernels.impact_map.loose_map import RELEASED
 from rattle_kernels.model.domain import check_oscillator
+from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 from tests.rattle_kernels.impact_map.integrator import integrated_loose_impact
 from tests.rattle_kernels.impact_map.scalar_map import bounce, bounce_with_derivative, departure, derivative
 from tests.rattle_kernels.reference import phase_error, speed_error
@@ -112,6 +113,74 @@ def test_bouncing_ball_has_its_orbits_and_multipliers_in_closed_form(m, r, gamma
         trace = (1.0 + r) ** 2 * (1.0 - gamma * cosine) - 2.0 * r
         assert jacobian.tt + jacobian.vv == pytest.approx(trace, rel=1e-6, abs=1e-6)
     assert motions > 0
+
+
+def _impact_pairs(half_backlash, eccentricity, r):
+    """Symmetric motions of period 1 with one impact on each wall, without damping and drag: phase, speed, DP's trace.
+
+    y'' = e'', e = eps cos 2 pi t. By symmetry half a period leads from one wall to the other, where speed, phase and
+    signs come again. A departure of speed v at the angle theta = 2 pi t arrives with v + 2 e', and leaves with r times
+    that: e' = v (1 - r)/(2 r). It crosses 2 beta: v + e' = 4 (beta - eps cos theta). Without e' = -2 pi eps sin theta
+    and v = 8 r (beta - eps cos theta)/(1 + r) that is 2 pi eps sin theta - k eps cos theta = -k beta,
+    k = 4 (1 - r)/(1 + r).
+    With c = e'' and V = v/r, the speed of arrival, and q = c/(2 V), the derivative over half a period is
+
+        H = (r - q,  -1/(2 V);  r c (1 + r - q),  r (1 - q)),
+
+    of determinant r^2 and trace 2 r - (1 + r) q. DP is H^2.
+    """
+    k = 4.0 * _loss(r)
+    size, lag = eccentricity * math.hypot(2.0 * math.pi, k), math.atan2(k, 2.0 * math.pi)
+    if k * half_backlash >= size:
+        return
+    turn = math.asin(-k * half_backlash / size)
+    for angle in (lag + turn, lag + math.pi - turn):
+        v = 8.0 * r * (half_backlash - eccentricity * math.cos(angle)) / (1.0 + r)
+        t, slope = angle / (2.0 * math.pi) % 1.0, -2.0 * math.pi * eccentricity * math.sin(angle)
+        tau = np.linspace(0.0, 0.5, 2002)[1:-1]
+        change = eccentricity * (np.cos(2.0 * math.pi * (t + tau)) - math.cos(angle))
+        if v > 0.0 and (np.abs(half_backlash - v * tau + change - slope * tau) < half_backlash).all():
+            q = -2.0 * math.pi**2 * eccentricity * math.cos(angle) * r / v
+            half = 2.0 * r - (1.0 + r) * q
+            yield t, v, q, half * half - 2.0 * r * r
+
+
+_PAIRS = [(beta, eps, r) for beta in (0.3, 0.6) for eps in (0.05, 0.1, 0.2) for r in (0.6, 0.8, 0.95, 1.0)]
+
+
+@pytest.mark.parametrize(("half_backlash", "eccentricity", "r"), [each for each in _PAIRS if [*_impact_pairs(*each)]])
+def test_impact_pair_has_its_orbits_in_closed_form(half_backlash, eccentricity, r):
+    damping = 1e-8
+    machine = check_oscillator(Oscillator(damping, eccentricity, half_backlash, restitution=r))
+    for t, v, q, _ in _impact_pairs(half_backlash, eccentricity, r):
+        # What damping and drag add to y'' is below this: |y'| is at most v + 2 max|e'|. They act for half a period.
+        added = damping * (4.0 * math.pi + 2.0 * math.pi * eccentricity + v + 4.0 * math.pi * eccentricity)
+        place, speed = added / 8.0, added / 2.0
+        # The impact is later by what is missing of its way, and y'' = -c acts for so long; then H carries both.
+        V, c = v / r, abs(2.0 * q * v / r)
+        late, faster = place / V, r * (speed + c * place / V)
+        phase_bound = late + abs(r - q) * late + faster / (2.0 * V)
+        speed_bound = faster + r * c * abs(1.0 + r - q) * late + r * abs(1.0 - q) * faster
+        impact, _ = bounce(machine, t, v)
+        assert impact.outcome == Outcome.RETURNED and impact.lower_impacts == 1
+        # Terms of second order in damping are 1e-8 of these.
+        assert phase_error(impact.t, repr(t)) < 1.01 * phase_bound and abs(impact.v - v) < 1.01 * speed_bound
+
+
+@pytest.mark.parametrize(("half_backlash", "eccentricity", "r"), [each for each in _PAIRS if [*_impact_pairs(*each)]])
+def test_impact_pair_has_its_multipliers_in_closed_form(half_backlash, eccentricity, r):
+    for t, v, _, trace in _impact_pairs(half_backlash, eccentricity, r):
+        traces = []
+        for damping in (1e-6, 5e-7):
+            machine = check_oscillator(Oscillator(damping, eccentricity, half_backlash, restitution=r))
+            orbit = find_periodic_orbit(machine, t, v, 1, v)
+            assert orbit.name == "P(1,1,1)"
+            # Of areas v dv dt damping leaves e^{-delta} in a period, and each impact r^2.
+            assert np.linalg.det(orbit.jacobians[0]) == pytest.approx(r**4 * math.exp(-damping), rel=1e-8)
+            traces.append(np.trace(orbit.jacobians[0]))
+        # Half the damping leaves half of what is of first order in it. What is of second order is less by its size.
+        whole, half = traces
+        assert abs(2.0 * half - whole - trace) < 0.01 * abs(whole - trace)
 
 
 def _agrees(found, i, impact, jacobian, v):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rattle_kernels import AttractorKind, Oscillator, next_impacts, time_history
+from rattle_kernels import AttractorKind, Direction, Oscillator, next_impacts, time_history
 from worker.errors import InvalidJob
 from worker.jobs.trajectory_request import TrajectoryRequest
 from worker.results.motion_end import FOLLOWED_PERIODS, end_of, motion_end
@@ -67,6 +67,16 @@ def test_what_is_said_of_a_motion_is_what_it_does(oscillator):
             kinds.add("periodic")
     if oscillator == OSCILLATORS[0]:
         assert kinds == {"rattling", "quiet", "periodic"}
+
+
+def test_a_loose_gear_settles_where_its_rests_repeat():
+    oscillator = Oscillator(0.6, 0.22, 0.6, restitution=0.7)
+    history = follow(oscillator, 0.5, 2.0, 60)
+    end = motion_end(oscillator, history, (0.5, 2.0))
+    assert end.settled is not None and end.settled.name == "P(1,1,0)*" and end.first is None
+    # Nothing is left of what was before the first rest, so all of its releases are those of the orbit.
+    first = history.contacts.time[history.contacts.direction == Direction.OUT][0]
+    assert end.periods == pytest.approx(first - 0.5, abs=1e-9)
 
 
 def test_a_motion_from_a_saddle_leaves_it():

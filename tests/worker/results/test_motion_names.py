@@ -41,6 +41,18 @@ def test_a_name_counts_periods_and_contacts_of_both_walls():
     assert any(name.startswith("P(") for name in found)
 
 
+def test_a_motion_that_rests_has_the_name_of_the_catalogue():
+    """Gears that rest on +beta once a turn; their histories list the bounces before."""
+    loose = {"damping": 0.6, "half_backlash": 0.6, "restitution": 0.7}
+    values = {"eccentricity": [0.2, 0.22, 0.24]}
+    table = rattle.bifurcation(**values, seeds=[(0.5, 2.0)], transient=500, kept=24, progress=False, **loose)
+    names = table.rattle.to_table("impact_period")["name"].tolist()
+    for value, name in zip(values["eccentricity"], names, strict=True):
+        (_, *found) = find_attractors(Oscillator(eccentricity=value, **loose), [0.5], [2.0])
+        assert [name] == [each.name for each in found]
+    assert names[1] == "P(1,1,0)*"
+
+
 def test_motions_are_followed_once_whatever_reads_their_names(diagram, monkeypatch):
     followed = []
     follow = motion_names.time_history

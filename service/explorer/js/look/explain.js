@@ -24,7 +24,8 @@ export function solutionInWords({ kind, name }) {
   if (!parts) return KINDS[kind] ?? "";
   const [periods, upper, lower] = parts.slice(1).map(Number);
   const every = periods === 1 ? "every forcing period" : `every ${periods} forcing periods`;
-  return `${name} repeats ${every}, with ${times(upper, "contact")} at +β and ${times(lower, "contact")} at −β.`;
+  const rests = name.endsWith("*") ? " In every turn it comes to rest on a wall." : "";
+  return `${name} repeats ${every}, with ${times(upper, "contact")} at +β and ${times(lower, "contact")} at −β.${rests}`;
 }
 
 const CENTRES = {
