@@ -236,12 +236,27 @@ def test_a_motion_of_a_machine_has_si_units():
     np.testing.assert_allclose(motion.contact_speed_m_s, motion.contact_speed * pair.scales.speed)
 
 
-def test_a_machine_beyond_the_domain_is_refused_with_the_speed_at_which_it_leaves_it():
-    pair = rattle.GearPair(**LIGHT)
+def test_a_stiff_machine_beyond_the_threshold_is_refused_with_its_speed():
+    pair = rattle.GearPair(**LIGHT, mesh_stiffness=3.1e9)
     fast = pair.at_speed(2 * pair.threshold_speed)
-    with pytest.raises(rattle.InvalidJob, match="machine: |Gamma is 4.* Eq. .8. holds below") as refused:
+    rpm = f"{pair.threshold_speed * 30 / math.pi:.6g} rpm"
+    told = (
+        rf"Gamma is 4.* the teeth part in every turn\. With a mesh_stiffness it is followed below {rpm} alone; without"
+    )
+    with pytest.raises(rattle.InvalidJob, match=told) as refused:
         rattle.basin(fast)
-    assert f"{pair.threshold_speed * 30 / math.pi:.6g} rpm" in str(refused.value)
+    assert refused.value.place == ("machine",)
+
+
+def test_a_machine_of_impacts_beyond_the_threshold_is_followed_and_never_quiet():
+    pair = rattle.GearPair(**LIGHT, restitution=0.8)
+    fast = pair.at_speed(2 * pair.threshold_speed)
+    basin = rattle.basin(fast, cells=8, iterations=101, progress=False)
+    assert basin.rattle.machine == fast and basin.share.values[0] == 0.0
+    assert basin.rattle.loudness().expected_impact_power_w.item() > 0.0
+    with pytest.raises(rattle.InvalidJob, match=r"Gamma is 4.* So it is never quiet; below .* rpm it can be"):
+        fast.check_can_be_quiet()
+    pair.check_can_be_quiet()
 
 
 @pytest.mark.parametrize(
