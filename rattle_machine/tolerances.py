@@ -549,7 +549,7 @@ def _machine_does(
         if not parts.any():
             return 1.0, 0.0, machine.gamma
         found = shares_of(machine.oscillator, t[parts], v[parts], pause=pause)
-    except (InvalidJob, OutsideDomain):  # never quiet, and hit by pulses or of finite stiffness
+    except (InvalidJob, OutsideDomain):  # not followed, or with no quiet solution that pulses could hit
         return 0.0, math.nan, machine.gamma
     counts = np.bincount(found.solution, minlength=len(found.attractors)) / t.size
     counts[0] += 1.0 - parts.mean()

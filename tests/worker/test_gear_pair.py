@@ -274,13 +274,16 @@ def test_what_is_no_machine_is_refused(given):
         rattle.basin(given)
 
 
-def test_energy_is_balanced_in_watts_over_a_periodic_motion():
+@pytest.mark.parametrize("part", [0.82, 1.02], ids=["below the threshold", "beyond the threshold"])
+def test_energy_is_balanced_in_watts_over_a_periodic_motion(part):
     """What the motor gives is what drag and impacts take, less what the transmission error gives.
 
     The two shafts are integrated in SI between two impacts of the model's P(1,1,0), with the work of the motor and of
     drag beside them. An impact takes (1 - r^2) m v^2/2, and moves against a tooth that moves with e'.
     """
     pair = machine(drag_torque=150.0, transmission_error=5e-3, backlash=0.06, inertia_ratio=0.4, restitution=0.95)
+    pair = pair.at_speed(part * pair.threshold_speed)
+    assert (pair.gamma > 1.0) == (part > 1.0)
     motion = next(each for each in find_attractors_of(pair) if each.name == "P(1,1,0)")
     t, v, scales = float(motion.time[0]), float(motion.velocity[0]), pair.scales
     first = pair.base_radius * math.sqrt(pair.inertia_ratio)  # another radius than the driven gear's
