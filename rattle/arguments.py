@@ -59,7 +59,7 @@ def read_machine(values: Values) -> GearPair | MachineSeries | None:
     Raises
     ------
     InvalidJob
-        If there is none, inertia torque reaches drag torque at its speed, or several things are stepped through.
+        If there is none, it is not followed at its speed, or several things are stepped through.
     """
     given, listed = values.get("machine"), values.pop(MACHINES, None)
     several = {name: value for name in UNITS if (value := values.pop(name, None)) is not None}
@@ -82,7 +82,7 @@ def read_machine(values: Values) -> GearPair | MachineSeries | None:
         read = given
     elif given is not None:
         read = GearPair.of(given)
-        read.check_gamma()
+        read.check_followed()
     if read is not None:
         values["machine"] = read
     return read

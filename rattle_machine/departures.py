@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from rattle_kernels import Oscillator, check_domain
+from rattle_kernels import Oscillator, check_oscillator
 from rattle_machine.pulses import Distribution, Pressing, Pulses
 from worker.errors import InvalidJob
 from worker.gear_pair import GearPair
@@ -60,7 +60,7 @@ def sample_of(
     if isinstance(departures, bool) or not isinstance(departures, int) or departures < 2:
         raise InvalidJob(f"departures must be a whole number from 2 on, not {departures!r}", ("departures",))
     scale = 1.0 if isinstance(base, Oscillator) else base.scales.speed
-    top = scale * fastest_of(check_domain(oscillator_of(base))) if fastest is None else fastest
+    top = scale * fastest_of(check_oscillator(oscillator_of(base))) if fastest is None else fastest
     if not 0.0 < top < math.inf:
         raise InvalidJob(f"fastest must be a speed above 0, not {top!r}", ("fastest",))
     phase, part = np.random.default_rng(seed).random((2, departures))

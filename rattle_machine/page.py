@@ -103,7 +103,7 @@ class Findings:
         """
         pair, of_pulses, production = self.machine, self.pulses, self.production
         sections = [
-            _machine_section(pair), _gamma_section(pair), _basin_section(pair, self.basin),
+            _machine_section(pair), _gamma_section(pair, self.over), _basin_section(pair, self.basin),
             _speed_section(pair, self.over),
             *([] if of_pulses is None else [_pulse_section(of_pulses)]),
             *([] if production is None else [_tolerance_section(production)]),
@@ -126,11 +126,15 @@ def _answers(
 ) -> list[str]:
     quiet = float(basin.share.values[0])
     top = float(basin.rattle.job.grid.velocity_stop) * pair.scales.speed
-    lines = [
-        f"At {pair.speed * RPM:.6g} rpm the machine can run quietly: inertia torque is {100.0 * pair.gamma:.3g} % of "
-        f"drag torque. Of all ways in which its teeth part with up to {_with_prefix(top, 'm/s')}, "
-        f"{100.0 * quiet:.3g} % end in quiet."
-    ]
+    speed, of_drag = f"{pair.speed * RPM:.6g} rpm", f"inertia torque is {100.0 * pair.gamma:.3g} % of drag torque"
+    all_ways = f"all ways in which its teeth part with up to {_with_prefix(top, 'm/s')}"
+    if pair.gamma < 1.0:
+        line = f"At {speed} the machine can run quietly: {of_drag}. Of {all_ways}, {100.0 * quiet:.3g} % end in quiet."
+    else:
+        power = _or_unknown(basin.rattle.loudness().expected_impact_power_w.item(), "W")
+        line = f"At {speed} the machine always rattles: {of_drag}, and the teeth part in every turn. "
+        line += f"Expected impact power, over {all_ways}: {power}."
+    lines = [line]
     if of_pulses is not None:
         if of_pulses.lasting.value:
             lines.append(
@@ -151,8 +155,15 @@ def _answers(
         if production.tightened is not None:
             tight, then = production.tightened
             line += f" Within {_between(tight)} it is {then.bad.times(100.0)} %."
-        lines.append(line)
+        lines += [line, *_always_rattling(production)]
     return lines
+
+
+def _always_rattling(production: ToleranceStudy) -> list[str]:
+    """How many machines are never quiet, as a sentence; none if all can be."""
+    part = float((production.table["gamma"] >= 1.0).mean())
+    said = f"{100.0 * part:.3g} % of all machines of the production always rattle: inertia torque reaches drag torque."
+    return [said] if part else []
 
 
 def _in_words(name: str) -> str:
@@ -218,31 +229,42 @@ def _machine_section(pair: GearPair) -> _Section:
     )
 
 
-def _gamma_section(pair: GearPair) -> _Section:
+def _reaches_beyond(over: xr.Dataset) -> bool:
+    """Whether Gamma reaches 1 at one of the speeds."""
+    return bool((over["gamma"] >= 1.0).any())
+
+
+def _gamma_section(pair: GearPair, over: xr.Dataset) -> _Section:
     speed = pair.threshold_speed
+    beyond = "what differs is how loud" if _reaches_beyond(over) else "this page does not reach so far"
     reached = (
         "It never reaches 1, since there is no transmission error."
         if math.isinf(speed)
         else f"It reaches 1 at {speed * RPM:.6g} rpm. From there on the teeth part in every turn: the machine always "
-        "rattles, and this page does not reach so far."
+        f"rattles, and {beyond}."
+    )
+    meant = (
+        "Below 1, drag presses the teeth together all the time, and a machine that runs quietly goes on so. "
+        "A disturbance can still part the teeth. Then they bounce until they are quiet again, or rattle for "
+        "ever. The next sections say which."
+        if pair.gamma < 1.0
+        else "Above 1, inertia parts the teeth for some of each turn, whatever they did before. They may come to rest "
+        "in between, and are thrown again. The next sections say in which motions they rattle, and how loud each is."
     )
     return _Section(
         "Inertia torque over drag torque",
         [
             _Part("text", f"Γ = {pair.gamma:.4g} at {pair.speed * RPM:.6g} rpm. {reached}"),
-            _Part(
-                "text",
-                "Below 1, drag presses the teeth together all the time, and a machine that runs quietly goes on so. "
-                "A disturbance can still part the teeth. Then they bounce until they are quiet again, or rattle for "
-                "ever. The next sections say which.",
-            ),
+            _Part("text", meant),
         ],
     )
 
 
 def _basin_section(pair: GearPair, basin: xr.Dataset) -> _Section:
-    scales, heard = pair.scales, basin.rattle.loudness()
+    scales, heard, can_be_quiet = pair.scales, basin.rattle.loudness(), pair.gamma < 1.0
+    # Quiet, the first motion, is none of a machine that always rattles.
     order = np.argsort(-basin.share.values, kind="stable")
+    order = order if can_be_quiet else order[order > 0]
     rows = []
     for place in order[:_LISTED].tolist():
         motion = heard.isel(attractor=place)
@@ -258,8 +280,16 @@ def _basin_section(pair: GearPair, basin: xr.Dataset) -> _Section:
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
     axes = figure.subplots()
     basin.rattle.plot(ax=axes, overlays=["grazing"])
-    quiet = float(basin.rattle.proven_quiet().min()) * scales.speed
     more = [] if order.size <= _LISTED else [_Part("note", f"And {order.size - _LISTED} more motions.")]
+    named = "P(m, n, l) repeats after m forcing periods with n impacts on one flank and l on the other"
+    named = f"Permanent contact is quiet. {named}." if can_be_quiet else f"{named}; bounces that come to rest are one."
+    proven = []
+    if can_be_quiet:
+        quiet = _with_prefix(float(basin.rattle.proven_quiet().min()) * scales.speed, "m/s")
+        told = (
+            f"Teeth that part with less than {quiet}, at any moment, fall quiet: that is proven by a bound, not tried."
+        )
+        proven = [_Part("text", told)]
     return _Section(
         "What it ends in when its teeth have parted",
         [
@@ -267,17 +297,9 @@ def _basin_section(pair: GearPair, basin: xr.Dataset) -> _Section:
                 "table", "Motions", ("motion", "share", "impacts", "fastest impact", "impact power"), rows, [1, 2, 3, 4]
             ),
             *more,
-            _Part(
-                "text",
-                "Permanent contact is quiet. P(m, n, l) repeats after m forcing periods with n impacts on one flank "
-                "and l on the other. Shares are of all moments and speeds in the picture.",
-            ),
+            _Part("text", f"{named} Shares are of all moments and speeds in the picture."),
             _Part("picture", "The motion that the teeth end in, by when and how fast they part.", svg=_as_svg(figure)),
-            _Part(
-                "text",
-                f"Teeth that part with less than {_with_prefix(quiet, 'm/s')}, at any moment, fall quiet: that is "
-                "proven by a bound, not tried.",
-            ),
+            *proven,
         ],
     )
 
@@ -289,10 +311,12 @@ def _or_unknown(value: float, unit: str) -> str:
 def _speed_section(pair: GearPair, over: xr.Dataset) -> _Section:
     figure = Figure(layout="constrained")  # of no window: it is drawn in any thread
     draw_shares(over, figure)
+    loose = f"From {pair.threshold_speed * RPM:.6g} rpm on Γ is 1 or more, and no departure ends in quiet."
     return _Section(
         "What it does at other speeds",
         [
             _Part("picture", "Shares of motions, loudness and Γ over speed.", svg=_as_svg(figure)),
+            *([_Part("text", loose)] if _reaches_beyond(over) else []),
             _Part(
                 "note",
                 f"At each speed the machine runs steadily: this is no run-up. Its drag torque is {pair.drag_law} over "
@@ -345,6 +369,9 @@ def _tolerance_section(study: ToleranceStudy) -> _Section:
         _Part("table", f"{len(study.table):,} machines within", ("number", "from", "to"), rows, [1, 2]),
         _Part("picture", "How quiet the machines of the production are.", svg=_as_svg(figure)),
     ]
+    for said in _always_rattling(study):
+        power = f"Mean of the expected impact power, over all for which it is known: {study.production.power} W."
+        parts.append(_Part("text", f"{said} {power}"))
     if study.guilty is not None:
         parts.append(
             _Part(

@@ -22,7 +22,6 @@ from scipy.stats import binomtest
 from rattle_kernels import (
     Attractor,
     AttractorKind,
-    check_quiet,
     departures_after_pulses,
     expected_loudness,
     loudness,
@@ -254,12 +253,13 @@ class Pulses:
         Raises
         ------
         InvalidJob
-            If the pulses are held by teeth whose stiffness says otherwise.
+            If the machine is never quiet, or the pulses are held by teeth whose stiffness says otherwise.
         OutsideDomain
             If the machine has no quiet solution.
         """
-        parting = self.size / machine.scales.impulse
+        machine.check_can_be_quiet()
         self.check_pressing(machine)
+        parting = self.size / machine.scales.impulse
         if self.pressing == "held":
             parting = np.maximum(parting, 0.0)
         after = departures_after_pulses(machine.oscillator, self.phase, parting)
@@ -427,9 +427,7 @@ def pulses(
     0.1300 ± 0.0075 ['P(1,1,0)', 'chaotic']
     """
     pair = GearPair.of(machine)
-    pair.check_gamma()
     every = rate_in_si(rate)
-    check_quiet(pair.oscillator)
     return follow(pair, every, Pulses.drawn(size, distribution, departures, seed, pressing))
 
 

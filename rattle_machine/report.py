@@ -76,7 +76,8 @@ def report(
     Raises
     ------
     InvalidJob
-        If an argument is wrong, or inertia torque reaches drag torque (Gamma of 1 or more). It is a ValueError.
+        If an argument is wrong, or inertia torque reaches drag torque (Gamma of 1 or more) in a machine with a mesh
+        stiffness, or in one that pulses are to hit. It is a ValueError.
     OSError
         If the file cannot be written.
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rattle_kernels import Oscillator, OutsideDomain, check_domain, shares_of
+from rattle_kernels import Oscillator, OutsideDomain, check_oscillator, shares_of
 from rattle_machine.departures import Machine, oscillator_of, sample_of
 from rattle_machine.numbers import number_of, unit_of, with_number
 from rattle_machine.pulses import Distribution, Pressing
@@ -225,10 +225,10 @@ def _varied(
         raise InvalidJob(f"between must be two values of {parameter}, not {between!r}", ("between",))
     if isinstance(machine, Oscillator):
         low, high = _numbers(parameter, between)
-        base: Machine = check_domain(machine)
+        base: Machine = check_oscillator(machine)
 
         def at(value: Any) -> Machine:
-            return check_domain(machine.at(**{parameter: value}))
+            return check_oscillator(machine.at(**{parameter: value}))
 
         try:
             machine.value_of(parameter)
@@ -236,7 +236,7 @@ def _varied(
             raise InvalidJob(str(error), ("parameter",)) from None
         return base, at, low, high
     pair = GearPair.of(machine)
-    pair.check_gamma()
+    pair.check_followed()
     ends = [with_number(pair, parameter, value) for value in between]
     low, high = _numbers(parameter, [number_of(each, parameter) for each in ends])
     return pair, lambda value: with_number(pair, parameter, value), low, high
@@ -262,7 +262,7 @@ def _share_at(
         try:
             changed = at(value)
             if isinstance(changed, GearPair):
-                changed.check_gamma()
+                changed.check_followed()
             machine = changed
             t, v = ends_of(machine)
             parts = np.isfinite(v)

@@ -538,20 +538,18 @@ def _machine_does(
     pair: GearPair, ranges: Sequence[Range], values: np.ndarray,
     sample: "Callable[[GearPair], tuple[np.ndarray, np.ndarray]]", pause: Pause,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Quiet share, expected impact power in W, and Gamma of one machine."""
+    """Quiet share, expected impact power in W, NaN where it is not known, and Gamma of one machine."""
     pause()
     machine = pair
     for each, value in zip(ranges, values.tolist(), strict=True):
         machine = with_number(machine, each.name, value)
-    if machine.gamma >= 1.0:  # its teeth part in every turn: it is never quiet, and its power is not known
-        return 0.0, math.nan, machine.gamma
     try:
         t, v = sample(machine)
         parts = np.isfinite(v)
         if not parts.any():
             return 1.0, 0.0, machine.gamma
         found = shares_of(machine.oscillator, t[parts], v[parts], pause=pause)
-    except OutsideDomain:  # no quiet solution (Eq. 3)
+    except (InvalidJob, OutsideDomain):  # not followed, or with no quiet solution that pulses could hit
         return 0.0, math.nan, machine.gamma
     counts = np.bincount(found.solution, minlength=len(found.attractors)) / t.size
     counts[0] += 1.0 - parts.mean()

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 _T = TypeVar("_T")
 _TWO_PI = 2.0 * math.pi
 _FOUR_PI = 4.0 * math.pi
+_RPM = 60.0 / _TWO_PI
 _HIGHEST_ORDER = 1000
 _ROUNDING = 4.0 * sys.float_info.epsilon
 # Numbers of the model, and of its units in SI: beyond these their squares and products are none.
@@ -492,7 +493,7 @@ class GearPair(Request):
 
     @cached_property
     def gamma(self) -> float:
-        """Inertia torque over drag torque. Below 1 Eq. (8) holds; at 1 the teeth are weightless for a moment."""
+        """Inertia torque over drag torque. Below 1 Eq. (8) holds; from 1 on the teeth part in every turn."""
         felt = rest_acceleration_over_phases(self.oscillator)
         return 1.0 - least_value(felt)[0] / felt.mean
 
@@ -533,8 +534,8 @@ class GearPair(Request):
         torque = self.drag_torque_at(value) if isinstance(value, int | float) else self.drag_torque
         return GearPair(**self.model_dump() | {"speed": value, "drag_torque": torque})
 
-    def check_gamma(self, which: str = "") -> None:
-        """Refuse the machine if inertia torque reaches drag torque.
+    def check_followed(self, which: str = "") -> None:
+        """Refuse the machine if it has a mesh stiffness and inertia torque reaches drag torque.
 
         Parameters
         ----------
@@ -546,13 +547,36 @@ class GearPair(Request):
         InvalidJob
             With the speed at which Gamma reaches 1.
         """
-        if self.gamma >= 1.0:
-            turns = 60.0 / _TWO_PI
+        if self.mesh_stiffness is not None and self.gamma >= 1.0:
             raise InvalidJob(
-                f"{which}Gamma is {self.gamma:.3g} at {self.speed * turns:.6g} rpm: inertia torque reaches drag "
-                f"torque, and the teeth part in every turn. Eq. (8) holds below {self.threshold_speed * turns:.6g} rpm",
+                f"{which}{self._teeth_part}. With a mesh_stiffness it is followed below {self._threshold} alone; "
+                "without one, as impacts with a restitution, at any speed",
                 ("machine",),
             )
+
+    def check_can_be_quiet(self) -> None:
+        """Refuse the machine if inertia torque reaches drag torque, so that it is never quiet.
+
+        Raises
+        ------
+        InvalidJob
+            With the speed at which Gamma reaches 1.
+        """
+        if self.gamma >= 1.0:
+            raise InvalidJob(
+                f"{self._teeth_part}. So it is never quiet; below {self._threshold} it can be", ("machine",)
+            )
+
+    @property
+    def _teeth_part(self) -> str:
+        return (
+            f"Gamma is {self.gamma:.3g} at {self.speed * _RPM:.6g} rpm: inertia torque reaches drag torque, and the "
+            "teeth part in every turn"
+        )
+
+    @property
+    def _threshold(self) -> str:
+        return f"{self.threshold_speed * _RPM:.6g} rpm"
 
     @property
     def threshold_speed(self) -> float:

@@ -36,7 +36,7 @@ class MachineView(BaseModel):
     )
     iterations: int = Field(description="k of a settled picture")
     scales: ScalesView
-    gamma: float = Field(description="Inertia torque over drag torque; below 1 the model holds (Eq. 8)")
+    gamma: float = Field(description="Inertia torque over drag torque; from 1 on the teeth part in every turn (Eq. 8)")
     threshold_speed: FiniteOrNone = Field(description="Speed at which gamma reaches 1, rad/s; null if it never does")
     refused: str | None = Field(description="Why jobs refuse the machine; null if they do not")
 
@@ -45,7 +45,7 @@ class MachineView(BaseModel):
         """View of a machine."""
         fastest, refused = None, None
         try:
-            pair.check_gamma()
+            pair.check_followed()
             fastest = fastest_of(pair.oscillator)
         except InvalidJob as error:
             refused = str(error)
@@ -104,7 +104,7 @@ def in_model(body: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
     Raises
     ------
     InvalidJob
-        If the machine is none, or inertia torque reaches drag torque.
+        If the machine is none, or is not followed.
     """
     if body.get(MACHINE) is None:
         return body
@@ -114,7 +114,7 @@ def in_model(body: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
             raise InvalidJob("give the machine or the oscillator, not both: one follows from the other", (MACHINE,))
         return body
     pair = machine_from(body[MACHINE], MACHINE)
-    pair.check_gamma()
+    pair.check_followed()
     request = {name: value for name, value in body.items() if name != MACHINE}
     if MACHINE in fields:
         request[MACHINE] = pair.as_request

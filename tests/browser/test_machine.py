@@ -90,7 +90,7 @@ def test_an_oscillator_that_is_turned_away_from_the_machine_has_no_units(filled)
     expect(filled.page).not_to_have_url(re.compile("machine="))
 
 
-def test_what_is_wrong_is_said_at_its_field_and_a_machine_above_the_threshold_is_refused(filled):
+def test_what_is_wrong_is_said_at_its_field_and_a_stiff_machine_above_the_threshold_is_refused(filled):
     filled.forgiven += ("422",)
     backlash = filled.page.locator("#machine-backlash")
     backlash.fill("0")
@@ -98,8 +98,12 @@ def test_what_is_wrong_is_said_at_its_field_and_a_machine_above_the_threshold_is
     expect(filled.page.locator("#machine-hint-backlash")).to_contain_text("greater than 0")
     backlash.fill("120")
     filled.page.locator("#machine-speed").fill("3000")
-    expect(filled.page.locator("#machine-said")).to_contain_text("the teeth part in every turn")
-    expect(filled.page.locator("#machine-said")).to_have_class(re.compile("wrong"))
+    said = filled.page.locator("#machine-said")
+    expect(said).to_contain_text("the machine is never quiet")
+    expect(said).not_to_have_class(re.compile("wrong"))
+    filled.page.locator("#machine-mesh_stiffness").fill("1")
+    expect(said).to_contain_text("With a mesh_stiffness it is followed below")
+    expect(said).to_have_class(re.compile("wrong"))
 
 
 def test_the_form_has_no_barriers(filled):
@@ -162,7 +166,8 @@ def test_what_is_wrong_with_a_report_is_said_and_a_machine_that_is_refused_has_n
     page.locator("#report-ask").click()
     expect(page.locator("#report-said")).to_contain_text("backlash = 120 +- 20 um")
     page.locator("#machine-speed").fill("3000")
-    expect(page.locator("#machine-said")).to_contain_text("the teeth part in every turn")
+    page.locator("#machine-mesh_stiffness").fill("1")
+    expect(page.locator("#machine-said")).to_contain_text("With a mesh_stiffness it is followed below")
     expect(page.locator("#report-ask")).to_be_disabled()
 
 

@@ -6,6 +6,7 @@ from html.parser import HTMLParser
 import pytest
 
 import rattle
+from rattle_machine.numbers import RPM
 from rattle_machine.proven import Proven
 from rattle_machine.pulses import pulses
 from rattle_machine.report import report
@@ -125,7 +126,35 @@ def test_what_cannot_be_asked_is_said_and_nothing_is_written(tmp_path, asked, sa
     assert not list(tmp_path.iterdir())
 
 
-def test_a_machine_whose_teeth_part_in_every_turn_is_refused_with_the_speed(tmp_path):
-    fast = PAIR.at_speed(1.5 * PAIR.threshold_speed)
-    with pytest.raises(InvalidJob, match="rpm"):
-        report(fast, tmp_path / "none.html", **QUICK)
+FAST = rattle.GearPair(**PAIR.model_dump() | {"restitution": 0.8}).at_speed(1.5 * PAIR.threshold_speed)
+
+
+def test_a_machine_that_always_rattles_has_a_page_that_never_calls_it_quiet(tmp_path):
+    text = "".join(_read(report(FAST, tmp_path / "fast.html", prove=False, **QUICK)).text)
+    power = rattle.basin(FAST, cells=24, progress=False).rattle.loudness().expected_impact_power_w.item()
+    assert "the machine always rattles: inertia torque is 225 % of drag torque" in text
+    assert re.search(r"up to [\d.]+ m/s: ([\d.]+) kW", text)[1] == f"{power / 1e3:.4g}"
+    assert f"From {PAIR.threshold_speed * RPM:.6g} rpm on" in text and "what differs is how loud" in text
+    for said in ("can run quietly", "Permanent contact is quiet", "fall quiet", "permanent contact"):
+        assert said not in text
+
+
+@pytest.mark.slow
+def test_a_page_says_which_speeds_and_machines_lie_beyond_the_threshold(tmp_path):
+    pair, within = FAST.at_speed(130.0), {"speed": (125.0, 150.0)}
+    asked = {"numbers": within, "machines": 32, "prove": False}
+    text = "".join(_read(report(pair, tmp_path / "page.html", **asked, **QUICK)).text)
+    found = tolerances(pair, within, machines=32, departures=32)
+    part = 100.0 * (found.table["gamma"] >= 1.0).mean()
+    assert "the machine can run quietly" in text and f"From {PAIR.threshold_speed * RPM:.6g} rpm on" in text
+    assert text.count(f"{part:.3g} % of all machines of the production always rattle") == 2
+    assert f"over all for which it is known: {found.production.power} W" in text
+
+
+def test_a_stiff_machine_or_pulses_beyond_the_threshold_are_refused_with_the_speed(tmp_path):
+    stiff = rattle.GearPair(**FAST.model_dump() | {"restitution": None, "mesh_stiffness": 3e5})
+    rpm = f"below {PAIR.threshold_speed * RPM:.6g} rpm"
+    for pair, asked in ((stiff, {}), (FAST, {"rate": RATE, "size": SIZE})):
+        with pytest.raises(InvalidJob, match=rpm):
+            report(pair, tmp_path / "none.html", **asked, **QUICK)
+    assert not list(tmp_path.iterdir())

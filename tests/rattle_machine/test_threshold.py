@@ -105,7 +105,7 @@ def test_orders_of_the_transmission_error_are_parameters():
         ({"between": (0.1, 0.1)}, "between", "two different values"),
         ({"between": 0.1}, "between", "two values"),
         ({"between": (0.1, math.inf)}, "between", "two values"),
-        ({"between": (0.1, 0.3)}, "between", r"eccentricity = .*epsilon_crit2"),
+        ({"between": (-0.1, 0.1)}, "between", "eccentricity = -0.1: .* at least 0"),
         ({"size": 1.0}, "size", "GearPair"),
         ({"distribution": "normal"}, "distribution", "give a size"),
         ({"departures": 1}, "departures", "from 2 on"),
@@ -127,8 +127,19 @@ def test_parameters_of_a_machine_are_named():
             rattle.threshold(machine(), parameter, 0.8, between=(0.1, 0.2))
     with pytest.raises(rattle.InvalidJob, match="backlash"):
         rattle.threshold(machine(), "backlash", 0.8, between=("1 s", "2 mm"))
-    with pytest.raises(rattle.InvalidJob, match=r"speed = .* Gamma is"):
-        rattle.threshold(machine(), "speed", 0.8, between=(900.0, 1000.0), departures=16, scan=2)
+    fast = {"between": (900.0, 1000.0), "departures": 16, "scan": 2}
+    with pytest.raises(rattle.InvalidJob, match=r"speed = 900: Gamma is .* With a mesh_stiffness it is followed below"):
+        rattle.threshold(machine(mesh_stiffness=1e9), "speed", 0.8, **fast)
+    with pytest.raises(rattle.InvalidJob, match=r"speed = 900: Gamma is .* So it is never quiet"):
+        rattle.threshold(machine(), "speed", 0.8, size=1.0, **fast)
+
+
+def test_no_share_of_quiet_is_left_beyond_the_threshold_speed():
+    pair = machine(restitution=0.8)
+    ends = 0.7 * pair.threshold_speed, 1.1 * pair.threshold_speed
+    found = rattle.threshold(pair, "speed", 0.5, between=ends, departures=32, scan=3)
+    assert found.scanned[0][1] > 0.5 and found.scanned[-1] == (ends[1], 0.0)
+    assert found.bracket[0] < pair.threshold_speed
 
 
 @pytest.mark.slow

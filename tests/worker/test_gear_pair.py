@@ -236,12 +236,27 @@ def test_a_motion_of_a_machine_has_si_units():
     np.testing.assert_allclose(motion.contact_speed_m_s, motion.contact_speed * pair.scales.speed)
 
 
-def test_a_machine_beyond_the_domain_is_refused_with_the_speed_at_which_it_leaves_it():
-    pair = rattle.GearPair(**LIGHT)
+def test_a_stiff_machine_beyond_the_threshold_is_refused_with_its_speed():
+    pair = rattle.GearPair(**LIGHT, mesh_stiffness=3.1e9)
     fast = pair.at_speed(2 * pair.threshold_speed)
-    with pytest.raises(rattle.InvalidJob, match="machine: |Gamma is 4.* Eq. .8. holds below") as refused:
+    rpm = f"{pair.threshold_speed * 30 / math.pi:.6g} rpm"
+    told = (
+        rf"Gamma is 4.* the teeth part in every turn\. With a mesh_stiffness it is followed below {rpm} alone; without"
+    )
+    with pytest.raises(rattle.InvalidJob, match=told) as refused:
         rattle.basin(fast)
-    assert f"{pair.threshold_speed * 30 / math.pi:.6g} rpm" in str(refused.value)
+    assert refused.value.place == ("machine",)
+
+
+def test_a_machine_of_impacts_beyond_the_threshold_is_followed_and_never_quiet():
+    pair = rattle.GearPair(**LIGHT, restitution=0.8)
+    fast = pair.at_speed(2 * pair.threshold_speed)
+    basin = rattle.basin(fast, cells=8, iterations=101, progress=False)
+    assert basin.rattle.machine == fast and basin.share.values[0] == 0.0
+    assert basin.rattle.loudness().expected_impact_power_w.item() > 0.0
+    with pytest.raises(rattle.InvalidJob, match=r"Gamma is 4.* So it is never quiet; below .* rpm it can be"):
+        fast.check_can_be_quiet()
+    pair.check_can_be_quiet()
 
 
 @pytest.mark.parametrize(
@@ -259,13 +274,16 @@ def test_what_is_no_machine_is_refused(given):
         rattle.basin(given)
 
 
-def test_energy_is_balanced_in_watts_over_a_periodic_motion():
+@pytest.mark.parametrize("part", [0.82, 1.02], ids=["below the threshold", "beyond the threshold"])
+def test_energy_is_balanced_in_watts_over_a_periodic_motion(part):
     """What the motor gives is what drag and impacts take, less what the transmission error gives.
 
     The two shafts are integrated in SI between two impacts of the model's P(1,1,0), with the work of the motor and of
     drag beside them. An impact takes (1 - r^2) m v^2/2, and moves against a tooth that moves with e'.
     """
     pair = machine(drag_torque=150.0, transmission_error=5e-3, backlash=0.06, inertia_ratio=0.4, restitution=0.95)
+    pair = pair.at_speed(part * pair.threshold_speed)
+    assert (pair.gamma > 1.0) == (part > 1.0)
     motion = next(each for each in find_attractors_of(pair) if each.name == "P(1,1,0)")
     t, v, scales = float(motion.time[0]), float(motion.velocity[0]), pair.scales
     first = pair.base_radius * math.sqrt(pair.inertia_ratio)  # another radius than the driven gear's

@@ -254,6 +254,7 @@ def test_a_list_of_machines_is_numbered_and_has_all_orders_of_the_forcing():
 
 
 FAST = PAIR.at_speed(2 * PAIR.threshold_speed)
+STIFF = rattle.GearPair(**PAIR.model_dump() | {"mesh_stiffness": 3e5})
 
 
 @pytest.mark.parametrize(
@@ -282,7 +283,7 @@ FAST = PAIR.at_speed(2 * PAIR.threshold_speed)
             {"machine": None, "machines": [PAIR.oscillator, PAIR.oscillator._replace(stiffness=1e3)]},
             "all of the impacting model or all of the piecewise linear",
         ),
-        ({"machine": None, "machines": [PAIR, FAST]}, "machine 1: Gamma is"),
+        ({"machine": None, "machines": [STIFF, STIFF.at_speed(FAST.speed)]}, "machine 1: Gamma is"),
     ],
 )
 def test_what_is_wrong_is_said_with_what_would_be_right(given, told):
@@ -290,14 +291,40 @@ def test_what_is_wrong_is_said_with_what_would_be_right(given, told):
         swept(**given)
 
 
-def test_a_speed_beyond_the_domain_is_named_with_the_speed_at_which_it_is_left():
-    """Whatever the speed of the machine itself, at which it need not be within."""
+def test_a_speed_at_which_a_stiff_machine_is_not_followed_is_named_with_the_threshold():
+    """Whatever the speed of the machine itself, at which it need not be followed."""
     turns = 30 / math.pi
     fast = ["900 rpm", f"{1.1 * PAIR.threshold_speed * turns!r} rpm"]
-    for pair in (PAIR, FAST):
+    for pair in (STIFF, STIFF.at_speed(FAST.speed)):
         with pytest.raises(rattle.InvalidJob, match=r"machine 1, speed = [\d.]+ rpm: Gamma is 1\.") as refused:
             job_of("sweep", {"machine": pair, "speed": fast})
         assert f"below {PAIR.threshold_speed * turns:.6g} rpm" in str(refused.value)
+
+
+@pytest.fixture(scope="module")
+def crossing():
+    """Speeds on both sides of the threshold, of a machine whose impacts lose energy."""
+    lossy = rattle.GearPair(**PAIR.model_dump() | {"restitution": 0.8})
+    speeds = [part * PAIR.threshold_speed for part in (0.75, 0.95, 1.1, 1.5)]
+    return rattle.sweep(lossy, speed=speeds, sample=64, progress=False)
+
+
+def test_a_sweep_over_speed_goes_through_the_threshold(crossing):
+    table = crossing.rattle.to_table("speed")
+    beyond = table.gamma.values >= 1.0
+    assert beyond.tolist() == [False, False, True, True]
+    np.testing.assert_array_equal(table.gamma, [pair.gamma for pair in crossing.rattle.machines])
+    quiet, power = crossing.share.sel(attractor="permanent contact").values, table.expected_impact_power_w.values
+    assert (quiet[~beyond] > 0.0).all() and (quiet[beyond] == 0.0).all()
+    assert np.isfinite(power).all() and power[beyond].min() > power[~beyond].max()
+    shares = crossing.rattle.to_table().groupby("speed").share.sum()
+    np.testing.assert_allclose(shares, 1.0)
+
+
+def test_its_chart_shows_gamma_beyond_1(crossing):
+    axes = crossing.rattle.plot_shares().axes[-1]
+    assert axes.get_ylim()[1] > crossing.gamma.values.max() > 1.0
+    plt.close("all")
 
 
 @pytest.mark.parametrize(

@@ -170,7 +170,8 @@ def draw_shares(dataset: xr.Dataset, figure: Figure | Axes) -> None:
     if gamma is not None:
         below[-1].plot(job.axes[0].values, gamma.values, marker=".", color="black")
         below[-1].set_ylabel("Γ", fontsize="small")
-        below[-1].set_ylim(0.0, 1.0)
+        below[-1].set_ylim(0.0, max(1.0, 1.05 * float(gamma.max())))
+        below[-1].axhline(1.0, color="grey", linestyle=":")
         below[-1].grid(alpha=0.3)
     shares.set_xlabel("")
     below[-1].set_xlabel(axis_in_words(job.axes[0]))

@@ -1,10 +1,13 @@
 """A machine in its own units over HTTP: what it is in the model, and jobs that take it in place of an oscillator."""
 
+import io
 import math
 
+import pandas as pd
 import pytest
 
 import rattle
+from rattle.arguments import job_of
 from tests.service.routes.problems import assert_problem
 from worker.precision_limits import fastest_of
 
@@ -15,6 +18,12 @@ PUMP = {
 NOISY = {
     "speed": 305.0, "inertia": 0.0173, "drag_torque": 150.0, "base_radius": 0.0571, "backlash": 61e-6,
     "transmission_error": 500e-6,
+}  # fmt: skip
+
+# Nearly the paper's numbers, with impacts that lose energy.
+SCALED = {
+    "speed": 100.0, "inertia": 0.01, "drag_torque": 9.5493, "base_radius": 0.1, "backlash": 0.12,
+    "transmission_error": 0.01, "restitution": 0.8,
 }  # fmt: skip
 
 
@@ -32,9 +41,31 @@ def test_a_machine_is_converted_as_by_the_package(service):
 
 
 def test_what_jobs_refuse_is_converted_all_the_same_and_says_why(service):
-    answer = service.request("POST", "/v1/machines", json=PUMP | {"speed": "9000 rpm"}).json()
+    stiff = PUMP | {"speed": "9000 rpm", "mesh_stiffness": "200 N/um"}
+    answer = service.request("POST", "/v1/machines", json=stiff).json()
     assert answer["gamma"] > 1.0 and answer["velocity_stop"] is None
-    assert "Eq. (8) holds below 4144.8" in answer["refused"]
+    assert "With a mesh_stiffness it is followed below 4144.8" in answer["refused"]
+
+
+def test_a_machine_of_impacts_is_not_refused_beyond_the_threshold(service):
+    answer = service.request("POST", "/v1/machines", json=PUMP | {"speed": "9000 rpm"}).json()
+    pair = rattle.GearPair(**PUMP | {"speed": "9000 rpm"})
+    assert answer["gamma"] == pair.gamma > 1.0 and answer["refused"] is None
+    assert answer["velocity_stop"] == fastest_of(pair.oscillator)
+
+
+def test_a_sweep_over_speed_goes_through_the_threshold(service):
+    pair = rattle.GearPair(**SCALED)
+    speeds = [part * pair.threshold_speed for part in (0.75, 0.95, 1.1)]
+    asked = job_of("sweep", {"machine": pair, "speed": speeds, "sample": 32}).request()
+    job = service.wait(service.submit(asked, "sweeps")["id"])
+    assert job["state"] == "succeeded", job
+    answer = service.request("GET", f"/v1/jobs/{job['id']}/result.csv?table=speed&units=si")
+    table = pd.read_csv(io.StringIO(answer.text))
+    assert table.gamma.tolist() == pytest.approx([pair.at_speed(speed).gamma for speed in speeds])
+    assert (table.gamma >= 1.0).tolist() == [False, False, True]
+    power = table.expected_impact_power_w
+    assert power.notna().all() and power[2] > max(power[:2])
 
 
 def test_without_a_transmission_error_no_speed_is_a_threshold(service):
@@ -104,7 +135,7 @@ def test_a_machine_at_fault_is_named_where_it_stands(service, path):
     if path != "basins":
         refused("machine or the oscillator, not both", machine=PUMP, oscillator={})
     refused("body.machine.speed: '3 kg'", machine=PUMP | {"speed": "3 kg"})
-    refused("Gamma is 4.71 at 9000 rpm", machine=PUMP | {"speed": "9000 rpm"})
+    refused("Gamma is 4.71 at 9000 rpm", machine=PUMP | {"speed": "9000 rpm", "mesh_stiffness": "200 N/um"})
     refused("a machine is an object", machine=3)
 
 

@@ -108,5 +108,6 @@ export function inUnits(value, unit) {
 export function gammaInWords({ gamma, threshold_speed }) {
   const rpm = threshold_speed === null ? null : Math.round((threshold_speed * 30) / Math.PI);
   const reached = rpm === null ? "Without a transmission error it never reaches 1." : `It reaches 1 at ${rpm} rpm.`;
-  return `Inertia torque over drag torque Γ = ${Number(gamma.toPrecision(3))}. ${reached}`;
+  const beyond = gamma < 1 ? "" : " Here the teeth part in every turn, and the machine is never quiet.";
+  return `Inertia torque over drag torque Γ = ${Number(gamma.toPrecision(3))}. ${reached}${beyond}`;
 }
