@@ -13,6 +13,9 @@ from rattle_kernels.lanes.lane_fields import FLIGHT_FIELDS, LANES, lane_buffer
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.contact import slow_part
 
+# A kernel that is compiled to be read, and is not kept on disk.
+pytestmark = pytest.mark.slow
+
 
 @numba.njit(error_model="numpy")
 def _pass(oscillator, tables, slow):

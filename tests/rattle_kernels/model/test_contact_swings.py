@@ -57,7 +57,7 @@ def test_no_contact_of_a_cell_ends_a_swing_before_its_nodes(oscillator):
 
 WIDER = [
     Oscillator(stiffness=1e3, contact_damping=0.02),
-    Oscillator(stiffness=1e3, harmonics=((2, 0.01, 0.3),)),
+    pytest.param(Oscillator(stiffness=1e3, harmonics=((2, 0.01, 0.3),)), marks=pytest.mark.slow),
     Oscillator(stiffness=1e3, permanent_after=1.0),
 ]
 

@@ -35,7 +35,7 @@ _SECONDS = 120
 def service(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         limits = {"max_samples": 1000, "max_contacts": 1000}
-        patch.setattr(previews, "_MOST_SECONDS", 2.0)
+        patch.setattr(previews, "_MOST_SECONDS", 0.25)
         with idle_service(patch, tmp_path_factory.mktemp("idle"), **limits) as service:
             service.ended = service.add_job()
             service.jobs.transition(service.ended.id, JobState.QUEUED, JobState.SUCCEEDED)
