@@ -139,7 +139,7 @@ def test_a_proof_is_asked_for_by_its_box(explorer):
     box = page.get_by_label("prove it")
     box.check()
     explorer.compute()
-    explorer.state("Complete")
+    explorer.state("Complete", seconds=200)  # its kernels are compiled first
     expect(page.locator("#legend").get_by_role("heading", name="Proven: 100.00 %", exact=True)).to_be_visible()
     expect(page).to_have_url(re.compile("prove=3"))
     expect(box).to_be_checked()
