@@ -18,12 +18,15 @@ arc ends. The other wall is not met if ``v^2/(2 p_-) < 2 beta``.
 
 If this cannot be shown the bounces are followed one by one (`accumulates`). Either they come to where it can be shown,
 or one of them lasts beyond the end of the arc or meets the other wall.
+
+At Gamma = 1 the zero of a(t), where it does not change its sign, ends an arc, too. A gear that rests stays there. Bounces
+that go on beyond the zero are bounces: they may never accumulate.
 """
 
 import math
 
 from rattle_kernels.impact_map.arc_flights import next_loose_contact
-from rattle_kernels.model.arcs import is_pressed, time_to_release
+from rattle_kernels.model.arcs import is_pressed, time_to_end
 from rattle_kernels.model.flight import rest_acceleration
 from rattle_kernels.numerics.jit import inlined
 from rattle_kernels.numerics.phase import wrap
@@ -53,7 +56,7 @@ def comes_to_rest(oscillator, wall, phase, speed):
     bool
         Never where impacts are elastic.
     """
-    left = time_to_release(oscillator.arcs, phase)
+    left = time_to_end(oscillator.arcs, phase)
     return is_sure_to_rest(oscillator, wall * rest_acceleration(oscillator, phase), left, speed)
 
 
@@ -92,7 +95,7 @@ def accumulates(oscillator, wall, phase, speed):
     """
     if oscillator.restitution == 1.0 or not is_pressed(oscillator.arcs, wall, phase):
         return False
-    left = time_to_release(oscillator.arcs, phase)
+    left = time_to_end(oscillator.arcs, phase)
     for _ in range(_MOST_BOUNCES):
         if comes_to_rest(oscillator, wall, phase, speed):
             return True

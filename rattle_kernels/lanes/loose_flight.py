@@ -56,7 +56,7 @@ from rattle_kernels.lanes.lane_fields import (
     VELOCITY,
     unset_lane_buffer,
 )
-from rattle_kernels.model.arcs import next_end, phase_of_release, sign_before, time_of_end
+from rattle_kernels.model.arcs import is_pressed, phase_of_release, time_to_end, time_to_release
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI
 from rattle_kernels.numerics.jit import always_inlined, chosen_by_field, inlined
 from rattle_kernels.numerics.phase import part_turn, wrap
@@ -341,7 +341,9 @@ def _meet(work, j, oscillator, target):
 
 @always_inlined
 def _land(lanes, i, upper, phase, speed, after):
-    """Write down how the flight of lane i has ended: it leaves a wall at a speed, some time after the contact."""
+    """Write down how the flight of lane i has ended: it leaves a wall at a speed, some time after the contact, or never."""
+    if after == math.inf:
+        after = speed = 0.0
     lanes[DURATION + i] += after
     lanes[END_PHASE + i] = phase
     lanes[END_VELOCITY + i] = -speed if upper else speed
@@ -353,8 +355,7 @@ def _bounces_on(lanes, i, oscillator, tables, wall, same_wall, same_arc, contact
     """Whether a contact of lane i is a bounce that is to be followed further; if not its flight ends, or it is lost."""
     arcs, phase = oscillator.arcs, contact.phase
     speed, upper = oscillator.restitution * contact.speed, wall == UPPER
-    number = next_end(arcs, phase)
-    left = time_of_end(arcs, number) - phase
+    left = time_to_end(arcs, phase)
     if lanes[_LEFT + i] < 0.0:  # the end of the flight, unless it rests
         lanes[DURATION + i], lanes[_ARRIVAL + i], lanes[_RESTS + i] = contact.duration, contact.speed, 0.0
         known = lanes[PHASE + i] == lanes[_KNOWN_PHASE + i] and lanes[VELOCITY + i] == lanes[_KNOWN_VELOCITY + i]
@@ -365,7 +366,7 @@ def _bounces_on(lanes, i, oscillator, tables, wall, same_wall, same_arc, contact
         jumps_below = tables.upper_jumps_below if upper else tables.lower_jumps_below
         # A bounce takes that long at least: it is slowed by so much, and falls no faster.
         shortest = 2.0 * speed / (arcs.strongest + oscillator.damping * speed)
-        pressed = sign_before(arcs, number) == wall and oscillator.restitution < 1.0
+        pressed = is_pressed(arcs, wall, phase) and oscillator.restitution < 1.0
         if known or not (pressed and speed < jumps_below and shortest <= left):
             return False
     elif not same_wall or contact.duration >= lanes[_LEFT + i]:
@@ -377,10 +378,7 @@ def _bounces_on(lanes, i, oscillator, tables, wall, same_wall, same_arc, contact
         return True
     first = lanes[END_PHASE + i]
     lanes[_RESTS + i] = 1.0
-    # A gear that is never released stays in contact.
-    stays = arcs.begin.size < 2
-    after = 0.0 if stays else time_of_end(arcs, next_end(arcs, first)) - first
-    _land(lanes, i, upper, phase_of_release(arcs, first), 0.0 if stays else RELEASED, after)
+    _land(lanes, i, upper, phase_of_release(arcs, first), RELEASED, time_to_release(arcs, first))
     return False
 
 
@@ -395,9 +393,7 @@ def _fly_alone(lanes, i, oscillator, tables):
     leaves = leave(oscillator, end.wall, end.phase, oscillator.restitution * speed, jumps_below)
     lanes[_RESTS + i], lanes[_ARRIVAL + i] = 1.0 if leaves.rests else 0.0, speed
     lanes[DURATION + i] = end.duration
-    # A gear that is never released stays in contact.
-    leaves_at = leaves.speed if math.isfinite(leaves.after) else 0.0
-    _land(lanes, i, upper, leaves.phase if end.found else math.nan, leaves_at, leaves.after)
+    _land(lanes, i, upper, leaves.phase if end.found else math.nan, leaves.speed, leaves.after)
 
 
 @always_inlined

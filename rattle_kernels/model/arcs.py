@@ -137,11 +137,15 @@ def is_pressed(arcs, wall, phase):
 
 
 @inlined
-def time_to_release(arcs, phase):
-    """Time from a phase in [0, 1) to the end of its arc, where a pressed gear leaves; infinite if there is none."""
-    if arcs.begin.size < 2:
-        return math.inf
+def time_to_end(arcs, phase):
+    """Time from a phase in [0, 1) to the end of its arc."""
     return time_of_end(arcs, next_end(arcs, phase)) - phase
+
+
+@inlined
+def time_to_release(arcs, phase):
+    """Time from a phase in [0, 1) until a pressed gear leaves: to the end of its arc, or infinite if a keeps its sign."""
+    return time_to_end(arcs, phase) if arcs.begin.size > 1 else math.inf
 
 
 @inlined

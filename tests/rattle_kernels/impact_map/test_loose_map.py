@@ -9,6 +9,7 @@ import pytest
 
 from rattle_kernels import Oscillator, Outcome, OutsideDomain, grazing_velocity, next_impacts
 from rattle_kernels.impact_map.loose_map import RELEASED
+from rattle_kernels.model.arcs import arcs_of, largest_eccentricity_of_one
 from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
 from tests.rattle_kernels.impact_map.integrator import integrated_loose_impact
@@ -183,9 +184,11 @@ def test_impact_pair_has_its_multipliers_in_closed_form(half_backlash, eccentric
         assert abs(2.0 * half - whole - trace) < 0.01 * abs(whole - trace)
 
 
-def _agrees(found, i, impact, jacobian, v):
-    """Whether a lane has landed where the scalar path does: next to a graze the end moves with the inverse speed."""
+def _assert_lands_alike(found, i, impact, jacobian, v):
+    """A lane lands where the scalar path does: next to a graze the end moves with the inverse speed."""
     assert (found.lower_impacts[i], found.outcome[i]) == (impact.lower_impacts, impact.outcome)
+    if impact.outcome != Outcome.RETURNED:
+        return
     moves = np.abs(np.array(jacobian)) * np.array([1.0, v, 1.0, v])
     assert phase_error(found.t[i], repr(impact.t)) <= 1e-12 * max(1.0, moves[:2].max())
     assert abs(found.v[i] - impact.v) <= 1e-12 * max(impact.v, v, moves[2:].max())
@@ -197,8 +200,22 @@ def test_lanes_follow_the_scalar_path(seed):
     t, v = rng.random(300), scale * 10.0 ** rng.uniform(-4.0, 0.3, 300)
     once, settled = next_impacts(oscillator, t, v), next_impacts(oscillator, t, v, shortcuts=True)
     for i in range(t.size):
-        _agrees(once, i, *bounce_with_derivative(oscillator, t[i], v[i]), v[i])
-        _agrees(settled, i, *derivative(oscillator, t[i], v[i]), v[i])
+        _assert_lands_alike(once, i, *bounce_with_derivative(oscillator, t[i], v[i]), v[i])
+        _assert_lands_alike(settled, i, *derivative(oscillator, t[i], v[i]), v[i])
+
+
+@pytest.mark.parametrize("damping", [0.1, 0.6])
+def test_lanes_follow_the_scalar_path_where_the_acceleration_at_rest_has_one_zero(damping):
+    """Gamma = 1: what comes to rest stays; bounces that reach the zero of a(t), some of them on an orbit, go on."""
+    oscillator = Oscillator(damping, largest_eccentricity_of_one(damping), 0.3, restitution=0.7)
+    assert arcs_of(oscillator).begin.size == 1
+    rng = np.random.default_rng(1)
+    t, v = rng.random(300), 10.0 ** rng.uniform(-4.0, 1.0, 300)
+    once, settled = next_impacts(oscillator, t, v), next_impacts(oscillator, t, v, shortcuts=True)
+    for i in range(t.size):
+        _assert_lands_alike(once, i, *bounce_with_derivative(oscillator, t[i], v[i]), v[i])
+        _assert_lands_alike(settled, i, *derivative(oscillator, t[i], v[i]), v[i])
+    assert 0 < (settled.outcome == Outcome.PERMANENT_CONTACT).sum() < t.size
 
 
 def test_a_lane_of_a_loose_gear_does_not_depend_on_its_neighbours():
