@@ -48,18 +48,16 @@ test-pythons:  ## run the tests on every Python from 3.11 to 3.14 that is here
 test-processors: $(READY)  ## the same bytes for every processor that this one can stand in for (minutes)
 	$(BIN)/python -m pytest -m '' tests/rattle_kernels/numerics/test_fused_multiply_add.py tests/worker/basins/test_same_bytes.py
 
-# They are among the slow ones, too; before a change is merged they run by themselves.
-GOLDEN := tests/golden tests/rattle_proof/enclosures/test_deliberate_faults.py tests/rattle_proof/verification/test_faults.py
-
-test-golden: $(READY)  ## results to the byte against golden stores, proofs, and their deliberate faults (minutes)
-	$(BIN)/python -m pytest -m '' $(ON_TWO_CORES) $(GOLDEN)
+# Some of them are among the slow ones, too; before a change is merged they run by themselves.
+test-golden: $(READY)  ## results to the byte against golden stores, and proofs (minutes)
+	$(BIN)/python -m pytest -m '' $(ON_TWO_CORES) tests/golden
 	$(BIN)/python -m pytest -m 'proof and not slow' $(ON_TWO_CORES)
 
 # In lanes a wrong index corrupts other lanes without a sign, unless it is checked.
 BOUNDS_CHECKED := $(addprefix tests/rattle_kernels/,numerics impact_map lanes cell_mapping attractors/test_classify.py) \
   $(addprefix tests/rattle_proof/enclosures/,test_interval.py test_enclosed_functions.py)
 
-test-slow: $(READY)  ## run the slow tests as well, and small tests of the kernels with checked array bounds
+test-slow: $(READY)  ## run the slow tests as well, the proofs' deliberate faults among them, and small tests of the kernels with checked array bounds
 	$(BIN)/python -m pytest $(ON_TWO_CORES) -m 'not browser and not faults and not containers and not hosts and not distribution'
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -m 'not slow' $(BOUNDS_CHECKED)
 

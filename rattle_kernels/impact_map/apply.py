@@ -18,11 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd, fly_over, next_contact
-from rattle_kernels.impact_map.loose_map import Impact, next_loose_impact
+from rattle_kernels.impact_map.flights import BACKWARDS, FORWARDS, LOWER, UPPER, FlightEnd, fly_over, next_contact
+from rattle_kernels.impact_map.loose_map import Impact, next_loose_impact, previous_loose_impact
 from rattle_kernels.model.contact_end import Contact, follow_contact
 from rattle_kernels.model.departures import check_departures
-from rattle_kernels.model.domain import check_impacting
+from rattle_kernels.model.domain import check_impacting, check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import (
     OUTCOME_NOT_CONVERGED,
@@ -34,10 +34,6 @@ from rattle_kernels.numerics.phase import part_turn, wrap
 
 INVERSE_OF_IMPACTS = "the inverse of P is needed, and a contact of finite stiffness is followed forwards only"
 """Why the piecewise linear model is refused where P is applied backwards."""
-
-# Which way P is applied.
-FORWARDS = 1.0
-BACKWARDS = -1.0
 
 
 class Impacts(NamedTuple):
@@ -158,16 +154,16 @@ def next_impact(oscillator, t, v):
     return _apply(oscillator, t, v, FORWARDS)
 
 
-@inlined
+@chosen_by_field("arcs", previous_loose_impact)
 def previous_impact(oscillator, t, v):
     """One application of the inverse of P: the departure whose next departure is (t, v) (time reversed, Sec. 6.1)."""
     return _apply(oscillator, t, v, BACKWARDS)
 
 
 @kernel
-def _apply_to_all(oscillator, direction, t, v, lower_impacts, outcome):
+def _undo_all(oscillator, t, v, lower_impacts, outcome):
     for i in range(t.size):
-        impact = _apply(oscillator, t[i], v[i], direction)
+        impact = previous_impact(oscillator, t[i], v[i])
         t[i], v[i], lower_impacts[i], outcome[i] = impact.t, impact.v, impact.lower_impacts, impact.outcome
 
 
@@ -177,14 +173,15 @@ def previous_impacts(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typin
     Parameters
     ----------
     oscillator : Oscillator
-        Impacting model (infinite stiffness).
+        Impacting model (infinite stiffness), also beyond the bound of Eq. (8).
     t, v : array_like, broadcast together
         Phase (forcing periods) and speed of departures from +beta.
 
     Returns
     -------
     Impacts
-        The departures one application of P earlier.
+        The departures one application of P earlier. Beyond Eq. (8) P goes from bounce to bounce here. A release has
+        infinitely many departures before it: there is none to give, and its outcome is OUTSIDE_SECTION.
 
     Raises
     ------
@@ -193,8 +190,10 @@ def previous_impacts(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typin
     ValueError
         Where a point is no departure: not finite, or without a positive speed.
     """
-    checked = check_impacting(oscillator, INVERSE_OF_IMPACTS)
+    checked = check_oscillator(oscillator)
+    if not checked.is_loose:
+        checked = check_impacting(checked, INVERSE_OF_IMPACTS)
     phase, speed = (np.array(a) for a in np.broadcast_arrays(*check_departures(t, v, ended=True)))
     lower_impacts, outcome = np.zeros(phase.shape, np.int64), np.zeros(phase.shape, np.int8)
-    _apply_to_all(checked, BACKWARDS, phase.ravel(), speed.ravel(), lower_impacts.ravel(), outcome.ravel())
+    _undo_all(checked.in_kernels, phase.ravel(), speed.ravel(), lower_impacts.ravel(), outcome.ravel())
     return Impacts(phase, speed, lower_impacts, outcome)

@@ -19,8 +19,8 @@ arc ends. The other wall is not met if ``v^2/(2 p_-) < 2 beta``.
 If this cannot be shown the bounces are followed one by one (`accumulates`). Either they come to where it can be shown,
 or one of them lasts beyond the end of the arc or meets the other wall.
 
-At Gamma = 1 the zero of a(t), where it does not change its sign, ends an arc, too. A gear that rests stays there. Bounces
-that go on beyond the zero are bounces: they may never accumulate.
+At Gamma = 1 the zero of a(t), where it does not change its sign, ends an arc, too. A gear that rests stays there.
+Bounces that go on beyond the zero are bounces: they may never accumulate.
 """
 
 import math

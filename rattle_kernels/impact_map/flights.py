@@ -17,6 +17,10 @@ from rattle_kernels.numerics.roots import root_finder
 UPPER = 1.0
 LOWER = -1.0
 
+# Which way in time a flight is followed.
+FORWARDS = 1.0
+BACKWARDS = -1.0
+
 
 class FlightEnd(NamedTuple):
     """End of a flight: the wall met (UPPER or LOWER), phase (not reduced), signed duration and velocity there."""
@@ -101,7 +105,7 @@ def next_contact(oscillator, wall, phase, velocity, direction):
     phase, velocity : float
         Phase (any value) and signed velocity Phi' of the departure.
     direction : float
-        +1 forwards in time, -1 backwards.
+        FORWARDS or BACKWARDS in time.
 
     Returns
     -------

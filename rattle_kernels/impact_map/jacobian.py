@@ -1,7 +1,7 @@
 """DP, the derivative of the impact map: the product of the variations of its flights and contacts (`variations`)."""
 
-from rattle_kernels.impact_map.apply import FORWARDS, walk
-from rattle_kernels.impact_map.flights import LOWER, UPPER
+from rattle_kernels.impact_map.apply import walk
+from rattle_kernels.impact_map.flights import FORWARDS, LOWER, UPPER
 from rattle_kernels.impact_map.loose_map import Impact, next_loose_impact_with_jacobian
 from rattle_kernels.impact_map.variations import by_speeds, contact_jacobian, flight_jacobian, multiply
 from rattle_kernels.numerics.jit import chosen_by_field, inlined

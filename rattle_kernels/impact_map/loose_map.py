@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from rattle_kernels.impact_map.arc_flights import next_loose_contact
 from rattle_kernels.impact_map.complete_chatter import accumulates
-from rattle_kernels.impact_map.flights import LOWER, UPPER
+from rattle_kernels.impact_map.flights import BACKWARDS, LOWER, UPPER
 from rattle_kernels.impact_map.variations import Jacobian, by_speeds, contact_jacobian, flight_jacobian, multiply
 from rattle_kernels.model.arcs import is_pressed, phase_of_release, time_to_release
 from rattle_kernels.model.contact_end import Contact
@@ -188,3 +188,34 @@ def next_loose_impact_with_jacobian(oscillator, t, v):
     """
     loose, jacobian = _follow(oscillator, t, v, math.inf)
     return loose.impact, by_speeds(jacobian)
+
+
+@inlined
+def previous_loose_impact(oscillator, t, v):
+    """One application of the inverse of `contact_by_contact`, by the way back.
+
+    Parameters
+    ----------
+    oscillator : LooseOscillator
+        Checked by the caller.
+    t, v : float
+        Phase and speed of a departure from +beta. Before a release there are infinitely many: it is refused.
+
+    Returns
+    -------
+    Impact
+        Its duration is negative.
+    """
+    if not (math.isfinite(t) and math.isfinite(v) and v > RELEASED):
+        return _lost(0, OUTCOME_OUTSIDE_SECTION).impact
+    # Backwards a departure is first the arrival before its impact.
+    wall, phase, velocity, elapsed = UPPER, t, v / oscillator.restitution, 0.0
+    for lower_impacts in range(_MOST_CONTACTS):
+        end = next_loose_contact(oscillator, wall, phase, velocity, BACKWARDS)
+        if not end.found:
+            break
+        phase, elapsed = wrap(end.phase), elapsed + end.duration
+        if end.wall == UPPER:
+            return Impact(phase, abs(end.velocity), lower_impacts, OUTCOME_RETURNED, elapsed)
+        wall, velocity = LOWER, -abs(end.velocity) / oscillator.restitution
+    return _lost(0, OUTCOME_NOT_CONVERGED).impact

@@ -21,8 +21,8 @@ and zeta through its slow part (`model.slow_harmonics`) and through its ringing.
 import math
 from typing import NamedTuple
 
-from rattle_kernels.impact_map.apply import FORWARDS, walk
-from rattle_kernels.impact_map.flights import LOWER, UPPER
+from rattle_kernels.impact_map.apply import walk
+from rattle_kernels.impact_map.flights import FORWARDS, LOWER, UPPER
 from rattle_kernels.impact_map.jacobian import impact_after
 from rattle_kernels.impact_map.variations import by_speeds, contact_jacobian, flight_jacobian, multiply
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI, rest_acceleration, second_phi, second_phi_slope

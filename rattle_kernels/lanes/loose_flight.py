@@ -341,7 +341,7 @@ def _meet(work, j, oscillator, target):
 
 @always_inlined
 def _land(lanes, i, upper, phase, speed, after):
-    """Write down how the flight of lane i has ended: it leaves a wall at a speed, some time after the contact, or never."""
+    """Write down how the flight of lane i has ended: it leaves a wall some time after the contact, or never."""
     if after == math.inf:
         after = speed = 0.0
     lanes[DURATION + i] += after

@@ -26,9 +26,6 @@ from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
-FORWARDS = 1.0
-BACKWARDS = -1.0
-
 # A smooth curve is off a chord c by curvature c^2/8: by 1e-15 for this chord at curvature 1.
 _STRAIGHT = 1e-7
 # Halvings to reach neighbouring numbers: from 1 to 1e-16, once among ancestors and once before the last map.

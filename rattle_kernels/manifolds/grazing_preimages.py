@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
+from rattle_kernels.impact_map.flights import BACKWARDS
 from rattle_kernels.impact_map.grazing_velocity import grazing_velocity
 from rattle_kernels.manifolds.curve_images import (
-    BACKWARDS,
     CurveMap,
     CurvePoints,
     drop_fast,

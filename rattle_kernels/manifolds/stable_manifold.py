@@ -20,9 +20,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
+from rattle_kernels.impact_map.flights import BACKWARDS, FORWARDS
 from rattle_kernels.manifolds.curve_images import (
-    BACKWARDS,
-    FORWARDS,
     LARGEST_POWER,
     CurveMap,
     CurvePoints,

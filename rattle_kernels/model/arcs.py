@@ -144,7 +144,7 @@ def time_to_end(arcs, phase):
 
 @inlined
 def time_to_release(arcs, phase):
-    """Time from a phase in [0, 1) until a pressed gear leaves: to the end of its arc, or infinite if a keeps its sign."""
+    """Time from a phase in [0, 1) until a pressed gear leaves, at the end of its arc; infinite if a keeps its sign."""
     return time_to_end(arcs, phase) if arcs.begin.size > 1 else math.inf
 
 

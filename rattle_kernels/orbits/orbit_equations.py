@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import FORWARDS, next_impact, walk
-from rattle_kernels.impact_map.flights import UPPER
+from rattle_kernels.impact_map.apply import next_impact, walk
+from rattle_kernels.impact_map.flights import FORWARDS, UPPER
 from rattle_kernels.model.contact import enter_contact, state_in_contact
 from rattle_kernels.model.contact_end import follow_contact
 from rattle_kernels.model.domain import OutsideDomain, check_domain, closed_edges

@@ -6,7 +6,7 @@ but every test process would compile it anew.
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import _apply_to_all, next_impact
+from rattle_kernels.impact_map.apply import next_impact, previous_impact
 from rattle_kernels.impact_map.jacobian import next_impact_with_jacobian
 from rattle_kernels.impact_map.loose_map import _follow, contact_by_contact
 from rattle_kernels.impact_map.sensitivity import next_impact_with_sensitivity
@@ -40,12 +40,19 @@ def sensitivity(oscillator, parameter, t, v, over):
     return next_impact_with_sensitivity(oscillator, parameter, t, v, over)
 
 
+@kernel
+def _apply_to_all(oscillator, backwards, t, v, lower_impacts, outcome):
+    for i in range(t.size):
+        impact = previous_impact(oscillator, t[i], v[i]) if backwards else next_impact(oscillator, t[i], v[i])
+        t[i], v[i], lower_impacts[i], outcome[i] = impact.t, impact.v, impact.lower_impacts, impact.outcome
+
+
 def departures(oscillator, t, v, applications=1):
     """Points after so many applications of P, of its inverse where negative; what the last one met."""
     phase, speed = np.array(t, np.float64), np.array(v, np.float64)
     lower_impacts, outcome = np.zeros(phase.shape, np.int64), np.zeros(phase.shape, np.int8)
     for _ in range(abs(applications)):
-        _apply_to_all(oscillator, float(np.sign(applications)), phase, speed, lower_impacts, outcome)
+        _apply_to_all(oscillator, applications < 0, phase, speed, lower_impacts, outcome)
     return phase, speed, lower_impacts, outcome
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rattle_kernels import Oscillator, Outcome, OutsideDomain, grazing_velocity, next_impacts
+from rattle_kernels import Oscillator, Outcome, OutsideDomain, grazing_velocity, next_impacts, previous_impacts
 from rattle_kernels.impact_map.loose_map import RELEASED
 from rattle_kernels.model.arcs import arcs_of, largest_eccentricity_of_one
 from rattle_kernels.model.domain import check_oscillator
@@ -216,6 +216,36 @@ def test_lanes_follow_the_scalar_path_where_the_acceleration_at_rest_has_one_zer
         _assert_lands_alike(once, i, *bounce_with_derivative(oscillator, t[i], v[i]), v[i])
         _assert_lands_alike(settled, i, *derivative(oscillator, t[i], v[i]), v[i])
     assert 0 < (settled.outcome == Outcome.PERMANENT_CONTACT).sum() < t.size
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_previous_impact_undoes_an_impact_without_a_rest(seed):
+    oscillator, rng, scale = random_machine(seed, most_orders=2)
+    t, v = rng.random(200), scale * 10.0 ** rng.uniform(-2.0, 0.3, 200)
+    tried = 0
+    for i in range(t.size):
+        loose, forwards = bounce(oscillator, t[i], v[i]), bounce_with_derivative(oscillator, t[i], v[i])[1]
+        impact = loose.impact
+        if loose.rests_below or impact.outcome != Outcome.RETURNED or impact.v == RELEASED:
+            continue
+        tried += 1
+        back = previous_impacts(oscillator, impact.t, impact.v)
+        assert (back.outcome, back.lower_impacts) == (Outcome.RETURNED, impact.lower_impacts)
+        # Rounding of the end moves the beginning by the derivative of the inverse. Of P the determinant is known: an
+        # impact multiplies v dv dt by r^2, and a flight by e^(-delta tau).
+        a, b, c, d = forwards
+        kept = oscillator.restitution ** (2 * impact.lower_impacts + 2) * math.exp(-oscillator.damping * impact.duration)
+        moves = np.abs(np.array([d, b, c, a])) * impact.v / (v[i] * kept)
+        allowed = 1e-13 * max(1.0, moves[0] + moves[1] * impact.v)
+        assert phase_error(back.t, repr(float(t[i]))) <= allowed
+        assert abs(back.v - v[i]) <= 1e-13 * max(v[i], moves[2] + moves[3] * impact.v)
+    assert tried > 100
+
+
+def test_nothing_comes_before_a_release():
+    back = previous_impacts(Oscillator(0.6, 0.22, 0.6, restitution=0.7), [0.3, 0.3], [RELEASED, 0.2])
+    assert back.outcome.tolist() == [Outcome.OUTSIDE_SECTION, Outcome.RETURNED]
+    assert np.isnan(back.t).tolist() == np.isnan(back.v).tolist() == [True, False]
 
 
 def test_a_lane_of_a_loose_gear_does_not_depend_on_its_neighbours():

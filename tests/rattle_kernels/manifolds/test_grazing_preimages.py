@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rattle_kernels import Oscillator, OutsideDomain, grazing_velocity, next_impacts
+from rattle_kernels.impact_map.flights import BACKWARDS
 from rattle_kernels.lanes.tables import lane_tables
-from rattle_kernels.manifolds.curve_images import BACKWARDS, CurveMap, first_points, next_image
+from rattle_kernels.manifolds.curve_images import CurveMap, first_points, next_image
 from rattle_kernels.manifolds.grazing_preimages import TooManyPoints, grazing_preimages, speed_of_no_return
 from rattle_kernels.manifolds.polyline import CurveResolution, chord_lengths, split_at_wrap, turning_angles
 from tests.rattle_kernels.impact_map.scalar_map import apply
