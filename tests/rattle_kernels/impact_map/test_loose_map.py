@@ -234,10 +234,9 @@ def test_previous_impact_undoes_an_impact_without_a_rest(seed):
         # Rounding of the end moves the beginning by the derivative of the inverse. Of P the determinant is known: an
         # impact multiplies v dv dt by r^2, and a flight by e^(-delta tau).
         a, b, c, d = forwards
-        kept = oscillator.restitution ** (2 * impact.lower_impacts + 2) * math.exp(
-            -oscillator.damping * impact.duration
-        )
-        moves = np.abs(np.array([d, b, c, a])) * impact.v / (v[i] * kept)
+        kept, damped = oscillator.restitution ** (2 * impact.lower_impacts + 2), oscillator.damping * impact.duration
+        determinant = kept * math.exp(-damped) * v[i] / impact.v
+        moves = np.abs(np.array([d, b, c, a])) / determinant
         allowed = 1e-13 * max(1.0, moves[0] + moves[1] * impact.v)
         assert phase_error(back.t, repr(float(t[i]))) <= allowed
         assert abs(back.v - v[i]) <= 1e-13 * max(v[i], moves[2] + moves[3] * impact.v)
