@@ -79,7 +79,8 @@ from rattle_kernels.model.transmission_error import AngleUnit, TransmissionError
 from rattle_kernels.orbits.bifurcation_curve import SpecialCurve, continue_special_point
 from rattle_kernels.orbits.bifurcation_diagram import BifurcationDiagram, bifurcation_diagram
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint
-from rattle_kernels.orbits.continuation import Branch, BranchEnd, continue_orbit
+from rattle_kernels.orbits.branch import Branch, BranchEnd
+from rattle_kernels.orbits.continuation import continue_orbit
 from rattle_kernels.orbits.orbit_beyond_graze import orbit_beyond_graze
 from rattle_kernels.orbits.orbit_equations import SpecialKind
 from rattle_kernels.orbits.orbit_search import FoundOrbit, find_orbit, find_orbits

@@ -15,6 +15,7 @@ from rattle_kernels.cell_mapping.cell_groups import find_groups, label_cells
 from rattle_kernels.cell_mapping.cell_map import map_cells
 from rattle_kernels.cell_mapping.image_set import has_members, mark_images, members_of, place_images, unite
 from rattle_kernels.impact_map.capture_velocity import capture_velocity
+from rattle_kernels.impact_map.flights import UPPER
 from rattle_kernels.impact_map.grazing_velocity import grazing_velocity
 from rattle_kernels.impact_map.pulse import departures_after_pulses
 from rattle_kernels.impact_map.time_history import time_history
@@ -29,6 +30,8 @@ from rattle_kernels.orbits.bifurcation_diagram import bifurcation_diagram
 from rattle_kernels.orbits.bifurcation_point import describe_point, point_near, shallowest_in_contact
 from rattle_kernels.orbits.closure import OrbitShape
 from rattle_kernels.orbits.continuation import continue_orbit
+from rattle_kernels.orbits.loose_graze import loose_graze_near
+from rattle_kernels.orbits.orbit_contacts import contacts_from, rest_after
 from rattle_kernels.orbits.orbit_equations import SpecialKind
 from rattle_kernels.orbits.orbit_search import find_orbit, find_orbits
 from rattle_kernels.orbits.periodic_orbit import find_periodic_orbit
@@ -37,8 +40,9 @@ from rattle_kernels.orbits.touching_orbit import touches_of, touching_orbit
 OF_ANALYSES = frozenset(
     {
         "impact_map.capture_velocity", "impact_map.grazing_distance", "impact_map.pulse", "orbits.bifurcation_diagram",
-        "orbits.bifurcation_point", "orbits.closure", "orbits.near_graze", "orbits.orbit_equations",
-        "orbits.orbit_search", "orbits.orbit_seeds", "orbits.touching_orbit",
+        "orbits.bifurcation_point", "orbits.closure", "orbits.loose_graze", "orbits.near_graze",
+        "orbits.orbit_contacts", "orbits.orbit_equations", "orbits.orbit_search", "orbits.orbit_seeds",
+        "orbits.touching_orbit",
     }
 )  # fmt: skip
 """Modules whose kernels analyses and reports need, and basins do not."""
@@ -58,6 +62,8 @@ _STIFF = Oscillator(stiffness=1e4)
 _WEAK = Oscillator(damping=6e-4, eccentricity=1e-5, half_backlash=6e-4)
 # Beyond Eq. (8).
 _LOOSE = Oscillator(eccentricity=0.2)
+# Where P(1,1,0) of loose gears grazes +beta.
+_GRAZING, _GRAZING_T, _GRAZING_V = Oscillator(0.1, 0.0790754296, 0.3, restitution=0.7), 0.5392694, 0.5174388
 # Departures of P(1,1,0), and of chaos.
 _T, _V = 0.89829, 3.76991
 # A speed that meets -beta from anywhere.
@@ -177,5 +183,7 @@ def _run_kernels_of_analyses() -> None:
     point_near(SpecialKind.CONTACT_LOSS, _STIFF, "stiffness", OrbitShape(1, 2), _T, _V)
     describe_point(SpecialKind.CONTACT_LOSS, "stiffness", OrbitShape(1, 2), _STIFF, _T, 0.0, residual=0.0, error=0.0)
     shallowest_in_contact(_STIFF, found.orbit.t, found.orbit.v)
+    loose_graze_near(_GRAZING, "eccentricity", 1, np.array([_GRAZING_T]), np.array([_GRAZING_V]), 0)
+    rest_after(_GRAZING, contacts_from(_GRAZING, UPPER, _GRAZING_T, -_GRAZING_V, 1), 0)
     touching_orbit(_STIFF, "damping", OrbitShape(1, 1), (0,), touches_of(_STIFF, found.orbit.t, np.array([_MEETING])))
     stable_manifold(oscillator, find_saddle(oscillator, 0.6, 3.77), ManifoldLimits(0.1, 0.0, 7.0))

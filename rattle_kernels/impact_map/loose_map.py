@@ -31,8 +31,8 @@ from rattle_kernels.numerics.phase import wrap
 RELEASED = 1e-300
 """Speed of a departure that is a release: no other is as slow."""
 
-# On -beta within one application. Elastic bounces that start with no speed never end.
-_MOST_CONTACTS = 100_000
+MOST_CONTACTS = 100_000
+"""On -beta within one application. Elastic bounces that start with no speed never end."""
 
 
 class Impact(NamedTuple):
@@ -113,7 +113,7 @@ def _follow(oscillator, t, v, jumps_below):
     if not (math.isfinite(t) and math.isfinite(v) and v > 0.0):
         return _lost(0, OUTCOME_OUTSIDE_SECTION), jacobian
     wall, phase, velocity, elapsed, rests_below = UPPER, t, -v, 0.0, False
-    for lower_impacts in range(_MOST_CONTACTS):
+    for lower_impacts in range(MOST_CONTACTS):
         end = next_loose_contact(oscillator, wall, phase, velocity)
         if not end.found:
             return _lost(lower_impacts, OUTCOME_NOT_CONVERGED), jacobian
@@ -129,7 +129,7 @@ def _follow(oscillator, t, v, jumps_below):
             return LooseImpact(impact, rests_below), jacobian
         rests_below = rests_below or leaves.rests
         wall, phase, velocity = LOWER, leaves.phase, leaves.speed
-    return _lost(_MOST_CONTACTS, OUTCOME_NOT_CONVERGED), jacobian
+    return _lost(MOST_CONTACTS, OUTCOME_NOT_CONVERGED), jacobian
 
 
 @inlined
@@ -210,7 +210,7 @@ def previous_loose_impact(oscillator, t, v):
         return _lost(0, OUTCOME_OUTSIDE_SECTION).impact
     # Backwards a departure is first the arrival before its impact.
     wall, phase, velocity, elapsed = UPPER, t, v / oscillator.restitution, 0.0
-    for lower_impacts in range(_MOST_CONTACTS):
+    for lower_impacts in range(MOST_CONTACTS):
         end = next_loose_contact(oscillator, wall, phase, velocity, BACKWARDS)
         if not end.found:
             break

@@ -14,7 +14,8 @@ With x = delta tau, S = sin, C = cos at the phases met, a flight has (Eqs. 18, 2
     dy/d delta = tau^2 (4 pi - w - 2 pi eps S0) (phi2 + x phi2'),
     dy'/d delta = 4 pi tau - y - delta dy/d delta + eps (C - C0),
 
-and other orders of the forcing the like. An impact depends on the restitution alone. A contact depends on delta, kappa
+and other orders of the forcing the like. All this holds for any flight, also of a loose gear, which meets -beta any
+number of times on its way. An impact depends on the restitution alone. A contact depends on delta, kappa
 and zeta through its slow part (`model.slow_harmonics`) and through its ringing.
 """
 
@@ -22,13 +23,17 @@ import math
 from typing import NamedTuple
 
 from rattle_kernels.impact_map.apply import walk
+from rattle_kernels.impact_map.arc_flights import next_loose_contact
 from rattle_kernels.impact_map.flights import FORWARDS, LOWER, UPPER
 from rattle_kernels.impact_map.jacobian import impact_after
-from rattle_kernels.impact_map.variations import by_speeds, contact_jacobian, flight_jacobian, multiply
+from rattle_kernels.impact_map.loose_map import MOST_CONTACTS, Impact, leave
+from rattle_kernels.impact_map.variations import Jacobian, by_speeds, contact_jacobian, flight_jacobian, multiply
+from rattle_kernels.model.contact_end import Contact
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI, rest_acceleration, second_phi, second_phi_slope
 from rattle_kernels.model.harmonics import Harmonic, states_at
+from rattle_kernels.model.outcome import OUTCOME_NOT_CONVERGED, OUTCOME_RETURNED
 from rattle_kernels.model.slow_harmonics import response, response_change
-from rattle_kernels.numerics.jit import inlined, summed_over_tuple
+from rattle_kernels.numerics.jit import chosen_by_field, inlined, summed_over_tuple
 from rattle_kernels.numerics.phase import part_turn
 
 # Numbers of `Oscillator.parameters`. From FIRST_HARMONIC on, amplitudes and phases of harmonics alternate.
@@ -219,6 +224,32 @@ def carry(jacobian, sensitivity, own):
 
 
 @inlined
+def _next_loose_impact_with_sensitivity(oscillator, parameter, t, v, over):
+    """P of a loose gear with its derivatives, contact by contact; not found where it rests, or is to pass -beta."""
+    jacobian, change = Jacobian(1.0, 0.0, 0.0, 1.0), (0.0, 0.0)
+    wall, phase, velocity, elapsed = UPPER, t, -v, 0.0
+    for lower_impacts in range(MOST_CONTACTS):
+        end = next_loose_contact(oscillator, wall, phase, velocity)
+        speed = oscillator.restitution * abs(end.velocity)
+        leaves = leave(oscillator, end.wall, end.phase, speed, math.inf)
+        if over or not end.found or leaves.rests:
+            break
+        one = flight_jacobian(oscillator, phase, velocity, end)
+        own = flight_sensitivity(oscillator, parameter, wall, phase, velocity, end)
+        change, jacobian = carry(one, change, own), multiply(one, jacobian)
+        contact = Contact(0.0, leaves.speed, OUTCOME_RETURNED)
+        one = contact_jacobian(oscillator, end.wall, end.phase, abs(end.velocity), contact)
+        own = contact_sensitivity(oscillator, parameter, end.wall, end.phase, abs(end.velocity), contact)
+        change, jacobian = carry(one, change, own), multiply(one, jacobian)
+        elapsed += end.duration
+        if end.wall == UPPER:
+            impact = Impact(leaves.phase, leaves.speed, lower_impacts, OUTCOME_RETURNED, elapsed)
+            return impact, by_speeds(jacobian), (change[0], -change[1])
+        wall, phase, velocity = LOWER, leaves.phase, leaves.speed
+    return Impact(math.nan, math.nan, 0, OUTCOME_NOT_CONVERGED, math.nan), jacobian, change
+
+
+@chosen_by_field("arcs", _next_loose_impact_with_sensitivity)
 def next_impact_with_sensitivity(oscillator, parameter, t, v, over):
     """One application of P, its derivative by (t, v), and that by a parameter.
 
@@ -231,12 +262,13 @@ def next_impact_with_sensitivity(oscillator, parameter, t, v, over):
     t, v : float
         A departure from +beta: finite, v > 0.
     over : bool
-        Whether the flight passes -beta as if it were not there (`fly_over`).
+        Whether the flight passes -beta as if it were not there (`fly_over`). Loose gears have no such flight.
 
     Returns
     -------
     (Impact, Jacobian, (float, float))
-        The impact, DP, and dP/dp as (dt, dv); of no meaning where contact is permanent.
+        The impact, DP, and dP/dp as (dt, dv); of no meaning where contact is permanent. A loose gear that comes to
+        rest has none: its outcome is NOT_CONVERGED.
     """
     # In one function: with a part of it in another, the compiler fuses other products, and last bits of dP/dp change.
     passage = walk(oscillator, t, v, FORWARDS, over=over, reduces=False)

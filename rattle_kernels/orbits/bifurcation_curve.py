@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
+from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.phase import wrap
 from rattle_kernels.numerics.pseudo_arclength import CurvePoint, Steps, System, follow_curve, solve
@@ -21,6 +22,8 @@ from rattle_kernels.orbits.orbit_equations import SpecialKind, Unknowns, special
 
 # Turns of an orbit may come closer to each other by this factor a step, and as close as the corrector tells apart.
 _LEAST_PART, _TOLD_APART = 0.5, 1e-9
+
+_NOT_FOLLOWED = "curves of grazes and releases are not followed beyond Eq. (8)"
 
 
 class SpecialCurve(NamedTuple):
@@ -82,7 +85,7 @@ def _stall(plane: _Plane, z: np.ndarray) -> str:
             f"{message}; the orbit differs from turns of a shorter one by {apart:.3g} only, too little to be followed"
         )
     read = plane.space.read(z)
-    if read is not None and nears_edge_of_domain(read[0]):
+    if read is not None and _ends_at_eq_8(plane, read[0]) and nears_edge_of_domain(read[0]):
         return f"the edge of the domain (Eq. 8), at {plane.where(z)}"
     if read is None or not plane.space.with_speed:
         return message
@@ -90,6 +93,11 @@ def _stall(plane: _Plane, z: np.ndarray) -> str:
     margin, _ = grazing_distances(read[0], orbit.t, orbit.v)
     others = np.abs(margin[1:] if plane.shape.over else margin)
     return f"{message}; the other flights are {others.min():.3g} from grazing" if others.size else message
+
+
+def _ends_at_eq_8(plane: _Plane, oscillator: Oscillator) -> bool:
+    """Whether the equations hold below the bound of Eq. (8) alone: those of grazes, and of contacts that last."""
+    return bool(plane.shape.over) or not math.isinf(oscillator.stiffness)
 
 
 def _turns_apart(plane: _Plane, z: np.ndarray) -> float:
@@ -132,8 +140,8 @@ def _one_way(plane: _Plane, start: np.ndarray, way: float) -> tuple[list[np.ndar
     return points, _stall(plane, points[-1])
 
 
-def _smooth_side(point: SpecialPoint, shape: OrbitShape) -> int | None:
-    """Bits of all flights that meet -beta and must keep meeting it, if the map is not smooth across a graze."""
+def _smooth_side(point: SpecialPoint, shape: OrbitShape) -> tuple[int, ...] | None:
+    """How often -beta must be met on each way, if the map is not smooth across a graze."""
     if not math.isinf(point.oscillator.stiffness):
         return None
     closed = closure(point.oscillator, point.parameter, shape, float(point.t[0]), float(point.v[0]))
@@ -169,7 +177,8 @@ def continue_special_point(
     Returns
     -------
     SpecialCurve
-        The part on which the second parameter falls at first, reversed, then the part on which it grows at first.
+        The part on which the second parameter falls at first, reversed, then the part on which it grows at first. Of a
+        graze or a release of loose gears the point alone, with the reason.
 
     Raises
     ------
@@ -180,6 +189,10 @@ def continue_special_point(
     if second not in parameters or second == point.parameter:
         raise ValueError(f"the second parameter must be another of {', '.join(parameters)}, not {second!r}")
     space = unknowns(point.oscillator, (point.parameter, second), point.kind != SpecialKind.CONTACT_LOSS)
+    if point.oscillator.is_loose and point.kind not in (SpecialKind.SADDLE_NODE, SpecialKind.PERIOD_DOUBLING):
+        values = np.array([[point.oscillator.value_of(name) for name in space.parameters]])
+        there, residual = (point.t[:1], point.v[:1]), np.array([point.residual])
+        return SpecialCurve(point.kind, (point.parameter, second), values, *there, residual, (_NOT_FOLLOWED,) * 2)
     shape = OrbitShape(point.forcing_periods, point.upper_contacts, int(point.kind == SpecialKind.GRAZING))
     lower = _smooth_side(point, shape) if space.with_speed else None
     system = special_system(point.kind, space, shape, lower)

@@ -72,8 +72,9 @@ class SpecialPoint(NamedTuple):
 
     @property
     def orbit_name(self) -> str:
-        """``P(m, n+, n-)``."""
-        return orbit_name(self.forcing_periods, self.upper_contacts, self.lower_contacts)
+        """``P(m, n+, n-)``, with a star if it comes to rest."""
+        rests = not self.multipliers.any()
+        return orbit_name(self.forcing_periods, self.upper_contacts, self.lower_contacts, rests=rests)
 
 
 def nears_edge_of_domain(oscillator: Oscillator) -> bool:

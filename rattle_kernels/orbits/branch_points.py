@@ -196,7 +196,14 @@ def halved_between(task: BranchTask, before: Station, after: Station) -> tuple[S
         return ()
     shape = OrbitShape(task.shape.forcing_periods // 2, task.shape.upper_contacts // 2)
     first = _half_turn(task, before)
-    test = _Test(SpecialKind.PERIOD_DOUBLING, shape, 0, lambda at: float(_half_turn(task, at) @ first))
+
+    def half_turns(at: Station) -> float:
+        there = _half_turn(task, at)
+        # Halves may be half a period apart, where the difference of phases begins anew.
+        there[0] -= np.rint(there[0] - first[0])
+        return float(there @ first)
+
+    test = _Test(SpecialKind.PERIOD_DOUBLING, shape, 0, half_turns)
     if not _changes(test, before, after):
         return ()
     point = _halved_at_touches(task, before, shape) if before.chart.gentle else _crossing(task, before, after, test)

@@ -42,14 +42,14 @@ class SeenOrbit(NamedTuple):
 class Chart(NamedTuple):
     """Unknowns (t, v, p), or (tau, u) of each gentle touch and p.
 
-    ``shape.over`` has the bits of the flights that miss -beta. ``lower``, in the impacting model, those of the flights
-    that must meet it.
+    ``shape.over`` has the bits of the flights that miss -beta. ``lower``, in the impacting model, is how often it
+    must be met on each way from +beta to +beta.
     """
 
     space: Unknowns
     shape: OrbitShape
     gentle: tuple[int, ...] = ()
-    lower: int | None = None
+    lower: tuple[int, ...] | None = None
 
     @property
     def parameter(self) -> str:

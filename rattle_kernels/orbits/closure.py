@@ -30,35 +30,35 @@ class Closure(NamedTuple):
     """Closing error of a departure, and the derivatives of P^p.
 
     ``gap`` = (elapsed time - m, change of speed); ``jacobian`` = DP^p; ``sensitivity`` = dP^p/dp, shape (2,); ``lower``
-    has bit i set if flight i meets -beta.
+    counts the contacts with -beta on each of its p ways from +beta to +beta.
     """
 
     gap: np.ndarray
     jacobian: np.ndarray
     sensitivity: np.ndarray
-    lower: int
+    lower: tuple[int, ...]
 
 
 @kernel
-def _closure(oscillator, parameter, shape, t, v, gap, derivative, sensitivity):
+def _closure(oscillator, parameter, shape, t, v, gap, derivative, sensitivity, lower):
     jacobian = Jacobian(1.0, 0.0, 0.0, 1.0)
-    later, faster, lower = 0.0, 0.0, 0
+    later, faster = 0.0, 0.0
     here, speed, elapsed = t, v, 0.0
     for i in range(shape.upper_contacts):
         over = (shape.over >> i) & 1 == 1
         impact, one, own = next_impact_with_sensitivity(oscillator, parameter, here, speed, over)
         if impact.outcome != OUTCOME_RETURNED or not impact.v > 0.0:
-            return -1
+            return False
         later, faster = one.tt * later + one.tv * faster + own[0], one.vt * later + one.vv * faster + own[1]
         jacobian = multiply(one, jacobian)
         here, speed = impact.t, impact.v
         elapsed += impact.duration
-        lower |= impact.lower_impacts << i
+        lower[i] = impact.lower_impacts
     gap[0], gap[1] = elapsed - shape.forcing_periods, speed - v
     derivative[0, 0], derivative[0, 1] = jacobian.tt, jacobian.tv
     derivative[1, 0], derivative[1, 1] = jacobian.vt, jacobian.vv
     sensitivity[0], sensitivity[1] = later, faster
-    return lower
+    return True
 
 
 def closure(oscillator: Oscillator, parameter: str, shape: OrbitShape, t: float, v: float) -> Closure | None:
@@ -77,22 +77,23 @@ def closure(oscillator: Oscillator, parameter: str, shape: OrbitShape, t: float,
     Returns
     -------
     Closure or None
-        None if v is not positive or contact becomes permanent on the way.
+        None if v is not positive, or contact becomes permanent or a loose gear comes to rest on the way.
     """
     if not v > 0.0:
         return None
     gap, derivative, sensitivity = np.empty(2), np.empty((2, 2)), np.empty(2)
-    lower = _closure(oscillator, oscillator.parameters.index(parameter), shape, t, v, gap, derivative, sensitivity)
-    if lower < 0 or not (np.isfinite(derivative).all() and np.isfinite(sensitivity).all()):
+    lower, number = np.empty(shape.upper_contacts, np.int64), oscillator.parameters.index(parameter)
+    closes = _closure(oscillator, number, shape, t, v, gap, derivative, sensitivity, lower)
+    if not (closes and np.isfinite(derivative).all() and np.isfinite(sensitivity).all()):
         return None
-    return Closure(gap, derivative, sensitivity, int(lower))
+    return Closure(gap, derivative, sensitivity, tuple(lower.tolist()))
 
 
 class Departures(NamedTuple):
     """All departures of an orbit.
 
     ``t``, ``v`` (shape (n,)) are phases in [0, 1) and speeds; ``jacobian`` (n, 2, 2) and ``sensitivity`` (n, 2) their
-    derivatives by the first departure and by a parameter; ``lower_contacts`` the number of flights that meet -beta.
+    derivatives by the first departure and by a parameter; ``lower_contacts`` the number of contacts with -beta.
     """
 
     t: np.ndarray
@@ -104,7 +105,7 @@ class Departures(NamedTuple):
 
 @kernel
 def _departures(oscillator, parameter, shape, t, v, derivative, sensitivity):
-    """Fill in all departures after the first. Count the flights that meet -beta, without one that passes over it."""
+    """Fill in all departures after the first. Count the contacts with -beta, without those that are passed over."""
     lower = 0
     jacobian = Jacobian(1.0, 0.0, 0.0, 1.0)
     later, faster = 0.0, 0.0
@@ -138,7 +139,7 @@ def departures_from(oscillator: Oscillator, parameter: str, shape: OrbitShape, t
     Returns
     -------
     Departures
-        A flight that passes over -beta is not counted among those that meet it.
+        A flight that passes over -beta does not meet it.
     """
     size = shape.upper_contacts
     times, speeds = np.full(size, wrap(t)), np.full(size, v)

@@ -13,16 +13,16 @@ A branch that can go no further keeps what it has and reports where it ended and
 stiffness the message says from where on it is not seen, and which orbits exist on the other side.
 """
 
-from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.pseudo_arclength import CORNER, CurvePoint, Steps, follow_curve, solve, unit_tangent
 from rattle_kernels.orbits.bifurcation_point import SpecialPoint, nears_edge_of_domain
+from rattle_kernels.orbits.branch import Branch, BranchEnd, End
 from rattle_kernels.orbits.branch_points import (
     coincide,
     contact_loss_near,
@@ -34,7 +34,7 @@ from rattle_kernels.orbits.branch_points import (
     repeated_graze_near,
 )
 from rattle_kernels.orbits.chart import Chart
-from rattle_kernels.orbits.closure import OrbitShape, area_factor
+from rattle_kernels.orbits.closure import OrbitShape, area_factor, closure
 from rattle_kernels.orbits.graze_passage import (
     Graze,
     due_chart,
@@ -48,8 +48,10 @@ from rattle_kernels.orbits.graze_passage import (
     turned,
     values_beside,
 )
+from rattle_kernels.orbits.loose_graze import loose_graze_near
 from rattle_kernels.orbits.orbit_equations import SpecialKind, unknowns
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
+from rattle_kernels.orbits.resting_branch import follow_resting_orbit
 from rattle_kernels.orbits.station import BranchTask, Station, are_neighbours, on_edge, station_at
 
 # Least step next to a graze, as a part of the least step elsewhere.
@@ -58,69 +60,21 @@ _LEAST_TOUCHING = 1e-3
 _SAME = 100.0
 
 
-class BranchEnd(StrEnum):
-    """Why a branch of orbits ends."""
-
-    START = "the orbit it began with"
-    BOUND = "a bound of the parameter"
-    CLOSED = "back where it began"
-    GRAZING = "the orbit grazes -beta"
-    CONTACT_LOSS = "a stay beyond +beta touches it"
-    HALVED = "the orbit is one of half the period, gone through twice"
-    DOMAIN = "the edge of the domain (Eq. 8)"
-    POINTS = "as many points as were asked for"
-    STALLED = "no step succeeds"
-
-
-class End(NamedTuple):
-    """Why a branch ends, the parameter's value there, and a message that states both."""
-
-    reason: BranchEnd
-    value: float
-    message: str
-
-
-class Branch(NamedTuple):
-    """A branch of orbits P(m, n+, .), in order along it.
-
-    ``values`` (shape (n,)) are the parameter's values. ``t``, ``v``, ``grazing_margin`` and ``lower_speed`` (shape (n,
-    upper_contacts)) are as in `FoundOrbit`, in order of time from the same departure on. ``trace`` is the trace of DP^p
-    and ``area`` its determinant e^{-delta m}. ``special_points`` are in order along the branch. ``ends`` belong to its
-    first and its last point.
-    """
-
-    parameter: str
-    forcing_periods: int
-    upper_contacts: int
-    values: np.ndarray
-    t: np.ndarray
-    v: np.ndarray
-    grazing_margin: np.ndarray
-    lower_speed: np.ndarray
-    trace: np.ndarray
-    area: np.ndarray
-    special_points: tuple[SpecialPoint, ...]
-    ends: tuple[End, End]
-
-    @property
-    def multipliers(self) -> np.ndarray:
-        """Eigenvalues of DP^p, complex, shape (n, 2)."""
-        root = np.sqrt(self.trace**2 - 4.0 * self.area + 0j)
-        large = 0.5 * (self.trace + np.where(self.trace < 0, -root, root))
-        return np.column_stack([large, self.area / large])
-
-    @property
-    def attracts(self) -> np.ndarray:
-        """Whether both multipliers lie inside the unit circle, shape (n,)."""
-        return np.abs(self.trace) < 1.0 + self.area
-
-
 _Side = tuple[list[Station], list[SpecialPoint], End]
 
 
 def _why_it_stalls(task: BranchTask, station: Station) -> tuple[End, list[SpecialPoint]]:
     """The nearest graze or contact loss that explains the stall, else the edge of the domain, else a plain stall."""
     value = station.oscillator.value_of(task.parameter)
+    if station.oscillator.is_loose:
+        lower = sum(station.chart.lower or ())
+        graze = loose_graze_near(
+            station.oscillator, task.parameter, task.shape.forcing_periods, station.t, station.v, lower
+        )
+        if graze is not None:
+            on_lower = graze.kind == SpecialKind.GRAZING
+            return _end(task, BranchEnd.GRAZING if on_lower else BranchEnd.UPPER_GRAZING, graze.value), [graze]
+        return _stall(task, station), []
     merged = repeated_graze_near(task, station)
     if merged is not None:
         return _graze_end(task, station, merged.value), [merged]
@@ -132,14 +86,19 @@ def _why_it_stalls(task: BranchTask, station: Station) -> tuple[End, list[Specia
         _, point, reason = min(near, key=lambda candidate: candidate[0])
         end = _end(task, reason, point.value)
         return _graze_end(task, station, point.value) if reason == BranchEnd.GRAZING else end, [point]
-    if nears_edge_of_domain(station.oscillator):
+    if not task.infinitely_stiff and nears_edge_of_domain(station.oscillator):
         return _end(task, BranchEnd.DOMAIN, value), []
+    return _stall(task, station), []
+
+
+def _stall(task: BranchTask, station: Station) -> End:
+    value = station.oscillator.value_of(task.parameter)
     message = (
         f"no step longer than {task.steps.least:g} succeeds at {task.parameter} = {value:.12g}, "
         f"where the trace is {np.trace(station.jacobian):.6g} and the least distance from grazing "
         f"{np.abs(station.margin).min():.3g}"
     )
-    return End(BranchEnd.STALLED, value, message), []
+    return End(BranchEnd.STALLED, value, message)
 
 
 def _end(task: BranchTask, reason: BranchEnd, value: float) -> End:
@@ -427,7 +386,7 @@ def continue_orbit(
     ValueError
         If ``parameter`` or ``direction`` is not one of those named, ``bounds`` exclude the orbit, or it grazes.
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     value = checked.value_of(parameter)
     if direction not in ("up", "down", "both"):
         raise ValueError(f"direction must be up, down or both, not {direction!r}")
@@ -436,6 +395,9 @@ def continue_orbit(
     space = unknowns(checked, (parameter,))
     shape = OrbitShape(orbit.forcing_periods, orbit.upper_contacts)
     task = BranchTask(space, shape, bounds, steps, most_points, pause)
+    if orbit.rests:
+        ways = {"down": (-1.0,), "up": (1.0,), "both": (-1.0, 1.0)}[direction]
+        return follow_resting_orbit(task, checked, orbit, ways)
     sides = list[_Side]()
     for name, way in (("down", -1.0), ("up", 1.0)):
         start = _first_station(task, space.write(checked, float(orbit.t[0]), float(orbit.v[0])), way)
@@ -460,8 +422,8 @@ def _first_station(task: BranchTask, z: np.ndarray, way: float) -> Station:
     tangent = None if evaluated is None else unit_tangent(evaluated[1], np.array([0.0, 0.0, way]))
     start = None if tangent is None else station_at(task, chart, z, tangent)
     if start is not None and task.infinitely_stiff:
-        lower = sum(1 << int(i) for i in np.flatnonzero(start.margin > 0))
-        start = start._replace(chart=chart._replace(lower=lower))
+        closed = closure(start.oscillator, task.parameter, task.shape, float(start.t[0]), float(start.v[0]))
+        start = None if closed is None else start._replace(chart=chart._replace(lower=closed.lower))
     if start is None:
         raise ValueError("the orbit grazes -beta, where P has no derivative: begin a little further along its branch")
     return start

@@ -11,7 +11,7 @@ from rattle_kernels.impact_map.apply import next_impact, walk
 from rattle_kernels.impact_map.flights import FORWARDS, UPPER
 from rattle_kernels.model.contact import enter_contact, state_in_contact
 from rattle_kernels.model.contact_end import follow_contact
-from rattle_kernels.model.domain import OutsideDomain, check_domain, closed_edges
+from rattle_kernels.model.domain import OutsideDomain, check_oscillator, closed_edges
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import inlined, kernel
@@ -31,6 +31,8 @@ class SpecialKind(StrEnum):
     PERIOD_DOUBLING = "period doubling"
     GRAZING = "grazing"
     CONTACT_LOSS = "contact loss"
+    UPPER_GRAZING = "upper grazing"
+    RELEASE = "release"
 
 
 class Unknowns(NamedTuple):
@@ -49,7 +51,7 @@ class Unknowns(NamedTuple):
         values = np.where(np.abs(inside - values) <= _ROUNDED * self.scales, inside, values)
         named = dict(zip(self.parameters, values[first:].tolist(), strict=True))
         try:
-            oscillator = check_domain(self.oscillator.at(**named))
+            oscillator = check_oscillator(self.oscillator.at(**named))
         except OutsideDomain:
             return None
         return oscillator, float(values[0]), float(values[1]) if self.with_speed else 0.0
@@ -83,15 +85,15 @@ def unknowns(oscillator: Oscillator, parameters: tuple[str, ...], with_speed: bo
     return Unknowns(oscillator, parameters, np.array(begin + own), with_speed)
 
 
-def closing_system(space: Unknowns, shape: OrbitShape, lower: int | None = None) -> System:
+def closing_system(space: Unknowns, shape: OrbitShape, lower: tuple[int, ...] | None = None) -> System:
     """The two equations of an orbit, with their exact Jacobian.
 
     Parameters
     ----------
     space : Unknowns
     shape : OrbitShape
-    lower : int, optional
-        Bits of the flights that must meet -beta. For any other flights the system is undefined.
+    lower : tuple of int, optional
+        How often -beta must be met on each way from +beta to +beta. For any others the system is undefined.
 
     Returns
     -------
@@ -141,6 +143,8 @@ def _special_equation(kind: SpecialKind, space: Unknowns, shape: OrbitShape) -> 
             return None
         oscillator, t, v = read
         if kind == SpecialKind.GRAZING:
+            if oscillator.is_loose:  # no flight passes -beta as if it were not there
+                return None
             return np.array([(v - grazing_speed_at(oscillator, t)) / space.scales[1]])
         closed = closure(oscillator, space.parameters[0], shape, t, v)
         multiplier = 1.0 if kind == SpecialKind.SADDLE_NODE else -1.0
@@ -179,7 +183,9 @@ def _touch_gap(oscillator, shape, t):
     return motion.depth, motion.rate
 
 
-def special_system(kind: SpecialKind, space: Unknowns, shape: OrbitShape, lower: int | None = None) -> System:
+def special_system(
+    kind: SpecialKind, space: Unknowns, shape: OrbitShape, lower: tuple[int, ...] | None = None
+) -> System:
     """All equations of a special point: as many as the unknowns of a point, one fewer than those of a curve.
 
     Parameters
@@ -189,7 +195,7 @@ def special_system(kind: SpecialKind, space: Unknowns, shape: OrbitShape, lower:
         With speed, except for contact loss.
     shape : OrbitShape
         With ``over`` for a graze. For contact loss ``upper_contacts`` includes the departure of speed 0.
-    lower : int, optional
+    lower : tuple of int, optional
         As in `closing_system`. Not used for contact loss.
 
     Returns

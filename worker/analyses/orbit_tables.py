@@ -143,7 +143,8 @@ class BranchEndView(BaseModel):
     """Why a branch ends."""
 
     reason: Literal[
-        "start", "bound", "closed", "grazing", "contact_loss", "halved", "domain", "points", "stalled"
+        "start", "bound", "closed", "grazing", "upper_grazing", "release", "held", "renamed", "contact_loss", "halved",
+        "domain", "points", "stalled",
     ]  # fmt: skip
     message: str
     value: float = Field(description="Value of the parameter there")
@@ -244,7 +245,7 @@ class SpecialDeparture(BaseModel):
 class SpecialPointView(BaseModel):
     """A special point of branches."""
 
-    kind: Literal["saddle-node", "period doubling", "grazing", "contact loss"]
+    kind: Literal["saddle-node", "period doubling", "grazing", "contact loss", "upper grazing", "release"]
     parameter: Parameter
     value: float
     error: float = Field(description="Last change of the value by Newton's method")
@@ -252,7 +253,7 @@ class SpecialPointView(BaseModel):
     orbit: str = Field(description="Itinerary of the orbit there; a contact that only grazes is not counted")
     branch: int = Field(description="First branch that has it: index into `branches`")
     multipliers: list[tuple[FiniteOrNone, FiniteOrNone]]
-    departures: list[SpecialDeparture] = Field(description="The first one grazes, or loses contact")
+    departures: list[SpecialDeparture] = Field(description="The first one grazes, or loses contact, or comes to rest")
 
 
 def summarise_specials(columns: Columns, parameter: Parameter) -> list[SpecialPointView]:
@@ -264,7 +265,12 @@ def summarise_specials(columns: Columns, parameter: Parameter) -> list[SpecialPo
             value=row.value,
             error=row.error,
             residual=row.residual,
-            orbit=orbit_name(row.forcing_periods, row.upper_contacts, row.lower_contacts),
+            orbit=orbit_name(
+                row.forcing_periods,
+                row.upper_contacts,
+                row.lower_contacts,
+                rests=not (row.multiplier_real.any() or row.multiplier_imaginary.any()),
+            ),  # fmt: skip
             branch=row.branch,
             multipliers=np.stack([row.multiplier_real, row.multiplier_imaginary], axis=-1).tolist(),
             departures=[

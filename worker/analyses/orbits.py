@@ -60,7 +60,7 @@ _MOST_CELLS = 400
 _SAME = 1e-6
 _MARKERS = {
     SpecialKind.SADDLE_NODE: "o", SpecialKind.PERIOD_DOUBLING: "s", SpecialKind.GRAZING: "^",
-    SpecialKind.CONTACT_LOSS: "v",
+    SpecialKind.CONTACT_LOSS: "v", SpecialKind.UPPER_GRAZING: "<", SpecialKind.RELEASE: "D",
 }  # fmt: skip
 
 

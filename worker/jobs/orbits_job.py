@@ -196,9 +196,6 @@ class OrbitsJob(AnalysisJob):
         if self.longest > _LONGEST_PERIOD:
             raise InvalidJob(f"longest must be at most {_LONGEST_PERIOD}, not {self.longest}", ("longest",))
         if self.continuation:
-            if self.oscillator.is_loose:
-                message = "branches are followed within Eq. (8), and this machine's gears are loose: leave it out"
-                raise InvalidJob(message, ("continuation",))
             self.continuation.check(self.oscillator, "continuation")
         if self.curves:
             self._check_curves(self.curves)

@@ -240,9 +240,10 @@ def test_contact_loss_is_met_from_both_sides():
     assert points[0].v[0] == 0.0 and points[0].residual < 1e-10
 
 
-def test_a_branch_ends_at_the_edge_of_the_domain_and_says_so():
-    _, saddle = sorted(orbits(Oscillator(), "P(1,1,0)", longest=1), key=lambda orbit: orbit.t[0], reverse=True)
-    branch = continue_orbit(Oscillator(), saddle, "eccentricity", (0.05, 0.5), direction="up")
+def test_a_branch_with_finite_stiffness_ends_at_the_edge_of_the_domain_and_says_so():
+    stiff = Oscillator(stiffness=1e4)
+    _, saddle = sorted(orbits(stiff, "P(1,1,0)", longest=1), key=lambda orbit: orbit.t[0], reverse=True)
+    branch = continue_orbit(stiff, saddle, "eccentricity", (0.05, 0.5), direction="up")
     assert branch.ends[1].reason == BranchEnd.DOMAIN
     assert branch.ends[1].value == pytest.approx(0.19012, abs=1e-4)
     assert "eccentricity = 0.190" in branch.ends[1].message
