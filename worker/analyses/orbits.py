@@ -293,12 +293,13 @@ def plot_branches(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
 
 
 def plot_curves(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
-    """Draw curves of special points in the plane of their two parameters."""
+    """Draw curves of special points in the plane of their two parameters; a cross where one is not followed."""
     assert job.continuation is not None and job.curves is not None
     for special, points in zip(columns["curve_special"].tolist(), slices(columns["curve_size"]), strict=True):
         kind = tuple(_MARKERS)[int(columns["special_kind"][special]) - 1]
         value = columns["special_value"][special]
-        axes.plot(columns["curve_first"][points], columns["curve_second"][points], label=f"{kind.value} at {value:.5g}")
+        first, second = columns["curve_first"][points], columns["curve_second"][points]
+        axes.plot(first, second, marker="x" if first.size == 1 else "", label=f"{kind.value} at {value:.5g}")
     for set_label, parameter in (
         (axes.set_xlabel, job.continuation.parameter),
         (axes.set_ylabel, job.curves.parameter),

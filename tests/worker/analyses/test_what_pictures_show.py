@@ -79,8 +79,8 @@ BRANCHES = {
     "branch_attracts": np.array([0, 1, 1, 0, 0]), "branch_orbit": np.array([1, 0]),
     "branch_end_reason": np.array([[BranchEnd.BOUND.name.lower()] * 2] * 2),
     # Values between those of branches; each kind has a mark of its own.
-    "special_kind": np.array([2, 1, 3, 4]), "special_value": np.array([0.51, 0.52, 0.53, 0.54]),
-    "special_velocity": np.array([[3.1, NAN], [3.2, 4.2], [3.3, NAN], [3.4, NAN]]),
+    "special_kind": np.array([2, 1, 3, 4, 5, 6]), "special_value": np.array([0.51, 0.52, 0.53, 0.54, 0.56, 0.57]),
+    "special_velocity": np.array([[3.1, NAN], [3.2, 4.2], [3.3, NAN], [3.4, NAN], [3.6, NAN], [3.7, NAN]]),
 }  # fmt: skip
 CURVES = {
     "curve_special": np.array([1, 0]), "curve_size": np.array([2, 3]),
@@ -112,6 +112,8 @@ def test_branches_are_thick_where_they_attract_and_special_points_have_the_mark_
     marked["s"] = (SpecialKind.PERIOD_DOUBLING, [[0.51, 3.1]])
     marked["^"] = (SpecialKind.GRAZING, [[0.53, 3.3]])
     marked["v"] = (SpecialKind.CONTACT_LOSS, [[0.54, 3.4]])
+    marked["<"] = (SpecialKind.UPPER_GRAZING, [[0.56, 3.6]])
+    marked["D"] = (SpecialKind.RELEASE, [[0.57, 3.7]])
     for marker, (kind, points) in marked.items():
         assert lines(axes, marker=marker, colour="black") == [(kind.value, points)]
     assert axes.get_xlabel().startswith("damping")
