@@ -196,8 +196,10 @@ def loose_graze_near(
     for turns in range(number, 0, -1):
         near = list[tuple[float, SpecialPoint]]()
         for touch in touches:
-            others = number - turns if touch.met else number
-            if periods % turns or others % turns or others < turns:
+            # Of turns that merge some meet the wall, and others just miss it.
+            least, most = number - turns + (not touch.met), number - touch.met
+            others = most - most % turns
+            if periods % turns or others < max(least, turns):
                 continue
             found = _solved(oscillator, parameter, periods // turns, touch, others // turns)
             if found is not None:

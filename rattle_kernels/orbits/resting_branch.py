@@ -12,7 +12,8 @@ the orbit is there, on the other it is not. The first contact in which the two s
 - It is a complete chatter on one side, and on the other its bounces go on beyond the arc's end: *release*. At the value
   itself they accumulate at t*, and the rest has shrunk to nothing (`docs/theory/beyond.md`).
 - It is there on one side alone, and slow: a graze of its wall. So may a bounce of a chatter graze the other wall.
-- It lies on the arc of the rest on one side alone: there the rest begins with it, and the motion's name changes.
+- It lies on the arc of the rest on one side alone: there the rest begins with it, and the motion's name changes. It
+  may move across an end of the arc, or two arcs become one.
 - The arc itself is gone: the gear is held. At Gamma = 1 that is where rattle ends.
 """
 
@@ -22,7 +23,7 @@ import numpy as np
 
 from rattle_kernels.impact_map.flights import LOWER, UPPER
 from rattle_kernels.impact_map.grazing_distance import grazing_distances
-from rattle_kernels.model.arcs import arcs_of, rest_acceleration_over_phases, time_to_end
+from rattle_kernels.model.arcs import arcs_of
 from rattle_kernels.model.domain import OutsideDomain, check_oscillator, closed_edges
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.phase import wrap
@@ -36,7 +37,8 @@ from rattle_kernels.orbits.station import BranchTask
 # Contacts of neighbours differ by less, in periods and falls through the backlash.
 _NEAR = 0.05
 _GROWTH = 1.5
-# A contact that is about to vanish is slower, in falls through the backlash: at neighbouring numbers some 1e-7.
+# A contact that is about to vanish is slower, in falls through the backlash, and a rest shorter, in periods: at
+# neighbouring numbers they are some 1e-7.
 _SLOW = 1e-3
 # A gear that is thrown for a shorter time than this, in periods, moves by less than rounding.
 _SHORT = 1e-5
@@ -171,9 +173,7 @@ def _why(comparison: _Comparison) -> tuple[list[SpecialPoint], End]:
     task, orbit, value = comparison.task, comparison.orbit, comparison.value
     motion = _motion(task, orbit, comparison.beyond)
     late = np.inf if motion is None else abs(motion[1] - orbit.release)
-    arcs = arcs_of(orbit.oscillator)
-    assert arcs is not None
-    thrown = time_to_end(arcs, wrap(orbit.release))
+    _, thrown = _arc_at(orbit.oscillator, orbit.release)
     if motion is None or min(late, 1.0 - late) > _NEAR or thrown < _SHORT:
         return [], _end(task, BranchEnd.HELD, value)
     oscillator, _, there = motion
@@ -184,15 +184,19 @@ def _why(comparison: _Comparison) -> tuple[list[SpecialPoint], End]:
             return _grazed(comparison, i, here, there)
         if here.rests[i] != there.rests[i]:
             sides = (orbit.oscillator, here), (oscillator, there)
-            if not all(_is_pressed(each, contacts, i) for each, contacts in sides):
+            (own, left), (other, left_there) = (_arc_at(each, float(contacts.at[i])) for each, contacts in sides)
+            if own != other or abs(left - left_there) > _NEAR:
                 return [], _end(task, BranchEnd.RENAMED, value)
             return _unfinished(comparison, i, *(sides if here.rests[i] else sides[::-1]))
     return _unknown(comparison)
 
 
-def _is_pressed(oscillator: Oscillator, contacts: Contacts, place: int) -> bool:
-    felt = rest_acceleration_over_phases(oscillator).at(contacts.at[place : place + 1])
-    return bool(contacts.wall[place] * felt[0] > 0.0)
+def _arc_at(oscillator: Oscillator, phase: float) -> tuple[float, float]:
+    """Sign of a(t) on the arc at a phase, and the time until it ends, as the kernels of chatter see them."""
+    arcs, here = arcs_of(oscillator), wrap(phase)
+    assert arcs is not None
+    number = int(np.searchsorted(arcs.begin, here, side="right"))
+    return float(arcs.sign[number - 1]), float(arcs.begin[number % arcs.begin.size] - here) % 1.0
 
 
 def _unfinished(
@@ -206,6 +210,8 @@ def _unfinished(
     if slow:
         return _end_at_graze(comparison, i + 1, -wall, comparison.orbit.contacts, float(bounces.arrival[across[0]]))
     left = abs(rest_after(*whole, i))
+    if left > _SLOW:
+        return _unknown(comparison)
     point = _point(comparison, SpecialKind.RELEASE, comparison.orbit.contacts, left, i)
     return [point], _end(comparison.task, BranchEnd.RELEASE, comparison.value)
 

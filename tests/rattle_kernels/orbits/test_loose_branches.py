@@ -194,6 +194,36 @@ def test_a_graze_of_the_lower_wall_is_one_point_from_both_sides():
     assert values(back, SpecialKind.GRAZING) == [pytest.approx(graze.value, abs=1e-12)]
 
 
+def test_turns_of_a_shorter_orbit_that_merge_have_its_graze():
+    """P(2,2,1) becomes two turns of P(1,1,0), of which one meets -beta and the other just misses it."""
+    wide = Oscillator(0.40451567271093214, 0.20417778544994755, 0.3045298521354495, restitution=0.6728239895585392)
+    orbits = find_orbits(wide, 2, velocity=(0.0, 3.0), cells=8)
+    orbit = next(each.orbit for each in orbits if each.orbit.name == "P(2,2,1)")
+    branch = continue_orbit(wide, orbit, "half_backlash", (0.15, 0.31), direction="down")
+    assert branch.ends[0].reason == BranchEnd.GRAZING
+    (graze,) = branch.special_points
+    assert graze.orbit_name == "P(1,1,0)" and graze.residual < 1e-10
+    missing = graze.oscillator.at(half_backlash=graze.value + 1e-4)
+    shorter = continue_orbit(missing, find_orbit(missing, graze.t[0], graze.v[0]).orbit, "half_backlash", (0.15, 0.31))
+    assert graze.value in [pytest.approx(value, abs=1e-12) for value in values(shorter, SpecialKind.GRAZING)]
+
+
+def test_where_two_arcs_become_one_rest_begins_a_contact_earlier_and_the_name_alone_changes():
+    lasting = Oscillator(
+        0.04865224987067225, 0.08491229547412708, 0.055859270223941174, restitution=0.16356431050810052,
+        harmonics=((2, 0.025473688642238125, 0.9507765881800887),),
+    )  # fmt: skip
+    orbit = find_orbit(lasting, 0.866990503638, RELEASED, 2).orbit
+    assert orbit.name == "P(1,2,1)*"
+    branch = continue_orbit(lasting, orbit, "damping", (0.015, 0.12))
+    assert reasons(branch) == [BranchEnd.RELEASE, BranchEnd.RENAMED]
+    (release,) = branch.special_points
+    assert release.value == branch.ends[0].value
+    # Beyond, the same motion has a contact less.
+    beyond = lasting.at(damping=branch.ends[1].value + 1e-9)
+    assert find_orbit(beyond, branch.t[-1, branch.v[-1].argmin()], RELEASED).orbit.name == "P(1,1,1)*"
+
+
 def test_halves_of_an_orbit_half_a_period_apart_are_no_doubling():
     """P(2,2,0) from Gamma = 1.2 on has departures whose phases come to differ by 1/2."""
     doubled = machine(1.5)
