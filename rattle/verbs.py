@@ -729,6 +729,7 @@ def grazing_curve(
     transmission_error: "TransmissionError | str | Path | None" = None,
     restitution: float = 1.0,
     order: int = 2,
+    first: Literal["lower", "upper", "rest"] = "lower",
     velocity: tuple[float, float] = (0.0, 7.0),
     chord: float = 0.01,
     angle: float = 0.2,
@@ -762,6 +763,9 @@ def grazing_curve(
         r, by which an impact multiplies the speed; 1 is elastic
     order : int, default 2
         Highest order of pre-images; 0 is the grazing curve itself
+    first : {"lower", "upper", "rest"}, default lower
+        The curve of order 0: departures that next touch -beta; of a loose gear also those that next touch +beta from
+        below ("upper"), or those up to which it comes to rest on +beta ("rest")
     velocity : (float, float), default (0.0, 7.0)
         Speeds to keep
     chord : float, default 0.01

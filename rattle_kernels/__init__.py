@@ -43,11 +43,12 @@ from rattle_kernels.impact_map.apply import Impacts, previous_impacts
 from rattle_kernels.impact_map.capture_velocity import capture_velocity
 from rattle_kernels.impact_map.grazing_velocity import grazing_velocity
 from rattle_kernels.impact_map.pulse import PulseDepartures, departures_after_pulses
+from rattle_kernels.impact_map.rest_velocity import rest_velocity
 from rattle_kernels.impact_map.time_history import Contacts, Direction, TimeHistory, time_history
 from rattle_kernels.lanes.listening import Episodes, until_captured
 from rattle_kernels.lanes.lyapunov import TangentGrowth, tangent_growth
 from rattle_kernels.lanes.run import next_impacts
-from rattle_kernels.manifolds.grazing_preimages import TooManyPoints, grazing_preimages
+from rattle_kernels.manifolds.grazing_preimages import FirstCurve, TooManyPoints, grazing_preimages
 from rattle_kernels.manifolds.polyline import CurveResolution, Piece, arclength
 from rattle_kernels.manifolds.saddle import NotASaddle, find_saddle
 from rattle_kernels.manifolds.stable_manifold import (
@@ -67,6 +68,7 @@ from rattle_kernels.model.domain import (
     OutsideDomain,
     check_domain,
     check_impacting,
+    check_invertible,
     check_oscillator,
     check_quiet,
 )
@@ -110,6 +112,7 @@ __all__ = [
     "Direction",
     "Episodes",
     "ExpectedLoudness",
+    "FirstCurve",
     "Forcing",
     "FoundOrbit",
     "Harmonic",
@@ -153,6 +156,7 @@ __all__ = [
     "capture_velocity",
     "check_domain",
     "check_impacting",
+    "check_invertible",
     "check_oscillator",
     "check_quiet",
     "continue_attractor",
@@ -186,6 +190,7 @@ __all__ = [
     "next_impacts",
     "orbit_beyond_graze",
     "previous_impacts",
+    "rest_velocity",
     "settled_iterations",
     "shares_of",
     "single_contact_orbits",

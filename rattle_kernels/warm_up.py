@@ -147,7 +147,8 @@ def _run_kernels_of_basins() -> None:
     for other in (_STIFF, _WEAK):
         lane_tables(other)
     warm_up_curves()
-    grazing_preimages(oscillator, 1)
+    for each in (oscillator, _LOOSE):
+        grazing_preimages(each, 1)
 
 
 def warm_up_curves() -> None:

@@ -22,7 +22,7 @@ from rattle_kernels.impact_map.flights import BACKWARDS, FORWARDS, LOWER, UPPER,
 from rattle_kernels.impact_map.loose_map import Impact, next_loose_impact, previous_loose_impact
 from rattle_kernels.model.contact_end import Contact, follow_contact
 from rattle_kernels.model.departures import check_departures
-from rattle_kernels.model.domain import check_impacting, check_oscillator
+from rattle_kernels.model.domain import check_invertible
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import (
     OUTCOME_NOT_CONVERGED,
@@ -31,9 +31,6 @@ from rattle_kernels.model.outcome import (
 )
 from rattle_kernels.numerics.jit import chosen_by_field, inlined, kernel
 from rattle_kernels.numerics.phase import part_turn, wrap
-
-INVERSE_OF_IMPACTS = "the inverse of P is needed, and a contact of finite stiffness is followed forwards only"
-"""Why the piecewise linear model is refused where P is applied backwards."""
 
 
 class Impacts(NamedTuple):
@@ -190,9 +187,7 @@ def previous_impacts(oscillator: Oscillator, t: np.typing.ArrayLike, v: np.typin
     ValueError
         Where a point is no departure: not finite, or without a positive speed.
     """
-    checked = check_oscillator(oscillator)
-    if not checked.is_loose:
-        checked = check_impacting(checked, INVERSE_OF_IMPACTS)
+    checked = check_invertible(oscillator)
     phase, speed = (np.array(a) for a in np.broadcast_arrays(*check_departures(t, v, ended=True)))
     lower_impacts, outcome = np.zeros(phase.shape, np.int64), np.zeros(phase.shape, np.int8)
     _undo_all(checked.in_kernels, phase.ravel(), speed.ravel(), lower_impacts.ravel(), outcome.ravel())

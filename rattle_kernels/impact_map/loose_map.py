@@ -107,13 +107,13 @@ def _lost(lower_impacts, outcome):
 
 
 @inlined
-def _follow(oscillator, t, v, jumps_below):
+def _follow(oscillator, t, v, jumps_below, most_contacts=MOST_CONTACTS):
     """P and DP; of a lower speed, a motion that chatters to rest on +beta departs next at its release."""
     jacobian = Jacobian(1.0, 0.0, 0.0, 1.0)
     if not (math.isfinite(t) and math.isfinite(v) and v > 0.0):
         return _lost(0, OUTCOME_OUTSIDE_SECTION), jacobian
     wall, phase, velocity, elapsed, rests_below = UPPER, t, -v, 0.0, False
-    for lower_impacts in range(MOST_CONTACTS):
+    for lower_impacts in range(most_contacts + 1):
         end = next_loose_contact(oscillator, wall, phase, velocity)
         if not end.found:
             return _lost(lower_impacts, OUTCOME_NOT_CONVERGED), jacobian
@@ -129,11 +129,11 @@ def _follow(oscillator, t, v, jumps_below):
             return LooseImpact(impact, rests_below), jacobian
         rests_below = rests_below or leaves.rests
         wall, phase, velocity = LOWER, leaves.phase, leaves.speed
-    return _lost(MOST_CONTACTS, OUTCOME_NOT_CONVERGED), jacobian
+    return _lost(most_contacts, OUTCOME_NOT_CONVERGED), jacobian
 
 
 @inlined
-def contact_by_contact(oscillator, t, v):
+def contact_by_contact(oscillator, t, v, most_contacts=MOST_CONTACTS):
     """One application of P, to the next departure from +beta, however low the bounce.
 
     Parameters
@@ -142,12 +142,14 @@ def contact_by_contact(oscillator, t, v):
         Checked by the caller.
     t, v : float
         Phase and speed of a departure from +beta.
+    most_contacts : int
+        With -beta; after more the outcome is NOT_CONVERGED.
 
     Returns
     -------
     LooseImpact
     """
-    loose, _ = _follow(oscillator, t, v, 0.0)
+    loose, _ = _follow(oscillator, t, v, 0.0, most_contacts)
     return loose
 
 
@@ -191,7 +193,22 @@ def next_loose_impact_with_jacobian(oscillator, t, v):
 
 
 @inlined
-def previous_loose_impact(oscillator, t, v):
+def _undo(oscillator, wall, phase, velocity, most_contacts):
+    """The last departure from +beta before a wall was left, met or touched, by the way back."""
+    elapsed = 0.0
+    for lower_impacts in range(most_contacts + 1):
+        end = next_loose_contact(oscillator, wall, phase, velocity, BACKWARDS)
+        if not end.found:
+            break
+        phase, elapsed = wrap(end.phase), elapsed + end.duration
+        if end.wall == UPPER:
+            return Impact(phase, abs(end.velocity), lower_impacts, OUTCOME_RETURNED, elapsed)
+        wall, velocity = LOWER, -abs(end.velocity) / oscillator.restitution
+    return _lost(0, OUTCOME_NOT_CONVERGED).impact
+
+
+@inlined
+def previous_loose_impact(oscillator, t, v, most_contacts=MOST_CONTACTS):
     """One application of the inverse of `contact_by_contact`, by the way back.
 
     Parameters
@@ -200,6 +217,8 @@ def previous_loose_impact(oscillator, t, v):
         Checked by the caller.
     t, v : float
         Phase and speed of a departure from +beta. Before a release there are infinitely many: it is refused.
+    most_contacts : int
+        With -beta; after more the outcome is NOT_CONVERGED.
 
     Returns
     -------
@@ -209,13 +228,26 @@ def previous_loose_impact(oscillator, t, v):
     if not (math.isfinite(t) and math.isfinite(v) and v > RELEASED):
         return _lost(0, OUTCOME_OUTSIDE_SECTION).impact
     # Backwards a departure is first the arrival before its impact.
-    wall, phase, velocity, elapsed = UPPER, t, v / oscillator.restitution, 0.0
-    for lower_impacts in range(MOST_CONTACTS):
-        end = next_loose_contact(oscillator, wall, phase, velocity, BACKWARDS)
-        if not end.found:
-            break
-        phase, elapsed = wrap(end.phase), elapsed + end.duration
-        if end.wall == UPPER:
-            return Impact(phase, abs(end.velocity), lower_impacts, OUTCOME_RETURNED, elapsed)
-        wall, velocity = LOWER, -abs(end.velocity) / oscillator.restitution
-    return _lost(0, OUTCOME_NOT_CONVERGED).impact
+    return _undo(oscillator, UPPER, t, v / oscillator.restitution, most_contacts)
+
+
+@inlined
+def departure_before_touch(oscillator, wall, phase, most_contacts):
+    """The last departure before a flight just touches a wall, from between the walls.
+
+    Parameters
+    ----------
+    oscillator : LooseOscillator
+        Checked by the caller.
+    wall, phase : float
+        UPPER or LOWER, and a phase (any value) at which a(t) presses away from between: negative on +beta, positive on
+        -beta.
+    most_contacts : int
+        With -beta on the way; after more the outcome is NOT_CONVERGED.
+
+    Returns
+    -------
+    Impact
+        Its duration is negative.
+    """
+    return _undo(oscillator, wall, phase, 0.0, most_contacts)

@@ -10,6 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+# Phases of the same point, wrapped to [0, 1) from the ends of two pieces, differ by less.
+_SAME_PHASE = 1e-12
+
 
 class Piece(NamedTuple):
     """A smooth arc: phases (unwrapped) and speeds of its points in order, arrays of shape (points,)."""
@@ -71,6 +74,12 @@ def turning_angles(t: np.ndarray, v: np.ndarray, velocity_scale: float) -> np.nd
 def from_first_period(piece: Piece) -> Piece:
     """The piece, shifted so that its first phase lies in [0, 1)."""
     return Piece(piece.t - math.floor(piece.t[0]), piece.v)
+
+
+def goes_on(piece: Piece, following: Piece) -> bool:
+    """Whether a piece ends exactly where another begins."""
+    apart = following.t[0] - piece.t[-1]
+    return bool(following.v[0] == piece.v[-1] and abs(apart - np.rint(apart)) < _SAME_PHASE)
 
 
 def arclength(pieces: Iterable[Piece], velocity_scale: float) -> float:

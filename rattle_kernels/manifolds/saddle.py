@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.model.domain import check_domain
+from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit, find_periodic_orbit
@@ -101,7 +101,7 @@ def find_saddle(oscillator: Oscillator, t: float, v: float, period: int = 1) -> 
     ValueError
         If the seed is not a departure, or the period is below 1.
     """
-    checked = check_domain(oscillator)
+    checked = check_oscillator(oscillator)
     if not (math.isfinite(t) and math.isfinite(v) and v > 0.0):
         raise ValueError(f"a seed must be finite with a positive speed, not t = {t}, v = {v}")
     if period < 1:

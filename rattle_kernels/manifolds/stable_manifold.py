@@ -19,7 +19,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
 from rattle_kernels.impact_map.flights import BACKWARDS, FORWARDS
 from rattle_kernels.manifolds.curve_images import (
     LARGEST_POWER,
@@ -44,7 +43,7 @@ from rattle_kernels.manifolds.polyline import (
     split_at_corners,
 )
 from rattle_kernels.manifolds.saddle import check_saddle, directions
-from rattle_kernels.model.domain import check_impacting
+from rattle_kernels.model.domain import check_invertible
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
@@ -222,7 +221,7 @@ def _manifold(
     only: tuple[int, int] | None,
     pause: Pause,
 ) -> tuple[ManifoldBranch, ...]:
-    checked, orbit = check_impacting(oscillator, INVERSE_OF_IMPACTS), check_saddle(orbit)
+    checked, orbit = check_invertible(oscillator), check_saddle(orbit)
     limits, resolution = check_limits(limits), check_resolution(resolution)
     scale = largest_grazing_speed(checked)
     flips = bool(min(orbit.multipliers.real) < 0.0)

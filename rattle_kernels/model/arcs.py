@@ -119,6 +119,15 @@ def next_end(arcs, phase):
 
 
 @inlined
+def ends_passed(arcs, phase, duration):
+    """Number of ends of arcs between a phase (any value) and some time later, or earlier: that is negative."""
+    after = phase + duration
+    before, later = math.floor(phase), math.floor(after)
+    passed = next_end(arcs, after - later) - next_end(arcs, phase - before)
+    return int(later - before) * arcs.begin.size + passed
+
+
+@inlined
 def time_of_end(arcs, m):
     """Time of an end, counted as the phase after which it came."""
     return arcs.begin[m % arcs.begin.size] + m // arcs.begin.size

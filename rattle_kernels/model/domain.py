@@ -232,7 +232,32 @@ def check_impacting(oscillator: Oscillator, reason: str = "here only the impacti
     OutsideDomain
         Naming the parameter, the bound and its value.
     """
-    checked = check_domain(oscillator)
+    return _demand_impacts(check_domain(oscillator), reason)
+
+
+def check_invertible(oscillator: Oscillator) -> Oscillator:
+    """Return the oscillator as `check_oscillator` does, or raise if its stiffness is finite: P has no inverse here.
+
+    Parameters
+    ----------
+    oscillator : Oscillator
+        As a user gave it.
+
+    Returns
+    -------
+    Oscillator
+        Of the impacting model, perhaps beyond the bound of Eq. (8).
+
+    Raises
+    ------
+    OutsideDomain
+        Naming the parameter, the bound and its value.
+    """
+    reason = "the inverse of P is needed, and a contact of finite stiffness is followed forwards only"
+    return _demand_impacts(check_oscillator(oscillator), reason)
+
+
+def _demand_impacts(checked: Oscillator, reason: str) -> Oscillator:
     if not math.isinf(checked.stiffness):
         message = f"stiffness must be infinite, which is the impacting model, not {checked.stiffness:g}: {reason}"
         raise OutsideDomain("stiffness", checked.stiffness, "impacting model", math.inf, message)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from matplotlib.axes import Axes
 from numpy import float64, int8, int64
 
 from rattle_kernels import Piece
+from rattle_kernels.manifolds.polyline import goes_on
 from worker.stores.layout import PERIODS, SPEED, Columns, flags
 from worker.stores.table import Column, Table
 
@@ -26,7 +28,7 @@ class PieceEnd(IntEnum):
     VELOCITY = 2
     """The piece leaves the window of speeds."""
     LAST = 3
-    """The curve is drawn no further."""
+    """The curve is drawn no further; of a loose gear also where it breaks off, as P jumps or contacts are too many."""
 
 
 PIECES = Table("piece", (
@@ -41,6 +43,8 @@ def piece_columns(pieces: Sequence[Piece], velocity: tuple[float, float]) -> Col
     """Columns of the pieces of one curve, in order. The curve is drawn within a window of speeds."""
     ends = np.full(len(pieces), PieceEnd.CORNER, np.int8)
     ends[[bool(np.isin(piece.v[-1], velocity)) for piece in pieces]] = PieceEnd.VELOCITY
+    breaks = np.array([not goes_on(*pair) for pair in pairwise(pieces)], np.bool_)
+    ends[:-1][(ends[:-1] == PieceEnd.CORNER) & breaks] = PieceEnd.LAST
     ends[-1:] = np.where(ends[-1:] == PieceEnd.VELOCITY, PieceEnd.VELOCITY, PieceEnd.LAST)
     return PIECES.of(pieces) | {"piece_end": ends}
 

@@ -1,5 +1,6 @@
 """Pre-images of the grazing curve as an analysis: stretches of the curve run in parallel, each through all orders."""
 
+import json
 from collections.abc import Collection, Mapping
 from typing import Any, Literal
 
@@ -9,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy import float64, int8, int64
 from pydantic import BaseModel, Field
 
-from rattle_kernels import CurveResolution, Oscillator, Piece, arclength
+from rattle_kernels import CurveResolution, FirstCurve, Oscillator, Piece, arclength
 from rattle_kernels.manifolds.grazing_preimages import STRETCHES, join_stretches, preimages_of_stretch
 from rattle_kernels.model.grazing_curve import largest_grazing_speed
 from rattle_kernels.numerics.pausing import Pause
@@ -24,6 +25,11 @@ from worker.stores.layout import Columns, Variable
 from worker.stores.table import Column, Table, slices
 
 _SIZE = {"sample_dimension": "piece"}
+_FIRST = {
+    FirstCurve.LOWER: "grazing curve",
+    FirstCurve.UPPER: "grazes of +beta",
+    FirstCurve.REST: "edge of rest",
+}
 # Colours of what is laid over a basin, by order.
 _OVER = ("white", "black", "yellow", "magenta", "lime")
 ORDERS = Table("order", (
@@ -52,10 +58,10 @@ class GrazingCurveView(AnalysisView):
 
 def map_stretch(
     oscillator: Oscillator, order: int, stretch: int, velocity: tuple[float, float], resolution: CurveResolution,
-    most_points: int, *, pause: Pause,
+    most_points: int, first: FirstCurve, *, pause: Pause,
 ) -> Columns:  # fmt: skip
     """A stretch of the grazing curve and its pre-images."""
-    orders = preimages_of_stretch(oscillator, order, stretch, resolution, velocity, most_points, pause)
+    orders = preimages_of_stretch(oscillator, order, stretch, resolution, velocity, most_points, pause, first)
     columns = PIECES.join([piece_columns(pieces, velocity) for pieces in orders])
     return columns | {"order_size": np.array([len(pieces) for pieces in orders], np.int64)}
 
@@ -69,7 +75,9 @@ def plan(job: GrazingCurveJob, parts: Parts) -> Plan:
     most = -(-job.most_points // STRETCHES)
     pieces = [
         analysis.Piece(
-            _name(stretch), map_stretch, (job.oscillator, job.order, stretch, job.velocity.ends, job.resolution, most)
+            _name(stretch),
+            map_stretch,
+            (job.oscillator, job.order, stretch, job.velocity.ends, job.resolution, most, job.first),
         )
         for stretch in range(STRETCHES)
     ]
@@ -133,9 +141,10 @@ def summarise(job: GrazingCurveJob, columns: Columns) -> dict[str, Any]:
 
 
 def overlays_of(dataset: xr.Dataset, names: Collection[str] = ()) -> tuple[Lines, ...]:
-    """The grazing curve and its pre-images, each in a colour of its own. They have no other names to choose by."""
+    """The first curve and its pre-images, each in a colour of its own. They have no other names to choose by."""
+    first = _FIRST[FirstCurve(json.loads(dataset.attrs["request"]).get("first", FirstCurve.LOWER))]
     return tuple(
-        Lines(f"pre-image {order}" if order else "grazing curve", _OVER[order % len(_OVER)], tuple(pieces))
+        Lines(f"pre-image {order}" if order else first, _OVER[order % len(_OVER)], tuple(pieces))
         for order, pieces in enumerate(orders_of(dataset))
     )
 
@@ -144,7 +153,7 @@ def draw_grazing_curves(job: GrazingCurveJob, columns: Columns, figure: Figure) 
     """Draw the grazing curve and its pre-images, with one colour per order."""
     axes = figure.subplots()
     for order, pieces in enumerate(orders_of(columns)):
-        label = "grazing curve" if order == 0 else f"pre-image of order {order}"
+        label = _FIRST[job.first] if order == 0 else f"pre-image of order {order}"
         missing = "" if columns["order_complete"][order] else ", incomplete"
         Lines(label + missing, f"C{order % 10}", tuple(pieces), THIN).draw(axes)
     finish_plane(axes, oscillator_text(job.oscillator), job.velocity.ends)

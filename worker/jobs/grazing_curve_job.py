@@ -5,8 +5,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from rattle_kernels import CurveResolution
-from rattle_kernels.manifolds.grazing_preimages import STRETCHES
+from rattle_kernels import CurveResolution, FirstCurve
+from rattle_kernels.manifolds.grazing_preimages import STRETCHES, check_first
 from worker.errors import InvalidJob
 from worker.jobs.job import IMPACTING_ALONE, AnalysisJob, Sizes
 from worker.jobs.region import MOST_POINTS, SPEEDS, Interval, Resolution, ResolutionRequest, check_speeds, papers_speeds
@@ -33,10 +33,16 @@ class GrazingCurveJob(AnalysisJob):
     model_config = ConfigDict(title="GrazingCurveRequest", json_schema_extra={"examples": [_EXAMPLE]} | IMPACTING_ALONE)
 
     impacting_only = True
+    loose_gears = True
 
     kind_: Literal["grazing_curve"] = "grazing_curve"
     order: Annotated[Whole, in_schema(minimum=0)] = Field(
         2, description="Highest order of pre-images; 0 is the grazing curve itself"
+    )
+    first: FirstCurve = Field(
+        FirstCurve.LOWER,
+        description="The curve of order 0: departures that next touch -beta; of a loose gear also those "
+        'that next touch +beta from below ("upper"), or those up to which it comes to rest on +beta ("rest")',
     )
     velocity: Annotated[Interval, SPEEDS] = Field(default_factory=papers_speeds, description="Speeds to keep")
     resolution_: Resolution = Field(default_factory=ResolutionRequest)
@@ -77,7 +83,9 @@ class GrazingCurveJob(AnalysisJob):
         if self.most_points < _LEAST_POINTS:
             raise InvalidJob(f"most_points must be {_LEAST_POINTS} or more, not {self.most_points}", ("most_points",))
         check_speeds(self.velocity)
-        settled = {name: getattr(self, name) for name in ("kind_", "order", "velocity", "most_points")}
+        check_first(self.oscillator, self.first)
+        names = ("kind_", "order", "velocity", "most_points", *(("first",) if self.first != FirstCurve.LOWER else ()))
+        settled = {name: getattr(self, name) for name in names}
         return settled | {"resolution_": self.resolution_.settled_to()}
 
     @cached_property

@@ -18,8 +18,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 
-from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_impacting, check_oscillator, check_quiet
-from rattle_kernels.impact_map.apply import INVERSE_OF_IMPACTS
+from rattle_kernels import Oscillator, OutsideDomain, check_domain, check_invertible, check_oscillator, check_quiet
 from worker.errors import InvalidJob, SweptOutsideDomain
 from worker.jobs.design import SweepAxis, changes_at
 from worker.jobs.first_refused import first_fault
@@ -204,7 +203,7 @@ class Job(Request, ABC):
             Naming the parameter, the bound and its value.
         """
         if cls.impacting_only:
-            return check_impacting(oscillator, INVERSE_OF_IMPACTS)
+            return check_invertible(oscillator)
         return check_oscillator(oscillator) if cls.loose_gears else check_domain(oscillator)
 
     @property

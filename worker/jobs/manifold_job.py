@@ -161,6 +161,7 @@ class ManifoldJob(AnalysisJob):
     model_config = ConfigDict(title="ManifoldRequest", json_schema_extra={"examples": [_EXAMPLE]} | IMPACTING_ALONE)
 
     impacting_only = True
+    loose_gears = True
 
     kind_: Literal["manifold"] = "manifold"
     saddles_: Annotated[list[Saddle], Field(min_length=1, max_length=100)]

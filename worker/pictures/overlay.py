@@ -4,13 +4,23 @@ Pieces of a curve are drawn separately, never joined across a break. A piece tha
 picture continues at its first.
 """
 
+import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from rattle_kernels import Attractor, AttractorKind, ManifoldBranch, Oscillator, PeriodicOrbit, Piece, grazing_velocity
+from rattle_kernels import (
+    Attractor,
+    AttractorKind,
+    ManifoldBranch,
+    Oscillator,
+    PeriodicOrbit,
+    Piece,
+    grazing_preimages,
+    grazing_velocity,
+)
 from rattle_kernels.manifolds.polyline import split_at_wrap
 
 # Points of the grazing curve: it bends little.
@@ -141,7 +151,7 @@ def saddle_marks(saddles: Iterable[PeriodicOrbit], colour: str = "white") -> tup
 
 
 def grazing_line(oscillator: Oscillator) -> Lines:
-    """The grazing curve v*(t) of either model, in white.
+    """The grazing curve of either model, in white: v*(t), or of a loose gear with impacts the curve of all its grazes.
 
     Parameters
     ----------
@@ -157,17 +167,22 @@ def grazing_line(oscillator: Oscillator) -> Lines:
     >>> grazing_line(Oscillator()).label
     'grazing curve'
     """
+    if oscillator.is_loose and math.isinf(oscillator.stiffness):
+        (pieces,) = grazing_preimages(oscillator, 0)
+        return Lines("grazing curve", _BY_ORDER[0], pieces, 1.4)
     t = np.linspace(0.0, 1.0, _CURVE_POINTS)
     return Lines("grazing curve", _BY_ORDER[0], (Piece(t, grazing_velocity(oscillator, t)),), 1.4)
 
 
-def preimage_lines(orders: Iterable[Iterable[Piece]]) -> tuple[Lines, ...]:
-    """Pre-images of the grazing curve.
+def preimage_lines(orders: Iterable[Iterable[Piece]], of: str = "grazing") -> tuple[Lines, ...]:
+    """Pre-images of the grazing curve, or of another.
 
     Parameters
     ----------
     orders : iterable of iterable of Piece
         Orders 1, 2, ..., as `grazing_preimages` returns them after the curve itself.
+    of : str
+        What they are pre-images of, for labels.
 
     Returns
     -------
@@ -181,7 +196,7 @@ def preimage_lines(orders: Iterable[Iterable[Piece]]) -> tuple[Lines, ...]:
     ['pre-image 1 of grazing']
     """
     return tuple(
-        Lines(f"pre-image {order} of grazing", _BY_ORDER[1 + (order - 1) % (len(_BY_ORDER) - 1)], tuple(pieces))
+        Lines(f"pre-image {order} of {of}", _BY_ORDER[1 + (order - 1) % (len(_BY_ORDER) - 1)], tuple(pieces))
         for order, pieces in enumerate(orders, 1)
     )
 

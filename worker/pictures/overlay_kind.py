@@ -4,8 +4,17 @@ import math
 from collections.abc import Collection
 from enum import StrEnum
 
-from rattle_kernels import Attractor, ManifoldLimits, Oscillator, PeriodicOrbit, grazing_preimages, stable_manifold
+from rattle_kernels import (
+    Attractor,
+    FirstCurve,
+    ManifoldLimits,
+    Oscillator,
+    PeriodicOrbit,
+    grazing_preimages,
+    stable_manifold,
+)
 from rattle_kernels.manifolds.boundary_saddles import boundary_saddles
+from rattle_kernels.model.arcs import arcs_of
 from worker.additions import Mask, additions
 from worker.errors import InvalidJob
 from worker.pictures.overlay import (
@@ -83,7 +92,7 @@ def overlays_for(
     -------
     tuple of Overlay
         Grazing curve; first and second pre-images; stable manifolds of the saddles of impact period 1 and 2 that
-        separate basins; attractors; those saddles.
+        separate basins; attractors; those saddles. Of a loose gear with impacts both curves on which it grazes a wall.
 
     Raises
     ------
@@ -106,8 +115,14 @@ def _computed(
     overlays: list[Overlay] = []
     if OverlayKind.PREIMAGES in kinds:
         overlays += preimage_lines(grazing_preimages(oscillator, _PREIMAGES, velocity_limits=velocity)[1:])
+        if _grazes_above(oscillator):
+            orders = grazing_preimages(oscillator, _PREIMAGES, velocity_limits=velocity, first=FirstCurve.UPPER)
+            overlays += preimage_lines(orders[1:], "grazing +beta")
     if OverlayKind.GRAZING in kinds:
         overlays.append(grazing_line(oscillator))
+        if _grazes_above(oscillator):
+            (pieces,) = grazing_preimages(oscillator, 0, velocity_limits=velocity, first=FirstCurve.UPPER)
+            overlays.append(Lines("grazing +beta", "white", pieces, 1.4, "--"))
     sought = kinds & {OverlayKind.MANIFOLDS, OverlayKind.SADDLES} and attractors
     saddles = boundary_saddles(oscillator, attractors) if sought else ()
     if OverlayKind.MANIFOLDS in kinds:
@@ -117,6 +132,12 @@ def _computed(
     if OverlayKind.SADDLES in kinds:
         overlays += saddle_marks(saddles)
     return overlays
+
+
+def _grazes_above(oscillator: Oscillator) -> bool:
+    """Whether flights graze +beta from below, too, and P has an inverse."""
+    arcs = arcs_of(oscillator)
+    return math.isinf(oscillator.stiffness) and arcs is not None and arcs.begin.size > 1
 
 
 def manifolds_of(
