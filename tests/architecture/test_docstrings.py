@@ -22,7 +22,7 @@ def exceptions_of(function):
     raised = [node.exc for node in nodes if isinstance(node, ast.Raise) and node.exc is not None]
     names = {(exc.func if isinstance(exc, ast.Call) else exc).id for exc in raised}
     called = {node.func.id for node in nodes if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
-    checks = {"check_domain", "check_oscillator", "check_impacting", "check_quiet"}
+    checks = {"check_domain", "check_oscillator", "check_impacting", "check_invertible", "check_release", "check_quiet"}
     return names | ({"OutsideDomain"} if called & checks else set())
 
 

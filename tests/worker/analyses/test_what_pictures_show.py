@@ -7,7 +7,7 @@ import pytest
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
-from rattle_kernels import BranchEnd, Oscillator, SpecialKind, grazing_velocity, time_history
+from rattle_kernels import BranchEnd, FirstCurve, Oscillator, SpecialKind, grazing_velocity, time_history
 from worker.analyses import bifurcation
 from worker.analyses.bifurcation import draw_diagram
 from worker.analyses.grazing_curves import draw_grazing_curves
@@ -156,13 +156,17 @@ def test_manifolds_are_solid_or_dotted_in_the_colour_of_their_saddle():
 
 
 def test_pre_images_have_a_colour_for_each_order_and_say_where_one_is_incomplete():
-    job = SimpleNamespace(oscillator=Oscillator(), velocity=SimpleNamespace(ends=(0.0, 7.0)))
+    window = SimpleNamespace(ends=(0.0, 7.0))
+    job = SimpleNamespace(oscillator=Oscillator(), velocity=window, first=FirstCurve.LOWER)
     columns = PIECES | {"order_size": np.array([1, 2, 1]), "order_complete": np.array([1, 1, 0])}
     axes = drawn(draw_grazing_curves, job, columns).axes[0]
     assert lines(axes, colour="C0") == [("grazing curve", POINTS[:2])]
     assert lines(axes, colour="C1") == [("pre-image of order 1", POINTS[2:7])]
     assert lines(axes, colour="C2") == [("pre-image of order 2, incomplete", POINTS[7:])]
     assert axes.get_ylim() == (0.0, 7.0)
+    job.first = FirstCurve.UPPER
+    axes = drawn(draw_grazing_curves, job, columns).axes[0]
+    assert lines(axes, colour="C0") == [("grazes of +beta", POINTS[:2])]
 
 
 @pytest.mark.parametrize("stiffness", [100.0, np.inf])

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from rattle_kernels import Oscillator, Piece, find_attractors, grazing_velocity, next_impacts, previous_impacts
+from rattle_kernels import (
+    Oscillator,
+    Piece,
+    eccentricity_bound_smooth_maxima,
+    find_attractors,
+    grazing_velocity,
+    next_impacts,
+    previous_impacts,
+)
 from worker.errors import InvalidJob
 from worker.pictures.figure_file import PictureFormat, save_figure
 from worker.pictures.overlay import Lines, Marks, attractor_marks, grazing_line
@@ -89,6 +97,18 @@ def test_basins_carry_what_is_asked_for_and_no_more(store, attractors):
     assert plain.getvalue() != laid.getvalue()
     assert [marks.marker for marks in attractor_marks(attractors)] == ["x", "."]
     assert grazing_line(OSCILLATOR._replace(stiffness=1e4)).pieces[0].v.min() > 0.0
+
+
+def test_a_loose_gear_has_both_curves_of_grazes():
+    loose = Oscillator(eccentricity=0.4, restitution=0.7)
+    found = overlays_for(["grazing", "preimages"], loose, (), (0.0, 12.0))
+    assert [each.label for each in found] == [
+        "pre-image 1 of grazing", "pre-image 2 of grazing", "pre-image 1 of grazing +beta",
+        "pre-image 2 of grazing +beta", "grazing curve", "grazing +beta",
+    ]  # fmt: skip
+    # At Gamma = 1 no flight touches +beta from below.
+    edge = loose._replace(eccentricity=eccentricity_bound_smooth_maxima(loose))
+    assert [each.label for each in overlays_for(["grazing"], edge, (), (0.0, 12.0))] == ["grazing curve"]
 
 
 def test_names_of_overlays_are_read_and_others_refused():
