@@ -178,8 +178,8 @@ def capture_bound(oscillator: Oscillator) -> float:
     Returns
     -------
     float
-        0 where no region is safe: then nothing is ever captured. Nothing is beyond the bound of Eq. (8), where every
-        gear that lies on +beta is released.
+        0 where no region is safe: then nothing is ever captured. Nothing is beyond the bound of Eq. (8), where gears
+        that lie on +beta are released; a soft contact that never ends is found as such.
     """
     if oscillator.is_loose:
         return 0.0

@@ -10,7 +10,7 @@ the restitution. In the piecewise linear model the gears stay beyond the wall fo
 
 By Eq. (31) turning points beyond -beta are minima, too: every contact there ends, the flight after it reaches +beta,
 and one application of P meets -beta at most once. All this holds below the bound of Eq. (8); beyond it `loose_map` has
-P, and `next_impact` chooses by the oscillator.
+P of both models, and `next_impact` chooses by the oscillator.
 """
 
 import math

@@ -27,7 +27,7 @@ from rattle_kernels.impact_map.apply import next_impact
 from rattle_kernels.model.flight import acceleration_range, rest_acceleration
 from rattle_kernels.model.grazing_curve import LEAVING, grazing_flight
 from rattle_kernels.model.outcome import OUTCOME_PERMANENT_CONTACT, OUTCOME_RETURNED
-from rattle_kernels.numerics.jit import inlined, kernel
+from rattle_kernels.numerics.jit import chosen_by_field, inlined, kernel
 
 _PHASES = 96
 _SPEEDS = 12
@@ -70,6 +70,11 @@ def is_below(bound, radian, acceleration, v):
 
 
 @inlined
+def _is_never_captured(oscillator, bound, t, v):
+    return False
+
+
+@chosen_by_field("arcs", _is_never_captured)
 def is_captured(oscillator, bound, t, v):
     """Whether ever lower bounces have captured the motion of a departure: it lies in the safe region.
 
@@ -85,6 +90,7 @@ def is_captured(oscillator, bound, t, v):
     Returns
     -------
     bool
+        Never beyond the bound of Eq. (8), where J is no measure of a bounce.
     """
     return is_below(bound, ringing_radian(oscillator), rest_acceleration(oscillator, t), v)
 

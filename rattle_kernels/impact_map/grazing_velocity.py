@@ -55,7 +55,7 @@ def grazing_velocity(oscillator: Oscillator, t: np.typing.ArrayLike) -> np.ndarr
     Parameters
     ----------
     oscillator : Oscillator
-        Either model: the curve depends on freeplay alone. Of the impacting model also beyond the bound of Eq. (8).
+        Either model: the curve depends on freeplay alone. Also beyond the bound of Eq. (8).
     t : array_like
         Phases of departure from +beta, forcing periods, any finite value.
 

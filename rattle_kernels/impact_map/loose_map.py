@@ -1,8 +1,13 @@
 """P of a loose gear, beyond the bound of Eq. (8): any number of contacts with -beta, rest and release on both walls.
 
 P leads from a departure from +beta to the next one, as everywhere. On the way -beta may be met any number of times.
-Where bounces on -beta accumulate before their arc ends (`complete_chatter`), the gear rests there and leaves when the
-arc ends, with no speed. All bounces of such a chatter count as one contact.
+
+*The piecewise linear model.* Each contact is followed to its first end (`contact_end`), which asks for no sign of a(t).
+None with -beta is permanent: the slow part there has the mean ``-4 pi delta/(2 kappa)``, and the ringing dies away. One
+with +beta may be, where quiet solutions exist. Nothing rests: a contact takes the time that its spring needs.
+
+*The impacting model.* Where bounces on -beta accumulate before their arc ends (`complete_chatter`), the gear rests
+there and leaves when the arc ends, with no speed. All bounces of such a chatter count as one contact.
 
 Where bounces on +beta accumulate, the next departure is the release, at the end of the arc: a chatter is one contact
 there, too. So all motions that have come to rest on one arc leave as one. A release has no speed, and departures have
@@ -18,7 +23,7 @@ from rattle_kernels.impact_map.complete_chatter import accumulates
 from rattle_kernels.impact_map.flights import BACKWARDS, LOWER, UPPER
 from rattle_kernels.impact_map.variations import Jacobian, by_speeds, contact_jacobian, flight_jacobian, multiply
 from rattle_kernels.model.arcs import is_pressed, phase_of_release, time_to_release
-from rattle_kernels.model.contact_end import Contact
+from rattle_kernels.model.contact_end import Contact, follow_contact
 from rattle_kernels.model.outcome import (
     OUTCOME_NOT_CONVERGED,
     OUTCOME_OUTSIDE_SECTION,
@@ -26,7 +31,7 @@ from rattle_kernels.model.outcome import (
     OUTCOME_RETURNED,
 )
 from rattle_kernels.numerics.jit import inlined
-from rattle_kernels.numerics.phase import wrap
+from rattle_kernels.numerics.phase import part_turn, wrap
 
 RELEASED = 1e-300
 """Speed of a departure that is a release: no other is as slow."""
@@ -56,7 +61,11 @@ class LooseImpact(NamedTuple):
 
 
 class Departure(NamedTuple):
-    """What comes of a contact of the impacting model: a departure after some time, at once or by release."""
+    """What comes of a contact: a departure after some time.
+
+    ``after`` is 0 for an impact, until the release for a rest, infinite where the contact never ends, and NaN where its
+    end was not found.
+    """
 
     phase: float
     speed: float
@@ -66,7 +75,7 @@ class Departure(NamedTuple):
 
 @inlined
 def leave(oscillator, wall, phase, speed, jumps_below):
-    """What comes of an impact.
+    """What comes of an impact; of finite stiffness, how a flight has ended, before the contact.
 
     Parameters
     ----------
@@ -85,20 +94,41 @@ def leave(oscillator, wall, phase, speed, jumps_below):
     rests = speed < jumps_below and accumulates(oscillator, wall, phase, speed)
     # Less than the speed of a release is none.
     if not speed >= RELEASED:
-        speed, rests = RELEASED, is_pressed(oscillator.arcs, wall, phase)
+        speed, rests = RELEASED, math.isinf(oscillator.stiffness) and is_pressed(oscillator.arcs, wall, phase)
     if not rests:
         return Departure(phase, speed, 0.0, False)
     return Departure(phase_of_release(oscillator.arcs, phase), RELEASED, time_to_release(oscillator.arcs, phase), True)
 
 
 @inlined
+def leave_contact(oscillator, wall, phase, speed):
+    """What comes of a contact of finite stiffness.
+
+    Parameters
+    ----------
+    oscillator : LooseOscillator
+        Checked by the caller.
+    wall, phase, speed : float
+        UPPER or LOWER, the phase (any value), and the speed of entering.
+
+    Returns
+    -------
+    Departure
+        One that rounding has left without a speed has RELEASED.
+    """
+    contact = follow_contact(oscillator, wall, phase, speed)
+    after = math.inf if contact.outcome == OUTCOME_PERMANENT_CONTACT else contact.duration
+    return Departure(wrap(part_turn(phase) + contact.duration), max(contact.speed, RELEASED), after, False)
+
+
+@inlined
 def _variation(oscillator, wall, phase, velocity, end, departure):
-    """Derivative over a flight and the impact after it, by (time, signed velocity); a rest forgets both."""
+    """Derivative over a flight and the contact after it, by (time, signed velocity); a rest forgets both."""
     if departure.rests:
         return Jacobian(0.0, 0.0, 0.0, 0.0)
-    contact = Contact(0.0, departure.speed, OUTCOME_RETURNED)
-    impact = contact_jacobian(oscillator, wall, end.phase, abs(end.velocity), contact)
-    return multiply(impact, flight_jacobian(oscillator, phase, velocity, end))
+    ended = Contact(departure.after, departure.speed, OUTCOME_RETURNED)
+    contact = contact_jacobian(oscillator, wall, end.phase, abs(end.velocity), ended)
+    return multiply(contact, flight_jacobian(oscillator, phase, velocity, end))
 
 
 @inlined
@@ -119,10 +149,14 @@ def _follow(oscillator, t, v, jumps_below, most_contacts=MOST_CONTACTS):
             return _lost(lower_impacts, OUTCOME_NOT_CONVERGED), jacobian
         upper = end.wall == UPPER
         speed = oscillator.restitution * abs(end.velocity)
-        leaves = leave(oscillator, end.wall, end.phase, speed, jumps_below if upper else math.inf)
+        if math.isinf(oscillator.stiffness):
+            leaves = leave(oscillator, end.wall, end.phase, speed, jumps_below if upper else math.inf)
+        else:
+            leaves = leave_contact(oscillator, end.wall, end.phase, speed)
         elapsed += end.duration + leaves.after
         if not math.isfinite(elapsed):
-            return _lost(lower_impacts, OUTCOME_PERMANENT_CONTACT), jacobian
+            outcome = OUTCOME_PERMANENT_CONTACT if elapsed == math.inf else OUTCOME_NOT_CONVERGED
+            return _lost(lower_impacts, outcome), jacobian
         jacobian = multiply(_variation(oscillator, end.wall, phase, velocity, end, leaves), jacobian)
         if upper:
             impact = Impact(leaves.phase, leaves.speed, lower_impacts, OUTCOME_RETURNED, elapsed)

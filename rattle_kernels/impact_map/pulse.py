@@ -22,7 +22,7 @@ from rattle_kernels.impact_map.flights import UPPER
 from rattle_kernels.model.contact import enter_contact
 from rattle_kernels.model.contact_end import follow_contact_from
 from rattle_kernels.model.departures import check_phases
-from rattle_kernels.model.domain import check_quiet
+from rattle_kernels.model.domain import check_domain, check_quiet
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.model.outcome import OUTCOME_RETURNED
 from rattle_kernels.numerics.jit import kernel
@@ -92,7 +92,7 @@ def departures_after_pulses(
     >>> departures_after_pulses(Oscillator(stiffness=1e4), [0.25, 0.25], [0.01, 2.0]).v.round(3)
     array([  nan, 1.998])
     """
-    checked = check_quiet(oscillator)
+    checked = check_domain(check_quiet(oscillator))
     phases, changes = np.broadcast_arrays(check_phases(t), check_phases(parting, "parting"))
     departures = np.full((3, phases.size), np.nan)
     _depart(checked, np.ascontiguousarray(phases.ravel()), np.ascontiguousarray(changes.ravel()), departures)

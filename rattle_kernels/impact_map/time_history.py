@@ -20,8 +20,9 @@ ever lower bounces shrink like ``e^{-delta t/3}``, and their number in a period 
 contacts is bounded. Impacts that lose energy may be infinitely many within a finite time, after which the teeth stay
 together: `_end_of_impact` ends them there.
 
-*Beyond Eq. (8)* a flight goes from arc to arc (`arc_flights`). What is left of a chatter once its bounces are too low
-to be seen is a rest, which lasts until the arc ends (`complete_chatter`).
+*Beyond Eq. (8)* a flight goes from arc to arc (`arc_flights`). What is left of a chatter of the impacting model once
+its bounces are too low to be seen is a rest, which lasts until the arc ends (`complete_chatter`). Contacts of the
+piecewise linear model could pile up only where the acceleration is zero as well, at the ends of arcs.
 """
 
 import math
@@ -148,14 +149,30 @@ def _end_of_flight_piece(beta, end):
 
 
 @inlined
+def _end_of_contact(oscillator, piece):
+    """First end of a contact of the piecewise linear model, by the exact rule."""
+    beta, side = oscillator.half_backlash, piece.regime
+    exact = Oscillator(
+        oscillator.damping, oscillator.eccentricity, beta, oscillator.stiffness, math.inf, oscillator.restitution,
+        oscillator.contact_damping, oscillator.harmonics,
+    )  # fmt: skip
+    contact = follow_contact_from(exact, side, piece.phase, side * piece.displacement - beta, side * piece.velocity)
+    next_piece = MotionPiece(FREEPLAY, part_turn(piece.phase) + contact.duration, side * beta, -side * contact.speed)
+    duration = math.inf if contact.outcome == OUTCOME_PERMANENT_CONTACT else contact.duration
+    return MotionPieceEnd(duration, next_piece, contact.outcome)
+
+
+@inlined
 def _end_of_loose_piece(oscillator, piece):
-    """`end_of_piece` beyond Eq. (8): a contact lasts no time, or until a release."""
+    """`end_of_piece` beyond Eq. (8): an impact lasts no time, or until a release."""
     beta, side = oscillator.half_backlash, piece.regime
     if side == FREEPLAY:
         above, below = beta - piece.displacement, beta + piece.displacement
         return _end_of_flight_piece(
             beta, next_loose_contact_from(oscillator, above, below, piece.phase, piece.velocity)
         )
+    if math.isfinite(oscillator.stiffness):
+        return _end_of_contact(oscillator, piece)
     restitution = oscillator.restitution
     no_bounce = _NO_BOUNCE * (1.0 - restitution) * fall_speed(oscillator)
     leaves = leave(oscillator, side, piece.phase, restitution * abs(piece.velocity), no_bounce)
@@ -181,17 +198,9 @@ def end_of_piece(oscillator, piece):
         Outcome RETURNED where the piece ends, PERMANENT_CONTACT where it never does, or NOT_CONVERGED. The phase
         of the next piece counts on from that of this one less its nearest whole number.
     """
-    damping, eccentricity, beta, stiffness, _, restitution, contact_damping, harmonics = oscillator
-    side = piece.regime
-    if side == FREEPLAY:
-        return _end_of_flight_piece(beta, _end_of_flight(oscillator, piece))
-    if math.isinf(stiffness):
-        return _end_of_impact(oscillator, piece)
-    exact = Oscillator(damping, eccentricity, beta, stiffness, math.inf, restitution, contact_damping, harmonics)
-    contact = follow_contact_from(exact, side, piece.phase, side * piece.displacement - beta, side * piece.velocity)
-    next_piece = MotionPiece(FREEPLAY, part_turn(piece.phase) + contact.duration, side * beta, -side * contact.speed)
-    duration = math.inf if contact.outcome == OUTCOME_PERMANENT_CONTACT else contact.duration
-    return MotionPieceEnd(duration, next_piece, contact.outcome)
+    if piece.regime == FREEPLAY:
+        return _end_of_flight_piece(oscillator.half_backlash, _end_of_flight(oscillator, piece))
+    return _end_of_impact(oscillator, piece) if math.isinf(oscillator.stiffness) else _end_of_contact(oscillator, piece)
 
 
 @inlined
@@ -205,17 +214,11 @@ def flight_along(oscillator, piece, elapsed, displacement, velocity):
 
 
 @inlined
-def _rest_along(oscillator, piece, elapsed, displacement, velocity):
-    displacement[:] = piece.displacement
-    velocity[:] = 0.0
-
-
-@chosen_by_field("arcs", _rest_along)
 def contact_along(oscillator, piece, elapsed, displacement, velocity):
     """Write the state of a contact at some times after its beginning into the two arrays."""
     side, beta = piece.regime, oscillator.half_backlash
     if math.isinf(oscillator.stiffness):
-        _rest_along(oscillator, piece, elapsed, displacement, velocity)  # other contacts last no time
+        displacement[:], velocity[:] = piece.displacement, 0.0  # a rest: other contacts last no time
         return
     entered = enter_contact(oscillator, side, piece.phase, side * piece.displacement - beta, side * piece.velocity)
     for i in range(elapsed.size):

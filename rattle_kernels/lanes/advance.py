@@ -8,7 +8,7 @@ vectors (`lyapunov`).
 from rattle_kernels.lanes.contact import follow_contacts_carefully, guess_contacts, refine_contacts
 from rattle_kernels.lanes.flight import fly_carefully, guess_durations, refine_durations
 from rattle_kernels.lanes.lane_fields import END_PHASE, END_VELOCITY, IDLE_SPEED, LANES, PHASE, VELOCITY
-from rattle_kernels.lanes.loose_flight import fly_loosely, stay_in_no_contact
+from rattle_kernels.lanes.loose_flight import fly_loosely, stay_loosely
 from rattle_kernels.numerics.jit import always_inlined, chosen_by_field, inlined
 from rattle_kernels.numerics.phase import wrap
 
@@ -23,7 +23,7 @@ def fly(lanes, corners, oscillator, tables):
     return unsure
 
 
-@chosen_by_field("arcs", stay_in_no_contact)
+@chosen_by_field("arcs", stay_loosely)
 def stay(lanes, corners, oscillator, tables, slow):
     """Follow the contact of every lane after its flight (finite stiffness); return how many took the careful path."""
     guess_contacts(lanes, corners, tables)

@@ -1,4 +1,4 @@
-"""One flight of every lane of a loose gear, and what comes of the contact at its end.
+"""One flight of every lane of a loose gear, and the contact at its end.
 
 A flight is followed from arc to arc as in `arc_flights`, with the same brackets. To know how far they are, all lanes
 that fly are evaluated side by side, each at one time: the end of an arc (`_ARC`), a guessed turning point (`_TURN`) or
@@ -7,6 +7,8 @@ together at the front of a buffer, so what has arrived costs nothing.
 
 Bounces that may accumulate are followed in the same way until that is certain (`complete_chatter`). If they do not, the
 first of them is the next departure, and the lane remembers that its bounces need not be followed again.
+
+Contacts of finite stiffness are followed one by one by the scalar path: their ends have no table of guesses here.
 
 What is too close to call is left to the scalar path: an end of an arc next to a wall or to a turning point, a graze.
 
@@ -22,7 +24,7 @@ import numpy as np
 from rattle_kernels.impact_map.arc_flights import next_loose_contact
 from rattle_kernels.impact_map.complete_chatter import accumulates, is_sure_to_rest
 from rattle_kernels.impact_map.flights import LOWER, UPPER
-from rattle_kernels.impact_map.loose_map import RELEASED, leave
+from rattle_kernels.impact_map.loose_map import RELEASED, leave, leave_contact
 from rattle_kernels.lanes.flight import evaluate, fifth_order_step, turn_phases
 from rattle_kernels.lanes.harmonics import (
     RATE_1,
@@ -68,7 +70,7 @@ _RESTS, _ARRIVAL, _KNOWN_PHASE, _KNOWN_VELOCITY = SINE, COSINE, SINE_CHANGE, COS
 # Time left on the arc for the bounces that are followed; negative where none are.
 _LEFT = TARGET
 # Fields of those that fly, beside those of a flight: second to fourth derivative, the step to the target, its last
-# term. They lie where contacts are evaluated, and loose gears have none.
+# term. They lie in a buffer of their own, where that of the lanes has the ends of flights.
 _BEND, _JERK, _SNAP, _STEP, _LAST = END_PHASE, END_VELOCITY, END_ACCELERATION, DROPS, DROPS + LANES
 
 # Fields of all lanes, in their own order: the piece on which each flies, the number of its arc's end among the changes
@@ -555,9 +557,25 @@ def fly_loosely(lanes, corners, oscillator, tables):
 
 
 @inlined
-def stay_in_no_contact(lanes, corners, oscillator, tables, slow):
-    """The impacting model alone is followed beyond the bound of Eq. (8)."""
-    return 0
+def stay_loosely(lanes, corners, oscillator, tables, slow):
+    """Follow the contact of every lane after its flight (finite stiffness), by the scalar path; return how many.
+
+    A lane in permanent contact ends with velocity 0; one whose end was not found with a phase of NaN.
+    """
+    followed, idle = 0, IDLE_SPEED * tables.largest_grazing_speed
+    for i in range(LANES):
+        velocity = lanes[END_VELOCITY + i]
+        if velocity == idle or not math.isfinite(lanes[END_PHASE + i]):
+            continue
+        followed += 1
+        wall = LOWER if velocity > 0.0 else UPPER
+        leaves = leave_contact(oscillator, wall, lanes[END_PHASE + i], abs(velocity))
+        if leaves.after == math.inf:
+            lanes[END_VELOCITY + i] = 0.0
+            continue
+        lanes[DURATION + i], lanes[END_PHASE + i] = leaves.after, leaves.phase
+        lanes[END_VELOCITY + i] = -wall * leaves.speed
+    return followed
 
 
 @inlined

@@ -62,6 +62,24 @@ def integrated_impact(oscillator, t, v):
     return time, kept * speed, lower
 
 
+def integrated_loose_departure(oscillator, t, v, longest=1e3):
+    """One application of P of a loose gear of finite stiffness; None where contact has not ended.
+
+    Steps resolve the highest order of the forcing, and in contact the ringing: a piece takes several of them.
+    """
+    beta, lower = oscillator.half_backlash, 0
+    free = 0.02 / max([1.0, *(harmonic[0] for harmonic in oscillator.harmonics)])
+    held = min(free, 0.1 / math.sqrt(2.0 * oscillator.stiffness))
+    walls = [(beta, 1.0), (-beta, -1.0)]
+    time, speed, met = _integrated(oscillator, t, [beta, -v], None, walls, 1e3, free)
+    while met == 1:
+        lower += 1
+        time, speed, _ = _integrated(oscillator, time, [-beta, speed], -beta, [(-beta, 1.0)], 1e3, held)
+        time, speed, met = _integrated(oscillator, time, [-beta, speed], None, walls, 1e3, free)
+    time, speed, met = _integrated(oscillator, time, [beta, speed], beta, [(beta, -1.0)], longest, held)
+    return None if met is None else (time, -speed, lower)
+
+
 def integrated_loose_impact(oscillator, t, v):
     """One application of P of a loose gear by an ODE integrator whose steps resolve its highest order."""
     free, beta, kept = oscillator._replace(stiffness=1.0), oscillator.half_backlash, oscillator.restitution

@@ -12,6 +12,7 @@ from rattle_kernels import (
     Oscillator,
     Outcome,
     OutsideDomain,
+    check_domain,
     eccentricity_bound_smooth_maxima,
     grazing_velocity,
     next_impacts,
@@ -41,10 +42,10 @@ def test_next_impact_agrees_with_the_reference(entry, path):
 
 
 @pytest.mark.parametrize("entry", entries("map_impacting.json", inside_domain=False))
-def test_stiff_machines_beyond_the_bound_are_refused_with_its_value(entry):
+def test_what_needs_the_bound_refuses_machines_beyond_it_with_its_value(entry):
     oscillator = oscillator_of(entry)._replace(stiffness=1e4)
     with pytest.raises(OutsideDomain, match="epsilon_crit2 = 0.19012") as refusal:
-        next_impacts(oscillator, 0.1, 1.0)
+        check_domain(oscillator)
     assert refusal.value.parameter == "eccentricity"
     assert refusal.value.limit == eccentricity_bound_smooth_maxima(oscillator)
 

@@ -105,5 +105,5 @@ def test_what_cannot_be_drawn_is_refused(change, says):
 
 
 def test_values_outside_the_domain_are_refused_by_name():
-    with pytest.raises(OutsideDomain, match="epsilon_crit2"):
-        bifurcation_diagram(Oscillator(stiffness=1e4), "eccentricity", [0.1, 0.3], 0.0, 1.0)
+    with pytest.raises(OutsideDomain, match="damping must be positive"):
+        bifurcation_diagram(Oscillator(stiffness=1e4), "damping", [0.6, 0.0], 0.0, 1.0)
