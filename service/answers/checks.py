@@ -28,7 +28,9 @@ class BoundView(BaseModel):
     field: str
     above: float | None = Field(None, description="The value must be above this")
     below: float | None = Field(None, description="The value must be below this")
-    loose_from: float | None = Field(None, description="From this value on teeth part in every period (Eq. 8)")
+    loose_from: float | None = Field(
+        None, description="From this value on inertia torque exceeds drag torque at times (Eq. 8)"
+    )
     why: str
 
 
@@ -80,7 +82,7 @@ def _bounds(oscillator: Any, *, loose: bool) -> list[BoundView]:
     known = Oscillator(**{name: given[name] for name in names if _is_positive(given.get(name))})
     bounds = [
         BoundView(field="damping", above=0.0, why="damping is positive"),
-        _eccentricity_bound(known, stiff and given.get("allow_no_quiet_solution") is not True, loose and not stiff),
+        _eccentricity_bound(known, stiff and given.get("allow_no_quiet_solution") is not True, loose),
         BoundView(field="half_backlash", above=0.0, why="the backlash is positive"),
     ]
     if stiff:
@@ -91,12 +93,12 @@ def _bounds(oscillator: Any, *, loose: bool) -> list[BoundView]:
 
 def _eccentricity_bound(known: Oscillator, quiet: bool, loose: bool) -> BoundView:
     quietly, smoothly = eccentricity_bound_quiet(known), eccentricity_bound_smooth_maxima(known)
-    if quiet and quietly < smoothly:
+    if quiet and (loose or quietly < smoothly):
         return BoundView(field="eccentricity", below=quietly, why="beyond it there is no quiet solution (Eq. 3)")
     if loose:
-        why = "from it on inertia torque exceeds drag torque, and teeth part in every period (Eq. 8)"
+        why = "from it on inertia torque exceeds drag torque in a part of every period (Eq. 8)"
         return BoundView(field="eccentricity", loose_from=smoothly, why=why)
-    why = "beyond it teeth part in every period (Eq. 8), which is not followed here"
+    why = "beyond it inertia torque exceeds drag torque (Eq. 8), which is not followed here"
     return BoundView(field="eccentricity", below=smoothly, why=why)
 
 

@@ -118,7 +118,7 @@ def test_arguments_make_the_request_that_json_makes(verb, given, request_):
         ("basin", {"cells": (1, 2, 3)}, ValueError, "cells is a number, or a pair"),
         ("basin", {"time": 0.5}, ValueError, "time is a pair"),
         ("basin", {"cells": 10, "sample": 100}, ValueError, "a sample has no cells"),
-        ("basin", {"eccentricity": 0.3, "stiffness": 1e4}, ValueError, "epsilon_crit2"),
+        ("basin", {"eccentricity": 0.3, "stiffness": 1e4}, ValueError, "epsilon_crit1"),
         ("basin", {"permanent_contact": "one_rotation"}, ValueError, "give a stiffness"),
         ("basin", {"damping": (0.5, 0.7)}, ValueError, r"one value here; .* a proof \(prove=True\) a tolerance"),
         ("basin", {"levels": 2}, ValueError, "levels belongs to a proof: give prove=True"),

@@ -136,7 +136,7 @@ def test_an_address_that_wants_a_key_says_so(monkeypatch, tmp_path):
 
 
 def test_what_a_service_refuses_is_said_in_its_words(there, service):
-    with pytest.raises(ValueError, match="epsilon_crit2"):
+    with pytest.raises(ValueError, match="epsilon_crit1"):
         there.basin(eccentricity=0.3, stiffness=1e4)
     with pytest.raises(rattle.ServiceFailed, match="RATTLE_MAX_ORDER"):
         there.grazing_curve(order=17)

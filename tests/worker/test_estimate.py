@@ -28,7 +28,7 @@ SPEED = 1e6
 
 @pytest.fixture(autouse=True)
 def known_speed(monkeypatch):
-    slower = {"impacting": 1, "stiff": 2, "loose": 10}
+    slower = {"impacting": 1, "stiff": 2, "loose": 10, "loose and stiff": 50}
     monkeypatch.setattr(estimates, "measured_speed", lambda model, together: SPEED / slower[model])
 
 
@@ -292,5 +292,8 @@ def test_a_loose_gear_is_told_to_take_as_much_longer_as_its_flights_do():
     swept = SweepJob.from_request(small | {"vary": [{"parameter": "eccentricity", "values": [0.1, 0.2]}]})
     more = below.impacts * (9.0 / SPEED)
     assert estimate(beyond).seconds - estimate(below).seconds == pytest.approx(more)
+    soft = {"model": "piecewise_linear", "stiffness": 1e4, "eccentricity": 0.2, "allow_no_quiet_solution": True}
+    held = BasinJob.from_request(small | {"oscillator": soft})
+    assert estimate(held).seconds - estimate(below).seconds == pytest.approx(below.impacts * (49.0 / SPEED))
     # Of a sweep through the bound nobody counts which basins are loose: at most all are.
     assert estimate(swept).seconds > estimate(beyond).seconds

@@ -158,7 +158,7 @@ def _is_convex(parameter: str, convex: Iterable[str] | None) -> bool:
 
 
 def pressed_for_sure(oscillator: Oscillator, vary: Sequence[SweptParameter], *, quiet: bool) -> np.ndarray:
-    """Whether each combination of values is within Eq. (8) for sure, and with `quiet` within Eq. (3), too.
+    """Whether each combination of values is within Eq. (8) for sure, or with `quiet` within Eq. (3).
 
     Both say that a trigonometric polynomial is positive at every phase: the acceleration at rest, and the reaction in
     contact without ringing. It is where its mean exceeds the amplitudes of its harmonics. With one harmonic that is the
@@ -191,15 +191,14 @@ def pressed_for_sure(oscillator: Oscillator, vary: Sequence[SweptParameter], *, 
 
     with np.errstate(all="ignore"):  # what cannot be computed is not for sure
         damping, square = value("damping"), 2.0 * value("stiffness")
-        mean, felt, pressed = 2.0 * _TWO_PI * damping, 0.0, 0.0
+        mean, most = 2.0 * _TWO_PI * damping, 0.0
         for order, _, _ in oscillator.all_harmonics:
             spend()
             rate = _TWO_PI * order
             amplitude = np.abs(value("eccentricity" if order == 1.0 else f"amplitude_{order:g}"))
             of_order = amplitude * rate * np.hypot(rate, damping)
-            felt = felt + of_order
             if quiet:
                 drag = damping / square + 2.0 * value("contact_damping") / np.sqrt(square)
-                pressed = pressed + of_order / np.hypot(1.0 - rate * rate / square, rate * drag)
-        most = np.maximum(felt, pressed)
+                of_order = of_order / np.hypot(1.0 - rate * rate / square, rate * drag)
+            most = most + of_order
         return np.broadcast_to(mean - most > _ROUNDING * (mean + most), shape)

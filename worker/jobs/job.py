@@ -63,7 +63,7 @@ class Job(Request, ABC):
     """Whether only the impacting model can be computed."""
 
     loose_gears: ClassVar[bool] = False
-    """Whether machines of the impacting model are followed beyond the bound of Eq. (8), too."""
+    """Whether machines are followed beyond the bound of Eq. (8), too."""
 
     oscillator_: OscillatorRequest = Field(default_factory=ImpactingOscillator)
     machine_: dict[str, Any] | None = Field(

@@ -263,8 +263,7 @@ def with_swept_stiffness(oscillator: Any) -> Any:
 def check_quiet_unless_allowed(check: Callable[[], object], *, allowed: bool) -> None:
     """Refuse an oscillator without a quiet solution (Eq. 3), unless the request allows it.
 
-    Between epsilon_crit1 and epsilon_crit2 everything is defined, but no motion stays quiet. Beyond epsilon_crit2
-    every oscillator of finite stiffness is refused earlier.
+    Beyond epsilon_crit1 no motion stays quiet, but everything is defined, up to epsilon_crit2 and beyond it.
 
     Parameters
     ----------

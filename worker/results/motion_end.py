@@ -1,5 +1,6 @@
 """What one followed motion does in the end: said of its own history, not of a cell near its departure."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -77,7 +78,7 @@ def _repeated_at_first(departures: np.ndarray, lower: np.ndarray) -> Repeated | 
 
 
 def _without_chatter(oscillator: Oscillator, departures: np.ndarray, released: np.ndarray) -> np.ndarray:
-    """Departures of a loose gear from which P leads to each other: from the contact before a chatter to its release."""
+    """Departures of a loose gear from which P leads to each other: from the impact before a chatter to its release."""
     departures[:, 1] = np.maximum(departures[:, 1], RELEASED)
     chatters = next_impacts(oscillator, *departures[:-1].T, shortcuts=True).v == RELEASED
     return departures[np.append(True, released[1:] | ~chatters)]
@@ -115,7 +116,7 @@ def motion_end(oscillator: Oscillator, history: TimeHistory, start: tuple[float,
     # The speed of an impact is that of its arrival.
     speed = np.where(contacts.direction == Direction.IMPACT, oscillator.restitution, 1.0) * contacts.speed
     departures = np.vstack([start, np.column_stack([contacts.time, speed])[history.departures]])
-    if oscillator.is_loose:
+    if oscillator.is_loose and math.isinf(oscillator.stiffness):
         released = contacts.direction[history.departures] == Direction.OUT
         departures = _without_chatter(oscillator, departures, np.append(False, released))
     lower = contacts.time[(contacts.wall == -1) & (contacts.direction != Direction.OUT)]

@@ -44,7 +44,7 @@ def test_the_answer_is_the_preview_of_the_worker(service, oscillator):
         ({"grid": {"time": {"cells": 517}}}, "66176 cells are more than the limit of 65536"),
         ({"iterations": 10007}, "cells times iterations are more than the limit of 50000000"),
         ({"iterations": 100}, "nearest: 97 or 101"),
-        ({"oscillator": STIFF | {"eccentricity": 0.3}}, "below epsilon_crit2"),
+        ({"oscillator": STIFF | {"stiffness": 0.01}}, "contacts ring only above it"),
         ({"oscillator": {"half_backlash": 1e-300}}, "half_backlash must be at least 4 pi damping 2^-80"),
         ({"grid": {"velocity": {"stop": 1e6}}}, "speeds must be at most"),
         ({"sample": {"points": 10}}, "body.sample: Extra inputs"),

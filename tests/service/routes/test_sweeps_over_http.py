@@ -148,7 +148,7 @@ REFUSED = [
     (vary(DAMPING | {"values": [0.5, 0.2]}) | STIFF, "value 1 of damping", ["body", "vary", 0, "values", 1]),
     (
         vary(DAMPING | {"values": [0.5, 0.2]}) | STIFF,
-        "below epsilon_crit2 = 0.06",
+        "below epsilon_crit1 = 0.06",
         ["body", "vary", 0, "values", 1],
     ),
     (

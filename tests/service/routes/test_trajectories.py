@@ -62,7 +62,7 @@ def test_beyond_the_bound_of_the_quiet_solution_only_where_that_is_allowed(servi
     assert refused.json()["errors"][0]["location"] == ["body", "oscillator", "eccentricity"]
     assert ask(service, oscillator=oscillator | {"allow_no_quiet_solution": True}, start=START).status_code == 200
     beyond = oscillator | {"eccentricity": 0.2, "allow_no_quiet_solution": True}
-    assert_problem(ask(service, oscillator=beyond, start=START), 422, "below epsilon_crit2 = 0.190121")
+    assert ask(service, oscillator=beyond, start=START).status_code == 200
 
 
 @pytest.mark.parametrize(("rule", "outcome"), [("envelope", "rattling"), ("one_rotation", "permanent_contact")])

@@ -95,6 +95,6 @@ def test_more_orders_than_a_request_may_have_and_more_samples_are_refused():
         job({"transmission_error": {"angle": [k / 10_001 for k in range(10_001)], "error": [0.0]}})
 
 
-def test_a_curve_beyond_the_bound_is_refused_with_the_least_acceleration_and_its_phase():
-    with pytest.raises(OutsideDomain, match=r"Eq. 8.*falls to -\d.* at t = 0.\d{4}"):
+def test_a_curve_beyond_the_bound_is_refused_with_the_least_reaction_and_its_phase():
+    with pytest.raises(OutsideDomain, match=r"Eq. 3.*falls to -\d.* at t = 0.\d{4}"):
         job({"model": "piecewise_linear", "stiffness": 1e4, "transmission_error": CURVE | {"scale": 0.03}})

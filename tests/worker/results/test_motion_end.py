@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rattle_kernels import AttractorKind, Direction, Oscillator, next_impacts, time_history
+from rattle_kernels import AttractorKind, Direction, Oscillator, find_attractors, next_impacts, time_history
 from worker.errors import InvalidJob
 from worker.jobs.trajectory_request import TrajectoryRequest
 from worker.results.motion_end import FOLLOWED_PERIODS, end_of, motion_end
@@ -77,6 +77,15 @@ def test_a_loose_gear_settles_where_its_rests_repeat():
     # Nothing is left of what was before the first rest, so all of its releases are those of the orbit.
     first = history.contacts.time[history.contacts.direction == Direction.OUT][0]
     assert end.periods == pytest.approx(first - 0.5, abs=1e-9)
+
+
+def test_a_loose_gear_of_finite_stiffness_settles_on_an_orbit_without_a_rest():
+    oscillator = Oscillator(0.6, 0.22, 0.6, 1e3, contact_damping=0.2)
+    history = follow(oscillator, 0.5, 2.0, 200)
+    end = motion_end(oscillator, history, (0.5, 2.0))
+    assert end.settled is not None and not end.settled.name.endswith("*")
+    (_, *found) = find_attractors(oscillator, [0.5], [2.0])
+    assert [end.settled.name] == [each.name for each in found]
 
 
 def test_a_motion_from_a_saddle_leaves_it():
