@@ -18,6 +18,7 @@ from rattle_kernels.impact_map.capture_velocity import capture_velocity
 from rattle_kernels.impact_map.flights import UPPER
 from rattle_kernels.impact_map.grazing_velocity import grazing_velocity
 from rattle_kernels.impact_map.pulse import departures_after_pulses
+from rattle_kernels.impact_map.rest_velocity import rest_velocity
 from rattle_kernels.impact_map.time_history import time_history
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.manifolds.grazing_preimages import grazing_preimages
@@ -39,7 +40,8 @@ from rattle_kernels.orbits.touching_orbit import touches_of, touching_orbit
 
 OF_ANALYSES = frozenset(
     {
-        "impact_map.capture_velocity", "impact_map.grazing_distance", "impact_map.pulse", "orbits.bifurcation_diagram",
+        "impact_map.capture_velocity", "impact_map.grazing_distance", "impact_map.pulse", "impact_map.rest_velocity",
+        "orbits.bifurcation_diagram",
         "orbits.bifurcation_point", "orbits.closure", "orbits.loose_graze", "orbits.near_graze",
         "orbits.orbit_contacts", "orbits.orbit_equations", "orbits.orbit_search", "orbits.orbit_seeds",
         "orbits.touching_orbit",
@@ -173,6 +175,7 @@ def warm_up_analyses(report: Report | None = None) -> None:
 def _run_kernels_of_analyses() -> None:
     oscillator = Oscillator()
     capture_velocity(oscillator, 0.0)
+    rest_velocity(_GRAZING, 0.5)
     for each in (oscillator, _STIFF):
         departures_after_pulses(each, 0.25, 2.0)
     find_orbits(oscillator, longest=1, cells=2)

@@ -17,7 +17,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rattle_kernels.model.domain import check_oscillator
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 from rattle_kernels.numerics.pseudo_arclength import CORNER, CurvePoint, Steps, follow_curve, solve, unit_tangent
@@ -49,7 +48,7 @@ from rattle_kernels.orbits.graze_passage import (
     values_beside,
 )
 from rattle_kernels.orbits.loose_graze import loose_graze_near
-from rattle_kernels.orbits.orbit_equations import SpecialKind, unknowns
+from rattle_kernels.orbits.orbit_equations import SpecialKind, check_followed, unknowns
 from rattle_kernels.orbits.periodic_orbit import PeriodicOrbit
 from rattle_kernels.orbits.resting_branch import follow_resting_orbit
 from rattle_kernels.orbits.station import BranchTask, Station, are_neighbours, on_edge, station_at
@@ -386,7 +385,7 @@ def continue_orbit(
     ValueError
         If ``parameter`` or ``direction`` is not one of those named, ``bounds`` exclude the orbit, or it grazes.
     """
-    checked = check_oscillator(oscillator)
+    checked = check_followed(oscillator)
     value = checked.value_of(parameter)
     if direction not in ("up", "down", "both"):
         raise ValueError(f"direction must be up, down or both, not {direction!r}")

@@ -11,7 +11,7 @@ from rattle_kernels.impact_map.apply import next_impact, walk
 from rattle_kernels.impact_map.flights import FORWARDS, UPPER
 from rattle_kernels.model.contact import enter_contact, state_in_contact
 from rattle_kernels.model.contact_end import follow_contact
-from rattle_kernels.model.domain import OutsideDomain, check_oscillator, closed_edges
+from rattle_kernels.model.domain import OutsideDomain, check_domain, check_oscillator, closed_edges
 from rattle_kernels.model.flight import fall_speed
 from rattle_kernels.model.oscillator import Oscillator
 from rattle_kernels.numerics.jit import inlined, kernel
@@ -35,6 +35,17 @@ class SpecialKind(StrEnum):
     RELEASE = "release"
 
 
+def check_followed(oscillator: Oscillator) -> Oscillator:
+    """Return an oscillator whose orbits can be followed, or raise: with finite stiffness beyond the bound of Eq. (8).
+
+    Raises
+    ------
+    OutsideDomain
+    """
+    checked = check_oscillator(oscillator)
+    return checked if math.isinf(checked.stiffness) else check_domain(checked)
+
+
 class Unknowns(NamedTuple):
     """Meaning of z = (t, v/v_scale, p/p_scale, ...). Contact loss has no v."""
 
@@ -51,7 +62,7 @@ class Unknowns(NamedTuple):
         values = np.where(np.abs(inside - values) <= _ROUNDED * self.scales, inside, values)
         named = dict(zip(self.parameters, values[first:].tolist(), strict=True))
         try:
-            oscillator = check_oscillator(self.oscillator.at(**named))
+            oscillator = check_followed(self.oscillator.at(**named))
         except OutsideDomain:
             return None
         return oscillator, float(values[0]), float(values[1]) if self.with_speed else 0.0

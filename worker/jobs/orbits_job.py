@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field
 
 from rattle_kernels import Oscillator
 from rattle_kernels.model.domain import closed_edges
+from rattle_kernels.orbits.orbit_equations import check_followed
 from worker.errors import InvalidJob
 from worker.jobs.job import AnalysisJob, Sizes
 from worker.jobs.region import SEARCH_CELLS, Departure, Region
@@ -196,6 +197,7 @@ class OrbitsJob(AnalysisJob):
         if self.longest > _LONGEST_PERIOD:
             raise InvalidJob(f"longest must be at most {_LONGEST_PERIOD}, not {self.longest}", ("longest",))
         if self.continuation:
+            check_followed(self.oscillator)
             self.continuation.check(self.oscillator, "continuation")
         if self.curves:
             self._check_curves(self.curves)
