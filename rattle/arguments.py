@@ -82,7 +82,6 @@ def read_machine(values: Values) -> GearPair | MachineSeries | None:
         read = given
     elif given is not None:
         read = GearPair.of(given)
-        read.check_followed()
     if read is not None:
         values["machine"] = read
     return read

@@ -230,7 +230,7 @@ class ReportJob(AnalysisJob):
         if self.rate is not None:
             self._pulses(2).check_pressing(self.pair)
             try:
-                self.pair.check_can_be_quiet()
+                self.pair.check_pulses()
             except InvalidJob as error:
                 raise InvalidJob(
                     f"pulses are of a quiet machine: leave out rate and size. {error}", ("rate",)
@@ -259,5 +259,4 @@ def _pair_of(machine: Any) -> GearPair:
         pair = GearPair(**machine)
     except InvalidJob as error:
         raise InvalidJob(str(error), (MACHINE,)) from None
-    pair.check_followed()
     return pair

@@ -128,11 +128,11 @@ def _answers(
     top = float(basin.rattle.job.grid.velocity_stop) * pair.scales.speed
     speed, of_drag = f"{pair.speed * RPM:.6g} rpm", f"inertia torque is {100.0 * pair.gamma:.3g} % of drag torque"
     all_ways = f"all ways in which its teeth part with up to {_with_prefix(top, 'm/s')}"
-    if pair.gamma < 1.0:
+    if pair.can_be_quiet:
         line = f"At {speed} the machine can run quietly: {of_drag}. Of {all_ways}, {100.0 * quiet:.3g} % end in quiet."
     else:
         power = _or_unknown(basin.rattle.loudness().expected_impact_power_w.item(), "W")
-        line = f"At {speed} the machine always rattles: {of_drag}, and the teeth part in every turn. "
+        line = f"At {speed} the machine always rattles: {of_drag}, and no motion keeps the teeth together. "
         line += f"Expected impact power, over {all_ways}: {power}."
     lines = [line]
     if of_pulses is not None:
@@ -155,14 +155,15 @@ def _answers(
         if production.tightened is not None:
             tight, then = production.tightened
             line += f" Within {_between(tight)} it is {then.bad.times(100.0)} %."
-        lines += [line, *_always_rattling(production)]
+        lines += [line, *_always_rattling(pair, production)]
     return lines
 
 
-def _always_rattling(production: ToleranceStudy) -> list[str]:
-    """How many machines are never quiet, as a sentence; none if all can be."""
+def _always_rattling(pair: GearPair, production: ToleranceStudy) -> list[str]:
+    """How many machines are loose, as a sentence; none if none is."""
     part = float((production.table["gamma"] >= 1.0).mean())
-    said = f"{100.0 * part:.3g} % of all machines of the production always rattle: inertia torque reaches drag torque."
+    of_all, why = f"{100.0 * part:.3g} % of all machines of the production", "inertia torque reaches drag torque"
+    said = f"{of_all} always rattle: {why}." if pair.mesh_stiffness is None else f"In {of_all} {why}."
     return [said] if part else []
 
 
@@ -237,19 +238,30 @@ def _reaches_beyond(over: xr.Dataset) -> bool:
 def _gamma_section(pair: GearPair, over: xr.Dataset) -> _Section:
     speed = pair.threshold_speed
     beyond = "what differs is how loud" if _reaches_beyond(over) else "this page does not reach so far"
+    springs = pair.mesh_stiffness is not None
+    above = (
+        "With a mesh stiffness the force between the teeth also depends on how the mesh vibrates."
+        if springs
+        else f"From there on the teeth part in every turn: the machine always rattles, and {beyond}."
+    )
     reached = (
         "It never reaches 1, since there is no transmission error."
         if math.isinf(speed)
-        else f"It reaches 1 at {speed * RPM:.6g} rpm. From there on the teeth part in every turn: the machine always "
-        f"rattles, and {beyond}."
+        else f"It reaches 1 at {speed * RPM:.6g} rpm. {above}"
+    )
+    presses = "The mesh can press" if springs else "Below 1, drag presses"
+    parts = (
+        "No motion presses the teeth together all the time. They part again and again, whatever they did before."
+        if springs
+        else "Above 1, inertia parts the teeth for some of each turn, whatever they did before. They may come to rest "
+        "in between, and are thrown again."
     )
     meant = (
-        "Below 1, drag presses the teeth together all the time, and a machine that runs quietly goes on so. "
-        "A disturbance can still part the teeth. Then they bounce until they are quiet again, or rattle for "
-        "ever. The next sections say which."
-        if pair.gamma < 1.0
-        else "Above 1, inertia parts the teeth for some of each turn, whatever they did before. They may come to rest "
-        "in between, and are thrown again. The next sections say in which motions they rattle, and how loud each is."
+        f"{presses} the teeth together all the time, and a machine that runs quietly goes on so. A disturbance can "
+        "still part the teeth. Then they bounce until they are quiet again, or rattle for ever. The next sections say "
+        "which."
+        if pair.can_be_quiet
+        else f"{parts} The next sections say in which motions they rattle, and how loud each is."
     )
     return _Section(
         "Inertia torque over drag torque",
@@ -261,7 +273,7 @@ def _gamma_section(pair: GearPair, over: xr.Dataset) -> _Section:
 
 
 def _basin_section(pair: GearPair, basin: xr.Dataset) -> _Section:
-    scales, heard, can_be_quiet = pair.scales, basin.rattle.loudness(), pair.gamma < 1.0
+    scales, heard, can_be_quiet = pair.scales, basin.rattle.loudness(), pair.can_be_quiet
     # Quiet, the first motion, is none of a machine that always rattles.
     order = np.argsort(-basin.share.values, kind="stable")
     order = order if can_be_quiet else order[order > 0]
@@ -284,7 +296,7 @@ def _basin_section(pair: GearPair, basin: xr.Dataset) -> _Section:
     named = "P(m, n, l) repeats after m forcing periods with n impacts on one flank and l on the other"
     named = f"Permanent contact is quiet. {named}." if can_be_quiet else f"{named}; bounces that come to rest are one."
     proven = []
-    if can_be_quiet:
+    if can_be_quiet and pair.gamma < 1.0:
         quiet = _with_prefix(float(basin.rattle.proven_quiet().min()) * scales.speed, "m/s")
         told = (
             f"Teeth that part with less than {quiet}, at any moment, fall quiet: that is proven by a bound, not tried."
@@ -311,7 +323,8 @@ def _or_unknown(value: float, unit: str) -> str:
 def _speed_section(pair: GearPair, over: xr.Dataset) -> _Section:
     figure = Figure(layout="constrained")  # of no window: it is drawn in any thread
     draw_shares(over, figure)
-    loose = f"From {pair.threshold_speed * RPM:.6g} rpm on Γ is 1 or more, and no departure ends in quiet."
+    never = ", and no departure ends in quiet" if pair.mesh_stiffness is None else ""
+    loose = f"From {pair.threshold_speed * RPM:.6g} rpm on Γ is 1 or more{never}."
     return _Section(
         "What it does at other speeds",
         [

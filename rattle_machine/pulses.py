@@ -253,11 +253,12 @@ class Pulses:
         Raises
         ------
         InvalidJob
-            If the machine is never quiet, or the pulses are held by teeth whose stiffness says otherwise.
+            If the machine is never quiet or Gamma is 1 or more, or the pulses are held by teeth whose stiffness says
+            otherwise.
         OutsideDomain
             If the machine has no quiet solution.
         """
-        machine.check_can_be_quiet()
+        machine.check_pulses()
         self.check_pressing(machine)
         parting = self.size / machine.scales.impulse
         if self.pressing == "held":

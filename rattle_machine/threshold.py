@@ -236,7 +236,6 @@ def _varied(
             raise InvalidJob(str(error), ("parameter",)) from None
         return base, at, low, high
     pair = GearPair.of(machine)
-    pair.check_followed()
     ends = [with_number(pair, parameter, value) for value in between]
     low, high = _numbers(parameter, [number_of(each, parameter) for each in ends])
     return pair, lambda value: with_number(pair, parameter, value), low, high
@@ -260,10 +259,7 @@ def _share_at(
 
     def share_at(value: float) -> float:
         try:
-            changed = at(value)
-            if isinstance(changed, GearPair):
-                changed.check_followed()
-            machine = changed
+            machine = at(value)
             t, v = ends_of(machine)
             parts = np.isfinite(v)
             held = 0 if motion != QUIET else int((~parts).sum())

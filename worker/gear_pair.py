@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self, Typ
 
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
-from rattle_kernels import Harmonic, Oscillator
+from rattle_kernels import Harmonic, Oscillator, OutsideDomain, check_quiet
 from rattle_kernels.model.arcs import rest_acceleration_over_phases
 from rattle_kernels.numerics.trigonometric_minimum import least_value
 from worker.errors import InvalidFields, InvalidJob
@@ -493,7 +493,7 @@ class GearPair(Request):
 
     @cached_property
     def gamma(self) -> float:
-        """Inertia torque over drag torque. Below 1 Eq. (8) holds; from 1 on the teeth part in every turn."""
+        """Inertia torque over drag torque. Below 1 Eq. (8) holds; from 1 on impacts part the teeth in every turn."""
         felt = rest_acceleration_over_phases(self.oscillator)
         return 1.0 - least_value(felt)[0] / felt.mean
 
@@ -534,45 +534,34 @@ class GearPair(Request):
         torque = self.drag_torque_at(value) if isinstance(value, int | float) else self.drag_torque
         return GearPair(**self.model_dump() | {"speed": value, "drag_torque": torque})
 
-    def check_followed(self, which: str = "") -> None:
-        """Refuse the machine if it has a mesh stiffness and inertia torque reaches drag torque.
+    @cached_property
+    def can_be_quiet(self) -> bool:
+        """Whether teeth can stay together: with impacts where Gamma is below 1, with a mesh stiffness by Eq. (3)."""
+        if self.mesh_stiffness is None:
+            return self.gamma < 1.0
+        try:
+            check_quiet(self.oscillator)
+        except OutsideDomain:
+            return False
+        return True
 
-        Parameters
-        ----------
-        which : str
-            Which of several it is, as the message begins.
+    def check_pulses(self) -> None:
+        """Refuse the machine if pulses that hit it are not followed: it is never quiet, or Gamma is 1 or more.
 
         Raises
         ------
         InvalidJob
             With the speed at which Gamma reaches 1.
         """
-        if self.mesh_stiffness is not None and self.gamma >= 1.0:
+        said = f"Gamma is {self.gamma:.3g} at {self.speed * _RPM:.6g} rpm"
+        if not self.can_be_quiet:
+            slower = f"; below {self._threshold} it can be" if self.gamma >= 1.0 else ""
             raise InvalidJob(
-                f"{which}{self._teeth_part}. With a mesh_stiffness it is followed below {self._threshold} alone; "
-                "without one, as impacts with a restitution, at any speed",
-                ("machine",),
+                f"{said}, and no motion keeps its teeth together. So it is never quiet{slower}", ("machine",)
             )
-
-    def check_can_be_quiet(self) -> None:
-        """Refuse the machine if inertia torque reaches drag torque, so that it is never quiet.
-
-        Raises
-        ------
-        InvalidJob
-            With the speed at which Gamma reaches 1.
-        """
         if self.gamma >= 1.0:
-            raise InvalidJob(
-                f"{self._teeth_part}. So it is never quiet; below {self._threshold} it can be", ("machine",)
-            )
-
-    @property
-    def _teeth_part(self) -> str:
-        return (
-            f"Gamma is {self.gamma:.3g} at {self.speed * _RPM:.6g} rpm: inertia torque reaches drag torque, and the "
-            "teeth part in every turn"
-        )
+            message = f"{said}: inertia torque reaches drag torque. Pulses are followed below {self._threshold} alone"
+            raise InvalidJob(message, ("machine",))
 
     @property
     def _threshold(self) -> str:

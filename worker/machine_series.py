@@ -111,7 +111,7 @@ class MachineSeries:
         Raises
         ------
         InvalidJob
-            If they are no such values, or a machine is not followed.
+            If they are no such values.
         """
         unit = UNITS[name]
         steps = _read_steps(name, unit, given)
@@ -123,7 +123,6 @@ class MachineSeries:
                 machines.append(pair.at_speed(value) if name == "speed" else GearPair(**numbers))
             except InvalidFields as error:
                 raise InvalidJob(f"{series.which(index)}{error.faults[0][1]}", (name,)) from None
-            machines[-1].check_followed(series.which(index))
         return cls(name, steps.units, steps.values, machines)
 
     @classmethod
@@ -141,16 +140,13 @@ class MachineSeries:
         Raises
         ------
         InvalidJob
-            If there is none, they are of several kinds, or a machine is not followed.
+            If there is none, or they are of several kinds.
         """
         machines = list(given) if isinstance(given, list | tuple) and not isinstance(given, Oscillator) else []
         alike = {type(machine) for machine in machines}
         if alike not in ({GearPair}, {Oscillator}):
             raise InvalidJob("machines are a list of rattle.GearPair, or one of rattle.Oscillator", ("machines",))
-        series = cls(_LISTED, None, [float(index) for index in range(len(machines))], machines)
-        for index, pair in enumerate(series.pairs):
-            pair.check_followed(series.which(index))
-        return series
+        return cls(_LISTED, None, [float(index) for index in range(len(machines))], machines)
 
     @classmethod
     def of_result(cls, machines: str, design: Mapping[str, Any]) -> "MachineSeries":

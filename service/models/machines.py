@@ -31,29 +31,23 @@ class MachineView(BaseModel):
 
     machine: dict[str, Any] = Field(description="Its numbers in SI units")
     oscillator: ImpactingOscillator | PiecewiseLinearOscillator = Field(description="In the model, as requests have it")
-    velocity_stop: float | None = Field(
-        description="Velocity up to which a window reaches by default; null if the machine is refused"
-    )
+    velocity_stop: float = Field(description="Velocity up to which a window reaches by default")
     iterations: int = Field(description="k of a settled picture")
     scales: ScalesView
-    gamma: float = Field(description="Inertia torque over drag torque; from 1 on the teeth part in every turn (Eq. 8)")
+    gamma: float = Field(
+        description="Inertia torque over drag torque; from 1 on impacts part the teeth in every turn (Eq. 8)"
+    )
     threshold_speed: FiniteOrNone = Field(description="Speed at which gamma reaches 1, rad/s; null if it never does")
-    refused: str | None = Field(description="Why jobs refuse the machine; null if they do not")
+    can_be_quiet: bool = Field(description="Whether some motion keeps the teeth together (Eq. 8, or 3)")
 
     @classmethod
     def from_pair(cls, pair: GearPair) -> "MachineView":
         """View of a machine."""
-        fastest, refused = None, None
-        try:
-            pair.check_followed()
-            fastest = fastest_of(pair.oscillator)
-        except InvalidJob as error:
-            refused = str(error)
         return cls(
             machine=pair.as_request, oscillator=_oscillator_of(pair),
-            velocity_stop=fastest, iterations=settled_iterations(pair.oscillator.damping),
+            velocity_stop=fastest_of(pair.oscillator), iterations=settled_iterations(pair.oscillator.damping),
             scales=ScalesView(**pair.scales._asdict()), gamma=pair.gamma,
-            threshold_speed=pair.threshold_speed, refused=refused,
+            threshold_speed=pair.threshold_speed, can_be_quiet=pair.can_be_quiet,
         )  # fmt: skip
 
 
@@ -104,7 +98,7 @@ def in_model(body: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
     Raises
     ------
     InvalidJob
-        If the machine is none, or is not followed.
+        If the machine is none.
     """
     if body.get(MACHINE) is None:
         return body
@@ -114,7 +108,6 @@ def in_model(body: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
             raise InvalidJob("give the machine or the oscillator, not both: one follows from the other", (MACHINE,))
         return body
     pair = machine_from(body[MACHINE], MACHINE)
-    pair.check_followed()
     request = {name: value for name, value in body.items() if name != MACHINE}
     if MACHINE in fields:
         request[MACHINE] = pair.as_request
@@ -128,4 +121,4 @@ def in_model(body: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
 
 
 def _oscillator_of(pair: GearPair) -> Any:
-    return _OSCILLATOR.validate_python(pair.oscillator).settled({}, quiet=True)
+    return _OSCILLATOR.validate_python(pair.oscillator).settled({}, quiet=pair.can_be_quiet)

@@ -35,10 +35,10 @@ test("units have the prefix that makes a number 1 to 1000", () => {
 });
 
 test("what a machine's gamma means is said with the speed at which it reaches 1", () => {
-  const answer = { gamma: 0.5238, threshold_speed: 434.1 };
+  const answer = { gamma: 0.5238, threshold_speed: 434.1, can_be_quiet: true };
   assert.match(gammaInWords(/** @type {any} */ (answer)), /Γ = 0\.524\. It reaches 1 at 4145 rpm\./);
   assert.doesNotMatch(gammaInWords(/** @type {any} */ (answer)), /never quiet/);
-  assert.match(gammaInWords(/** @type {any} */ ({ ...answer, gamma: 1.2 })), /Γ = 1\.2\. It reaches 1 at 4145 rpm\. .* never quiet\./);
+  assert.match(gammaInWords(/** @type {any} */ ({ ...answer, gamma: 1.2, can_be_quiet: false })), /Γ = 1\.2\. It reaches 1 at 4145 rpm\. .* never quiet\./);
   assert.match(gammaInWords(/** @type {any} */ ({ ...answer, threshold_speed: null })), /never/);
 });
 

@@ -36,22 +36,19 @@ def test_a_machine_is_converted_as_by_the_package(service):
         assert oscillator[name] == getattr(pair.oscillator, name)
     assert answer["scales"] == pair.scales._asdict()
     assert (answer["gamma"], answer["threshold_speed"]) == (pair.gamma, pair.threshold_speed)
-    assert answer["machine"]["speed"] == pair.speed and answer["refused"] is None
+    assert answer["machine"]["speed"] == pair.speed and answer["can_be_quiet"] is True
     assert rattle.GearPair(**answer["machine"]).oscillator == pair.oscillator
 
 
-def test_what_jobs_refuse_is_converted_all_the_same_and_says_why(service):
-    stiff = PUMP | {"speed": "9000 rpm", "mesh_stiffness": "200 N/um"}
-    answer = service.request("POST", "/v1/machines", json=stiff).json()
-    assert answer["gamma"] > 1.0 and answer["velocity_stop"] is None
-    assert "With a mesh_stiffness it is followed below 4144.8" in answer["refused"]
-
-
-def test_a_machine_of_impacts_is_not_refused_beyond_the_threshold(service):
-    answer = service.request("POST", "/v1/machines", json=PUMP | {"speed": "9000 rpm"}).json()
-    pair = rattle.GearPair(**PUMP | {"speed": "9000 rpm"})
-    assert answer["gamma"] == pair.gamma > 1.0 and answer["refused"] is None
+@pytest.mark.parametrize("wider", [{}, {"mesh_stiffness": "200 N/um"}])
+def test_a_machine_beyond_the_threshold_is_never_quiet(service, wider):
+    fast = PUMP | {"speed": "9000 rpm"} | wider
+    answer = service.request("POST", "/v1/machines", json=fast).json()
+    pair = rattle.GearPair(**fast)
+    assert answer["gamma"] == pair.gamma > 1.0 and answer["can_be_quiet"] is False
     assert answer["velocity_stop"] == fastest_of(pair.oscillator)
+    asked = {"kind": "basin", "machine": answer["machine"], "grid": {"time_cells": 8, "velocity_cells": 8}}
+    assert service.request("POST", "/v1/checks", json=asked).json()["accepted"]
 
 
 def test_a_sweep_over_speed_goes_through_the_threshold(service):

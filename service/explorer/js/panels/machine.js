@@ -28,7 +28,7 @@ export class MachineForm {
     pump.title = "Numbers of the paper's pump; its speed, radius and inertia are guesses";
     pump.addEventListener("click", () => (this.fill(PUMP), this.#ask()));
     place.append(...[...this.rows.values()].map(({ row }) => row), pump, this.said);
-    this.report = new Report(place, () => (this.answer?.refused === null ? machineOf(this.written) ?? this.answer.machine : null));
+    this.report = new Report(place, () => (this.answer ? machineOf(this.written) ?? this.answer.machine : null));
     const convert = (machine, signal) => post("/v1/machines", machine, { signal });
     this.ofJob = new Latest(convert, (answer, machine) => this.#showOfJob(answer, machine), (error) => this.#fail(error));
     this.latest = new Latest(convert, (answer) => this.#show(answer), (error) => this.#fail(error));
@@ -100,7 +100,7 @@ export class MachineForm {
 
   /** A request with the machine that its oscillator is: its result then has SI units wherever it is opened. @param {BasinRequest} request */
   named(request) {
-    if (this.answer?.refused !== null || !this.scalesOf(request.oscillator)) return request;
+    if (!this.answer || !this.scalesOf(request.oscillator)) return request;
     const { machine, oscillator } = this.answer;
     // An address has fewer digits than the machine.
     const numbers = Object.fromEntries([...NUMBERS, "harmonics"].filter((name) => name in oscillator).map((name) => [name, oscillator[name]]));
@@ -134,14 +134,14 @@ export class MachineForm {
 
   #take(answer) {
     this.answer = answer;
-    const { scales, refused } = answer;
+    const { scales } = answer;
     const units = `One forcing period is ${inUnits(scales.time, "s")}, a speed of 1 is ${inUnits(scales.speed, "m/s")}, an impact power of 1 is ${inUnits(scales.power, "W")}.`;
-    this.#say(refused ?? `${gammaInWords(answer)} ${units}`, refused !== null);
+    this.#say(`${gammaInWords(answer)} ${units}`, false);
   }
 
   #show(answer) {
     this.#take(answer);
-    if (answer.refused === null) this.tell.converted(answer);
+    this.tell.converted(answer);
     this.tell.changed();
   }
 

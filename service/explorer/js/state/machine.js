@@ -4,12 +4,12 @@
  * @typedef {object} MachineAnswer
  * @property {Object<string, any>} machine its numbers in SI
  * @property {Oscillator} oscillator
- * @property {number|null} velocity_stop
+ * @property {number} velocity_stop
  * @property {number} iterations
  * @property {Scales} scales
  * @property {number} gamma
  * @property {number|null} threshold_speed rad/s
- * @property {string|null} refused
+ * @property {boolean} can_be_quiet
  */
 
 /** @type {{name: string, label: string, units: string[], optional?: boolean, means: string}[]} */
@@ -105,9 +105,9 @@ export function inUnits(value, unit) {
 }
 
 /** What inertia torque over drag torque means, in sentences. @param {MachineAnswer} answer */
-export function gammaInWords({ gamma, threshold_speed }) {
+export function gammaInWords({ gamma, threshold_speed, can_be_quiet }) {
   const rpm = threshold_speed === null ? null : Math.round((threshold_speed * 30) / Math.PI);
   const reached = rpm === null ? "Without a transmission error it never reaches 1." : `It reaches 1 at ${rpm} rpm.`;
-  const beyond = gamma < 1 ? "" : " Here the teeth part in every turn, and the machine is never quiet.";
+  const beyond = can_be_quiet ? "" : " Here no motion keeps the teeth together, and the machine is never quiet.";
   return `Inertia torque over drag torque Γ = ${Number(gamma.toPrecision(3))}. ${reached}${beyond}`;
 }
