@@ -202,6 +202,8 @@ def _read_machine(values: Values, kind: str) -> None:
     numbers: Values = {name: getattr(oscillator, name) for name in names}
     if oscillator.harmonics:
         numbers["harmonics"] = list(oscillator.harmonics)
+    if lossy == "contact_damping":
+        numbers["allow_no_quiet_solution"] = True  # the machine is as it is
     for name in ("transmission_error", "harmonics", *PARAMETERS):
         swept = name in PARAMETERS and isinstance(values.get(name), list | tuple | dict)
         if name in values and (isinstance(machine, MachineSeries) or not swept):

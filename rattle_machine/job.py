@@ -114,7 +114,7 @@ class ReportJob(AnalysisJob):
         """The machine at several speeds, its own among them.
 
         Those beyond the threshold are looked at where impacts lose energy. Elastic ones never come to rest, so they are
-        followed slowly there; with a mesh stiffness nothing is.
+        followed slowly there, and so are contacts with a mesh stiffness.
         """
         own = self.pair.speed
         speeds = np.linspace(_FROM * own, max(self._highest_speed, own), self.speeds)

@@ -106,7 +106,7 @@ class Findings:
             _machine_section(pair), _gamma_section(pair, self.over), _basin_section(pair, self.basin),
             _speed_section(pair, self.over),
             *([] if of_pulses is None else [_pulse_section(of_pulses)]),
-            *([] if production is None else [_tolerance_section(production)]),
+            *([] if production is None else [_tolerance_section(pair, production)]),
             _Section("What is not modelled", [_Part("list", rows=_NOT_MODELLED)]),
         ]  # fmt: skip
         template = Environment(autoescape=True, trim_blocks=True).from_string(
@@ -362,7 +362,7 @@ def _pulse_section(study: PulseStudy) -> _Section:
     )
 
 
-def _tolerance_section(study: ToleranceStudy) -> _Section:
+def _tolerance_section(pair: GearPair, study: ToleranceStudy) -> _Section:
     rows = [
         (_in_words(each.name), _written(each.low, each.unit), _written(each.high, each.unit)) for each in study.ranges
     ]
@@ -382,7 +382,7 @@ def _tolerance_section(study: ToleranceStudy) -> _Section:
         _Part("table", f"{len(study.table):,} machines within", ("number", "from", "to"), rows, [1, 2]),
         _Part("picture", "How quiet the machines of the production are.", svg=_as_svg(figure)),
     ]
-    for said in _always_rattling(study):
+    for said in _always_rattling(pair, study):
         power = f"Mean of the expected impact power, over all for which it is known: {study.production.power} W."
         parts.append(_Part("text", f"{said} {power}"))
     if study.guilty is not None:

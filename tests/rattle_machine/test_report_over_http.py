@@ -85,7 +85,6 @@ def test_a_report_that_has_not_begun_has_no_page_yet(idle):
         ({"rate": 1.0}, "give both, or neither"),
         ({"rate": 1.0, "size": "sizes.csv"}, "is no number with a unit"),
         ({"numbers": {"backlash": "wide"}}, "is no tolerance"),
-        ({"machine": REPORT["machine"] | {"speed": "4000 rpm", "mesh_stiffness": 1e7}}, "Gamma is"),
         ({"machine": REPORT["machine"] | {"speed": "4000 rpm"}, "rate": 1.0, "size": 1.0}, "never quiet"),
         ({"machine": REPORT["machine"] | {"backlash": "3 kg"}}, "'3 kg' cannot be in m"),
         ({"machine": "machine.toml"}, "a machine is an object"),

@@ -96,7 +96,7 @@ def test_every_command_that_names_an_oscillator_takes_a_curve(file):
             [*words, "--transmission-error", "FILE,unit=degrees", "--eccentricity", "0.1"], "the forcing is given twice"
         ) for words in (["basin", "--out", "b.zarr"], ["trajectory", "--velocity", "4", "--out", "b.csv"])),
         (["basin", "--out", "b.zarr", "--transmission-error", "a,b.csv,unit=degrees"], "a,b.csv cannot be read"),
-        (["orbits", "--out", "b.zarr", "--transmission-error", "FILE,unit=degrees", "--stiffness", "9"], "Eq. 8"),
+        (["orbits", "--out", "b.zarr", "--transmission-error", "FILE,unit=degrees", "--stiffness", "9"], "Eq. 3"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_said_and_nothing_is_written(words, message, file, tmp_path, monkeypatch):

@@ -47,8 +47,8 @@ def test_a_machine_beyond_the_threshold_is_never_quiet(service, wider):
     pair = rattle.GearPair(**fast)
     assert answer["gamma"] == pair.gamma > 1.0 and answer["can_be_quiet"] is False
     assert answer["velocity_stop"] == fastest_of(pair.oscillator)
-    asked = {"kind": "basin", "machine": answer["machine"], "grid": {"time_cells": 8, "velocity_cells": 8}}
-    assert service.request("POST", "/v1/checks", json=asked).json()["accepted"]
+    asked = {"kind": "basin", "machine": answer["machine"], "sample": {"points": 32}}
+    assert service.request("POST", "/v1/checks", json=asked).json()["errors"] == []
 
 
 def test_a_sweep_over_speed_goes_through_the_threshold(service):
@@ -132,7 +132,6 @@ def test_a_machine_at_fault_is_named_where_it_stands(service, path):
     if path != "basins":
         refused("machine or the oscillator, not both", machine=PUMP, oscillator={})
     refused("body.machine.speed: '3 kg'", machine=PUMP | {"speed": "3 kg"})
-    refused("Gamma is 4.71 at 9000 rpm", machine=PUMP | {"speed": "9000 rpm", "mesh_stiffness": "200 N/um"})
     refused("a machine is an object", machine=3)
 
 
