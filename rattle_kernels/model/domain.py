@@ -124,8 +124,8 @@ def _check_eccentricity(checked: Oscillator) -> None:
     if not checked.eccentricity < limit:
         message = (
             f"eccentricity must be below epsilon_crit2 = {limit:.6g} at damping {checked.damping:g} (Eq. 8), "
-            f"not {checked.eccentricity:g}: beyond it inertia torque exceeds drag torque, and basins, sweeps, "
-            "diagrams and time histories alone follow that"
+            f"not {checked.eccentricity:g}: beyond it inertia torque exceeds drag torque, which is not "
+            "followed here"
         )
         raise OutsideDomain("eccentricity", checked.eccentricity, "epsilon_crit2", limit, message)
 
