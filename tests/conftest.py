@@ -14,6 +14,7 @@ from rattle_kernels import warm_up
 from tests.object_store import running_object_store
 from tests.postgresql import running_postgresql
 from tests.running_service import BACKENDS, running_service
+from tests.waiting import ended
 from worker.cluster.connection import local_cluster
 
 # Tables of commands are as wide in every terminal; asked once, when the first command is imported.
@@ -90,7 +91,17 @@ def database_url(request, tmp_path):
 
 
 @pytest.fixture(scope="session")
-def service(tmp_path_factory):
-    """A running service, shared: tests submit requests of their own."""
+def shared_service(tmp_path_factory):
+    """A running service, shared."""
     with running_service(tmp_path_factory.mktemp("service")) as service:
         yield service
+
+
+@pytest.fixture(scope="module")
+def service(shared_service):
+    """A running service: tests submit requests of their own, and leave no job that others would wait behind."""
+    yield shared_service
+    for job in shared_service.request("GET", "/v1/jobs?size=200").json()["jobs"]:
+        if not ended(job):
+            shared_service.request("POST", job["links"]["cancel"])
+            shared_service.wait(job["id"])

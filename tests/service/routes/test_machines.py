@@ -90,8 +90,12 @@ def test_an_absurd_machine_is_refused_with_what_is_wrong(service, change, words)
 @pytest.mark.parametrize(
     ("path", "body", "window"),
     [
-        ("basins", {}, ("grid", "velocity", "stop")),
-        ("sweeps", {"vary": [{"parameter": "damping", "values": [0.5, 0.6]}]}, ("grid", "velocity", "stop")),
+        ("basins", {"iterations": 5}, ("grid", "velocity", "stop")),
+        (
+            "sweeps",
+            {"iterations": 5, "vary": [{"parameter": "damping", "values": [0.5, 0.6]}]},
+            ("grid", "velocity", "stop"),
+        ),
         ("orbits", {"longest": 1}, ("region", "velocity", "stop")),
         ("grazing-curves", {"order": 1}, ()),
     ],
