@@ -287,6 +287,7 @@ def _basin_section(pair: GearPair, basin: xr.Dataset) -> _Section:
                 _or_unknown(float(motion.impacts_per_period) / scales.time, "/s"),
                 _or_unknown(float(motion.largest_impact_speed_m_s), "m/s"),
                 _or_unknown(float(motion.impact_power_w), "W"),
+                _part_of_time(float(motion.time_in_contact)),
             )  # fmt: skip
         )
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
@@ -306,7 +307,11 @@ def _basin_section(pair: GearPair, basin: xr.Dataset) -> _Section:
         "What it ends in when its teeth have parted",
         [
             _Part(
-                "table", "Motions", ("motion", "share", "impacts", "fastest impact", "impact power"), rows, [1, 2, 3, 4]
+                "table",
+                "Motions",
+                ("motion", "share", "impacts", "fastest impact", "impact power", "teeth touch"),
+                rows,
+                [1, 2, 3, 4, 5],
             ),
             *more,
             _Part("text", f"{named} Shares are of all moments and speeds in the picture."),
@@ -318,6 +323,10 @@ def _basin_section(pair: GearPair, basin: xr.Dataset) -> _Section:
 
 def _or_unknown(value: float, unit: str) -> str:
     return "not known" if math.isnan(value) else _with_prefix(value, unit) if value else "none"
+
+
+def _part_of_time(value: float) -> str:
+    return "not known" if math.isnan(value) else f"{100.0 * value:.3g} % of the time" if value else "at impacts alone"
 
 
 def _speed_section(pair: GearPair, over: xr.Dataset) -> _Section:

@@ -11,15 +11,18 @@ from rattle_kernels.attractors.loudness import Loudness
 class ExpectedLoudness(NamedTuple):
     """Means over a window of departures, with standard errors, and the share of those whose motion is not decided.
 
-    Undecided departures count as silent, so each mean is a lower bound where ``undecided_share`` is not 0.
+    Undecided departures count as silent, and never in contact. So each mean is a lower bound where ``undecided_share``
+    is not 0.
     """
 
     impacts_per_period: float
     largest_impact_speed: float
     impact_power: float
+    time_in_contact: float
     impacts_per_period_error: float
     largest_impact_speed_error: float
     impact_power_error: float
+    time_in_contact_error: float
     undecided_share: float
 
 
@@ -52,8 +55,8 @@ def expected_loudness(
 
     Examples
     --------
-    >>> silent, loud = Loudness(0.0, 0.0, 0.0, 0.0, 0.0), Loudness(1.0, 3.0, 4.5, 0.0, 0.0)
-    >>> expected_loudness([0.75, 0.25], [silent, loud]).impact_power
+    >>> quiet, loud = Loudness(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), Loudness(1.0, 3.0, 4.5, 0.0, 0.0, 0.0, 0.0)
+    >>> expected_loudness([0.75, 0.25], [quiet, loud]).impact_power
     1.125
     """
     share = np.asarray(shares, np.float64)
@@ -62,8 +65,8 @@ def expected_loudness(
         return ExpectedLoudness._make([np.nan] * len(ExpectedLoudness._fields))
     share, heard = share[there], np.reshape(motions, (-1, len(Loudness._fields)))[there]
     known = np.isfinite(heard[:, 0])
-    severity, own_error = np.where(known[:, None], heard[:, :3], 0.0), np.zeros((len(heard), 3))
-    own_error[:, [0, 2]] = np.nan_to_num(heard[:, 3:])
+    severity, own_error = np.where(known[:, None], heard[:, :4], 0.0), np.zeros((len(heard), 4))
+    own_error[:, [0, 2, 3]] = np.nan_to_num(heard[:, 4:])
     square = (share**2) @ own_error**2
     if points is not None:
         likely = (share * points + 1.0) / (points + share.size)

@@ -21,7 +21,7 @@ from rattle_kernels.lanes.lane_fields import (
     VELOCITY,
     lane_buffer,
 )
-from rattle_kernels.lanes.loose_flight import arrival_speed, chatters_on
+from rattle_kernels.lanes.loose_flight import arrival_speed, chatters_on, rest_time
 from rattle_kernels.lanes.tables import LaneTables, LooseTables, lane_tables
 from rattle_kernels.model.contact import slow_part
 from rattle_kernels.model.departures import check_departures
@@ -35,8 +35,8 @@ from rattle_kernels.model.outcome import (
 from rattle_kernels.numerics.jit import inlined, lane_kernel
 from rattle_kernels.numerics.pausing import Pause, never_stopped
 
-IMPACTS, SQUARES, LARGEST, TIME = range(4)
-"""Columns of what is heard: impacts, sum of the squares of their speeds, the largest speed, and the time taken."""
+IMPACTS, SQUARES, LARGEST, TIME, CONTACT = range(5)
+"""Columns of what is heard: impacts, sum of squares of their speeds, the largest, the time taken, that in contact."""
 
 _NOBODY = -1
 # Of the scale of speeds. Bounces of a chatter that are slower have 1e-16 of an impact's energy, all together.
@@ -87,8 +87,8 @@ def listen(oscillator, tables, applications, t, v, heard, outcome):
         Of P, to each point.
     t, v : ndarray of float64, shape (n,)
         Departures from +beta. They become the last departure.
-    heard : ndarray of float64, shape (n, 4)
-        What is heard is added to it; its columns are IMPACTS, SQUARES, LARGEST and TIME.
+    heard : ndarray of float64, shape (n, 5)
+        What is heard is added to it; its columns are IMPACTS, SQUARES, LARGEST, TIME and CONTACT.
     outcome : ndarray of int8, shape (n,)
         Becomes RETURNED, PERMANENT_CONTACT where a point is captured, or NOT_CONVERGED.
     """
@@ -117,6 +117,7 @@ def listen(oscillator, tables, applications, t, v, heard, outcome):
                 heard[at, SQUARES] += speed * speed
                 heard[at, LARGEST] = max(heard[at, LARGEST], speed)
                 heard[at, TIME] += lanes[DURATION + i]
+                heard[at, CONTACT] += rest_time(oscillator, lanes, i)
         if stiff:
             stay(lanes, corners, oscillator, tables, slow)
         begin_at_the_end(lanes)
@@ -125,7 +126,9 @@ def listen(oscillator, tables, applications, t, v, heard, outcome):
                 continue
             at, phase, speed = point[i], lanes[PHASE + i], -lanes[VELOCITY + i]
             # A contact that does not end takes no time: the motion is quiet from its beginning on.
-            heard[at, TIME] += lanes[DURATION + i] if stiff and speed != 0.0 else 0.0
+            if stiff and speed != 0.0:
+                heard[at, TIME] += lanes[DURATION + i]
+                heard[at, CONTACT] += lanes[DURATION + i]
             if phase == phase and (lanes[DROPS + i] != 0.0 or chatters_on(oscillator, lanes, i)):
                 continue
             left[i] -= 1
@@ -196,7 +199,7 @@ def until_captured(
         raise ValueError(f"applications must be at least 1, not {applications}")
     times, speeds = (np.array(each) for each in np.broadcast_arrays(*np.atleast_1d(*check_departures(t, v))))
     shape, times, speeds = times.shape, times.ravel(), speeds.ravel()
-    tables, heard = listening_tables(checked), np.zeros((times.size, 4))
+    tables, heard = listening_tables(checked), np.zeros((times.size, 5))
     captured = np.zeros(times.size, bool)
     for first in range(0, times.size, _POINTS_AT_A_TIME):
         going = np.arange(first, min(first + _POINTS_AT_A_TIME, times.size))
@@ -211,5 +214,5 @@ def until_captured(
             going = going[outcome == OUTCOME_RETURNED]
             if not going.size:
                 break
-    impacts, squares, largest, time = heard.T.reshape(4, *shape)
+    impacts, squares, largest, time, _ = heard.T.reshape(5, *shape)
     return Episodes(time, impacts.astype(np.int64), 0.5 * squares, largest, captured.reshape(shape))

@@ -64,9 +64,9 @@ from rattle_kernels.numerics.jit import always_inlined, chosen_by_field, inlined
 from rattle_kernels.numerics.phase import part_turn, wrap
 from rattle_kernels.numerics.polynomials import second_phi_of_part
 
-# Fields of the lanes that no other flight of a loose gear uses: whether it has rested, its speed of arrival, and a
-# departure whose bounces are known not to accumulate.
-_RESTS, _ARRIVAL, _KNOWN_PHASE, _KNOWN_VELOCITY = SINE, COSINE, SINE_CHANGE, COSINE_CHANGE
+# Fields of the lanes that no other flight of a loose gear uses: how long it has rested (0 where it has not), its speed
+# of arrival, and a departure whose bounces are known not to accumulate.
+_REST, _ARRIVAL, _KNOWN_PHASE, _KNOWN_VELOCITY = SINE, COSINE, SINE_CHANGE, COSINE_CHANGE
 # Time left on the arc for the bounces that are followed; negative where none are.
 _LEFT = TARGET
 # Fields of those that fly, beside those of a flight: second to fourth derivative, the step to the target, its last
@@ -359,7 +359,7 @@ def _bounces_on(lanes, i, oscillator, tables, wall, same_wall, same_arc, contact
     speed, upper = oscillator.restitution * contact.speed, wall == UPPER
     left = time_to_end(arcs, phase)
     if lanes[_LEFT + i] < 0.0:  # the end of the flight, unless it rests
-        lanes[DURATION + i], lanes[_ARRIVAL + i], lanes[_RESTS + i] = contact.duration, contact.speed, 0.0
+        lanes[DURATION + i], lanes[_ARRIVAL + i], lanes[_REST + i] = contact.duration, contact.speed, 0.0
         known = lanes[PHASE + i] == lanes[_KNOWN_PHASE + i] and lanes[VELOCITY + i] == lanes[_KNOWN_VELOCITY + i]
         known = known and same_wall and same_arc
         _land(lanes, i, upper, phase, speed, 0.0)
@@ -379,8 +379,8 @@ def _bounces_on(lanes, i, oscillator, tables, wall, same_wall, same_arc, contact
     if not is_sure_to_rest(oscillator, wall * contact.acceleration, left, speed):
         return True
     first = lanes[END_PHASE + i]
-    lanes[_RESTS + i] = 1.0
-    _land(lanes, i, upper, phase_of_release(arcs, first), RELEASED, time_to_release(arcs, first))
+    lanes[_REST + i] = time_to_release(arcs, first)
+    _land(lanes, i, upper, phase_of_release(arcs, first), RELEASED, lanes[_REST + i])
     return False
 
 
@@ -393,7 +393,7 @@ def _fly_alone(lanes, i, oscillator, tables):
     speed, upper = abs(end.velocity), end.wall == UPPER
     jumps_below = tables.upper_jumps_below if upper else tables.lower_jumps_below
     leaves = leave(oscillator, end.wall, end.phase, oscillator.restitution * speed, jumps_below)
-    lanes[_RESTS + i], lanes[_ARRIVAL + i] = 1.0 if leaves.rests else 0.0, speed
+    lanes[_REST + i], lanes[_ARRIVAL + i] = leaves.after if leaves.rests else 0.0, speed
     lanes[DURATION + i] = end.duration
     _land(lanes, i, upper, leaves.phase if end.found else math.nan, leaves.speed, leaves.after)
 
@@ -590,14 +590,14 @@ def arrival_speed(oscillator, lanes, i):
 
 
 @inlined
-def _loose_has_rested(oscillator, lanes, i):
-    return lanes[_RESTS + i] != 0.0
+def _loose_rest_time(oscillator, lanes, i):
+    return lanes[_REST + i]
 
 
-@chosen_by_field("arcs", _loose_has_rested)
-def has_rested(oscillator, lanes, i):
-    """Whether lane i has come to rest after its flight, and been released."""
-    return False
+@chosen_by_field("arcs", _loose_rest_time)
+def rest_time(oscillator, lanes, i):
+    """How long lane i has rested after its flight, with the low bounces before that; 0 where it has not."""
+    return 0.0
 
 
 @inlined

@@ -16,7 +16,7 @@ from rattle_kernels.impact_map.flights import LOWER, UPPER, FlightEnd
 from rattle_kernels.impact_map.variations import contact_jacobian, flight_jacobian
 from rattle_kernels.lanes.advance import begin_at_the_end, depart, fly, idle, stay
 from rattle_kernels.lanes.lane_fields import DROPS, DURATION, END_VELOCITY, FLIGHT_FIELDS, LANES, PHASE, VELOCITY
-from rattle_kernels.lanes.loose_flight import has_rested
+from rattle_kernels.lanes.loose_flight import rest_time
 from rattle_kernels.lanes.tables import lane_tables
 from rattle_kernels.model.contact import slow_part
 from rattle_kernels.model.contact_end import Contact
@@ -77,7 +77,7 @@ def _turn_by_flights(lanes, oscillator, tangents, elapsed, left):
             end = FlightEnd(UPPER, phase + duration, duration, arrives, True)
             _turn(tangents, i, flight_jacobian(oscillator, phase, lanes[VELOCITY + i], end))
             tangents[1, i] *= oscillator.restitution
-            if has_rested(oscillator, lanes, i):  # what it was is forgotten: a new vector
+            if rest_time(oscillator, lanes, i) > 0.0:  # what it was is forgotten: a new vector
                 tangents[0, i], tangents[1, i] = 1.0, 0.0
             elapsed[i] += duration
 

@@ -62,7 +62,12 @@ interface Job {
 }
 
 /** How loud a motion is, or a basin on average over its window. */
-interface Loudness { impacts_per_period: number | null; largest_impact_speed: number | null; impact_power: number | null }
+interface Loudness {
+  impacts_per_period: number | null;
+  largest_impact_speed: number | null;
+  impact_power: number | null;
+  time_in_contact: number | null;
+}
 
 interface Expected extends Loudness { undecided_share: number }
 

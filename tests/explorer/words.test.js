@@ -57,6 +57,9 @@ test("a motion is explained in a sentence", () => {
 
 test("loudness is told in words, and what is undecided is named", () => {
   const chaos = { impacts_per_period: 1.6307, largest_impact_speed: 4.7802, impact_power: 10.702 };
+  const soft = { ...chaos, time_in_contact: 0.0314 };
+  assert.match(loudnessInWords(soft), /impact power 10\.7, teeth touch 3\.14 % of the time$/);
+  assert.match(loudnessInWords({ ...chaos, time_in_contact: 0 }), /impact power 10\.7$/);
   assert.equal(loudnessInWords(chaos), "1.63 impacts a forcing period, the fastest at 4.78, impact power 10.7");
   assert.match(loudnessInWords({ impacts_per_period: 1, largest_impact_speed: 3.77, impact_power: 7.1 }), /^1 impact a/);
   assert.equal(loudnessInWords({ impacts_per_period: 0, largest_impact_speed: 0, impact_power: 0 }), "no impacts");

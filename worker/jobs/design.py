@@ -23,16 +23,16 @@ RESERVED = frozenset(
     allow_no_quiet_solution assembly attractor attractor_time attractor_velocity basin basin_entropy
     boundary_entropy change change_beside change_from change_kind change_parameter change_solution change_to
     complete creator dataset end expected_impact_power expected_impact_power_error expected_impacts_per_period
-    expected_impacts_per_period_error expected_largest_impact_speed expected_largest_impact_speed_error finished
-    forcing_periods fused_multiply_add gamma git_revision global_integrity grazing_velocity grid group group_number
-    harmonics history image_cell image_counts impact_power impact_power_error impacts_per_period
-    impacts_per_period_error integrity_factor iterations kind landing landing_time landing_velocity
-    largest_impact_speed largest_impact_speed_error layout_version least_disturbance license local_integrity
-    lower_contacts lyapunov_error lyapunov_exponent mean_life member model name oscillator own_solution period
-    permanent_contact point references request request_sha256 reserved sample scrambling share share_error solution
-    source started step tile tile_cells tile_state tile_time tile_velocity time title transient_ends
-    uncertainty_error uncertainty_exponent undecided_share upper_contacts velocity velocity_scale versions window
-    word words
+    expected_impacts_per_period_error expected_largest_impact_speed expected_largest_impact_speed_error
+    expected_time_in_contact expected_time_in_contact_error finished forcing_periods fused_multiply_add gamma
+    git_revision global_integrity grazing_velocity grid group group_number harmonics history image_cell image_counts
+    impact_power impact_power_error impacts_per_period impacts_per_period_error integrity_factor iterations kind
+    landing landing_time landing_velocity largest_impact_speed largest_impact_speed_error layout_version
+    least_disturbance license local_integrity lower_contacts lyapunov_error lyapunov_exponent mean_life member model
+    name oscillator own_solution period permanent_contact point references request request_sha256 reserved sample
+    scrambling share share_error solution source started step tile tile_cells tile_state tile_time tile_velocity
+    time time_in_contact time_in_contact_error title transient_ends uncertainty_error uncertainty_exponent
+    undecided_share upper_contacts velocity velocity_scale versions window word words
     """.split()
 )
 """Names of arrays, dimensions and attributes of a sweep's results, which no coordinate may take."""

@@ -45,6 +45,7 @@ _MEANINGS = {
     "impacts_per_period": ("impacts on both walls", _RATE),
     "largest_impact_speed": ("largest speed of arrival at a wall", SPEED),
     "impact_power": ("power of the impacts, sum v^2/(2 m)", _POWER),
+    "time_in_contact": ("part of the time in contact", {"units": "1"}),
 }
 
 
@@ -135,7 +136,7 @@ def measure_loudness(dataset: xr.Dataset) -> xr.Dataset:
         The axes of a sweep are the leading dimensions. NaN where a basin is not complete, or has no such motion.
 
         - the fields of `rattle_kernels.Loudness` (attractor): impacts a forcing period, largest impact speed, impact
-          power, and the errors of chaotic motions; NaN where a motion is undecided;
+          power, part of the time in contact, and the errors of chaotic motions; NaN where a motion is undecided;
         - ``expected_impacts_per_period`` and so on: shares times loudness, with errors; ``undecided_share`` is the part
           of the cells that counts as silent there because its motion is not known. A single basin has them along
           ``window``, of length 1.

@@ -38,13 +38,15 @@ FiniteOrNone = Annotated[float | None, BeforeValidator(_finite_or_none)]
 
 
 class Loud(BaseModel):
-    """Loudness of a motion: 0 for permanent contact, null where it is not known."""
+    """Loudness of a motion: silent for permanent contact, null where it is not known."""
 
     impacts_per_period: FiniteOrNone = Field(description="Impacts on both walls in a forcing period")
     largest_impact_speed: FiniteOrNone = Field(description="Of arrival at a wall; of chaos the largest that was met")
     impact_power: FiniteOrNone = Field(description="Sum of v²/2 over the impacts of a forcing period")
+    time_in_contact: FiniteOrNone = Field(description="Part of the time in which teeth touch: contacts and rests")
     impacts_per_period_error: FiniteOrNone = Field(description="Standard error; 0 if the motion is not chaotic")
     impact_power_error: FiniteOrNone = Field(description="Standard error; 0 if the motion is not chaotic")
+    time_in_contact_error: FiniteOrNone = Field(description="Standard error; 0 if the motion is not chaotic")
 
 
 class ExpectedView(BaseModel):
@@ -53,9 +55,11 @@ class ExpectedView(BaseModel):
     impacts_per_period: float
     largest_impact_speed: float
     impact_power: float
+    time_in_contact: float
     impacts_per_period_error: float = Field(description="Standard error, from chaos and from shares of samples")
     largest_impact_speed_error: float = Field(description="Standard error, from shares of samples")
     impact_power_error: float = Field(description="Standard error, from chaos and from shares of samples")
+    time_in_contact_error: float = Field(description="Standard error, from chaos and from shares of samples")
     undecided_share: float = Field(description="Share of the cells whose motion is not known; they count as silent")
 
 

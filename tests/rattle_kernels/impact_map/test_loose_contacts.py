@@ -311,4 +311,7 @@ def test_orbits_return_by_an_integrator_and_are_as_loud_and_as_stable_as_their_h
         history = time_history(oscillator, *start, departures=orbit.upper_contacts)
         entering = history.contacts.speed[history.contacts.direction == Direction.IN]
         assert heard.largest_impact_speed == pytest.approx(entering.max(), rel=1e-9)
+        times = history.contacts.time
+        touching = (times[1:] - times[:-1])[history.contacts.direction[1:] == Direction.OUT].sum()
+        assert heard.time_in_contact == pytest.approx(touching / orbit.forcing_periods, rel=1e-9)
         assert heard.impact_power == pytest.approx(0.5 * (entering**2).sum() / orbit.forcing_periods, rel=1e-9)

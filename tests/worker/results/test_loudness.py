@@ -19,7 +19,7 @@ from worker.results.viewer import outline_basin
 from worker.stores.basin_store import BasinStore
 from worker.stores.solution_table import SolutionTable, motion_of
 
-MEASURES = ["impacts_per_period", "largest_impact_speed", "impact_power"]
+MEASURES = ["impacts_per_period", "largest_impact_speed", "impact_power", "time_in_contact"]
 DAMPINGS = (0.575, 0.6, 0.7)
 GRID = CellGrid(time_cells=48, velocity_cells=40)
 JOB = SweepJob(grid=GRID, vary=(SweptParameter("damping", DAMPINGS),))
@@ -62,7 +62,7 @@ def test_summaries_outlines_and_charts_have_the_same_expectations(location, swee
     result = summarise(location).model_dump(mode="json")
     axes = shares_figure(location).axes
     assert [each.get_ylabel() for each in axes] == ["share", "impacts\na period", "largest\nspeed", "power"]
-    for measure, place in zip(MEASURES, axes[1:], strict=True):
+    for measure, place in zip(MEASURES[:3], axes[1:], strict=True):
         expected = heard[f"expected_{measure}"].values
         assert [basin["expected"][measure] for basin in result["basins"]] == pytest.approx(expected, rel=1e-14)
         np.testing.assert_allclose(place.get_lines()[0].get_ydata(), expected, rtol=1e-14)
@@ -72,7 +72,7 @@ def test_summaries_outlines_and_charts_have_the_same_expectations(location, swee
             own = [getattr(each, measure) for each in outline.loudness]
             np.testing.assert_array_equal(own, heard[measure][panel])
     quiet = result["solutions"][0]
-    assert [quiet[measure] for measure in MEASURES] == [0.0, 0.0, 0.0]
+    assert [quiet[measure] for measure in MEASURES] == [0.0, 0.0, 0.0, 1.0]
 
 
 def test_tables_of_motions_and_basins_have_it_and_others_do_not(sweep):

@@ -61,15 +61,16 @@ function told(number) {
  * @param {Loudness} heard
  * @param {Scales|null} [scales] of a machine in its own units
  */
-export function loudnessInWords({ impacts_per_period, largest_impact_speed, impact_power }, scales = null) {
+export function loudnessInWords({ impacts_per_period, largest_impact_speed, impact_power, time_in_contact }, scales = null) {
   if (impacts_per_period === null) return "";
   if (impacts_per_period === 0) return "no impacts";
+  const contact = time_in_contact ? `, teeth touch ${percent(time_in_contact)} of the time` : "";
   if (scales) {
     const [rate, speed, power] = [impacts_per_period / scales.time, largest_impact_speed * scales.speed, impact_power * scales.power];
-    return `${told(rate)} impacts a second, the fastest at ${inUnits(speed, "m/s")}, impact power ${inUnits(power, "W")}`;
+    return `${told(rate)} impacts a second, the fastest at ${inUnits(speed, "m/s")}, impact power ${inUnits(power, "W")}${contact}`;
   }
   const rate = told(impacts_per_period);
-  return `${rate} impact${rate === "1" ? "" : "s"} a forcing period, the fastest at ${told(largest_impact_speed)}, impact power ${told(impact_power)}`;
+  return `${rate} impact${rate === "1" ? "" : "s"} a forcing period, the fastest at ${told(largest_impact_speed)}, impact power ${told(impact_power)}${contact}`;
 }
 
 /**
