@@ -199,15 +199,13 @@ def closed_edges(parameter: str) -> tuple[float, float]:
     return -math.inf, math.inf
 
 
-def check_impacting(oscillator: Oscillator, reason: str = "here only the impacting model is computed") -> Oscillator:
+def check_impacting(oscillator: Oscillator) -> Oscillator:
     """Return the oscillator as `check_domain` does, or raise if its stiffness is finite.
 
     Parameters
     ----------
     oscillator : Oscillator
         As a user gave it.
-    reason : str
-        Why another model is refused, for the message.
 
     Returns
     -------
@@ -219,7 +217,7 @@ def check_impacting(oscillator: Oscillator, reason: str = "here only the impacti
     OutsideDomain
         Naming the parameter, the bound and its value.
     """
-    return _demand_impacts(check_domain(oscillator), reason)
+    return _demand_impacts(check_domain(oscillator), "here only the impacting model is computed")
 
 
 def check_invertible(oscillator: Oscillator) -> Oscillator:

@@ -22,7 +22,6 @@ from rattle_kernels import (
     find_orbit,
     find_orbits,
     find_saddle,
-    grazing_velocity,
     stable_manifold,
     unstable_manifold,
 )
@@ -36,7 +35,7 @@ from worker.errors import NotFound
 from worker.jobs.manifold_job import Itinerary, ManifoldJob, Side
 from worker.jobs.orbits_job import OrbitSeed
 from worker.jobs.region import Region
-from worker.pictures.overlay import Lines
+from worker.pictures.overlay import Lines, grazing_line
 from worker.pictures.symbols import oscillator_text
 from worker.progress import Stage
 from worker.stores.layout import Columns, Variable
@@ -256,8 +255,7 @@ def overlays_of(dataset: xr.Dataset, names: Collection[str] = ()) -> tuple[Lines
 def draw_manifolds(job: ManifoldJob, columns: Columns, figure: Figure) -> None:
     """Draw saddles and their manifolds, stable ones solid and unstable ones dotted, with one colour per saddle."""
     axes = figure.subplots()
-    t = np.linspace(0.0, 1.0, 512)
-    axes.plot(t, grazing_velocity(job.oscillator, t), color="gray", linewidth=1.0, label="grazing curve")
+    grazing_line(job.oscillator)._replace(colour="gray", width=1.0).draw(axes)
     for number, name in enumerate(columns["name"]):
         for lines in _manifolds_of(columns, number, f"C{number % 10}", THIN):
             lines.draw(axes)

@@ -24,7 +24,6 @@ from rattle_kernels import (
     continue_special_point,
     find_orbit,
     find_orbits,
-    grazing_velocity,
 )
 from rattle_kernels.numerics.pausing import Pause
 from rattle_kernels.orbits.orbit_search import merge_orbits
@@ -48,6 +47,7 @@ from worker.analyses.orbit_tables import (
 )
 from worker.errors import NotFound
 from worker.jobs.orbits_job import Continuation, OrbitSeed, OrbitsJob
+from worker.pictures.overlay import grazing_line
 from worker.pictures.symbols import in_words, oscillator_text
 from worker.progress import Stage
 from worker.stores.layout import Columns, Variable
@@ -243,8 +243,7 @@ def summarise(job: OrbitsJob, columns: Columns) -> dict[str, Any]:
 
 def plot_orbits(axes: Axes, job: OrbitsJob, columns: Columns) -> None:
     """Mark the departures of attracting orbits by x and of others by +, and draw v*(t)."""
-    t = np.linspace(0.0, 1.0, 512)
-    axes.plot(t, grazing_velocity(job.oscillator, t), color="gray", linewidth=1.0, label="grazing curve")
+    grazing_line(job.oscillator)._replace(colour="gray", width=1.0).draw(axes)
     for i, name in enumerate(columns["name"]):
         marker, stability = ("x", "attracts") if columns["attracts"][i] else ("+", "unstable")
         axes.plot(
