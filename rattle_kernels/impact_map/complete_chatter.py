@@ -24,6 +24,7 @@ Bounces that go on beyond the zero are bounces: they may never accumulate.
 """
 
 import math
+from typing import NamedTuple
 
 from rattle_kernels.impact_map.arc_flights import next_loose_contact
 from rattle_kernels.model.arcs import is_pressed, time_to_end
@@ -36,6 +37,16 @@ _MARGIN = 1.0 - 1e-9
 _ROUNDING = 1e-13
 # Bounces on one arc that are followed. At r = 0.999 speeds fall by a factor of 1e43 within them.
 _MOST_BOUNCES = 100_000
+
+
+class Bounded(NamedTuple):
+    """What bounces are bounded by; ``strongest`` and ``change`` are bounds on ``|a|`` and ``|a'|``."""
+
+    damping: float
+    two_beta: float
+    restitution: float
+    strongest: float
+    change: float
 
 
 @inlined
@@ -56,22 +67,26 @@ def comes_to_rest(oscillator, wall, phase, speed):
     bool
         Never where impacts are elastic.
     """
-    left = time_to_end(oscillator.arcs, phase)
-    return is_sure_to_rest(oscillator, wall * rest_acceleration(oscillator, phase), left, speed)
+    arcs, two_beta = oscillator.arcs, 2.0 * oscillator.half_backlash
+    bounded = Bounded(oscillator.damping, two_beta, oscillator.restitution, arcs.strongest, arcs.change)
+    return is_sure_to_rest(bounded, wall * rest_acceleration(oscillator, phase), time_to_end(arcs, phase), speed)
 
 
 @inlined
-def is_sure_to_rest(oscillator, pressing, left, speed):
-    """As `comes_to_rest`, of a gear that is pressed to the wall by an acceleration, with some time left on the arc."""
-    restitution, arcs = oscillator.restitution, oscillator.arcs
-    pressing -= _ROUNDING * arcs.strongest
+def is_sure_to_rest(bounded, pressing, left, speed):
+    """As `comes_to_rest`, of a gear that is pressed to the wall by an acceleration, with some time left on the arc.
+
+    ``bounded`` has the fields of `Bounded`.
+    """
+    restitution = bounded.restitution
+    pressing -= _ROUNDING * bounded.strongest
     if not (pressing > 0.0 and restitution < 1.0):
         return False
     least = 0.5 * _MARGIN * pressing
-    window = _MARGIN * min(left, 0.5 * pressing / arcs.change)
-    shrink = restitution * math.sqrt(1.0 + 3.0 * arcs.change * speed / (least * least))
-    low = math.sqrt(3.0) * oscillator.damping * speed <= 0.75 * least
-    below = speed * speed < 4.0 * _MARGIN * oscillator.half_backlash * least
+    window = _MARGIN * min(left, 0.5 * pressing / bounded.change)
+    shrink = restitution * math.sqrt(1.0 + 3.0 * bounded.change * speed / (least * least))
+    low = math.sqrt(3.0) * bounded.damping * speed <= 0.75 * least
+    below = speed * speed < 2.0 * _MARGIN * bounded.two_beta * least
     return low and below and shrink < _MARGIN and 3.0 * speed <= window * least * (1.0 - shrink)
 
 

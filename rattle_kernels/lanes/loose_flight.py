@@ -19,8 +19,6 @@ includes the bounces and the rest, and its speed of arrival is that of the first
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from rattle_kernels.impact_map.arc_flights import next_loose_contact
 from rattle_kernels.impact_map.complete_chatter import accumulates, is_sure_to_rest
 from rattle_kernels.impact_map.flights import LOWER, UPPER
@@ -58,7 +56,6 @@ from rattle_kernels.lanes.lane_fields import (
     VELOCITY,
     unset_lane_buffer,
 )
-from rattle_kernels.model.arcs import is_pressed, phase_of_release, time_to_end, time_to_release
 from rattle_kernels.model.flight import FOUR_PI, TWO_PI
 from rattle_kernels.numerics.jit import always_inlined, chosen_by_field, inlined
 from rattle_kernels.numerics.phase import part_turn, wrap
@@ -73,16 +70,16 @@ _LEFT = TARGET
 # term. They lie in a buffer of their own, where that of the lanes has the ends of flights.
 _BEND, _JERK, _SNAP, _STEP, _LAST = END_PHASE, END_VELOCITY, END_ACCELERATION, DROPS, DROPS + LANES
 
-# Fields of all lanes, in their own order: the piece on which each flies, the number of its arc's end among the changes
-# of sign, the time that is to be added to that phase, the first such end, what is looked for, and how often it was.
-_BEGIN, _BEGIN_AT, _BEGIN_RATE, _END, _END_AT, _END_RATE, _WAY, _NUMBER, _BASE, _ARC_END, _MODE, _LOOKS_SO_FAR = (
+# Fields of all lanes, in their own order: the piece on which each flies, the row of its arc's end in the table, what is
+# to be added to the phase there to have a time, the first such end, what is looked for, and how often it was.
+_BEGIN, _BEGIN_AT, _BEGIN_RATE, _END, _END_AT, _END_RATE, _WAY, _ROW_AT, _BASE, _ARC_END, _MODE, _LOOKS_SO_FAR = (
     (FLIGHT_FIELDS + n) * LANES for n in range(12)
 )
 # e and e' where the flight has begun.
 _ERROR, _ERROR_RATE = ((FLIGHT_FIELDS + n) * LANES for n in (12, 13))
 _FIELDS = FLIGHT_FIELDS + 14
-# Numbers of each end of an arc in a table: phase, e and e' there, and the sign of a(t) before.
-_ROW = 4
+# Behind the fields is a table. It has a row for each end of an arc: its phase, e and e' there, the sign of a(t) before.
+_TABLE, _ROW = _FIELDS * LANES, 4
 
 _ARC, _TURN, _ROOT = 0, 1, 2
 _UNSURE, _LOOKS, _PASSES, _ARRIVES = 0, 1, 2, 3
@@ -102,11 +99,17 @@ _SERIES = 0.3
 
 
 class _Machine(NamedTuple):
-    """Numbers of an oscillator that decisions need: bounds on ``|a|``, ``|e|`` and ``|e'|``, and the highest order."""
+    """Numbers of an oscillator that decisions need, bounds on ``|a|``, ``|a'|``, ``|e|`` and ``|e'|`` among them.
 
+    Arrays are no part of it: taking one out of a tuple counts references, with other processors locked out.
+    """
+
+    after_last: int
     damping: float
     two_beta: float
+    restitution: float
     strongest: float
+    change: float
     error: float
     error_rate: float
     highest: float
@@ -293,11 +296,14 @@ def _at_root(machine, piece, target, seen):
 
 
 @always_inlined
-def _look(work, oscillator, first, last):
-    """Evaluate lanes: displacement and its derivatives, and the step to their target."""
-    evaluate(work, oscillator, first, last)
+def _look(work, oscillator):
+    """Evaluate the first lanes of a buffer: displacement and its derivatives, and the step to their target.
+
+    Their number is known to the compiler: else it minds indices below 0, and makes no vectors.
+    """
+    evaluate(work, oscillator, 0, _BLOCK)
     d, e, harmonics = oscillator.damping, oscillator.eccentricity, oscillator.harmonics
-    for i in range(first, last):
+    for i in range(_BLOCK):
         y1 = work[RATE + i]
         s, c = work[SINE + i] + work[SINE_CHANGE + i], work[COSINE + i] + work[COSINE_CHANGE + i]
         y2 = plus(harmonics, FOUR_PI * d - d * y1 - TWO_PI * e * (TWO_PI * c + d * s), work[RATE_1 + i])
@@ -353,11 +359,20 @@ def _land(lanes, i, upper, phase, speed, after):
 
 
 @always_inlined
-def _bounces_on(lanes, i, oscillator, tables, wall, same_wall, same_arc, contact):
+def _next_end(work, after_last, phase):
+    """Row of the first end of an arc after a phase in [0, 1), and 1.0 where it is in the next period."""
+    at = _TABLE
+    while at < after_last and work[at] <= phase:
+        at += _ROW
+    return (_TABLE, 1.0) if at == after_last else (at, 0.0)
+
+
+@always_inlined
+def _bounces_on(lanes, work, i, machine, tables, wall, same_wall, same_arc, contact):
     """Whether a contact of lane i is a bounce that is to be followed further; if not its flight ends, or it is lost."""
-    arcs, phase = oscillator.arcs, contact.phase
-    speed, upper = oscillator.restitution * contact.speed, wall == UPPER
-    left = time_to_end(arcs, phase)
+    phase, speed, upper = contact.phase, machine.restitution * contact.speed, wall == UPPER
+    at, later = _next_end(work, machine.after_last, phase)
+    left = (work[at] + later) - phase
     if lanes[_LEFT + i] < 0.0:  # the end of the flight, unless it rests
         lanes[DURATION + i], lanes[_ARRIVAL + i], lanes[_REST + i] = contact.duration, contact.speed, 0.0
         known = lanes[PHASE + i] == lanes[_KNOWN_PHASE + i] and lanes[VELOCITY + i] == lanes[_KNOWN_VELOCITY + i]
@@ -367,8 +382,8 @@ def _bounces_on(lanes, i, oscillator, tables, wall, same_wall, same_arc, contact
             lanes[_KNOWN_PHASE + i], lanes[_KNOWN_VELOCITY + i] = phase, lanes[END_VELOCITY + i]
         jumps_below = tables.upper_jumps_below if upper else tables.lower_jumps_below
         # A bounce takes that long at least: it is slowed by so much, and falls no faster.
-        shortest = 2.0 * speed / (arcs.strongest + oscillator.damping * speed)
-        pressed = is_pressed(arcs, wall, phase) and oscillator.restitution < 1.0
+        shortest = 2.0 * speed / (machine.strongest + machine.damping * speed)
+        pressed = work[at + 3] == wall and machine.restitution < 1.0
         if known or not (pressed and speed < jumps_below and shortest <= left):
             return False
     elif not same_wall or contact.duration >= lanes[_LEFT + i]:
@@ -376,11 +391,13 @@ def _bounces_on(lanes, i, oscillator, tables, wall, same_wall, same_arc, contact
         lanes[_KNOWN_PHASE + i], lanes[_KNOWN_VELOCITY + i] = lanes[END_PHASE + i], lanes[END_VELOCITY + i]
         return False
     lanes[_LEFT + i] = left
-    if not is_sure_to_rest(oscillator, wall * contact.acceleration, left, speed):
+    if not is_sure_to_rest(machine, wall * contact.acceleration, left, speed):
         return True
     first = lanes[END_PHASE + i]
-    lanes[_REST + i] = time_to_release(arcs, first)
-    _land(lanes, i, upper, phase_of_release(arcs, first), RELEASED, lanes[_REST + i])
+    at, later = _next_end(work, machine.after_last, first)
+    # Where a keeps its sign it rests for ever.
+    lanes[_REST + i] = (work[at] + later) - first if machine.after_last > _TABLE + _ROW else math.inf
+    _land(lanes, i, upper, wrap(work[at]), RELEASED, lanes[_REST + i])
     return False
 
 
@@ -399,33 +416,32 @@ def _fly_alone(lanes, i, oscillator, tables):
 
 
 @always_inlined
-def _follow_arcs(work, i, j, machine, table):
+def _follow_arcs(work, i, j, machine):
     """Follow the flight of lane i, at place j, from arc to arc until a piece has to be looked at.
 
-    As ``(y - 4 pi tau - e)'' = -delta (y - 4 pi tau - e)'``, with e and e' at the ends of arcs from `table` this needs
-    no sine. It needs more digits than displacements have where they are small: there the end of the arc is looked at.
+    As ``(y - 4 pi tau - e)'' = -delta (y - 4 pi tau - e)'``, with e and e' from the table this needs no sine. It needs
+    more digits than displacements have where they are small: there the end of the arc is looked at.
     """
-    velocity, number, base = work[VELOCITY + j], int(work[_NUMBER + i]), work[_BASE + i]
+    velocity, at, base = work[VELOCITY + j], int(work[_ROW_AT + i]) & 0xFFFFFF, work[_BASE + i]
     begin, begin_at, begin_rate = work[_BEGIN + i], work[_BEGIN_AT + i], work[_BEGIN_RATE + i]
     excess = velocity - FOUR_PI - work[_ERROR_RATE + i]
     while True:
-        at = _ROW * number
-        end = table[at] + base
+        end = work[at] + base
         piece = _Piece(velocity, begin, begin_at, begin_rate, end, 0.0, 0.0, 1.0)
         comes = _ends_unsure(piece)
         x = machine.damping * end
         if x <= 1.0:
             phi1 = 1.0 - x * second_phi_of_part(x)
-            y = FOUR_PI * end + (table[at + 1] - work[_ERROR + i]) + excess * end * phi1
-            rate = FOUR_PI + table[at + 2] + excess * (1.0 - x * phi1)
-            comes = _at_arc_end(machine, piece, table[at + 3], end, y, rate, _rounding(machine, velocity, end))
+            y = FOUR_PI * end + (work[at + 1] - work[_ERROR + i]) + excess * end * phi1
+            rate = FOUR_PI + work[at + 2] + excess * (1.0 - x * phi1)
+            comes = _at_arc_end(machine, piece, work[at + 3], end, y, rate, _rounding(machine, velocity, end))
         if comes.comes != _PASSES:
             break
         begin, begin_at, begin_rate = end, comes.piece.end_at, comes.piece.end_rate
-        number += 1
-        if _ROW * number == table.size:
-            number, base = 0, base + 1.0
-    work[_NUMBER + i], work[_BASE + i] = number, base
+        at += _ROW
+        if at == machine.after_last:
+            at, base = _TABLE, base + 1.0
+    work[_ROW_AT + i], work[_BASE + i] = at, base
     work[_BEGIN + i], work[_BEGIN_AT + i], work[_BEGIN_RATE + i] = begin, begin_at, begin_rate
     looks = comes.comes == _LOOKS
     work[_MODE + i], work[_LOOKS_SO_FAR + i] = comes.mode if looks else _ARC, 0.0
@@ -436,20 +452,16 @@ def _follow_arcs(work, i, j, machine, table):
 
 
 @always_inlined
-def _begin(work, i, j, machine, table, oscillator, phase, velocity):
+def _begin(work, i, j, machine, oscillator, phase, velocity):
     """Let lane i, at place j of those that fly, leave a wall."""
-    number = 0
-    while _ROW * number < table.size and table[_ROW * number] <= phase:
-        number += 1
-    base = -phase
-    if _ROW * number == table.size:
-        number, base = 0, 1.0 - phase
+    at, later = _next_end(work, machine.after_last, phase)
+    base = later - phase
     first = oscillator.eccentricity * work[COSINE + j], -TWO_PI * oscillator.eccentricity * work[SINE + j]
     work[_ERROR + i], work[_ERROR_RATE + i] = plus_error(oscillator.harmonics, first, phase)
-    work[_NUMBER + i], work[_BASE + i], work[_ARC_END + i] = number, base, table[_ROW * number] + base
+    work[_ROW_AT + i], work[_BASE + i], work[_ARC_END + i] = at, base, work[at] + base
     work[_BEGIN + i], work[_BEGIN_AT + i], work[_BEGIN_RATE + i] = 0.0, 0.0, velocity
     work[PHASE + j], work[VELOCITY + j] = phase, velocity
-    _follow_arcs(work, i, j, machine, table)
+    _follow_arcs(work, i, j, machine)
 
 
 @inlined
@@ -471,16 +483,27 @@ def fly_loosely(lanes, corners, oscillator, tables):
     int
     """
     arcs = oscillator.arcs
-    table = np.empty(_ROW * arcs.begin.size)
+    after_last = _TABLE + _ROW * arcs.begin.size
+    work = unset_lane_buffer(_FIELDS + -(-(after_last - _TABLE) // LANES))
     for m in range(arcs.begin.size):
         row = arcs.begin[m], arcs.error[m], arcs.error_rate[m], arcs.sign[m - 1]
         for n in range(_ROW):
-            table[_ROW * m + n] = row[n]
+            work[_TABLE + _ROW * m + n] = row[n]
     error, error_rate = bounds_on_error(oscillator)
     highest = highest_order(oscillator.harmonics, 1.0, None)
     two_beta = 2.0 * oscillator.half_backlash
-    machine = _Machine(oscillator.damping, two_beta, arcs.strongest, error, error_rate, highest)
-    work, careful, flying = unset_lane_buffer(_FIELDS), 0, 0
+    machine = _Machine(
+        after_last,
+        oscillator.damping,
+        two_beta,
+        oscillator.restitution,
+        arcs.strongest,
+        arcs.change,
+        error,
+        error_rate,
+        highest,
+    )
+    careful, flying = 0, 0
     idle = -IDLE_SPEED * tables.largest_grazing_speed
     for i in range(LANES):
         work[PHASE + i] = 0.0
@@ -492,14 +515,14 @@ def fly_loosely(lanes, corners, oscillator, tables):
             flying += 1
     turn_phases(work, PHASE)
     for j in range(flying):
-        i = corners[j]
-        _begin(work, i, j, machine, table, oscillator, lanes[PHASE + i], lanes[VELOCITY + i])
+        i = corners[j] & 0xFFFFFF
+        _begin(work, i, j, machine, oscillator, lanes[PHASE + i], lanes[VELOCITY + i])
     while flying > 0:
         for first in range(0, flying, _BLOCK):
-            _look(work, oscillator, first, first + _BLOCK)
+            _look(work[first:], oscillator)
         kept = 0
         for j in range(flying):
-            i = corners[j]
+            i = corners[j] & 0xFFFFFF
             velocity, mode, target = work[VELOCITY + j], work[_MODE + i], work[TARGET + j]
             piece = _Piece(
                 velocity, work[_BEGIN + i], work[_BEGIN_AT + i], work[_BEGIN_RATE + i], work[_END + i],
@@ -514,7 +537,7 @@ def fly_loosely(lanes, corners, oscillator, tables):
             elif mode == _TURN:
                 comes = _at_turn(machine, piece, seen)
             elif machine.damping * seen.tau <= 1.0:
-                sign = table[_ROW * int(work[_NUMBER + i]) + 3]
+                sign = work[(int(work[_ROW_AT + i]) & 0xFFFFFF) + 3]
                 comes = _at_arc_end(machine, piece, sign, seen.tau, -seen.miss, seen.rate, (0.0, 0.0))
             else:  # phi2 is no polynomial there
                 comes = _ends_unsure(piece)
@@ -530,20 +553,20 @@ def fly_loosely(lanes, corners, oscillator, tables):
                 work[_BEGIN + i], work[_BEGIN_AT + i], work[_BEGIN_RATE + i] = (
                     comes.piece.end, comes.piece.end_at, comes.piece.end_rate,
                 )  # fmt: skip
-                work[_NUMBER + i] += 1.0
-                if _ROW * int(work[_NUMBER + i]) == table.size:
-                    work[_NUMBER + i], work[_BASE + i] = 0.0, work[_BASE + i] + 1.0
-                _follow_arcs(work, i, j, machine, table)
+                work[_ROW_AT + i] += _ROW
+                if int(work[_ROW_AT + i]) == machine.after_last:
+                    work[_ROW_AT + i], work[_BASE + i] = _TABLE, work[_BASE + i] + 1.0
+                _follow_arcs(work, i, j, machine)
             elif comes.comes == _ARRIVES:
                 contact, wall = _meet(work, j, oscillator, target), piece.way
                 same_wall, same_arc = wall * velocity < 0.0, contact.duration < work[_ARC_END + i]
-                speed = oscillator.restitution * contact.speed
+                speed = machine.restitution * contact.speed
                 if not speed >= RELEASED:
                     comes = _ends_unsure(piece)
-                elif _bounces_on(lanes, i, oscillator, tables, wall, same_wall, same_arc, contact):
+                elif _bounces_on(lanes, work, i, machine, tables, wall, same_wall, same_arc, contact):
                     flies = True
                     work[SINE + j], work[COSINE + j] = turn(part_turn(contact.phase))
-                    _begin(work, i, j, machine, table, oscillator, contact.phase, -wall * speed)
+                    _begin(work, i, j, machine, oscillator, contact.phase, -wall * speed)
             if flies:
                 corners[kept] = i
                 for field in (PHASE, VELOCITY, SINE, COSINE, TARGET, DURATION):
