@@ -70,7 +70,8 @@ def expected_loudness(
     square = (share**2) @ own_error**2
     if points is not None:
         likely = (share * points + 1.0) / (points + share.size)
-        variance = (likely @ severity**2 - (likely @ severity) ** 2) / (points + share.size + 1.0)
+        # Of motions that are all alike it is nothing, but for rounding.
+        variance = np.maximum(likely @ severity**2 - (likely @ severity) ** 2, 0.0) / (points + share.size + 1.0)
         if shares_of_sets is not None:
             expected = np.asarray(shares_of_sets, np.float64)[:, there] @ severity
             scatter = expected.var(axis=0, ddof=1) / len(expected)

@@ -210,6 +210,13 @@ def test_expectations_of_a_sample_have_the_errors_of_its_shares(share):
     assert expected_loudness([1.0 - share, share], [SILENT, LOUD]).impact_power_error == 0.0
 
 
+def test_motions_that_are_alike_leave_no_error():
+    for share in np.linspace(0.0, 1.0, 101):
+        told = expected_loudness([1.0 - share, share], [SILENT, SILENT], points=7)
+        # The root of what rounding leaves of 1 - 1.
+        assert told.time_in_contact == pytest.approx(1.0) and 0.0 <= told.time_in_contact_error < 3e-8
+
+
 def test_expectations_of_scrambled_sets_have_the_error_of_their_scatter():
     told = expected_loudness([0.7, 0.3], [SILENT, LOUD], 100, [[0.68, 0.32], [0.72, 0.28]])
     assert told.impact_power_error == pytest.approx(np.std([0.32, 0.28], ddof=1) / math.sqrt(2.0), rel=1e-12)
