@@ -65,6 +65,7 @@ def expected_loudness(
         return ExpectedLoudness._make([np.nan] * len(ExpectedLoudness._fields))
     share, heard = share[there], np.reshape(motions, (-1, len(Loudness._fields)))[there]
     known = np.isfinite(heard[:, 0])
+    # Four means; the second, the largest speed, has no error of its own.
     severity, own_error = np.where(known[:, None], heard[:, :4], 0.0), np.zeros((len(heard), 4))
     own_error[:, [0, 2, 3]] = np.nan_to_num(heard[:, 4:])
     square = (share**2) @ own_error**2

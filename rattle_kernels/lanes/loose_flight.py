@@ -85,6 +85,8 @@ _ARC, _TURN, _ROOT = 0, 1, 2
 _UNSURE, _LOOKS, _PASSES, _ARRIVES = 0, 1, 2, 3
 # Evaluated side by side, with none left over, whose arithmetic would be another.
 _BLOCK = 8
+# A number that comes from memory is an index below this, so the compiler need not mind one below 0.
+_INDEX = 0xFFFFFF
 _MOST_LOOKS = 60
 # Of what is compared. What is closer than that is left to the scalar path.
 _CLOSE = 1e-11
@@ -360,7 +362,10 @@ def _land(lanes, i, upper, phase, speed, after):
 
 @always_inlined
 def _next_end(work, after_last, phase):
-    """Row of the first end of an arc after a phase in [0, 1), and 1.0 where it is in the next period."""
+    """Row of the first end of an arc after a phase in [0, 1), and 1.0 where it is in the next period.
+
+    As `arcs.next_end`, which reads arrays in a tuple.
+    """
     at = _TABLE
     while at < after_last and work[at] <= phase:
         at += _ROW
@@ -422,7 +427,7 @@ def _follow_arcs(work, i, j, machine):
     As ``(y - 4 pi tau - e)'' = -delta (y - 4 pi tau - e)'``, with e and e' from the table this needs no sine. It needs
     more digits than displacements have where they are small: there the end of the arc is looked at.
     """
-    velocity, at, base = work[VELOCITY + j], int(work[_ROW_AT + i]) & 0xFFFFFF, work[_BASE + i]
+    velocity, at, base = work[VELOCITY + j], int(work[_ROW_AT + i]) & _INDEX, work[_BASE + i]
     begin, begin_at, begin_rate = work[_BEGIN + i], work[_BEGIN_AT + i], work[_BEGIN_RATE + i]
     excess = velocity - FOUR_PI - work[_ERROR_RATE + i]
     while True:
@@ -515,14 +520,14 @@ def fly_loosely(lanes, corners, oscillator, tables):
             flying += 1
     turn_phases(work, PHASE)
     for j in range(flying):
-        i = corners[j] & 0xFFFFFF
+        i = corners[j] & _INDEX
         _begin(work, i, j, machine, oscillator, lanes[PHASE + i], lanes[VELOCITY + i])
     while flying > 0:
         for first in range(0, flying, _BLOCK):
             _look(work[first:], oscillator)
         kept = 0
         for j in range(flying):
-            i = corners[j] & 0xFFFFFF
+            i = corners[j] & _INDEX
             velocity, mode, target = work[VELOCITY + j], work[_MODE + i], work[TARGET + j]
             piece = _Piece(
                 velocity, work[_BEGIN + i], work[_BEGIN_AT + i], work[_BEGIN_RATE + i], work[_END + i],
@@ -537,7 +542,7 @@ def fly_loosely(lanes, corners, oscillator, tables):
             elif mode == _TURN:
                 comes = _at_turn(machine, piece, seen)
             elif machine.damping * seen.tau <= 1.0:
-                sign = work[(int(work[_ROW_AT + i]) & 0xFFFFFF) + 3]
+                sign = work[(int(work[_ROW_AT + i]) & _INDEX) + 3]
                 comes = _at_arc_end(machine, piece, sign, seen.tau, -seen.miss, seen.rate, (0.0, 0.0))
             else:  # phi2 is no polynomial there
                 comes = _ends_unsure(piece)
