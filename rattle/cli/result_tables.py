@@ -54,18 +54,17 @@ def _print_basins(result: dict[str, Any]) -> None:
 
 
 def print_solutions(solutions: Sequence[Mapping[str, Any]], errors: Mapping[int, float | None] | None = None) -> None:
-    """Print a table of solutions: name and life, share (and what packages say of it), exponent, loudness, a point.
+    """Print a table of solutions: name, share (and what packages say of it), exponent, power, life of chaos, a point.
 
     `errors` are the standard errors of shares that come from a sample, by number.
     """
-    table = Table("", "solution", "share", "Lyapunov exponent", "impact power", "in contact", "a departure (t, v)")
+    table = Table("", "solution", "share", "Lyapunov exponent", "impact power", "a departure (t, v)")
     names = [str(solution["name"]) for solution in solutions]
     for number, solution in enumerate(solutions):
         share, exponent, points = solution["share"], solution["lyapunov_exponent"], solution["points"]
         power = solution["impact_power"]
-        # A service of an earlier version does not say what part of the time that is, nor what transients end in.
-        contact = solution.get("time_in_contact")
         life, error = solution["mean_life"], solution["mean_life_error"]
+        # A service of an earlier version does not say what transients end in.
         ends = ends_in_words([(end["solution"], end["share"]) for end in solution.get("ends", ())], names)
         ends = f", {ends}" if ends else ""
         table.add_row(
@@ -74,7 +73,6 @@ def print_solutions(solutions: Sequence[Mapping[str, Any]], errors: Mapping[int,
             _share(share, (errors or {}).get(number)) + "".join(each.in_words(solution) for each in additions()),
             "" if exponent is None else f"{exponent:.4f}",
             "" if power is None else f"{power:.4g}",
-            "" if contact is None else f"{100 * contact:.3g} %",
             f"({points[0][0]:.6f}, {points[0][1]:.6f})" if points else "",
         )
     out.print(table)
