@@ -1,7 +1,9 @@
 """Check a request without recording it: the checks of a submission, and the bounds that apply."""
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel, Field
 
 from rattle_kernels import (
@@ -21,6 +23,9 @@ from worker.estimate import estimate
 from worker.jobs.oscillator_request import PIECEWISE_LINEAR
 from worker.kinds import KINDS, kind_of
 
+# Where refused values are looked for, and the halvings that find where they begin and end.
+_DAMPINGS, _STIFFNESSES, _HALVINGS = np.geomspace(0.005, 5.0, 61), np.geomspace(1.0, 1e9, 91), 50
+
 
 class BoundView(BaseModel):
     """Bound of one field of the oscillator, given the values of the others."""
@@ -30,6 +35,9 @@ class BoundView(BaseModel):
     below: float | None = Field(None, description="The value must be below this")
     loose_from: float | None = Field(
         None, description="From this value on inertia torque exceeds drag torque at times (Eq. 8)"
+    )
+    between: tuple[float, float | None] | None = Field(
+        None, description="Values between these two are refused; null for the second: all above the first"
     )
     why: str
 
@@ -75,20 +83,25 @@ def check_request(body: dict[str, Any], settings: Settings) -> CheckView:
 
 
 def _bounds(oscillator: Any, *, loose: bool) -> list[BoundView]:
-    """Bounds that follow from the numeric fields. All other fields take their defaults."""
+    """Bounds that follow from the numeric fields, as far as they are known without a search."""
     given = oscillator if isinstance(oscillator, dict) else {}
     stiff = given.get("model") == PIECEWISE_LINEAR
     names = ("damping", "half_backlash", "stiffness") if stiff else ("damping", "half_backlash")
     known = Oscillator(**{name: given[name] for name in names if _is_positive(given.get(name))})
-    bounds = [
-        BoundView(field="damping", above=0.0, why="damping is positive"),
-        _eccentricity_bound(known, stiff and given.get("allow_no_quiet_solution") is not True, loose),
-        BoundView(field="half_backlash", above=0.0, why="the backlash is positive"),
-    ]
-    if stiff:
-        why = "contacts ring only above damping²/8 (Eq. 35)"
-        bounds.append(BoundView(field="stiffness", above=stiffness_bound(known), why=why))
-    return bounds
+    if _is_positive(given.get("eccentricity")):
+        known = known._replace(eccentricity=given["eccentricity"])
+    # With harmonics, or damping in contact, a bound takes a second.
+    simple = not given.get("harmonics") and not (stiff and given.get("contact_damping"))
+    demanded = stiff and given.get("allow_no_quiet_solution") is not True
+    damping = BoundView(field="damping", above=0.0, why="damping is positive")
+    backlash = BoundView(field="half_backlash", above=0.0, why="the backlash is positive")
+    stiffness = BoundView(
+        field="stiffness", above=stiffness_bound(known), why="contacts ring only above damping²/8 (Eq. 35)"
+    )
+    if simple and demanded:
+        damping, stiffness = _quiet_damping(known) or damping, _quiet_stiffness(known, stiffness)
+    eccentricity = [_eccentricity_bound(known, demanded, loose)] if simple else []
+    return [damping, *eccentricity, backlash, *([stiffness] if stiff else [])]
 
 
 def _eccentricity_bound(known: Oscillator, quiet: bool, loose: bool) -> BoundView:
@@ -100,6 +113,44 @@ def _eccentricity_bound(known: Oscillator, quiet: bool, loose: bool) -> BoundVie
         return BoundView(field="eccentricity", loose_from=smoothly, why=why)
     why = "beyond it inertia torque exceeds drag torque (Eq. 8), which is not followed here"
     return BoundView(field="eccentricity", below=smoothly, why=why)
+
+
+def _quiet_damping(known: Oscillator) -> BoundView | None:
+    refused = _refused(lambda damping: _is_quiet(known._replace(damping=damping)), _DAMPINGS)
+    if refused is None or refused[1] is None:
+        return None
+    return BoundView(field="damping", above=refused[1], why="below it there is no quiet solution (Eq. 3)")
+
+
+def _quiet_stiffness(known: Oscillator, bound: BoundView) -> BoundView:
+    refused = _refused(lambda stiffness: _is_quiet(known._replace(stiffness=stiffness)), _STIFFNESSES)
+    if refused is None:
+        return bound
+    return bound.model_copy(update={"between": refused, "why": "between the two there is no quiet solution (Eq. 3)"})
+
+
+def _is_quiet(oscillator: Oscillator) -> bool:
+    return oscillator.eccentricity < eccentricity_bound_quiet(oscillator)
+
+
+def _refused(
+    allowed: Callable[[float], bool], values: Sequence[float] | np.ndarray
+) -> tuple[float, float | None] | None:
+    """The first values that are refused, from where to where; None for the end if that is not reached."""
+    taken = [allowed(float(value)) for value in values]
+    if all(taken):
+        return None
+    first = taken.index(False)
+    last = next((at for at in range(first, len(taken)) if taken[at]), None)
+    begin = float(values[0]) if first == 0 else _edge(allowed, float(values[first - 1]), float(values[first]))
+    return begin, None if last is None else _edge(allowed, float(values[last]), float(values[last - 1]))
+
+
+def _edge(allowed: Callable[[float], bool], inside: float, outside: float) -> float:
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (inside + outside)
+        inside, outside = (middle, outside) if allowed(middle) else (inside, middle)
+    return inside
 
 
 def _is_positive(value: Any) -> bool:

@@ -19,6 +19,9 @@ interface Oscillator {
   allow_no_quiet_solution?: boolean;
 }
 
+/** Bound of a number of the oscillator: which values the service refuses, and why. */
+interface Bound { field: string; above: number | null; below: number | null; between: [number, number | null] | null; loose_from: number | null; why: string }
+
 /** One unit of the model in SI: s, m/s and W. */
 interface Scales { time: number; speed: number; power: number }
 

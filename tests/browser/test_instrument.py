@@ -104,29 +104,41 @@ def test_the_plane_stays_where_it_is_under_the_pointer_when_a_motion_is_followed
     assert opened.page.locator("#plane").bounding_box() == before
 
 
-def test_where_there_is_no_picture_the_old_one_is_dimmed_and_nothing_offers_to_refine_it(explorer):
-    """Below a damping of 0.314 at this eccentricity there is no quiet solution of the piecewise linear model."""
+def test_where_there_is_no_picture_a_slider_stops_and_the_old_picture_is_dimmed(explorer):
+    """Below a damping of 0.315 at this eccentricity there is no quiet solution of the piecewise linear model."""
     page = explorer.page
-    explorer.forgiven += ("422",)
     explorer.visit().pictured("Preview")
     explorer.open_drawer()
     page.locator("[name=model]").select_option("piecewise_linear")
     explorer.fill(stiffness=1e4)
     expect(page.locator("#shown")).to_contain_text("κ = ")
     slider = page.locator("[data-turn=damping]")
+    expect(page.locator(".turn", has=slider).locator(".refused")).to_have_count(1)
+    previews = sent(explorer, "/v1/previews")
 
     def slide(damping):
         move = "(input, value) => { input.value = value; input.dispatchEvent(new Event('input', {bubbles: true})); }"
         slider.evaluate(move, damping)
 
     slide("0.2")
+    expect(slider).to_have_value("0.316")
+    stops = "Damping δ stops here: below it there is no quiet solution (Eq. 3)."
+    expect(page.locator("#turn .note")).to_have_text(stops)
+    expect(page.locator("#shown")).to_contain_text("δ = 0.316")
+    expect(page.locator("#frame")).not_to_have_class("old")
+    slide("0.55")
+    expect(page.locator("#turn .note")).to_have_text("")
+    expect(page.locator("#shown")).to_contain_text("δ = 0.55")
+    # What is typed is not stopped, nor asked for.
+    explorer.fill(damping=0.2)
     expect(page.locator("#frame")).to_have_class("old")
-    expect(page.locator("#standing")).to_have_text(re.compile("^Nothing is computed at the values of the sliders"))
-    expect(page.locator("#shown")).to_contain_text("δ = 0.6")
+    expect(page.locator("#standing")).to_contain_text("There is no picture of what the request says")
+    expect(page.locator("#shown")).to_contain_text("δ = 0.55")
     expect(page.locator("#compute")).to_be_disabled()
     expect(page.locator("#verdict")).to_contain_text("eccentricity must be below")
-    slide("0.55")
-    expect(page.locator("#shown")).to_contain_text("δ = 0.55")
+    assert min(each.post_data_json["oscillator"]["damping"] for each in previews if each.post_data) > 0.315
+    explorer.fill(damping=0.5)
+    expect(page.locator("#shown")).to_contain_text("δ = 0.5")
     expect(page.locator("#frame")).not_to_have_class("old")
     expect(page.locator("#compute")).to_be_enabled()
 

@@ -233,9 +233,12 @@ class BasinJob(_AllFields):
                 raise InvalidJob(f"a sample has no cells: leave out grid.{name}.cells", ("grid", name, "cells"))
         try:
             check_grid(self.grid)
-            check_iterations(self.iterations)
         except ValueError as error:
             raise InvalidJob(str(error)) from error
+        try:
+            check_iterations(self.iterations)
+        except ValueError as error:
+            raise InvalidJob(str(error), ("iterations",)) from error
         self.check_oscillators(self.check_oscillator)
         self._let_window_follow()
         self.check_oscillators(lambda oscillator: check_window(oscillator, self.grid, self.iterations))

@@ -190,6 +190,28 @@ def test_bounds_follow_the_other_parameters_whatever_else_is_wrong(service):
     assert bounds(damping="much")["eccentricity"]["loose_from"] == pytest.approx(0.19012, abs=1e-5)
 
 
+def test_bounds_of_damping_and_stiffness_are_where_the_service_refuses(service):
+    stiff = {"model": "piecewise_linear", "damping": 0.6, "eccentricity": 0.1, "stiffness": 1e4}
+    bounds = {bound["field"]: bound for bound in check(service, oscillator=stiff)["bounds"]}
+    above, (low, high) = bounds["damping"]["above"], bounds["stiffness"]["between"]
+    assert above == pytest.approx(0.3152, abs=1e-4)
+    edges = [({"damping": above}, True), ({"stiffness": low}, False), ({"stiffness": high}, True)]
+    for changed, accepted_beyond in edges:
+        ((name, edge),) = changed.items()
+        for value, beyond in ((edge * 0.999, False), (edge * 1.001, True)):
+            told = check(service, oscillator=stiff | {name: value})
+            assert told["accepted"] == (accepted_beyond == beyond), (name, value)
+    allowed = check(service, oscillator=stiff | {"allow_no_quiet_solution": True})["bounds"]
+    assert [bound["above"] for bound in allowed if bound["field"] == "damping"] == [0.0]
+    # A second harmonic moves the bound, and is not looked at here.
+    harmonics = [{"order": 2, "amplitude": 0.01}]
+    assert "eccentricity" not in [each["field"] for each in check(service, oscillator={"harmonics": harmonics})["bounds"]]
+
+
+def test_a_number_of_iterations_that_is_no_prime_is_named(service):
+    assert check(service, iterations=1500)["errors"][0]["location"] == ["body", "iterations"]
+
+
 def test_a_history_says_from_which_contact_on_it_is_permanent(service):
     start = {"time": 0.2, "velocity": 1.0}
     told = service.request("POST", "/v1/trajectories", json={"start": start, "periods": 10}).json()

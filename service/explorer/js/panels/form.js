@@ -23,6 +23,10 @@ function hintOf(bound) {
   const limits = [];
   if (bound.above !== null) limits.push(`above ${Number(bound.above.toPrecision(5))}`);
   if (bound.below !== null) limits.push(`below ${Number(bound.below.toPrecision(5))}`);
+  if (bound.between) {
+    const [from, to] = bound.between.map((end) => end && Number(end.toPrecision(5)));
+    limits.push(to === null ? `below ${from}` : `not from ${from} to ${to}`);
+  }
   if (bound.loose_from !== null) limits.push(`loose from ${Number(bound.loose_from.toPrecision(5))}`);
   return { text: limits.join(", "), why: bound.why };
 }

@@ -1,6 +1,7 @@
 /** Sliders of the oscillator: while one moves, the picture follows. */
 
 import { ONLY_IN, USUAL } from "../state/oscillator.js";
+import { refusedBy, shadesOf, stopAt } from "./track.js";
 
 /** @type {{name: string, label: string, least: number, most: number, step: number, means: string, logarithmic?: boolean}[]} */
 const SLIDERS = [
@@ -37,16 +38,33 @@ export class Turn {
       const input = Object.assign(document.createElement("input"), { type: "range", step: slider.step });
       input.dataset.turn = slider.name;
       const value = document.createElement("output");
-      row.append(Object.assign(document.createElement("span"), { textContent: slider.label }), value, input);
+      const track = Object.assign(document.createElement("span"), { className: "track" });
+      track.append(input);
+      row.append(Object.assign(document.createElement("span"), { textContent: slider.label }), value, track);
       place.append(row);
-      this.rows.set(slider.name, { slider, row, input, value, most: slider.most });
-      input.addEventListener("input", () => {
-        const now = fromSlider(slider, Number(input.value));
-        this.#write(slider.name, now);
-        moving(slider.name, now);
-      });
+      this.rows.set(slider.name, { slider, row, input, value, track, parts: [], why: "", before: 0 });
+      input.addEventListener("input", () => this.#move(slider.name, moving));
       input.addEventListener("change", () => rested());
     }
+    this.note = Object.assign(document.createElement("p"), { className: "note" });
+    this.note.setAttribute("role", "status");
+    place.append(this.note);
+  }
+
+  /** The thumb of a slider is moved: as far as the service takes its values. */
+  #move(name, moving) {
+    const row = this.rows.get(name);
+    const { slider, input, parts, why, before } = row;
+    const [min, max] = [Number(input.min), Number(input.max)];
+    const valueAt = (place) => fromSlider(slider, place);
+    const { place, stopped } = stopAt(parts, { min, max, step: slider.step, valueAt }, Number(input.value), before);
+    if (stopped) input.value = place;
+    const text = stopped ? `${slider.label} stops here: ${why}.` : "";
+    if (this.note.textContent !== text) this.note.textContent = text;
+    if (place === before) return;
+    row.before = place;
+    this.#write(name, valueAt(place));
+    moving(name, valueAt(place));
   }
 
   #write(name, value) {
@@ -57,22 +75,38 @@ export class Turn {
 
   /** Show the values of an oscillator; a value outside a slider's range widens it. */
   show(oscillator) {
-    for (const [name, { slider, row, input, most }] of this.rows) {
+    for (const [name, row] of this.rows) {
+      const { slider, input } = row;
       const value = oscillator[name] ?? (ONLY_IN[name] === (oscillator.model ?? "impacting") ? USUAL[name] : undefined);
-      row.hidden = typeof value !== "number";
-      if (row.hidden) continue;
+      row.row.hidden = typeof value !== "number";
+      if (row.row.hidden) continue;
       input.min = toSlider(slider, Math.min(slider.least, value));
-      input.max = toSlider(slider, Math.max(most, value));
+      input.max = toSlider(slider, Math.max(slider.most, value));
       if (document.activeElement !== input || Number(input.value) !== toSlider(slider, value)) input.value = toSlider(slider, value);
+      row.before = Number(input.value);
       this.#write(name, value);
+      this.#shade(row);
     }
   }
 
-  /** Keep sliders below the bounds that apply. */
+  /** Keep sliders out of what the bounds that apply refuse. */
   bound(bounds) {
-    for (const { field, below } of bounds) {
-      const row = this.rows.get(field);
-      if (row) row.most = below === null ? row.slider.most : Math.min(row.slider.most, Math.floor(below / row.slider.step - 1e-6) * row.slider.step);
+    for (const row of this.rows.values()) {
+      const bound = bounds.find(({ field }) => field === row.slider.name);
+      [row.parts, row.why] = bound ? [refusedBy(bound), bound.why] : [[], ""];
+      this.#shade(row);
+    }
+  }
+
+  #shade({ slider, input, track, parts }) {
+    const [min, max] = [Number(input.min), Number(input.max)];
+    track.querySelectorAll(".refused").forEach((shade) => shade.remove());
+    for (const [from, to] of shadesOf(parts, { min, max, placeOf: (value) => toSlider(slider, value) })) {
+      const shade = Object.assign(document.createElement("span"), { className: "refused" });
+      // The middle of a thumb keeps half of its width from either end of its track.
+      shade.style.left = `calc(${from} * (100% - 1rem) + ${from > 0 ? 0.5 : 0}rem)`;
+      shade.style.right = `calc(${1 - to} * (100% - 1rem) + ${to < 1 ? 0.5 : 0}rem)`;
+      track.append(shade);
     }
   }
 }
