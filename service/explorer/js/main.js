@@ -39,9 +39,10 @@ const REST_MS = 350;
 /**
  * `request`: what is asked for, or would be. `edited`: it has not been asked for. `whole`: the window before zooming.
  * `opening`: what the address says, while it is opened; at first nothing is known of it. `refused`: the service has no
- * picture of what the form says.
+ * picture of what the form says. `offered`: what a link asks for, until something else is looked at. `doubts`: about the
+ * address, in words. `asked`: addresses of all that was asked for.
  */
-const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, rest: 0, sliding: false, refused: false };
+const at = { request: null, edited: true, panel: 0, whole: { t0: 0, t1: 1, v0: 0, v1: 7 }, opening: {}, rest: 0, sliding: false, refused: false, offered: null, doubts: "", asked: new Set() };
 
 const plane = new Plane([{ canvas: by("plane"), marks: by("marks") }, { canvas: by("plane-kept"), marks: by("marks-kept") }], { moved, hovered: (place) => hover.at(place), picked: (place, second) => oscillatorAt(place) && motions.pick(place, second), whole: () => plane.go(at.whole) });
 const marks = new Marks(plane);
@@ -51,7 +52,7 @@ const machine = machineForm({ converted, changed: () => (legend(), hover.read(),
 const turn = new Turn(by("turn"), (name, value) => slid(name, value), () => compute(form.request()));
 const jobs = new Jobs({ changed: lifeChanged, begun, drawn });
 const motions = new Motions(by("history"), plane, marks, () => screen.wanted, () => remember(false));
-const hover = new Hover(plane, marks, oscillatorAt, (oscillator) => machine.scalesOf(oscillator), { reading: by("reading"), sentence: by("sentence") });
+const hover = new Hover(plane, marks, oscillatorAt, (oscillator) => machine.scalesOf(oscillator), by("reading"));
 const overlays = new OverlayList(by("overlays"), plane, () => remember(false));
 const sweep = new Sweep(by("sweep"), openPanel);
 const still = new Still(by("still"));
@@ -69,7 +70,7 @@ function edited() {
   const oscillator = form.oscillator();
   const request = form.request(), { time, velocity } = request.grid;
   if (!oscillator || !(time.start < time.stop && velocity.start < velocity.stop)) return;
-  [at.request, at.edited] = [request, true];
+  [at.request, at.edited, at.offered, at.doubts] = [request, true, null, ""];
   // A zoom that has just ended would ask for what was in the form before, and put it back there.
   clearTimeout(at.rest);
   if (jobs.life.phase === "asking") jobs.leave();
@@ -109,16 +110,18 @@ function slid(name, value) {
   at.sliding = false;
 }
 
-/** Ask for what the form describes. Its preview comes first. */
+/** Ask for what the form describes, and first for a preview of it; or for what a link does, which may be more. */
 function compute(request) {
   clearTimeout(at.rest);
+  if (at.offered) return ask(at.offered);
   if (!same(viewOf(request.grid), plane.view)) plane.lookAt((at.whole = viewOf(request.grid)));
   screen.look(firstOf(request), plane.view);
   ask(request);
 }
 
 function ask(request) {
-  [at.request, at.edited, at.panel] = [request, false, 0];
+  [at.request, at.edited, at.panel, at.offered, at.doubts] = [request, false, 0, null, ""];
+  at.asked.add(encode({ request }));
   remember(true);
   jobs.ask(machine.named(request));
 }
@@ -126,7 +129,7 @@ function ask(request) {
 function showExample(request) {
   jobs.leave();
   show(request);
-  at.edited = false;
+  [at.edited, at.offered, at.doubts] = [false, null, ""];
   remember(true);
 }
 
@@ -170,6 +173,7 @@ function keptChanged() {
 /** The window has moved: cells of the store or a preview at once, and after a rest an entry of the history and a job that refines it. */
 function moved(view) {
   clearTimeout(at.rest);
+  [at.offered, at.doubts] = [null, ""];
   if (limitOf(view)) say(limitOf(view));
   if (!screen.oscillator) return;
   form.showWindow(requestHere().grid);
@@ -195,7 +199,7 @@ function lifeChanged(life) {
 /** Another job is shown. */
 function begun(job) {
   still.hide();
-  at.edited = false;
+  [at.edited, at.offered] = [false, null];
   const cells = hasCells(job);
   if (cells) {
     if (at.opening && !at.opening.request) show(job.request, at.opening);
@@ -261,7 +265,13 @@ function turned() {
 
 /** What is seen is not what the job computes. A request that is on its way will say by itself what it replaces. */
 function left() {
-  if (jobs.life.phase !== "asking") jobs.leave();
+  if (jobs.life.phase === "asking") sweep.hide();
+  else leave();
+}
+
+/** No job computes what is seen. */
+function leave() {
+  jobs.leave();
   sweep.hide();
 }
 
@@ -285,7 +295,7 @@ function legend() {
 function caption() {
   const { job } = jobs;
   const kind = job && !hasCells(job) ? kindInWords(job) : null;
-  showCaption({ shown: by("shown"), standing: by("standing") }, { kind, job, oscillator: screen.oscillator, picture: plane.picture, edited: at.edited, refused: at.refused });
+  showCaption({ shown: by("shown"), standing: by("standing") }, { kind, job, oscillator: screen.oscillator, picture: plane.picture, edited: at.edited, refused: at.refused, doubts: at.doubts });
 }
 
 function takeaway() {
@@ -317,7 +327,7 @@ function remember(isNew) {
 /** Show what the address says; whether it says anything. */
 async function openAddress() {
   const seen = (at.opening = decode(location.search));
-  by("address-note").textContent = doubts(location.search).join(" ");
+  at.doubts = doubts(location.search).join(" ");
   const { job, request, panel, layer, palette } = seen;
   at.panel = panel;
   restyle({ layer, palette });
@@ -326,10 +336,13 @@ async function openAddress() {
   try {
     if (request) show(request, seen);
     if (seen.machine) await machine.open(seen.machine);
-    const asked = request && machine.named(request);
-    if (job) await jobs.open(job, asked);
-    else if (asked) jobs.ask(asked);
+    // What this page has asked for may be asked for again. Of a link a preview is shown, which Compute refines.
+    at.offered = request;
+    const again = at.asked.has(encode({ request })) ? machine.named(request) : null;
     at.edited = false;
+    if (job) await jobs.open(job, again).catch((error) => unopened(error, request));
+    else if (again) jobs.ask(again);
+    else if (request) leave();
     motions.forget();
     for (const [i, [t, v]] of seen.motions.entries()) await motions.pick({ t, v }, i > 0, true);
     await comparison.open(seen, motions);
@@ -337,7 +350,16 @@ async function openAddress() {
     if (at.opening === seen) at.opening = null;
     enableSteps();
   }
+  // A part of a request has been completed.
+  if (request) remember(false);
   return Boolean(job || request);
+}
+
+/** The job of an address cannot be had: its request is looked at. */
+function unopened(error, request) {
+  if (!request || !(error instanceof Refusal)) throw error;
+  leave();
+  say(`${inWords(error)}: this is a preview of what its address asks for.`);
 }
 
 /** Open the address, or the first example where it says nothing, once the kinds of jobs are known. */

@@ -39,14 +39,18 @@ export class Jobs {
     if (this.life.phase !== "idle") this.#take({ type: "leave" });
   }
 
-  /** Open a job by its id. Without one, or if this service does not know it, ask for the request. */
-  async open(id, request) {
+  /**
+   * Open a job by its id.
+   * @param {string} id
+   * @param {BasinRequest|null} again what is asked for where the service does not know it, or it was cancelled
+   */
+  async open(id, again) {
     try {
       const job = await get(`/v1/jobs/${id}`);
-      this.#take({ type: "open", job, request });
+      this.#take({ type: "open", job, request: again });
     } catch (error) {
-      if (!(request && error instanceof Refusal && error.status === 404)) throw error;
-      this.ask(request);
+      if (!(again && error instanceof Refusal && error.status === 404)) throw error;
+      this.ask(again);
     }
   }
 

@@ -30,20 +30,20 @@ export function windowInWords({ t0, t1, v0, v1 }) {
  * @param {boolean} refused whether the service refuses what the form has now
  * @param {Job|null} job the job of the picture
  */
-function standing(picture, edited, job, refused) {
+export function standing(picture, edited, job, refused) {
   if (picture && refused) return { words: "There is no picture of what the request says; this one is of the values above it.", kind: "edited" };
   if (!picture) return { words: "", kind: "none" };
   const { time, velocity } = picture.outline;
   const cells = `${time.cells} × ${velocity.cells} cells`;
   const preview = picture.isPreview ? `${picture.quick ? "First look (what is slow to settle may change)" : "Preview"}, ` : "";
-  if (edited) return { words: `${preview}${cells}: edited, not computed`, kind: "edited" };
-  if (preview) return { words: `${preview}${cells}${job ? "" : "; Compute refines it"}`, kind: "preview" };
+  if (edited) return { words: `${preview}${cells}: edited, not computed.`, kind: "edited" };
+  if (preview) return { words: `${preview}${cells}${job ? "" : "; Compute refines it"}.`, kind: "preview" };
   const k = job ? `, k = ${job.request.iterations}` : "";
-  return { words: `${cells}${k}`, kind: picture.outline.complete ? "complete" : "coming" };
+  return { words: `${cells}${k}.`, kind: picture.outline.complete ? "complete" : "coming" };
 }
 
 /**
- * Write the caption of the picture, and the title of the page.
+ * Write the caption of the picture, where it comes from, and the title of the page.
  * @param {{shown: HTMLElement, standing: HTMLElement}} lines
  * @param {object} seen
  * @param {string|null} seen.kind of an analysis, in words
@@ -52,12 +52,15 @@ function standing(picture, edited, job, refused) {
  * @param {import("../plane/picture.js").Picture|null} seen.picture
  * @param {boolean} seen.edited
  * @param {boolean} seen.refused
+ * @param {string} seen.doubts about the address
  */
-export function showCaption(lines, { kind, job, oscillator, picture, edited, refused }) {
+export function showCaption(lines, { kind, job, oscillator, picture, edited, refused, doubts }) {
   const text = kind ?? (oscillator ? oscillatorInWords(oscillator) : "");
   const origin = standing(picture, edited, job, refused);
+  const words = [doubts, kind ? "" : origin.words].filter(Boolean).join(" ");
   lines.shown.textContent = text;
-  lines.standing.textContent = kind ? "" : origin.words;
+  // Readers of the screen would hear the same again.
+  if (lines.standing.textContent !== words) lines.standing.textContent = words;
   lines.standing.dataset.kind = origin.kind;
   document.title = text ? `${text} · gear-rattle` : "gear-rattle";
 }

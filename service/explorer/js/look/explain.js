@@ -52,6 +52,19 @@ export function underPointer(solution) {
   return words && `This cell's centre: ${words}`;
 }
 
+/** What a saddle under the pointer is, and the cell that it lies on. @param {string} saddle @param {Solution|undefined} solution */
+export function saddleInWords(saddle, solution) {
+  const cell = solution ? ` ${underPointer(solution)}` : "";
+  return `${saddle[0].toUpperCase()}${saddle.slice(1)}: a motion that repeats, but that motions beside it leave.${cell}`;
+}
+
+/** Hsu's numbers of a cell, as far as it has them. @param {{step?: number, group?: number, period?: number}} known */
+export function numbersInWords({ step, group, period }) {
+  const taken = `step ${step}`;
+  if (group > 0) return `${taken}, group ${group}, period ${period}`;
+  return group === 0 ? `${taken}, then out of all cells` : `${taken}, in no cycle of cells`;
+}
+
 function told(number) {
   return String(Number(number.toPrecision(3)));
 }

@@ -2,7 +2,7 @@
 
 import { Latest } from "../net/latest.js";
 import { briefMotion } from "../net/motion.js";
-import { maskInWords, underPointer } from "../look/explain.js";
+import { maskInWords, numbersInWords, saddleInWords, underPointer } from "../look/explain.js";
 import { reading } from "../charts/ticks.js";
 import { inUnits } from "../state/machine.js";
 
@@ -14,14 +14,14 @@ export class Hover {
    * @param {import("../plane/marks.js").Marks} marks
    * @param {(place: Departure) => Oscillator|null} oscillator of the half in which a place is
    * @param {(oscillator: Oscillator|null) => Scales|null} scales one unit of the model in SI, where a machine is seen
-   * @param {{reading: HTMLElement, sentence: HTMLElement}} lines
+   * @param {HTMLElement} line
    */
-  constructor(plane, marks, oscillator, scales, lines) {
+  constructor(plane, marks, oscillator, scales, line) {
     this.scales = scales;
     this.plane = plane;
     this.marks = marks;
     this.oscillator = oscillator;
-    this.lines = lines;
+    this.line = line;
     this.place = null;
     const show = (departures, wish) => wish === this.place && this.marks.showHovered(departures, wish.kept);
     this.latest = new Latest((wish, signal) => briefMotion(this.oscillator(wish), wish, signal), show, () => {});
@@ -53,11 +53,11 @@ export class Hover {
     const scales = this.scales(this.oscillator(place));
     const si = scales ? ` (${inUnits(phase * scales.time, "s")}, ${inUnits(place.v * scales.speed, "m/s")})` : "";
     const where = `t = ${reading(phase, t1 - t0)}   v = ${reading(place.v, v1 - v0)}${si}`;
-    const numbers = known?.step === undefined ? "" : `   step ${known.step}, group ${known.group}, period ${known.period}`;
-    const there = known ? `   ${known.solution.name}${numbers}` : "   not known yet";
-    this.lines.reading.textContent = (this.plane.keptAt(place) ? "kept: " : "") + where + there + this.#besides(place);
+    const saddle = this.plane.saddleAt(place);
+    const there = saddle ?? (known ? known.solution.name + (known.step === undefined ? "" : `   ${numbersInWords(known)}`) : "not known yet");
     const besides = known?.clear ? ` ${maskInWords(known.clear, known.solution, known.mask)}` : "";
-    this.lines.sentence.textContent = known ? underPointer(known.solution) + besides : "";
+    const means = saddle ? saddleInWords(saddle, known?.solution) : known ? underPointer(known.solution) + besides : "";
+    this.line.textContent = `${this.plane.keptAt(place) ? "kept: " : ""}${where}   ${there}${this.#besides(place)}\n${means}`;
   }
 
   /** What the other basin has at the same place, where both are seen as a whole. @param {Place} place */

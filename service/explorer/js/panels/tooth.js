@@ -1,5 +1,6 @@
 /** The tooth: a motion played in its backlash, in step with a cursor on the history and a dot on the basin. */
 
+import { by } from "../page/by.js";
 import { departureAt, displacementAt, glowAt, impactsBetween, Clock } from "../tooth/playing.js";
 import { drawTooth } from "../tooth/drawing.js";
 import { Clicks } from "../tooth/sound.js";
@@ -35,6 +36,15 @@ export class Tooth {
     });
     this.speed.addEventListener("input", () => this.clock && (this.clock.speed = this.#pace()));
     new ResizeObserver(() => this.#draw()).observe(this.canvas);
+    this.#settle(section.querySelector("#tooth"));
+  }
+
+  /** On a narrow screen the tooth moves over the plane, which stays in sight. */
+  #settle(home) {
+    const narrow = matchMedia("(max-width: 50rem)");
+    const settle = () => (narrow.matches ? by("frame").append(this.canvas) : home.prepend(this.canvas));
+    narrow.addEventListener("change", settle);
+    settle();
   }
 
   #pace() {
@@ -45,6 +55,7 @@ export class Tooth {
   show(motion, backlash, name) {
     cancelAnimationFrame(this.frame);
     this.motion = motion;
+    this.canvas.classList.toggle("still", !motion);
     if (!motion) {
       this.played(null, null, "first");
       return;

@@ -4,6 +4,8 @@ import { colour } from "../page/theme.js";
 import { linesOf } from "./curves.js";
 
 const SHIFTS = [-1, 0, 1];
+// Of an upright cross, in pixels.
+const ARM = 7;
 const HALO = "rgb(0 0 0 / 55%)";
 
 function onEachPeriod(plot, t, draw) {
@@ -87,10 +89,10 @@ function drawUpright(plot, t, v) {
   const y = plot.y(v);
   onEachPeriod(plot, t, (x) => {
     context.beginPath();
-    context.moveTo(x - 7, y);
-    context.lineTo(x + 7, y);
-    context.moveTo(x, y - 7);
-    context.lineTo(x, y + 7);
+    context.moveTo(x - ARM, y);
+    context.lineTo(x + ARM, y);
+    context.moveTo(x, y - ARM);
+    context.lineTo(x, y + ARM);
     strokeTwice(context, "#ffffff", 2.2);
   });
 }
@@ -126,6 +128,18 @@ export function addMasks(masks) {
 export function drawOverlay(plot, overlay, picture) {
   if (overlay.fetched) drawFetched(plot, overlay.fetched);
   else overlay.draw(plot, picture);
+}
+
+/**
+ * Label of the mark of an overlay at a place, such as "saddle P(1,1,0)"; null if there is none.
+ * @param {import("./plot.js").Plot} plot
+ * @param {{t: number, v: number}} place
+ */
+export function markAt(plot, overlays, place) {
+  const fetched = overlays.flatMap((overlay) => overlay.fetched ?? []).filter(({ marker }) => marker !== null);
+  const [x, y] = [plot.x(place.t), plot.y(place.v)];
+  const near = ({ time, velocity }) => time.some((at, i) => SHIFTS.some((shift) => Math.hypot(plot.x(at + shift) - x, plot.y(velocity[i]) - y) <= ARM));
+  return fetched.find(({ pieces }) => pieces.some(near))?.label ?? null;
 }
 
 /** Draw a motion's departures from +beta, joined in order. */

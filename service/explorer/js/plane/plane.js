@@ -2,6 +2,7 @@
 
 import { maskNames } from "../state/additions.js";
 import { same, scaled, within } from "../state/window.js";
+import { markAt } from "./overlays.js";
 import { Pane } from "./pane.js";
 import { paintOfName } from "./session.js";
 import { Stack } from "./stack.js";
@@ -111,6 +112,13 @@ export class Plane {
   /** What is known at a place. @param {Place} place */
   at(place) {
     return (this.keptAt(place) ?? this).stack.at(place.t, place.v);
+  }
+
+  /** The saddle whose cross is at a place, as "saddle P(1,1,0)"; null if there is none. @param {Place} place */
+  saddleAt(place) {
+    const kept = this.keptAt(place);
+    const { plot } = this.panes[kept && this.side ? 1 : 0];
+    return plot && markAt(plot, kept ? kept.overlaysOf(this.overlays) : this.overlays, this.inView(place));
   }
 
   /** Move to another window, without an event. */
