@@ -94,3 +94,19 @@ test("a sweep of one value is none", () => {
 test("nothing to say is no address", () => {
   assert.equal(encode({}), "");
 });
+
+test("whatever an address cannot mean is named, and the usual is taken", () => {
+  const bad = "?damping=0.6&eccentricity=0.1&half_backlash=0.6&grid=0,1,7,0&cells=0,5&k=1.5&window=a&harmonics=x&permanent_contact=ever&motion=1&part=9&vary=nonsense,1,2&vary=damping,0.5";
+  const [sentence] = doubts(bad);
+  for (const text of ["grid=0,1,7,0", "cells=0,5", "k=1.5", "window=a", "harmonics=x", "permanent_contact=ever", "motion=1", "part=9", "vary=nonsense,1,2", "vary=damping,0.5"]) assert.ok(sentence.includes(text), text);
+  const { request, view, motions, part } = decode(bad);
+  assert.deepEqual([request.grid.velocity.stop, request.grid.time.cells, request.iterations, request.vary, view, motions, part], [7, 250, 1499, undefined, null, [], 0.5]);
+  assert.equal(decode("?model=piecewise_linear&permanent_contact=ever").request.oscillator.permanent_contact, "envelope");
+  assert.deepEqual(decode("?damping=0.6&harmonics=2:0.01&vary=phase_2,0,0.5").request.vary, [{ parameter: "phase_2", values: [0, 0.5] }]);
+});
+
+test("an address that names no oscillator is completed, and says so", () => {
+  const [sentence] = doubts("?grid=0,1,0,7&cells=50,50&k=61");
+  assert.match(sentence, /lacks damping, eccentricity, half_backlash/);
+  assert.equal(decode("?grid=0,1,0,7&cells=50,50&k=61").request.oscillator.damping, 0.6);
+});

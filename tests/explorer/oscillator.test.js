@@ -35,7 +35,7 @@ test("an oscillator has a value of each of its parameters, written into requests
 
 test("an address holds them", () => {
   const grid = { time: { start: 0, stop: 1, cells: 10 }, velocity: { start: 0, stop: 7, cells: 10 } };
-  const request = { oscillator: { model: "impacting", damping: 0.6, restitution: 0.9, harmonics: HARMONICS }, grid, iterations: 101 };
+  const request = { oscillator: { model: "impacting", damping: 0.6, eccentricity: 0.1, half_backlash: 0.6, restitution: 0.9, harmonics: HARMONICS }, grid, iterations: 101 };
   const seen = decode(encode({ request, view: null, whole: null }));
   assert.deepEqual(seen.request, request);
 });

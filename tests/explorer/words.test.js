@@ -4,7 +4,7 @@ import { test } from "node:test";
 
 import { axisTicks, grouped, percent, reading } from "../../service/explorer/js/charts/ticks.js";
 import { stateInWords } from "../../service/explorer/js/jobs/words.js";
-import { expectedInWords, loudnessInWords, solutionInWords } from "../../service/explorer/js/look/explain.js";
+import { expectedInWords, loudnessInWords, numbersInWords, saddleInWords, solutionInWords } from "../../service/explorer/js/look/explain.js";
 import { isBehind } from "../../service/explorer/js/net/follow.js";
 import { linesOf } from "../../service/explorer/js/plane/curves.js";
 import { keyOf, solutionPixels, usualSpeckle } from "../../service/explorer/js/plane/palette.js";
@@ -53,6 +53,19 @@ test("a motion is explained in a sentence", () => {
   assert.equal(solutionInWords({ kind: "periodic", name: "P(3,3,2)" }), "P(3,3,2) repeats every 3 forcing periods, with 3 contacts at +β and 2 contacts at −β.");
   assert.match(solutionInWords({ kind: "periodic", name: "P(1,1,0)*" }), /^P\(1,1,0\)\* repeats .* at −β\. In every turn it comes to rest on a wall\.$/);
   assert.match(solutionInWords({ kind: "chaotic", name: "chaotic" }), /never repeats/);
+});
+
+test("Hsu's numbers are told as far as a cell has them", () => {
+  assert.equal(numbersInWords({ step: 19, group: 3, period: 6 }), "step 19, group 3, period 6");
+  assert.equal(numbersInWords({ step: 1, group: -1, period: 0 }), "step 1, in no cycle of cells");
+  assert.equal(numbersInWords({ step: 4, group: -2, period: 0 }), "step 4, in no cycle of cells");
+  assert.equal(numbersInWords({ step: 2, group: 0, period: 0 }), "step 2, then out of all cells");
+});
+
+test("a saddle is named before the cell that it lies on", () => {
+  const told = saddleInWords("saddle P(1,1,0)", { kind: "chaotic", name: "chaotic" });
+  assert.match(told, /^Saddle P\(1,1,0\): a motion that repeats, but that motions beside it leave\. This cell's centre: Chaos/);
+  assert.doesNotMatch(saddleInWords("saddle P(1,1,0)", undefined), /cell/);
 });
 
 test("loudness is told in words, and what is undecided is named", () => {

@@ -16,17 +16,29 @@ export class Examples {
     select.addEventListener("change", () => this.choose(select.value));
   }
 
-  /** Offer examples, as in presets.json. */
+  /** Offer examples, as in presets.json: those of one heading follow each other. */
   offer(presets) {
     this.presets = presets;
-    for (const { name, label } of presets) {
-      this.select.append(new Option(label, name));
-      const button = Object.assign(document.createElement("button"), { type: "button", title: label });
-      button.setAttribute("aria-label", label);
-      button.append(Object.assign(document.createElement("img"), { src: `explorer/thumbnails/${name}.png`, alt: "", loading: "lazy" }));
-      button.addEventListener("click", () => this.choose(name));
-      this.gallery.append(button);
+    for (const heading of new Set(presets.map((each) => each.heading))) {
+      const own = presets.filter((each) => each.heading === heading);
+      const group = Object.assign(document.createElement("optgroup"), { label: heading });
+      group.append(...own.map(({ name, label }) => new Option(label, name)));
+      this.select.append(group);
+      const list = document.createElement("ul");
+      list.append(...own.map((each) => this.#pictured(each)));
+      const section = document.createElement("div");
+      section.append(Object.assign(document.createElement("h3"), { textContent: heading }), list);
+      this.gallery.append(section);
     }
+  }
+
+  #pictured({ name, short, label }) {
+    const button = Object.assign(document.createElement("button"), { type: "button", title: label });
+    button.append(Object.assign(document.createElement("img"), { src: `explorer/thumbnails/${name}.png`, alt: "", loading: "lazy" }), short);
+    button.addEventListener("click", () => this.choose(name));
+    const item = document.createElement("li");
+    item.append(button);
+    return item;
   }
 
   /** Choose an example by its name. */

@@ -5,13 +5,13 @@ import { by } from "../page/by.js";
 import { post, Unreachable } from "../net/api.js";
 import { additions } from "../state/additions.js";
 import { harmonicParameters, harmonicsOf, harmonicsText, NUMBERS, ONLY_IN, parameterInWords, USUAL, withValues } from "../state/oscillator.js";
+import { faultInWords, fieldsOf } from "./faults.js";
 
 const GRID = ["time.start", "time.stop", "time.cells", "velocity.start", "velocity.stop", "velocity.cells"];
 const CELLS = 500;
 const USUAL_REQUEST = { grid: { time: { start: 0, stop: 1, cells: CELLS }, velocity: { start: 0, stop: 7, cells: CELLS } }, iterations: 1499 };
 const WAIT_MS = 180;
 const RETRY_MS = 2000;
-const FIELDS = [...NUMBERS, ...GRID, "iterations", "vary.start", "vary.stop", "vary.count"];
 
 /** Value of a field: a number if possible, otherwise the text itself, which the service then refuses. */
 function valueOf(input) {
@@ -29,19 +29,6 @@ function hintOf(bound) {
   }
   if (bound.loose_from !== null) limits.push(`loose from ${Number(bound.loose_from.toPrecision(5))}`);
   return { text: limits.join(", "), why: bound.why };
-}
-
-/** Name of the form's field that contains an error of the request; null if there is none. */
-function fieldOf(location) {
-  const [, part, ...rest] = location;
-  if (part === "oscillator") return rest[0] ?? null;
-  if (part === "grid") return rest.join(".");
-  if (part === "vary") return ["start", "stop", "count"].includes(rest[1]) ? `vary.${rest[1]}` : "vary.start";
-  return part ?? null;
-}
-
-function plainly(message) {
-  return message.replace(/^Input should be /, "must be ").replace(/ \(RATTLE_\w+\)/, "");
 }
 
 export class Form {
@@ -78,6 +65,7 @@ export class Form {
     form.addEventListener("submit", async (event) => {
       event.preventDefault();
       if (await this.check()) this.tell.submitted(this.request());
+      else this.#point();
     });
     // After an outage the verdict is about the outage, until the service answers again.
     setInterval(() => this.unanswered && this.check(), RETRY_MS);
@@ -262,7 +250,17 @@ export class Form {
     // Readers of the screen would hear the same again.
     if (this.verdict.textContent !== text) this.verdict.textContent = text;
     this.verdict.classList.toggle("wrong", wrong);
-    this.button.disabled = wrong;
+    // It can still be pressed: it then leads to the field at fault.
+    this.button.setAttribute("aria-disabled", String(wrong));
+  }
+
+  /** Lead to the first field that is marked. */
+  #point() {
+    /** @type {HTMLElement|null} */
+    const marked = this.form.querySelector("[aria-invalid]");
+    if (!marked) return;
+    if (this.form.hidden) by("open-drawer").click();
+    marked.focus();
   }
 
   #show({ accepted, errors, seconds, bounds }) {
@@ -274,11 +272,10 @@ export class Form {
       const { text, why } = hintOf(bound);
       this.#hint(by(`hint-${bound.field}`), text, why, false);
     }
-    const elsewhere = errors.filter((error) => !this.#blame(error)).map(({ message }) => plainly(message));
-    const oscillatorErrors = errors.filter(({ location }) => location[1] === "oscillator").map((error) => this.#words(error));
+    for (const error of errors) this.#blame(error);
     this.seconds = accepted ? seconds : null;
     if (accepted) this.price();
-    else this.#say([...elsewhere, ...oscillatorErrors].join("; ") || "Not yet: see the field marked in the request.", true);
+    else this.#say(errors.map((error) => this.#named(error)).join(" "), true);
   }
 
   /** Say how long a request takes that the service would take. */
@@ -292,18 +289,25 @@ export class Form {
     hint.classList.toggle("wrong", wrong);
   }
 
-  /** What is wrong, without the words of types and of settings. */
-  #words({ location, message }) {
-    const input = this.#field(fieldOf(location) ?? "");
-    return FIELDS.includes(input?.name) && typeof valueOf(input) !== "number" ? "not a valid number: write one as 0.6" : plainly(message);
+  /** What is wrong, in a sentence that names the field, if it is about one. */
+  #named(error) {
+    const [field] = fieldsOf(error.location);
+    const input = this.#field(field ?? "");
+    const name = input?.getAttribute?.("aria-label") ?? input?.labels?.[0]?.textContent.trim() ?? "";
+    const words = faultInWords(error, input?.value ?? "");
+    const sentence = name && !words.startsWith(field) ? `${name}: ${words}.` : `${words}.`;
+    return sentence[0].toUpperCase() + sentence.slice(1);
   }
 
-  /** Mark the field at fault; false if there is none. */
+  /** Mark the fields at fault, with what is wrong beside them: one line for two fields of a pair. */
   #blame(error) {
-    const input = this.#field(fieldOf(error.location) ?? "");
-    if (!input?.setAttribute) return false;
-    input.setAttribute("aria-invalid", "true");
-    this.#hint(by(input.getAttribute("aria-describedby")), this.#words(error), "", true);
-    return true;
+    for (const input of fieldsOf(error.location).map((field) => this.#field(field))) {
+      const hint = by(input?.getAttribute?.("aria-describedby"));
+      if (!hint) continue;
+      input.setAttribute("aria-invalid", "true");
+      const words = input.closest(".pair") ? this.#named(error) : faultInWords(error, input.value);
+      const before = hint.classList.contains("wrong") && hint.textContent !== words ? `${hint.textContent} ` : "";
+      this.#hint(hint, before + words, "", true);
+    }
   }
 }

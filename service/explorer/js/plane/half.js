@@ -34,7 +34,7 @@ export class Half {
     /** Names of overlays that were asked for. */
     this.asked = new Set();
     this.following = new AbortController();
-    this.live = new Live({ show: (preview) => (this.stack.preview = preview, this.changed(preview)), failed, alone: () => this.job === null });
+    this.live = new Live({ show: (preview) => (this.stack.offer(preview), this.changed(preview)), failed, alone: () => this.job === null });
     /** @type {(picture: Picture|import("../look/preview.js").Preview, tile?: number) => void} */
     this.changed = () => {};
   }

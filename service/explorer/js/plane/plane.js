@@ -63,10 +63,10 @@ export class Plane {
     this.draw();
   }
 
-  /** Show a preview in place of the last one. */
+  /** Show a preview in place of the last one, unless that is better. */
   preview(picture) {
     picture.paint(this.look);
-    this.stack.preview = picture;
+    this.stack.offer(picture);
     this.draw();
   }
 

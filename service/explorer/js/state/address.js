@@ -2,7 +2,7 @@
 
 import { additions, maskNames } from "./additions.js";
 import { machineIn, machineText } from "./machine.js";
-import { harmonicsOf, harmonicsText, NUMBERS } from "./oscillator.js";
+import { harmonicParameters, harmonicsOf, harmonicsText, NUMBERS } from "./oscillator.js";
 import { same, viewOf } from "./window.js";
 
 /** What is not written. */
@@ -20,6 +20,7 @@ const STIFFNESS = 1000;
 const WINDOW = { t0: 0, t1: 1, v0: 0, v1: 7 };
 const CELLS = [250, 250];
 const ITERATIONS = 1499;
+const CONTACTS = ["envelope", "one_rotation"];
 const MODELS = { "": "impacting", piecewise_linear: "piecewise_linear" };
 
 /**
@@ -115,19 +116,35 @@ function numbersIn(query) {
   return NUMBERS.filter((name) => query.get(name) && Number.isFinite(Number(query.get(name)))).map((name) => [name, Number(query.get(name))]);
 }
 
+function cellsOf(query) {
+  const cells = numbersOf(query.get("cells"), 2);
+  return cells?.every((number) => Number.isInteger(number) && number > 0) ? cells : null;
+}
+
+function iterationsOf(query) {
+  const k = Number(query.get("k"));
+  return Number.isInteger(k) && k > 0 ? k : null;
+}
+
+/** Part of the width at which a comparison begins; null where it is none. */
+function partOf(query) {
+  const part = Number(query.get("part") || NaN);
+  return part >= 0 && part <= 1 ? part : null;
+}
+
 function requestOf(query) {
   const named = numbersIn(query), window = windowOf(query.get("grid"));
-  const all = window && numbersOf(query.get("cells"), 2) && Number(query.get("k"));
+  const all = window && cellsOf(query) && iterationsOf(query);
   if (!all && !named.length && !query.has("model")) return null;
   const grid = window ?? WINDOW;
-  const cells = numbersOf(query.get("cells"), 2) ?? CELLS;
-  const iterations = Number(query.get("k")) || ITERATIONS;
+  const cells = cellsOf(query) ?? CELLS;
+  const iterations = iterationsOf(query) ?? ITERATIONS;
   const model = MODELS[query.get("model") ?? ""] ?? "impacting";
-  const usual = all ? {} : { ...OSCILLATOR, ...(model === "piecewise_linear" && { stiffness: STIFFNESS }) };
+  const usual = { ...OSCILLATOR, ...(model === "piecewise_linear" && { stiffness: STIFFNESS }) };
   const oscillator = { model, ...usual, ...Object.fromEntries(named) };
   const harmonics = harmonicsOf(query.get("harmonics") ?? "");
   if (typeof harmonics !== "string" && harmonics.length) oscillator.harmonics = harmonics;
-  if (model === "piecewise_linear") oscillator.permanent_contact = query.get("permanent_contact") ?? "envelope";
+  if (model === "piecewise_linear") oscillator.permanent_contact = CONTACTS.find((rule) => rule === query.get("permanent_contact")) ?? CONTACTS[0];
   if (query.get("allow_no_quiet_solution") === "true") oscillator.allow_no_quiet_solution = true;
   const request = {
     oscillator,
@@ -137,7 +154,8 @@ function requestOf(query) {
     },
     iterations,
   };
-  const vary = sweptIn(query).filter(ascends);
+  const parameters = [...NUMBERS, ...harmonicParameters(oscillator.harmonics)];
+  const vary = sweptIn(query).filter((swept) => ascends(swept) && parameters.includes(swept.parameter));
   return vary.length ? { ...request, vary } : { ...request, ...addedIn(query) };
 }
 
@@ -148,16 +166,24 @@ function requestOf(query) {
  */
 export function doubts(search) {
   const query = new URLSearchParams(search);
+  const request = requestOf(query);
   const unknown = [];
   for (const name of ["layer", "palette", "compare"]) if (query.has(name) && !KNOWN[name].includes(query.get(name))) unknown.push(`${name}=${query.get(name)}`);
   for (const name of (query.get("overlays") ?? "").split(",").filter(Boolean)) if (!isOverlay(name)) unknown.push(`overlays=${name}`);
   if (query.has("model") && !(query.get("model") in MODELS) && query.get("model") !== "impacting") unknown.push(`model=${query.get("model")}`);
   for (const name of NUMBERS) if (query.has(name) && !numbersIn(query).some(([known]) => known === name)) unknown.push(`${name}=${query.get(name)}`);
-  for (const swept of sweptIn(query)) if (!ascends(swept)) unknown.push(`vary=${[swept.parameter, ...swept.values].join(",")}`);
+  const { harmonics } = request?.oscillator ?? {};
+  const parameters = [...NUMBERS, ...harmonicParameters(harmonics)];
+  if (query.get("harmonics") && typeof harmonicsOf(query.get("harmonics")) === "string") unknown.push(`harmonics=${query.get("harmonics")}`);
+  if (query.has("permanent_contact") && !CONTACTS.includes(query.get("permanent_contact"))) unknown.push(`permanent_contact=${query.get("permanent_contact")}`);
+  for (const name of ["grid", "window", "whole"]) if (query.has(name) && !windowOf(query.get(name))) unknown.push(`${name}=${query.get(name)}`);
+  if (query.has("cells") && !cellsOf(query)) unknown.push(`cells=${query.get("cells")}`);
+  if (query.has("k") && !iterationsOf(query)) unknown.push(`k=${query.get("k")}`);
+  for (const text of query.getAll("motion")) if (!numbersOf(text, 2)) unknown.push(`motion=${text}`);
+  if (query.has("part") && partOf(query) === null) unknown.push(`part=${query.get("part")}`);
+  for (const swept of sweptIn(query)) if (!ascends(swept) || !parameters.includes(swept.parameter)) unknown.push(`vary=${[swept.parameter, ...swept.values].join(",")}`);
   const sentences = unknown.length ? [`The address has values that are not known, and is shown without them: ${unknown.join(", ")}.`] : [];
-  const request = requestOf(query);
-  const partial = request && !query.has("job") && !["grid", "cells", "k"].every((name) => query.has(name));
-  const lacking = partial ? [...Object.keys(OSCILLATOR), "grid", "cells", "k"].filter((name) => !query.has(name)) : [];
+  const lacking = request && !query.has("job") ? [...Object.keys(OSCILLATOR), "grid", "cells", "k"].filter((name) => !query.has(name)) : [];
   if (lacking.length) sentences.push(`The address lacks ${lacking.join(", ")}: the usual values are taken.`);
   return sentences;
 }
@@ -186,7 +212,7 @@ export function decode(search) {
     overlays: (query.get("overlays") ?? usualOverlays()).split(",").filter(isOverlay),
     motions,
     beside: query.get("beside") ? decode(query.get("beside")) : null,
-    part: query.has("part") ? Number(query.get("part")) : USUAL.part,
+    part: partOf(query) ?? USUAL.part,
     compare: knownOr("compare", query.get("compare")),
     machine: machineIn(query.get("machine")),
   };

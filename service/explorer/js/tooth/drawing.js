@@ -13,6 +13,8 @@ function placing(width, backlash) {
 const TAPER = 0.1;
 const CREST = 0.12;
 const ROOT = 0.68;
+// With less width the displacement would lie over the names of the walls.
+const ROOMY = 200;
 
 function flank(context, { x, side, width, height, glow }) {
   const outer = side > 0 ? width : 0;
@@ -75,5 +77,5 @@ export function drawTooth(canvas, { displacement, backlash, glow, name }) {
   context.textAlign = "center";
   context.fillText("−β", x(-backlash) - half, height * 0.95);
   context.fillText("+β", x(backlash) + half, height * 0.95);
-  context.fillText(`Φ = ${displacement.toFixed(3)}`, width / 2, height * 0.95);
+  if (width > ROOMY) context.fillText(`Φ = ${displacement.toFixed(3)}`, width / 2, height * 0.95);
 }
