@@ -55,6 +55,11 @@ class Explorer:
         expect(self.page.locator("#standing")).to_contain_text(words, timeout=30_000)
         return self
 
+    def ask(self, query):
+        """Open a link, and compute what it asks for."""
+        self.visit(query).pictured("Compute refines it").compute()
+        return self
+
     def state(self, text, seconds=60):
         """Wait until the job's line says so."""
         expect(self.page.locator("#state")).to_contain_text(text, timeout=1000 * seconds)

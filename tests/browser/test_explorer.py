@@ -197,10 +197,12 @@ def test_a_waiting_job_knows_its_place_in_the_queue(explorer, service):
 @pytest.mark.parametrize(
     ("fields", "where", "words"),
     [
-        ({"half_backlash": 0}, "half_backlash", "greater than 0"),
-        ({"damping": "much"}, "damping", "valid number"),
-        ({"iterations": 1500}, "", "nearest: 1499 or 1511"),
-        ({"time__stop": 0}, "time.stop", "greater than 0"),
+        ({"half_backlash": 0}, "half_backlash", "must be above 0"),
+        ({"damping": "much"}, "damping", "not a valid number"),
+        ({"iterations": 1500}, "iterations", "nearest: 1499 or 1511"),
+        ({"time__stop": 0}, "time.stop", "must be above 0"),
+        ({"harmonics": "2 times 0.01"}, "harmonics", "as in 2: 0.01, 0.25"),
+        ({"time__start": 0.5, "time__stop": 2}, "time.start", "by at most one period"),
         ({"time__cells": 90000, "velocity__cells": 90000}, "", "cells or points are more than the limit of"),
     ],
 )
@@ -211,7 +213,20 @@ def test_what_would_be_refused_is_explained_before_it_is_sent(explorer, fields, 
     expect(explorer.page.locator("#compute")).to_be_disabled()
     if where:
         expect(explorer.page.locator(f"[name='{where}']")).to_have_attribute("aria-invalid", "true")
-    expect(explorer.page.locator("body")).not_to_contain_text(re.compile("Input should be|RATTLE_"))
+    expect(explorer.page.locator("body")).not_to_contain_text(re.compile("Input should be|tuple|RATTLE_"))
+
+
+def test_compute_leads_to_the_field_that_is_refused(explorer):
+    page = explorer.visit().pictured("Preview").page
+    explorer.fill(damping="much", half_backlash=0)
+    expect(page.locator("#hint-damping")).to_have_text("not a valid number: write one as 0.6")
+    page.locator("#open-drawer").click()
+    expect(page.locator("#verdict")).to_contain_text("Half backlash β: must be above 0.")
+    page.locator("#compute").click(force=True)
+    expect(page.locator("[name=damping]")).to_be_focused()
+    explorer.fill(damping=0.6, half_backlash=0.6)
+    expect(page.locator("#compute")).to_be_enabled()
+    expect(page.locator("#ask [aria-invalid]")).to_have_count(0)
 
 
 def test_bounds_are_shown_live(explorer):
@@ -233,6 +248,28 @@ def test_every_example_is_one_that_the_service_takes(explorer):
         explorer.page.locator("#preset").select_option(name)
         expect(explorer.page.locator("#verdict")).to_contain_text("of computing")
         expect(explorer.page.locator("#compute")).to_be_enabled()
+
+
+def test_examples_are_chosen_by_their_pictures_under_headings(explorer):
+    page = explorer.visit().pictured("Preview").page
+    gallery = page.locator("#examples")
+    expect(gallery.get_by_role("heading")).to_have_text(["Impacts", "From soft to stiff contacts", "Sweeps"])
+    gallery.get_by_role("button", name="Fig. 12 δ = 0.527").click()
+    expect(page.locator("#preset")).to_have_value("fig12")
+    expect(page.locator("#preset-note")).to_contain_text("P(3,3,2)")
+    expect(page.locator("#shown")).to_contain_text("δ = 0.527")
+
+
+def test_a_saddle_under_the_pointer_is_named(opened, service, finished):
+    page = opened.page
+    page.get_by_label("Saddles", exact=True).check()
+    expect(page.locator("#overlays .key").first).to_contain_text("saddle P(1,1,0)")
+    path = f"/v1/jobs/{finished['id']}/overlays/saddles"
+    ((saddle,),) = [service.request("GET", path).json()["overlays"][0]["pieces"]]
+    ((t,), (v,)) = saddle["time"], saddle["velocity"]
+    told = opened.hover(t, v / 7)
+    assert "saddle P(1,1,0)" in told and "motions beside it leave" in told
+    assert "saddle" not in opened.hover(t, v / 7 + 0.1)
 
 
 def test_a_reload_in_mid_job_finds_it_again(explorer, service):
@@ -411,10 +448,10 @@ def test_the_sentence_is_of_the_motion_that_is_followed(opened, service):
 
 def test_an_address_with_unknown_values_is_shown_without_them_and_says_so(explorer, finished):
     explorer.visit(f"?job={finished['id']}&palette=bar&layer=foo").state("Complete")
-    expect(explorer.page.locator("#address-note")).to_contain_text("palette=bar")
+    expect(explorer.page.locator("#standing")).to_contain_text("palette=bar")
     expect(explorer.page.locator("#legend button")).to_have_count(3)  # of the outline, after which tiles are painted
     assert "permanent contact" in explorer.hover(0.5, 0.1) and explorer.colour(0.5, 0.1) == QUIET
     explorer.visit("?damping=0.55&eccentricity=0.09")
     expect(explorer.page.locator("#shown")).to_contain_text("δ = 0.55, ε = 0.09, β = 0.6")
-    expect(explorer.page.locator("#address-note")).to_contain_text("lacks half_backlash")
+    expect(explorer.page.locator("#standing")).to_contain_text("lacks half_backlash")
     expect(explorer.page).to_have_url(re.compile(r"half_backlash=0\.6"))

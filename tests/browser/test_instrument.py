@@ -90,7 +90,7 @@ def test_what_would_be_refused_is_not_asked_for(explorer):
     explorer.open_drawer()
     explorer.page.locator("[name=model]").select_option("piecewise_linear")
     explorer.fill(stiffness=100, eccentricity=0.3)
-    expect(explorer.page.locator("#verdict")).to_contain_text("eccentricity must be below")
+    expect(explorer.page.locator("#verdict")).to_contain_text("Eccentricity must be below")
     assert {each.post_data_json["oscillator"]["eccentricity"] for each in previews if each.post_data} <= {0.1}
     explorer.page.locator("[name=model]").select_option("impacting")
     explorer.fill(eccentricity=0.11)
@@ -135,7 +135,7 @@ def test_where_there_is_no_picture_a_slider_stops_and_the_old_picture_is_dimmed(
     expect(page.locator("#standing")).to_contain_text("There is no picture of what the request says")
     expect(page.locator("#shown")).to_contain_text("δ = 0.55")
     expect(page.locator("#compute")).to_be_disabled()
-    expect(page.locator("#verdict")).to_contain_text("eccentricity must be below")
+    expect(page.locator("#verdict")).to_contain_text("Eccentricity must be below")
     assert min(each.post_data_json["oscillator"]["damping"] for each in previews if each.post_data) > 0.315
     explorer.fill(damping=0.5)
     expect(page.locator("#shown")).to_contain_text("δ = 0.5")
@@ -199,7 +199,7 @@ def test_a_click_moves_a_tooth_in_step_with_the_history_and_a_dot(opened):
 def test_the_motion_under_the_pointer_is_drawn_and_explained(opened):
     with opened.page.expect_response("**/v1/trajectories"):
         opened.page.mouse.move(*opened.spot(0.95, 0.52))
-    expect(opened.page.locator("#sentence")).to_contain_text("P(1,1,0) repeats every forcing period, with 1 contact")
+    expect(opened.page.locator("#reading")).to_contain_text("P(1,1,0) repeats every forcing period, with 1 contact")
 
 
 def test_panning_at_full_width_is_never_refused(opened):
@@ -213,7 +213,7 @@ def test_panning_at_full_width_is_never_refused(opened):
 
 
 def test_after_quick_zooms_back_shows_what_was_zoomed_away_from(explorer, service):
-    explorer.visit(link(k=3001, cells=700)).state("tiles")
+    explorer.ask(link(k=3001, cells=700)).state("tiles")
     addresses = []
     for _ in range(3):
         before = explorer.page.url
@@ -229,9 +229,9 @@ def test_after_quick_zooms_back_shows_what_was_zoomed_away_from(explorer, servic
 
 def test_a_zoom_in_one_tab_does_not_stop_the_picture_in_another(chromium_here, explorer, service):
     address = link(k=3011, cells=700, damping=0.63)
-    explorer.visit(address).state("cells")
+    explorer.ask(address).state("cells")
     other = Explorer(chromium_here, service.url)
-    other.visit(address).state("cells")
+    other.ask(address).state("cells")
     wheel(explorer, -3)
     explorer.page.wait_for_url(re.compile("window="))
     explorer.pictured("Preview")
@@ -274,7 +274,7 @@ def test_a_refused_zoom_leaves_the_running_job_and_is_tried_again(explorer):
         return route.fallback()
 
     explorer.forgiven += ("429",)
-    explorer.visit(link(k=3019, cells=600, damping=0.62)).state("cells")
+    explorer.ask(link(k=3019, cells=600, damping=0.62)).state("cells")
     explorer.page.route("**/v1/basins", full)
     wheel(explorer, -2)
     explorer.state("Too many jobs are queued. Trying again in 1 s.")
@@ -336,14 +336,30 @@ def test_a_shared_link_of_a_zoom_knows_the_whole(opened, chromium_here, service)
     other.context.close()
 
 
-def test_a_link_shows_the_same_on_a_service_that_never_computed_it(explorer):
+def test_a_link_shows_a_preview_and_asks_for_nothing_until_compute_is_pressed(explorer):
+    """Nor does the link to a job that this service does not know."""
     explorer.forgiven += ("404",)
-    explorer.visit(link(k=61, cells=50, job="0" * 32, window="0.2,0.6,1,3", layer="step", motion="0.4,2.5"))
+    jobs = sent(explorer, "/v1/basins")
+    seen = {"k": 61, "cells": 50, "window": "0.2,0.6,1,3", "layer": "step", "motion": "0.4,2.5"}
+    explorer.visit(link(**seen, job="0" * 32)).pictured("Compute refines it")
+    explorer.state("There is no job")
+    explorer.visit(link(**seen)).pictured("Compute refines it")
+    expect(explorer.page.locator("#histories")).to_contain_text("The motion from t = 0.4")
+    expect(explorer.page.locator("#layer")).to_have_value("step")
+    assert jobs == []
+    explorer.compute()
     explorer.state("Complete")
     explorer.pictured("50 × 50 cells")
-    expect(explorer.page.locator("#layer")).to_have_value("step")
-    expect(explorer.page.locator("#histories")).to_contain_text("The motion from t = 0.4")
+    assert len(jobs) == 1
     assert "t = 0.2" in explorer.hover(0.001, 0.5)
+
+
+def test_a_link_of_a_sweep_over_two_numbers_computes_all_of_it(explorer):
+    sweeps = sent(explorer, "/v1/sweeps")
+    query = link(k=61, cells=20) + "&vary=damping,0.55,0.6&vary=eccentricity,0.05,0.1"
+    explorer.ask(query).state("Complete")
+    expect(explorer.page.locator("#sliders input")).to_have_count(2)
+    assert len(sweeps) == 1
 
 
 def test_a_highlight_stays_with_its_motion(opened):
@@ -560,7 +576,7 @@ def test_basins_side_by_side_share_the_window_and_the_keys(opened):
 def test_what_is_kept_right_after_the_end_is_what_was_computed(explorer, service):
     """Its cells come late, and the page has gone on to another machine by then."""
     page = explorer.page
-    explorer.visit("?damping=0.61&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=150,150&k=211")
+    explorer.ask("?damping=0.61&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=150,150&k=211")
     page.route("**/tiles/**", lambda route: (time.sleep(0.3), route.continue_()))
     explorer.state("Complete")
     page.locator("#keep").click()
@@ -602,7 +618,7 @@ def test_on_a_narrow_screen_nothing_lies_over_the_request_or_out_of_reach(chromi
     narrow.visit(f"?job={finished['id']}").state("Complete")
     page = narrow.page
     narrow.open_drawer()
-    form, look = page.locator("#ask").bounding_box(), page.locator("#look").bounding_box()
+    form, look = page.locator("#ask").bounding_box(), page.locator("#shown").bounding_box()
     last = page.locator("#recent").bounding_box()
     assert last["y"] + last["height"] <= form["y"] + form["height"] <= look["y"]
     page.locator("#open-drawer").click()
@@ -613,6 +629,71 @@ def test_on_a_narrow_screen_nothing_lies_over_the_request_or_out_of_reach(chromi
         page.keyboard.press("Escape")
     assert narrow.unforgiven() == []
     narrow.context.close()
+
+
+@pytest.mark.parametrize(("width", "height"), [(360, 740), (768, 900), (640, 400)])
+def test_on_a_narrow_screen_plane_tooth_and_sliders_are_seen_together(chromium_here, service, finished, width, height):
+    """The last is a screen of 1280 pixels at a zoom of 200 %."""
+    narrow = Explorer(chromium_here, service.url, viewport={"width": width, "height": height}, has_touch=True)
+    narrow.visit(f"?job={finished['id']}").state("Complete")
+    page = narrow.page
+    plane = page.locator("#plane")
+    assert plane.bounding_box()["height"] == pytest.approx(0.45 * height, abs=1)
+    page.mouse.click(*narrow.spot(0.4, 0.3))
+    expect(page.locator("#histories")).to_contain_text("The motion")
+    page.locator("[data-turn=damping]").evaluate("slider => slider.scrollIntoView({block: 'end'})")
+    plane, tooth = plane.bounding_box(), page.locator("#tooth-canvas").bounding_box()
+    slider = page.locator("[data-turn=damping]").bounding_box()
+    assert plane["y"] == pytest.approx(0, abs=1), "it stays at the top"
+    assert plane["y"] + plane["height"] <= slider["y"] and slider["y"] + slider["height"] <= height + 1
+    assert plane["x"] < tooth["x"] and tooth["x"] + tooth["width"] < plane["x"] + plane["width"]
+    assert plane["y"] < tooth["y"] and tooth["y"] + tooth["height"] < plane["y"] + plane["height"]
+    # Nothing but the plane lies over what scrolls: neither over pictures of examples nor over any button.
+    covered = """() => [...document.querySelectorAll("#tell :is(button, input, select)")].filter((one) => {
+        if (!one.checkVisibility()) return false;
+        one.scrollIntoView({block: "end"});
+        const {x, y, width, height} = one.getBoundingClientRect();
+        const [left, top] = [x + width / 2, y + height / 2];
+        return left < innerWidth && left > 0 && !one.contains(document.elementFromPoint(left, top));
+    }).map((one) => one.outerHTML)"""
+    assert page.evaluate(covered) == []
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert narrow.unforgiven() == []
+    narrow.context.close()
+
+
+@pytest.mark.parametrize("width", [360, 768, 1280, 1440])
+def test_no_two_lines_are_printed_over_each_other(chromium_here, service, finished, width):
+    wide = Explorer(chromium_here, service.url, viewport={"width": width, "height": 800})
+    wide.visit(f"?job={finished['id']}").state("Complete")
+    page = wide.page
+    wide.open_drawer()
+    for number, place in enumerate(((0.4, 0.3), (0.95, 0.52)), 1):
+        page.locator("#plane").scroll_into_view_if_needed()
+        page.mouse.click(*wide.spot(*place))
+        expect(page.locator("#histories .ends")).to_have_count(number)
+        page.locator("#second").click()
+    page.locator("#plane").scroll_into_view_if_needed()
+    wide.hover(0.95, 0.52)
+    over = """() => {
+        const texts = [], walk = document.createTreeWalker(document.querySelector("main"), NodeFilter.SHOW_TEXT);
+        for (let node = walk.nextNode(); node; node = walk.nextNode()) {
+            const parent = node.parentElement;
+            const seen = parent.checkVisibility({visibilityProperty: true}) && !parent.closest("option");
+            if (!seen || !node.data.trim()) continue;
+            const range = document.createRange();
+            range.selectNodeContents(node);
+            const part = parent.closest("section, form, aside");
+            for (const box of range.getClientRects()) texts.push([part, node.data.trim(), box]);
+        }
+        const across = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left);
+        const down = (a, b) => Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+        return texts.flatMap(([part, text, box], i) => texts.slice(i + 1)
+            .filter(([other, , beside]) => part === other && across(box, beside) > 2 && down(box, beside) > 4)
+            .map(([, beside]) => [text, beside]));
+    }"""
+    assert page.evaluate(over) == []
+    wide.context.close()
 
 
 def test_forward_can_be_pressed_only_where_it_leads_somewhere(opened):

@@ -27,7 +27,7 @@ def fill(explorer, machine):
 
 @pytest.fixture
 def filled(explorer):
-    explorer.visit("?damping=0.7&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=100,100&k=211").state("Complete")
+    explorer.ask("?damping=0.7&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=100,100&k=211").state("Complete")
     fill(explorer, NEAR)
     expect(explorer.page.locator("#machine-said")).to_contain_text("Γ =")
     return explorer
@@ -125,7 +125,7 @@ def quick(explorer):
         route.continue_(post_data=route.request.post_data_json | few)
 
     explorer.page.route("**/v1/reports", smaller)
-    explorer.visit("?damping=0.7&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=100,100&k=211").state("Complete")
+    explorer.ask("?damping=0.7&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=100,100&k=211").state("Complete")
     expect(explorer.page.locator("#report-ask")).to_be_disabled()
     fill(explorer, QUICK)
     expect(explorer.page.locator("#machine-said")).to_contain_text("Γ =")
@@ -170,7 +170,7 @@ def test_what_is_wrong_with_a_report_is_said_and_a_machine_that_is_refused_has_n
 
 
 def test_a_report_is_cancelled(explorer):
-    explorer.visit("?damping=0.7&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=100,100&k=211").state("Complete")
+    explorer.ask("?damping=0.7&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=100,100&k=211").state("Complete")
     fill(explorer, QUICK | {"backlash": "61 mm"})
     explorer.page.locator("#report-numbers").fill("backlash = 50 to 70 mm; restitution = 0.8 to 1")
     explorer.page.locator("#machine-restitution").fill("0.9")
@@ -186,7 +186,7 @@ def test_a_service_without_reports_offers_none(explorer):
         route.fulfill(json={name: kind for name, kind in answer.json().items() if name != "report"})
 
     explorer.page.route("**/explorer/kinds.json", without)
-    explorer.visit("?damping=0.7&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=100,100&k=211").state("Complete")
+    explorer.ask("?damping=0.7&eccentricity=0.1&half_backlash=0.6&grid=0,1,0,7&cells=100,100&k=211").state("Complete")
     explorer.page.locator("#machine summary").click()
     expect(explorer.page.locator("#machine-speed")).to_be_visible()
     expect(explorer.page.locator("#report-ask")).to_be_hidden()

@@ -97,7 +97,7 @@ def test_the_legend_counts_what_is_proven_and_says_why_the_rest_is_not(opened):
 
 
 def test_a_cell_says_whether_it_is_proven(opened):
-    sentence = opened.page.locator("#sentence")
+    sentence = opened.page.locator("#reading")
     opened.hover(0.75, 0.1)
     expect(sentence).to_contain_text("Proven: every departure of this cell falls quiet.")
     opened.hover(0.25, 0.1)

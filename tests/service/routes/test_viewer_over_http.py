@@ -205,7 +205,9 @@ def test_bounds_of_damping_and_stiffness_are_where_the_service_refuses(service):
     assert [bound["above"] for bound in allowed if bound["field"] == "damping"] == [0.0]
     # A second harmonic moves the bound, and is not looked at here.
     harmonics = [{"order": 2, "amplitude": 0.01}]
-    assert "eccentricity" not in [each["field"] for each in check(service, oscillator={"harmonics": harmonics})["bounds"]]
+    assert "eccentricity" not in [
+        each["field"] for each in check(service, oscillator={"harmonics": harmonics})["bounds"]
+    ]
 
 
 def test_a_number_of_iterations_that_is_no_prime_is_named(service):

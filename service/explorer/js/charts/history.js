@@ -3,6 +3,8 @@
 import { Chart } from "./chart.js";
 
 const MOST_MARKS = 400;
+/** Height of a line of text. */
+const LINE = 12;
 const NAMES = { first: "A", second: "B" };
 
 function draw(place, backlashOf, motions) {
@@ -18,9 +20,13 @@ function draw(place, backlashOf, motions) {
   const chart = new Chart(place, {
     height: 140, x, y: [least - room, most + room], xLabel: "time t (forcing periods)", yLabel: "displacement Φ", label,
   });
-  for (const [wall, name] of widths.flatMap((width) => [[width, "+β"], [-width, "−β"]])) {
-    chart.add("path", { class: "wall", d: `M${chart.x(x[0])} ${chart.y(wall)}H${chart.x(x[1])}` });
-    chart.add("text", { x: chart.x(x[1]) + 2, y: chart.y(wall) + 4 }, name);
+  const named = [];
+  for (const [wall, name] of [...new Set(widths)].flatMap((width) => [[width, "+β"], [-width, "−β"]])) {
+    const y = chart.y(wall);
+    chart.add("path", { class: "wall", d: `M${chart.x(x[0])} ${y}H${chart.x(x[1])}` });
+    // One name for two walls that are close: two would be printed over each other.
+    if (named.every((other) => Math.abs(other - y) >= LINE)) chart.add("text", { x: chart.x(x[1]) + 2, y: y + 4 }, name);
+    named.push(y);
   }
   for (const [name, motion] of motions) {
     const { shown } = motion;
