@@ -263,7 +263,7 @@ def test_examples_are_chosen_by_their_pictures_under_headings(explorer):
 def test_a_saddle_under_the_pointer_is_named(opened, service, finished):
     page = opened.page
     page.get_by_label("Saddles", exact=True).check()
-    expect(page.locator("#overlays .key").first).to_contain_text("saddle P(1,1,0)")
+    expect(page.locator("#overlays .key").first).to_contain_text("saddle P(1,1,0)", timeout=120_000)
     path = f"/v1/jobs/{finished['id']}/overlays/saddles"
     ((saddle,),) = [service.request("GET", path).json()["overlays"][0]["pieces"]]
     ((t,), (v,)) = saddle["time"], saddle["velocity"]
